@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import rollslip
-from rollslip import evolve, hookspecs, load_scene, run
+from rollslip import evolve, hookspecs, load_scene, run, validate
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
 from rollslip.catalogue.discovery import get_class
@@ -30,7 +30,6 @@ from rollslip.cli.main import main
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
 from rollslip.studies.study import Study, study_class
-from rollslip_campaigns.validation.validate import validate
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 DOCS = Path(__file__).parents[1] / "docs"

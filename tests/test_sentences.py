@@ -97,7 +97,7 @@ def names_nothing(text):
     return keys | {option for option in OPTION.findall(bare(text)) if option not in OPTIONS}
 
 
-KEYS, OPTIONS = known_keys(), known_options()
+KEYS, OPTIONS = known_keys(), known_options() | {"--help"}
 #: Settings of studies whose names are no plain words; of others it cannot be told whether they are meant as a key.
 SETTINGS = sorted(
     {key.rpartition(".")[2] for key in KEYS if key.startswith("study.") and "_" in key.rpartition(".")[2]}

@@ -13,8 +13,8 @@ import numpy as np
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.catalogue.registry import available, get_class, get_model
 from rollslip_campaigns.comparison.choices import KINDS as HELD
-from rollslip_campaigns.validation import findings
-from rollslip_campaigns.validation.validate import AS_STATED, plan_validation, run_validation
+from rollslip_campaigns.validation import ValidationSettings, findings
+from rollslip_campaigns.validation.validate import AS_STATED, run_validation
 
 FOLDER = facts.ROOT / "docs" / "reference" / "model"
 #: Table of docs/tables -> its column of models, what its numbers are, and the page that says how they were found.
@@ -74,7 +74,7 @@ def held(kind, name):
     further = ["Left to the command, since they take longer:", "", "::", "", *command, ""] if left else []
     if not (sets := [one for one in sets if one not in left]):
         return further
-    made = run_validation(plan_validation(sets, samples=0, **{kind: name}))
+    made = run_validation(ValidationSettings(sets, samples=0, **{kind: name}).plan())
     lines = [
         "Calculated with the models of the data set's scene, this one in its place, at this build. Only the measured "
         "values have a band here.",

@@ -16,7 +16,7 @@ import numpy as np
 from output import BLACK, BLUE, DOCS, GREEN, ORANGE, PURPLE, figure, save_figure, write_table
 
 from rollslip import evolve, load_scene, run
-from rollslip_campaigns.pareto.candidates import plan_family
+from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto.findings import studies, taking_part
 from rollslip_campaigns.pareto.pareto import run_family
 
@@ -77,7 +77,7 @@ def main():
     rows = []
     made, axes = figure(width=6.4, height=3.6)
     for machine in BEARINGS:
-        family = plan_family(scene(machine), study="effective-friction", choices=AXES, rounds=ROUNDS)
+        family = ParetoSettings(scene(machine), study="effective-friction", choices=AXES, rounds=ROUNDS).plan()
         dataset = run_family(family, KEPT / machine.replace(" ", "-"), lambda *_: None)
         ((_, one),) = studies(dataset)
         choices = [one.isel(choice=k) for k in taking_part(one, "numerical")]

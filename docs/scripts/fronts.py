@@ -19,7 +19,7 @@ from output import DOCS, write_table
 
 from rollslip import evolve, load_scene
 from rollslip.results.figures import save_plots
-from rollslip_campaigns.pareto.candidates import plan_family
+from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto.findings import findings, milliseconds, studies, taking_part
 from rollslip_campaigns.pareto.pareto import run_family
 
@@ -68,7 +68,7 @@ def rows(dataset):
 def main():
     for table in sys.argv[1:] or CASES:
         name, study, changes, rounds, figures = CASES[table]
-        family = plan_family(evolve(load_scene(name), changes), study=study, rounds=rounds)
+        family = ParetoSettings(evolve(load_scene(name), changes), study=study, rounds=rounds).plan()
         dataset = run_family(family, KEPT / table, lambda *told: print(*told, flush=True))
         names = [str(result).replace(" ", "_").replace(",", "") for result in dataset["result"].values]
         write_table(table, ("kind", "choice", "time_[ms]", *names), rows(dataset))

@@ -17,11 +17,12 @@ from pathlib import Path
 import numpy as np
 from output import DOCS, write_table
 
+from rollslip import sweep
 from rollslip.results.figures import save_plots
 from rollslip_campaigns.sweep.figures import models_apart
-from rollslip_campaigns.sweep.folder import sweep
+from rollslip_campaigns.uncertainty import UncertaintySettings
 from rollslip_campaigns.uncertainty.findings import sentences
-from rollslip_campaigns.uncertainty.margin import plan_margin, run_margin
+from rollslip_campaigns.uncertainty.margin import run_margin
 
 SCENE = "1032930-70C"
 KEPT = DOCS.parent / "build" / "margin"
@@ -49,7 +50,7 @@ def percent(share):
 
 
 if __name__ == "__main__":
-    found = run_margin(plan_margin(SCENE, samples=2048, indices=64), KEPT, said=print)
+    found = run_margin(UncertaintySettings(SCENE, samples=2048, indices=64).plan(), KEPT, said=print)
     figures(
         found,
         uncertainty="margin",

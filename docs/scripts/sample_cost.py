@@ -17,7 +17,7 @@ from rollslip.studies.outputs import named_outputs
 from rollslip.studies.raceways import agree_together, critical_together, evaluated_together
 from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.sweep.point import _TOGETHER, _Task, compute
-from rollslip_campaigns.uncertainty.margin import plan_margin
+from rollslip_campaigns.uncertainty import UncertaintySettings
 from rollslip_studies.effective_friction.study import _held_at
 
 SCENE, SAMPLES = "1032930-70C", 320
@@ -40,7 +40,7 @@ def least(step, inputs):
 
 
 if __name__ == "__main__":
-    sweep = plan_margin(SCENE, samples=SAMPLES).critical
+    sweep = UncertaintySettings(SCENE, samples=SAMPLES).plan().critical
     work, points = sweep.work, [(number, sweep.design.changes(number)) for number in range(SAMPLES)]
     work = attrs.evolve(work, outputs=named_outputs(study_class(sweep.study), OUTPUTS))
     task, resolution = _Task(work), work.resolutions.of({})

@@ -38,7 +38,7 @@ def job(name):
     from rollslip.planning.plan import plan
     from rollslip_campaigns.sweep.point import compute
     from rollslip_campaigns.sweep.sweep import plan_sweep
-    from rollslip_campaigns.uncertainty.margin import plan_margin
+    from rollslip_campaigns.uncertainty import UncertaintySettings
     from rollslip_studies.effective_friction.study import EffectiveFriction
 
     def took(function, *given):
@@ -57,7 +57,7 @@ def job(name):
             return min(took(study.run, attrs.evolve(assembly, known_loads={})) for _ in range(3))
         return min(took(lambda: study.loaded(assembly, 4).curve(slip)) for _ in range(3))
     if name in ("critical", "steady"):
-        own = plan_margin("1032930-70C", samples=1024).critical
+        own = UncertaintySettings("1032930-70C", samples=1024).plan().critical
         steady = {"samples": 1024, "sampling": "replicated-sobol", "study": "steady-slip", "output": ["steady_slip"]}
         sweep = own if name == "critical" else plan_sweep(own.given, **steady)
         points = [(number, sweep.design.changes(number)) for number in range(_SAMPLES)]

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rollslip.catalogue.session import model as model
     from rollslip.catalogue.session import register as register
     from rollslip.errors import RollslipDeprecationWarning as RollslipDeprecationWarning
+    from rollslip.planning.campaign import function_of
     from rollslip.planning.execution import load_distribution as load_distribution
     from rollslip.planning.execution import run as run
     from rollslip.planning.new_scene import new as new
@@ -24,16 +25,21 @@ if TYPE_CHECKING:
     from rollslip.results.figures import plot as plot
     from rollslip.scene.changes import evolve as evolve
     from rollslip.scene.reading import load_scene as load_scene
-    from rollslip_campaigns.comparison.comparison import compare as compare
-    from rollslip_campaigns.explorer.explorer import explore as explore
-    from rollslip_campaigns.fit.fit import fit as fit
-    from rollslip_campaigns.limit.limit import limit as limit
-    from rollslip_campaigns.pareto.pareto import pareto as pareto
-    from rollslip_campaigns.sweep.folder import sweep as sweep
-    from rollslip_campaigns.uncertainty.margin import uncertainty as uncertainty
+    from rollslip_campaigns.comparison import ComparisonSettings
+    from rollslip_campaigns.explorer import ExplorerSettings
+    from rollslip_campaigns.fit import FitSettings
+    from rollslip_campaigns.limit import LimitSettings
+    from rollslip_campaigns.pareto import ParetoSettings
+    from rollslip_campaigns.sweep import SweepSettings
+    from rollslip_campaigns.uncertainty import UncertaintySettings
     from rollslip_kernels import get_include as get_include
     from rollslip_kernels.slices import Conditions as Conditions
     from rollslip_kernels.slices import Slices as Slices
+
+    compare, explore = function_of(ComparisonSettings), function_of(ExplorerSettings)
+    fit, limit = function_of(FitSettings), function_of(LimitSettings)
+    pareto, sweep = function_of(ParetoSettings), function_of(SweepSettings)
+    uncertainty = function_of(UncertaintySettings)
 
 _HOMES = {
     "Chain": "rollslip.bearing.chain",
@@ -77,10 +83,9 @@ def _of_campaign(name: str) -> Any:
     """Return the function of a campaign; None where there is no such campaign, or it has none."""
     if name.startswith("_"):  # Python asks for many of these
         return None
-    known = importlib.import_module("rollslip.catalogue.campaign")
+    known = importlib.import_module("rollslip.planning.campaign")
     called = name.replace("_", "-")
-    place = known.campaign(called).function if called in known.campaigns() else ""
-    return importlib.import_module("pkgutil").resolve_name(place) if place else None
+    return known.function_of(known.campaign(called)) if called in known.campaigns() else None
 
 
 def __dir__() -> list[str]:

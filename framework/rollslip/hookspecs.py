@@ -73,8 +73,8 @@ def studies() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
-def campaigns() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Campaigns this plugin offers: values of `rollslip.catalogue.campaign.Campaign`."""
+def campaigns() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Campaigns this plugin offers: classes derived from `rollslip.planning.campaign.Campaign`."""
 
 
 @hookspec

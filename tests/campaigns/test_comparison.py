@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rollslip
-from rollslip import evolve, get_model, load_scene, open_result, run
+from rollslip import compare, evolve, get_model, load_scene, open_result, run
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
@@ -19,8 +19,8 @@ from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
+from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
-from rollslip_campaigns.comparison.comparison import compare, plan_comparison
 from rollslip_campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
 from rollslip_plugins.traction.blend import LinearBlend
 from rollslip_plugins.traction.eyring import Muraki
@@ -386,7 +386,7 @@ def traction_of(made, label):
 
 def test_a_law_of_the_full_film_takes_its_place_in_the_blend():
     scene = evolve(SCENE, {"models.traction.exponent": 4.0})
-    made = plan_comparison(scene, traction=["muraki", "eyring", "lambda-blend"], study="friction-curve")
+    made = ComparisonSettings(scene, traction=["muraki", "eyring", "lambda-blend"], study="friction-curve").plan()
     assert list(made.combinations) == ["muraki", "eyring", "lambda-blend"]
     assert traction_of(made, "eyring").hydrodynamic.name == "eyring"
     assert traction_of(made, "eyring").exponent == 4.0
@@ -398,7 +398,9 @@ def test_a_law_of_the_full_film_takes_its_place_in_the_blend():
 
 def test_a_film_takes_its_place_in_a_correction():
     scene = evolve(SCENE, {"models.film": {"model": "inlet-correction", "thermal": "none", "starvation": 0.7}})
-    made = plan_comparison(scene, film=["moes", "blok"], traction=["muraki", "eyring"], study="friction-curve")
+    made = ComparisonSettings(
+        scene, film=["moes", "blok"], traction=["muraki", "eyring"], study="friction-curve"
+    ).plan()
     film = made.combinations["blok + eyring"].plan.assembly.film
     assert (film.name, film.film.name, film.starvation) == ("inlet-correction", "blok", 0.7)
     assert "film models take the place of the film model of the scene's inlet-correction" in made.exchanged
@@ -407,7 +409,7 @@ def test_a_film_takes_its_place_in_a_correction():
 
 def test_without_a_blend_in_the_scene_the_whole_traction_is_exchanged():
     scene = evolve(SCENE, {"models.traction": "muraki"})
-    made = plan_comparison(scene, traction=["eyring", "lambda-blend"], study="friction-curve")
+    made = ComparisonSettings(scene, traction=["eyring", "lambda-blend"], study="friction-curve").plan()
     assert traction_of(made, "eyring").name == "eyring"
     assert traction_of(made, "lambda-blend").hydrodynamic.name == "maxwell-eyring"
     assert made.exchanged == ""
@@ -421,19 +423,19 @@ def test_a_bare_name_of_the_scene_keeps_its_parameters():
             "models.film": {"model": "pan-hamrock", "thickness": "central"},
         },
     )
-    made = plan_comparison(scene, traction="muraki, eyring", film="pan-hamrock,moes", study="friction-curve")
+    made = ComparisonSettings(scene, traction="muraki, eyring", film="pan-hamrock,moes", study="friction-curve").plan()
     assert traction_of(made, "pan-hamrock + muraki").hydrodynamic.flash == 1.2
     assert made.combinations["pan-hamrock + eyring"].plan.assembly.film.thickness == "central"
 
 
 def test_tables_and_models_are_taken_with_their_parameters():
     central = get_model("film", "pan-hamrock", thickness="central")
-    made = plan_comparison(
+    made = ComparisonSettings(
         SCENE,
         film=["pan-hamrock", {"model": "pan-hamrock", "thickness": "central"}, central],
         traction=[get_model("traction", "lambda-blend", hydrodynamic="eyring", exponent=2.0)],
         study="friction-curve",
-    )
+    ).plan()
     assert list(made.combinations) == ["pan-hamrock", "pan-hamrock(thickness=central)"]
     assert made.combinations["pan-hamrock(thickness=central)"].plan.assembly.film == central
     assert traction_of(made, "pan-hamrock").hydrodynamic.name == "eyring"
@@ -441,20 +443,22 @@ def test_tables_and_models_are_taken_with_their_parameters():
 
 
 def test_names_of_the_reference_tell_their_kind_and_the_rest_is_the_first():
-    made = plan_comparison(
+    made = ComparisonSettings(
         SCENE, traction="muraki,eyring", film="blok,moes", reference="maxwell-eyring", study="friction-curve"
-    )
+    ).plan()
     assert made.reference == "blok + maxwell-eyring"
-    named = plan_comparison(SCENE, traction="muraki", reference="dowson-1968, eyring, lundberg", study="friction-curve")
+    named = ComparisonSettings(
+        SCENE, traction="muraki", reference="dowson-1968, eyring, lundberg", study="friction-curve"
+    ).plan()
     assert named.reference == "lundberg + dowson-1968 + eyring"
-    by_kind = plan_comparison(
+    by_kind = ComparisonSettings(
         SCENE,
         traction="muraki",
         reference={"film": "dowson-1968", "traction": "eyring", "contact": "lundberg"},
         study="friction-curve",
-    )
+    ).plan()
     assert by_kind.reference == named.reference
-    own = plan_comparison(SCENE, reference="eyring")
+    own = ComparisonSettings(SCENE, reference="eyring").plan()
     assert list(own.combinations) == ["muraki", "eyring"]
     assert own.study == next(iter(SCENE.study))
 
@@ -485,7 +489,7 @@ def test_contacts_are_compared_with_their_own_loads():
 )  # fmt: skip
 def test_what_is_wrong_is_said_before_anything_runs(arguments, error, says):
     with pytest.raises(error, match=says):
-        plan_comparison(SCENE, **arguments)
+        ComparisonSettings(SCENE, **arguments).plan()
 
 
 # Failures -----------------------------------------------------------------------------------------------------------

@@ -6,11 +6,13 @@ import subprocess
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import rollslip
+from rollslip import explore
+from rollslip.cli.main import cli
 from rollslip.errors import SceneError
-from rollslip_campaigns.explorer.definition import plan_explorer
-from rollslip_campaigns.explorer.explorer import explore
+from rollslip_campaigns.explorer import ExplorerSettings, explorer
 from rollslip_campaigns.explorer.grid import Dial, between
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
@@ -61,11 +63,11 @@ def test_what_a_node_does_not_have_is_taken_from_the_nodes_around_or_not_at_all(
 )
 def test_what_cannot_be_moved_is_refused_before_anything_runs(over, said):
     with pytest.raises(SceneError, match=re.escape(said)):
-        plan_explorer("1032930-30C", over)
+        ExplorerSettings("1032930-30C", over).plan()
 
 
 def test_by_default_load_speed_temperature_clearance_and_the_law_of_traction_move():
-    planned = plan_explorer("1032930-50C")
+    planned = ExplorerSettings("1032930-50C").plan()
     assert [one.key for one in planned.dials] == [
         "operation.radial_load", "operation.inner_speed", "operation.temperature", "bearing.radial_clearance",
     ]  # fmt: skip
@@ -131,3 +133,21 @@ def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_r
     at = {"operation.radial_load": 1010.0, "operation.temperature": 321.15}
     run = rollslip.run(rollslip.evolve(scene, at), "effective-friction")
     assert abs(between_nodes["runaway"] - float(run.runaway_slip)) < 2.0 * found["errors"]["runaway_slip"]["largest"]
+
+
+def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, monkeypatch):
+    """Without plotly, which only the page itself needs."""
+    monkeypatch.setattr(explorer, "library", lambda: "")
+    monkeypatch.setattr(explorer, "write_page", lambda path, *_: path.write_text("page"))
+    told, over = [], {"operation.radial_load": "2 kN:6 kN:3"}
+    report = {"report": lambda *given: told.append(given), "engine": "serial"}
+    found = rollslip.explore("1032930-70C", over, out=tmp_path / "p.html", checks=1, **report)
+    assert (found["points"], (tmp_path / "p.html").read_text()) == (4, "page")
+    assert told[-1][0] == "1 of 1 points"
+    monkeypatch.chdir(tmp_path)
+    asked = ["explore", "1032930-70C", "--over", "operation.radial_load=2 kN:6 kN:3", "--checks", "0"]
+    done = CliRunner().invoke(cli, [*asked, "--engine", "serial"])
+    assert done.exit_code == 0, done.output
+    assert "3 points, 0 random ones" in done.output
+    assert (tmp_path / "1032930-70C-explorer.html").read_text() == "page"
+    assert "exists; name another --out" in str(CliRunner().invoke(cli, asked).exception)

@@ -15,9 +15,10 @@ import rollslip
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
-from rollslip_campaigns.limit import findings
-from rollslip_campaigns.limit.limit import RESULT, of_the_worst, plan_limit, run_limit
+from rollslip_campaigns.limit import LimitSettings, findings
+from rollslip_campaigns.limit.limit import RESULT, of_the_worst, run_limit
 from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement
+from rollslip_campaigns.sweep import SweepSettings
 from rollslip_campaigns.sweep.definition import Resolutions, name_of
 from rollslip_campaigns.sweep.folder import taken_up
 from rollslip_campaigns.sweep.journal import FAILED, records
@@ -155,7 +156,7 @@ def test_it_is_said_where_a_limit_is_kept(bearing, keep, said, edges):
 
 
 def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_path):
-    made = plan_limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
+    made = LimitSettings(bearing, LENGTHS, "half_width >= 60 um", **CURVE).plan()
     whole = run_limit(made, tmp_path / "whole")
     (tmp_path / "part").mkdir()
     run_sweep(attrs.evolve(made.sweep, only=made.first[:3]), taken_up(made.sweep, tmp_path / "part"))
@@ -163,13 +164,13 @@ def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_p
     assert again.drop_vars("seconds").identical(whole.drop_vars("seconds").assign_attrs(again.attrs))
     assert sum(1 for _ in records(tmp_path / "part")) == whole.sizes["point"], "a point was computed twice"
     assert rollslip.open_result(tmp_path / "part" / RESULT).attrs["study"] == "limit"
-    other = plan_limit(bearing, LENGTHS, "half_width >= 60 um", study="friction-curve", within=0.02)
+    other = LimitSettings(bearing, LENGTHS, "half_width >= 60 um", study="friction-curve", within=0.02).plan()
     with pytest.raises(OutputError, match="holds points of another scene"):
         run_limit(other, tmp_path / "part")
 
 
 def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatch):
-    made = plan_limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
+    made = LimitSettings(bearing, LENGTHS, "half_width >= 60 um", **CURVE).plan()
     from rollslip_campaigns.sweep import point
 
     true, lost = point.evaluate, made.axis.values[made.first[1]]
@@ -212,14 +213,14 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
 )
 def test_what_cannot_be_searched_is_refused_before_anything_runs(bearing, over, keep, options, said):
     with pytest.raises(SceneError, match=said.replace("(", r"\(")):
-        plan_limit(bearing, over, keep, study="friction-curve", **options)
+        LimitSettings(bearing, over, keep, study="friction-curve", **options).plan()
 
 
 def test_a_history_that_the_scene_does_not_have_is_told():
     scene = rollslip.load_scene("1032930-50C")
     over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN"}
     with pytest.raises(SceneError, match=r"the scene has nothing in study\.dynamics\.history\.radial_load"):
-        plan_limit(scene, over, "largest_cage_slip <= 5 %", study="dynamics")
+        LimitSettings(scene, over, "largest_cage_slip <= 5 %", study="dynamics").plan()
 
 
 def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, monkeypatch):
@@ -297,12 +298,43 @@ def test_a_limit_along_a_history_is_that_of_another_search_over_single_runs(case
 def test_a_motion_is_searched_as_the_plan_chooses_it():
     scene = moving(DROP, **{"study.dynamics.level": "pocket", "study.dynamics.duration": "2 ms"})
     over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN:3"}
-    made = plan_limit(scene, over, "largest_cage_slip <= 5 %", study="dynamics")
+    made = LimitSettings(scene, over, "largest_cage_slip <= 5 %", study="dynamics").plan()
     (chosen,) = made.sweep.resolutions.chosen.values()
     assert chosen.integrator == rollslip.plan(scene, "dynamics").estimated["dynamics"].resolution.integrator
     assert chosen.integrator != "rodas5p", "what a motion takes that nobody planned"
-    assert 0.0 < made.seconds < 60.0
+    assert 0.0 < made.point_seconds < 60.0
     other = Resolutions(chosen={name_of([]): attrs.evolve(chosen, integrator="no-such")})
     work = attrs.evolve(made.sweep, resolutions=other).work
     (row,) = compute(work, ((0, made.sweep.design.changes(0)),)).rows
     assert "no-such" in row.message
+
+
+@pytest.mark.parametrize("over", ["text", 5, [5], None])
+def test_what_does_not_say_what_moves_is_one_sentence_in_python(over):
+    for ask in (lambda: rollslip.limit("1032930-70C", over, "half_width >= 60 um"), lambda: _swept(over)):
+        with pytest.raises(SceneError, match=r"^over: what varies is expected, a mapping such as \{.*\}, or texts"):
+            ask()
+
+
+def _swept(over):
+    return rollslip.sweep("1032930-70C", 0 if over is None else over)  # which none is a sweep of the scene's own table
+
+
+def test_what_moves_may_be_said_as_on_the_command_line():
+    over = {"bearing.roller_length": "5 mm:40 mm:5"}
+    one, other = (LimitSettings("1032930-70C", given, "half_width >= 60 um", **CURVE).plan() for given in (
+        over, "bearing.roller_length=5 mm:40 mm:5"))  # fmt: skip
+    assert one.sweep.hash == other.sweep.hash
+
+
+def test_of_several_studies_the_first_that_has_the_output_is_searched():
+    scene = rollslip.load_scene("1032930-70C")
+    assert [*scene.study].index("effective-friction") < [*scene.study].index("friction-curve")
+    assert LimitSettings(scene, LENGTHS, "half_width >= 60 um").plan().sweep.study == "friction-curve"
+    assert LimitSettings(scene, LENGTHS, "runaway_slip <= 5 %").plan().sweep.study == "effective-friction"
+    with pytest.raises(SceneError, match="study 'effective-friction' has no 'width'"):
+        LimitSettings(scene, LENGTHS, "width <= 5 %").plan()
+    loads = {"operation.radial_load": ["1 kN", "2 kN"]}
+    assert SweepSettings(scene, loads, output="half_width").plan().study == "friction-curve"
+    made = SweepSettings(scene, loads).plan()
+    assert made.study == "effective-friction"

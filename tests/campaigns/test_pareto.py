@@ -30,9 +30,10 @@ from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.results.style import STYLE
 from rollslip.studies.study import AXES
+from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto import figures as front_figures
 from rollslip_campaigns.pareto import pareto as fronts
-from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, plan_family
+from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED
 from rollslip_campaigns.pareto.findings import findings, records, results_of, tables
 from rollslip_campaigns.pareto.pareto import front, run_family
 
@@ -156,7 +157,7 @@ def test_the_fronts_of_a_run_are_fronts_of_its_errors_and_medians(effective):
 
 
 def test_the_family_is_told_before_it_runs():
-    family = plan_family(SCENE, study="effective-friction", choices="slices,instants")
+    family = ParetoSettings(SCENE, study="effective-friction", choices="slices,instants").plan()
     labels = [one.label for one in family.of("effective-friction", "numerical")]
     # 2 numbers of slices below those stated, crossed with 3 of instants; both alone, and 7 numbers of instants
     assert len(labels) == len(set(labels)) == 1 + 2 * 3 + 2 + 7
@@ -167,20 +168,20 @@ def test_the_family_is_told_before_it_runs():
 
 
 def test_slices_that_a_scene_leaves_open_go_on_and_gauss_takes_part():
-    family = plan_family(evolve(SCENE, {"accuracy.slices": "auto"}), study="friction-curve")
+    family = ParetoSettings(evolve(SCENE, {"accuracy.slices": "auto"}), study="friction-curve").plan()
     found = {(one.resolution.slices, one.resolution.quadrature) for one in family.of("friction-curve", "numerical")}
     assert {(401, "equal"), (101, "gauss")} <= found
     assert family.notes == ()
 
 
 def test_one_slice_a_contact_leaves_no_slices_to_choose():
-    family = plan_family(evolve(SCENE, {"bearing.profile": "none"}), study="friction-curve")
+    family = ParetoSettings(evolve(SCENE, {"bearing.profile": "none"}), study="friction-curve").plan()
     assert [one.label for one in family.of("friction-curve", "numerical")] == [PLANNED, "in NumPy"]
 
 
 def test_choices_are_of_what_acts_on_a_result():
     scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})
-    family = plan_family(scene)
+    family = ParetoSettings(scene).plan()
     assert list(family.studies) == list(scene.study)
     for study, axes in {
         "friction-curve": {"slices", "traction", "film", "compiled"},
@@ -203,13 +204,13 @@ def test_choices_are_of_what_acts_on_a_result():
 def test_everything_that_can_be_chosen_is_chosen_somewhere():
     scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": "auto"})
     for axis in AXES:
-        family = plan_family(scene, choices=axis)
+        family = ParetoSettings(scene, choices=axis).plan()
         assert any(one.label != PLANNED and one.kind != "reference" for one in family.choices), axis
 
 
 def test_the_exact_law_of_a_law_of_its_own_is_itself():
     scene = evolve(SCENE, {"models.traction": "constant"})
-    family = plan_family(scene, study="friction-curve", choices="slices")
+    family = ParetoSettings(scene, study="friction-curve", choices="slices").plan()
     assert [one.label for one in family.of("friction-curve", "reference")] == [FINEST, HALF]
 
 
@@ -226,7 +227,7 @@ def test_the_finest_has_no_error_and_the_exact_model_no_difference(effective, co
 
 
 def test_errors_are_those_of_runs_by_hand(effective):
-    family = plan_family(SCENE, study="effective-friction")
+    family = ParetoSettings(SCENE, study="effective-friction").plan()
     study = family.studies["effective-friction"]
     by_hand = {
         label: study.run(assemble(one.scene, one.resolution))
@@ -252,7 +253,7 @@ def test_errors_are_those_of_runs_by_hand(effective):
 def test_the_plans_choice_is_what_a_run_computes(contact):
     scene = run(SCENE, "friction-curve")
     best = finest(SCENE)
-    known = plan_family(SCENE, study="friction-curve").studies["friction-curve"].run(assemble(SCENE, best))
+    known = ParetoSettings(SCENE, study="friction-curve").plan().studies["friction-curve"].run(assemble(SCENE, best))
     error = (abs(scene.friction - known.friction).max("slip") / abs(known.friction).max("slip")).max()
     assert float(contact.error.sel(choice=PLANNED, result="friction")) == pytest.approx(float(error), abs=1e-15)
 
@@ -593,44 +594,44 @@ def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
 
 def test_what_is_kept_of_another_scene_or_other_choices_is_refused(tmp_path):
     kept = tmp_path / "kept"
-    run_family(plan_family(SCENE, study="friction-curve", choices="slices", rounds=1), kept)
+    run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept)
     other = evolve(SCENE, {"operation.radial_load": "3000 N"})
     with pytest.raises(OutputError, match=r"kept: holds a run of another scene; .* without --resume"):
-        run_family(plan_family(other, study="friction-curve", choices="slices", rounds=1), kept)
+        run_family(ParetoSettings(other, study="friction-curve", choices="slices", rounds=1).plan(), kept)
     with pytest.raises(OutputError, match="kept: holds a run of other choices"):
-        run_family(plan_family(SCENE, study="friction-curve", choices="traction", rounds=1), kept)
+        run_family(ParetoSettings(SCENE, study="friction-curve", choices="traction", rounds=1).plan(), kept)
     (kept / "0001.json").write_text("{")
     with pytest.raises(OutputError, match=r"0001.json: is not a part of a run that can be read .*; remove it"):
-        run_family(plan_family(SCENE, study="friction-curve", choices="slices", rounds=1), kept)
+        run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept)
 
 
 def test_what_cannot_be_kept_says_so(tmp_path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OutputError, match="file: cannot be written"):
-        run_family(plan_family(SCENE, study="friction-curve", choices="slices", rounds=1), tmp_path / "file")
+        run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), tmp_path / "file")
 
 
 def test_progress_is_told_with_the_time_that_is_left():
     told = []
-    family = plan_family(SCENE, study="friction-curve", choices="slices", rounds=2)
-    run_family(family, progress=lambda *given: told.append(given))
-    shares = [share for share, _, _ in told]
+    family = ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=2).plan()
+    run_family(family, show=lambda *given: told.append(given))
+    shares = [share for _, share, _ in told]
     assert len(told) == 3 + 2 * 3
     assert shares == sorted(shares)
     assert shares[0] == 0.0
-    assert np.isnan(told[0][1])
-    assert 0.0 < told[-1][1] < told[-3][1]
-    assert told[-1][2] == "friction-curve: 11 slices"
+    assert np.isnan(told[0][2])
+    assert 0.0 < told[-1][2] < told[-3][2]
+    assert told[-1][0] == "friction-curve: 11 slices"
 
 
 def test_names_of_models_are_choices_beside_those_that_are_narrowed_to():
-    family = plan_family(SCENE, study="friction-curve", choices="slices", traction="carreau")
+    family = ParetoSettings(SCENE, study="friction-curve", choices="slices", traction="carreau").plan()
     assert [one.label for one in family.choices if one.kind == "modelling"] == ["carreau"]
     assert not family.of("friction-curve", "film")
 
 
 def test_errors_have_their_classes():
     with pytest.raises(SceneError, match="there are: slices, quadrature"):
-        plan_family(SCENE, choices="wheels")
+        ParetoSettings(SCENE, choices="wheels").plan()
     with pytest.raises(PluginError, match="no traction"):
-        plan_family(SCENE, traction="nobody")
+        ParetoSettings(SCENE, traction="nobody").plan()

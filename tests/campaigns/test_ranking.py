@@ -6,11 +6,12 @@ import attrs
 import numpy as np
 import pytest
 
+from rollslip import rank
 from rollslip.cli.main import main
 from rollslip.errors import SceneError
 from rollslip.results.account import account_of
 from rollslip_campaigns.validation.predictions import form, read_predictions
-from rollslip_campaigns.validation.ranking import FEWEST, rank, tell
+from rollslip_campaigns.validation.ranking import FEWEST, tell
 from synthetic_traction import exact, synthetic
 
 SIX = "muraki,maxwell-eyring,eyring,eyring-thermal,limiting-shear,newtonian-thermal"

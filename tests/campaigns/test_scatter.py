@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from scipy.stats import norm, spearmanr
 
 import rollslip
+from rollslip import uncertainty
 from rollslip.bearing.assembly import assemble
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
@@ -24,8 +25,7 @@ from rollslip.motion.torque_balance import Runaway, Running, reserve, rollers, r
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import scattering, with_scatter
 from rollslip.scene.distributions import LogNormal
-from rollslip_campaigns.uncertainty import findings
-from rollslip_campaigns.uncertainty.margin import plan_margin, uncertainty
+from rollslip_campaigns.uncertainty import UncertaintySettings, findings
 from rollslip_campaigns.uncertainty.samples import least_loads, of_friction, shares_of
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
@@ -68,7 +68,7 @@ def test_what_a_scene_states_does_not_scatter(change, fixed):
 
 def test_a_table_of_the_scene_says_all():
     scene = uncertain(SCENE, cage={"land_clearance": {"distribution": "normal", "deviation": "20 um"}})
-    made = plan_margin(scene, samples=8)
+    made = UncertaintySettings(scene, samples=8).plan()
     assert list(made.critical.uncertainty.distributions) == ["cage.land_clearance"]
     assert not made.scatter
 

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import rollslip
 from drawn import words
+from rollslip import uncertainty
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import account_of
@@ -26,10 +27,10 @@ from rollslip_campaigns.sweep.figures import models_apart
 from rollslip_campaigns.sweep.findings import sentences as sweep_sentences
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
 from rollslip_campaigns.sweep.run import Progress, Settled
-from rollslip_campaigns.uncertainty import estimators
+from rollslip_campaigns.uncertainty import UncertaintySettings, estimators
 from rollslip_campaigns.uncertainty import margin as allowable
 from rollslip_campaigns.uncertainty.findings import failed, record, sentences
-from rollslip_campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin, uncertainty
+from rollslip_campaigns.uncertainty.margin import expected_seconds, run_margin
 from rollslip_studies.effective_friction.study import CLOSURES
 
 #: Few slices and slips: what is tested is what is made of the points.
@@ -52,7 +53,13 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
     [
         (SCENE, {"probability": 1.0}, "probability: must be from 0.5 to below 1, not 1"),
         (SCENE, {"until": 0.0}, "until: a half width above 0 is expected"),
-        (SCENE, {"samples": 1}, "samples: a distribution needs 2 at least, not 1"),
+        (SCENE, {"samples": 1}, "samples: a whole number, 2 or more, is expected, not 1"),
+        (
+            SCENE,
+            {"samples": -1},
+            "samples: a whole number, 2 or more, is expected, not -1; rollslip uncertainty -",
+        ),
+        (SCENE, {"samples": "64"}, "samples: a whole number, 2 or more, is expected, not '64'"),
         (ACCEPTABLE, {"samples": 8, "loads": 9}, "loads: the samples of the least load are the first of all 8, not 9"),
         (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
         (
@@ -72,17 +79,17 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
 )
 def test_what_is_wrong_is_said_before_anything_runs(scene, options, said):
     with pytest.raises(SceneError) as error:
-        plan_margin(scene, **options)
+        UncertaintySettings(scene, **options).plan()
     assert said in str(error.value)
 
 
 def test_least_loads_are_never_more_than_samples_and_are_of_an_acceptable_slip():
-    assert len(plan_margin(ACCEPTABLE, samples=4).load.design.samples) == 4
-    assert plan_margin(SCENE, samples=4).load is None
+    assert len(UncertaintySettings(ACCEPTABLE, samples=4).plan().load.design.samples) == 4
+    assert UncertaintySettings(SCENE, samples=4).plan().load is None
 
 
 def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
-    made = plan_margin(SCENE, samples=8)
+    made = UncertaintySettings(SCENE, samples=8).plan()
     assert list(made.critical.uncertainty.distributions) == [
         "lubricant.viscosity_factor",
         "lubricant.pressure_viscosity_factor",
@@ -97,12 +104,15 @@ def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
     assert "all points were judged" in left[-1]
     assert "the scatter is the one that its data and models come with" in warning
     assert "So and Klaus" in warning
-    assert not plan_margin(uncertain(**ALPHA), samples=8).scatter
+    assert not UncertaintySettings(uncertain(**ALPHA), samples=8).plan().scatter
 
 
 def test_data_of_the_scene_do_not_scatter_like_those_of_the_oil():
     scene = rollslip.evolve(SCENE, {"lubricant.pressure_viscosity": "12 1/GPa"})
-    assert "lubricant.pressure_viscosity_factor" not in plan_margin(scene, samples=8).critical.uncertainty.distributions
+    assert (
+        "lubricant.pressure_viscosity_factor"
+        not in UncertaintySettings(scene, samples=8).plan().critical.uncertainty.distributions
+    )
 
 
 def test_every_shipped_oil_says_how_uncertain_it_is():
@@ -151,7 +161,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     slips[::16] = np.nan
     slips[5] = np.nan
     status = ["crashed" if k % 16 == 0 else "ok" for k in range(64)]  # number 5 has none in the range
-    made = plan_margin(uncertain(**ALPHA), samples=64, probability=0.9)
+    made = UncertaintySettings(uncertain(**ALPHA), samples=64, probability=0.9).plan()
     monkeypatch.setattr(
         allowable, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False)
     )
@@ -177,7 +187,7 @@ def _of_points(points, monkeypatch, folder, **options):
         allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
     )
     monkeypatch.setattr(allowable, "collect", points)
-    return run_margin(plan_margin(uncertain(**ALPHA), **options), folder, said=said.append), said
+    return run_margin(UncertaintySettings(uncertain(**ALPHA), **options).plan(), folder, said=said.append), said
 
 
 @pytest.mark.parametrize("count", [8, 64])
@@ -269,7 +279,7 @@ def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_p
 @functools.cache
 def sixteen():
     """What every example asks for."""
-    return plan_margin(uncertain(**ALPHA), samples=16, probability=0.5)
+    return UncertaintySettings(uncertain(**ALPHA), samples=16, probability=0.5).plan()
 
 
 @settings(max_examples=15)
@@ -302,7 +312,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
 def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST", 32)
     options = {"samples": 48, "probability": 0.95}
-    made = plan_margin(uncertain(**ALPHA), **options)
+    made = UncertaintySettings(uncertain(**ALPHA), **options).plan()
     whole = run_margin(made, tmp_path / "whole")
 
     class StopError(Exception):
@@ -314,11 +324,11 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
 
     with pytest.raises(StopError):
         run_margin(made, tmp_path / "cut", report=stop)
-    again = run_margin(plan_margin(uncertain(**ALPHA), **options, engine="serial"), tmp_path / "cut")
+    again = run_margin(UncertaintySettings(uncertain(**ALPHA), **options, engine="serial").plan(), tmp_path / "cut")
     assert again.drop_attrs().identical(whole.drop_attrs())
     assert list(whole.batch_samples.values) == [32, 48]
     with pytest.raises(OutputError, match="holds points of another scene"):
-        run_margin(plan_margin(uncertain(**ALPHA), **options | {"seed": 1}), tmp_path / "cut")
+        run_margin(UncertaintySettings(uncertain(**ALPHA), **options | {"seed": 1}).plan(), tmp_path / "cut")
 
 
 def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
@@ -431,7 +441,7 @@ def test_models_whose_samples_lie_beyond_the_range_are_not_told_apart_by_numbers
 
 
 def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
-    made = plan_margin(uncertain(**ALPHA), samples=8, indices=16)
+    made = UncertaintySettings(uncertain(**ALPHA), samples=8, indices=16).plan()
 
     def points(sweep, folder):
         n = len(sweep.design.samples)
@@ -452,7 +462,7 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
 
 def test_what_it_will_take_is_told_beforehand():
     scene = rollslip.evolve(uncertain(**ALPHA), {"study.steady-slip.acceptable_slip": 0.05})
-    told = expected_seconds(plan_margin(scene, samples=8, loads=4, indices=64))
+    told = expected_seconds(UncertaintySettings(scene, samples=8, loads=4, indices=64).plan())
     assert list(told) == ["critical", "load", "indices"]
     assert told["load"] > 0.0
     assert 0.0 < told["critical"] < told["indices"]  # of 8 points, and of 192

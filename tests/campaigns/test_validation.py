@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 import pytest
 
+from rollslip import validate
 from rollslip.catalogue.registry import get_model
 from rollslip.cli.main import main
 from rollslip.errors import PluginError, SceneError
@@ -14,10 +15,11 @@ from rollslip.results.account import account_of
 from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.structure import FrozenTable
+from rollslip_campaigns.validation import ValidationSettings
 from rollslip_campaigns.validation.judging import Value, held, verdict_on
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import form, read_predictions
-from rollslip_campaigns.validation.validate import plan_validation, run_validation, validate
+from rollslip_campaigns.validation.validate import run_validation
 
 
 def series_of(*rows):
@@ -146,7 +148,7 @@ def test_predictions_of_another_program_stand_beside_models(tmp_path):
     path.write_text("\n".join(filled[:6]), encoding="utf-8")  # the head, and the first row of the first series
     read = read_predictions(path, sound)
     empty = attrs.evolve(sound, statements=())
-    plan = plan_validation([empty], predictions=[read], samples=0)
+    plan = ValidationSettings([empty], predictions=[read], samples=0).plan()
     plan = attrs.evolve(plan, combinations=())
     made = run_validation(plan)
     assert list(made.row_models.to_numpy()) == ["another", "another"]
@@ -187,9 +189,9 @@ def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
 
 def test_names_that_nobody_offers_are_refused_before_anything_runs():
     with pytest.raises(PluginError, match="muraki"):
-        plan_validation("klebanov-2022", traction="murak")
+        ValidationSettings("klebanov-2022", traction="murak").plan()
     with pytest.raises(PluginError, match="klebanov-2022"):
-        plan_validation("klebanov-2023")
+        ValidationSettings("klebanov-2023").plan()
 
 
 def test_the_command_writes_a_form_and_a_folder(tmp_path, capsys, monkeypatch):

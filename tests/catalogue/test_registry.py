@@ -19,6 +19,7 @@ from rollslip.hookspecs import hookspec
 from rollslip.lubricant import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel
+from rollslip.planning.campaign import Campaign
 from rollslip.references import Reference
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.study import Study
@@ -153,7 +154,7 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
     beside = {"thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula}
-    classes = {**BASES, **beside, "engine": Engine, "study": Study}
+    classes = {**BASES, **beside, "engine": Engine, "study": Study, "campaign": Campaign}
     if kind in classes:
         assert issubclass(thing, classes[kind])
         assert not inspect.isabstract(thing)

@@ -12,7 +12,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene, parse_scene
 from rollslip.units import UnitError, format_quantity, no_unit, quantity, typed
-from rollslip_campaigns.explorer.definition import plan_explorer
+from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.sweep.sampling import parse_overs
 
 SCENE = "1032930-70C"
@@ -70,7 +70,7 @@ def test_a_number_that_is_typed_for_a_quantity_with_a_unit_is_refused_with_what_
 @pytest.mark.parametrize("over", ["operation.inner_speed=3000:6000:3", "operation.inner_speed=3000:6000"])
 def test_an_explorer_refuses_it_too(over: str) -> None:
     with pytest.raises(SceneError, match="3000 has no unit, here a rotational speed is expected"):
-        plan_explorer(SCENE, parse_overs([over]))
+        ExplorerSettings(SCENE, parse_overs([over])).plan()
 
 
 @pytest.mark.parametrize(

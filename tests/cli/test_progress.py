@@ -14,7 +14,8 @@ from rollslip import load_scene
 from rollslip.cli.app import progress
 from rollslip.planning import progress as watch
 from rollslip.planning.progress import progress_in_notebook, time_left
-from rollslip_campaigns.comparison.comparison import plan_comparison, run_comparison
+from rollslip_campaigns.comparison import ComparisonSettings
+from rollslip_campaigns.comparison.comparison import run_comparison
 
 NAN = math.nan
 
@@ -92,7 +93,7 @@ def test_without_a_terminal_a_line_comes_every_half_a_minute(monkeypatch):
 def test_a_comparison_tells_how_far_it_is():
     told = []
     scene = load_scene("1032930-70C")
-    made = plan_comparison(scene, traction="muraki,eyring", study="friction-curve")
+    made = ComparisonSettings(scene, traction="muraki,eyring", study="friction-curve").plan()
     run_comparison(made, lambda text, share: told.append((text, share)))
     assert [share for _, share in told] == [0.0, 0.25, 0.5, 0.75]
     assert {text for text, _ in told} == set(made.combinations)

@@ -10,10 +10,10 @@ from click.testing import CliRunner
 from scipy.stats import norm
 
 import rollslip
+from rollslip import uncertainty
 from rollslip.cli.main import cli
 from rollslip.results.account import account_of
 from rollslip.scene.reading import load_scene
-from rollslip_campaigns.uncertainty.margin import uncertainty
 from rollslip_studies.steady_slip.band import Band, bands, with_bands
 from scattered import constant, uncertain
 

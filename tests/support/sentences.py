@@ -37,7 +37,7 @@ _UNREAD = {
 }
 #: What is said by way of these is the meaning of a key, an option or a number.
 _MEANING = re.compile(
-    r"[a-z_]*(field|parameter|option|options|submodel)|about|Output|from_scene|_column|own_unit|MappingProxyType"
+    r"[a-z_]*(field|parameter|option|options|setting|submodel)|about|Output|from_scene|_column|own_unit|MappingProxyType"
 )
 #: What is said by way of these is a refusal.
 _ERROR = re.compile(

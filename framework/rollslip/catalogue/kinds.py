@@ -75,6 +75,8 @@ class Kind:
         What a class of this kind derives from, or a named value is an instance of.
     data : bool
         Whether named values are offered, not classes.
+    waits : bool
+        Whether a class is taken as it is, since its fields wait for what a user asks.
     template : Template or None
         How a new package of it is written; None if there is no such package.
     """
@@ -83,6 +85,7 @@ class Kind:
     hook: str
     base: Any
     data: bool = False
+    waits: bool = False
     template: Template | None = None
 
     def holds(self, thing: object) -> bool:

@@ -1,8 +1,7 @@
-"""The kinds of models and data, whose base classes stand left of this folder, and of campaigns."""
+"""The kinds of models and data, whose base classes stand left of this folder."""
 
 from typing import Any, Final
 
-from rollslip.catalogue.campaign import Campaign
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.datasets import BearingData, FitData, SurfaceData
 from rollslip.engine import Engine
@@ -70,4 +69,3 @@ LUBRICANT: Final = _data("lubricant", Lubricant, "A lubricant", "the oil", _SCEN
 BEARING: Final = _data("bearing", BearingData, "A bearing", "the bearing", _PYTHON.format("bearing"))
 SURFACE: Final = _data("surface", SurfaceData, "Surfaces", "their roughness", _PYTHON.format("surface"), whose="it")
 FIT: Final = Kind(name="fit", hook="fits", base=FitData, data=True)
-CAMPAIGN: Final = Kind(name="campaign", hook="campaigns", base=Campaign, data=True)

@@ -42,7 +42,7 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     >>> get_model("traction", "lambda-blend", hydrodynamic="maxwell-eyring").hydrodynamic.name
     'maxwell-eyring'
     """
-    if get_kind(kind).data:
+    if get_kind(kind).data or get_kind(kind).waits:
         if parameters:
             raise PluginError(f"a {kind} takes no parameters here, got {', '.join(parameters)}; set them in a scene")
         return get_class(kind, name)

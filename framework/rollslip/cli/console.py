@@ -180,14 +180,14 @@ def accuracy_and_time(dataset: "xr.Dataset") -> str:
     return f"relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"
 
 
-def print_found(dataset: "xr.Dataset") -> None:
+def print_found(dataset: "xr.Dataset", indent: str = "") -> None:
     """Print what a campaign found: its tables, and what is said beside them."""
     account = account_of(dataset)
     for table in account.tables(dataset):
         if table.caption:
             click.echo(f"{table.caption}:")
         print_table(table.head, table.rows)
-    click.echo("\n".join(account.lines(dataset)))
+    click.echo("\n".join(f"{indent}{line}" for line in account.lines(dataset)))
 
 
 def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]") -> dict[str, Any]:

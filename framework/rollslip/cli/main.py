@@ -16,11 +16,11 @@ from typing import Any, Final, NoReturn
 
 import click
 
-from rollslip.catalogue.campaign import campaign, campaigns
 from rollslip.cli.app import BAD_PLUGIN, BAD_SCENE, INTERRUPTED, NOT_CONVERGED, OK
 from rollslip.cli.catalogue import cite, doctor, export, info, models, plugins, schema
 from rollslip.cli.run import new, plan, report, run
 from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError
+from rollslip.planning.campaign import campaign, campaigns, help_of
 
 __all__ = ["cli", "main"]
 
@@ -44,7 +44,9 @@ class _Commands(click.Group):
         """Return a command by name; ours before that of a campaign."""
         if cmd_name in self.commands or cmd_name not in campaigns():
             return super().get_command(ctx, cmd_name)
-        command: click.Command = campaign(cmd_name).load_command()
+        from rollslip.cli.campaign import command_of
+
+        command: click.Command = command_of(campaign(cmd_name))
         return command
 
     def resolve_command(
@@ -63,7 +65,7 @@ class _Commands(click.Group):
         listed = dict(self.commands)
         for name in campaigns():
             try:
-                summary = campaign(name).summary
+                summary = campaign(name).summary or help_of(campaign(name))
             except PluginError as error:
                 summary = str(error)
             listed.setdefault(name, click.Command(name, help=summary))

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from hypothesis import assume
 
-from rollslip.catalogue.campaign import Campaign
+from rollslip.catalogue.kinds import kind_of
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant.oil import Lubricant
@@ -87,8 +87,12 @@ def rests_on_evaluation(check: Check) -> bool:
 
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
+    if isinstance(model, type):  # a class of those that are taken as they are
+        of = kind_of(model)
+        yield from () if of is None else (of.name,)
+        return
     yield "value"
-    beside = (Campaign, Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel, TorqueFormula)
+    beside = (Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel, TorqueFormula)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"
@@ -106,7 +110,7 @@ def all_checks() -> list[Check]:
 
 def subjects(model: object) -> list[Any]:
     """Return a model and the stages that it hands out: what is checked in its name."""
-    if isinstance(model, type):
+    if isinstance(model, type) and not ((of := kind_of(model)) and of.waits):
         raise PluginError(f"{model.__qualname__} is a class; the checks take a model, {model.__qualname__}(...)")
     if isinstance(model, ContactModel):
         return [model, model.deflection()]

@@ -1,4 +1,4 @@
-"""The rules of the study contract: what a study says of itself holds for what it returns, however it is asked.
+"""The rules of studies and campaigns: what one says of itself holds for what it returns, however it is asked.
 
 A study is run on a small bearing of its own (`SCENE`), planned, swept and told there as any other would be.
 """
@@ -14,6 +14,8 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
+from rollslip.errors import in_words
+from rollslip.planning.campaign import Campaign, function_of, help_of, own_command
 from rollslip.planning.plan import estimate
 from rollslip.results.account import account_of
 from rollslip.results.curves import Curves
@@ -22,7 +24,7 @@ from rollslip.scene.values import Scene
 from rollslip.studies.answers import Part
 from rollslip.studies.outputs import evaluate
 from rollslip.studies.study import AXES, Study
-from rollslip.testing.rules import Inapplicable, refuse_unless, rule
+from rollslip.testing.rules import Inapplicable, Nonconformance, refuse_unless, rule
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -226,3 +228,26 @@ def check_its_result_is_told(study: Study) -> None:
         wrong = {"nan", "inf", "None"} & set(re.findall(r"[\w.]+", sentence))
         refuse_unless(not wrong, f"its account says {sentence!r}")
     json.dumps(account.record(result), allow_nan=False)
+
+
+# Campaigns -----------------------------------------------------------------------------------------------------------
+
+
+@rule("campaign")
+def check_a_campaign_has_its_command_and_its_function(campaign: type[Campaign]) -> None:
+    """All of both is made of its fields, but for a command that it brings itself, which ``--help`` lists unseen."""
+    summary = campaign.summary or help_of(campaign)
+    refuse_unless(summary, f"{campaign.__name__} has no docstring, with which the help of its command begins")
+    loose = [one.name for one in attrs.fields(campaign) if "doc" not in one.metadata]
+    refuse_unless(not loose, f"{', '.join(loose)}: declare it by setting(), which says what it is")
+    try:
+        function_of(campaign)
+    except Exception as error:
+        raise Nonconformance(f"no function can be made of it ({in_words(error)}); give its fields types") from error
+    if campaign.own_command:
+        command = own_command(campaign)
+        is_one = callable(getattr(command, "main", None)) and hasattr(command, "help")  # click is the command line's
+        refuse_unless(is_one, f"{campaign.own_command} is a {type(command).__name__}, no command of click")
+        help = " ".join((command.help or "").split())
+        begins = help.startswith(" ".join(summary.split()))
+        refuse_unless(begins, f"its command's help begins with {help[:80]!r}, not with its summary {summary!r}")

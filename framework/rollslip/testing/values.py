@@ -3,7 +3,6 @@
 import json
 import math
 import pickle
-import pkgutil
 import re
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.campaign import Campaign
 from rollslip.catalogue.kinds import kind_of
 from rollslip.catalogue.registry import catalogue, get_class
 from rollslip.engine import Engine
@@ -160,21 +158,6 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
         if printed or best < IMPORT_LIMIT:
             break
     return best, printed
-
-
-@rule(Campaign)
-def check_a_campaign_has_its_command_and_its_function(campaign: Campaign) -> None:
-    """``rollslip --help`` and ``rollslip.NAME`` promise them before anything of them is imported."""
-    command = campaign.load_command()
-    is_one = callable(getattr(command, "main", None)) and hasattr(command, "help")  # click is the command line's
-    refuse_unless(is_one, f"{campaign.command} is a {type(command).__name__}, no command of click")
-    help = " ".join((command.help or "").split())
-    refuse_unless(
-        bool(campaign.summary) and help.startswith(campaign.summary),
-        f"its command's help begins with {help[:80]!r}, not with its summary {campaign.summary!r}",
-    )
-    if campaign.function:
-        refuse_unless(callable(pkgutil.resolve_name(campaign.function)), f"{campaign.function} cannot be called")
 
 
 # What is said --------------------------------------------------------------------------------------------------------

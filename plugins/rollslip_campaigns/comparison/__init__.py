@@ -1,17 +1,95 @@
 """Compare models on one scene."""
 
-from rollslip.catalogue.campaign import Campaign
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
 from rollslip.hookspecs import hookimpl
+from rollslip.planning.campaign import Campaign, OfScene, setting
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.comparison.comparison import Comparison
+
+
+@attrs.frozen(eq=False)
+class ComparisonSettings(OfScene):
+    """Run every combination of models on SCENE; compare friction, critical slip and cost.
+
+    A model that is not composed of others takes the place of the hydrodynamic model where the scene's traction is a
+    blend, such as lambda-blend, and of the film where the scene's film is a correction, such as inlet-correction; --set
+    models.traction=NAME takes the blend out of the scene. What --reference does not name is the first of the
+    comparison, and without it that is what the others are held against.
+
+    Returns
+    -------
+    xarray.Dataset
+        The curves of the study with a dimension ``combination`` (and contact, film, traction along it); relative
+        ``difference`` over the curve with max_error and rms_error, critical_slip_error and peak_error, smallest_film
+        and film_location, seconds_per_slice and cost (times that of the cheapest), status in words; and over the
+        dimension ``bin``, the slices of the reference sorted by film regime, film parameter, and what its law states
+        to be sorted by (of an Eyring fluid strain rate, heating, D): bin_share of the contact force, bin_difference,
+        bin_contribution to mean_difference; explained(grouping).
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene, a name or a parameter is wrong, or there is nothing to compare; before anything runs.
+    RollslipError
+        If every combination fails: of the class of the first one's error.
+
+    Examples
+    --------
+    >>> from rollslip import compare
+    >>> result = compare("1032930-30C", traction=["muraki", "eyring"], reference="maxwell-eyring",
+    ...                  study="friction-curve")
+    >>> [str(label) for label in result.combination.values]
+    ['muraki', 'eyring', 'maxwell-eyring']
+    >>> bool((result.rms_error.sel(combination="eyring") < result.rms_error.sel(combination="muraki")).all())
+    True
+    """
+
+    name = "compare"
+
+    traction: Sequence[Any] | str = setting(
+        "Traction models to compare.", default=(), metavar="A,B", many=True,
+        more="Names, tables with ``model`` and its parameters, or models; by default the scene's own, also of film and "
+        "contact. A bare name that the scene uses keeps the scene's parameters.",
+    )  # fmt: skip
+    film: Sequence[Any] | str = setting("Film models to compare.", default=(), metavar="A,B", many=True)
+    contact: Sequence[Any] | str = setting("Contact models to compare.", default=(), metavar="A,B", many=True)
+    reference: Any = setting(
+        "Traction that the others are held against; NAME,NAME for its film and contact too.", metavar="NAME",
+        more="Or a mapping of kind to model. Without it what is reported is no error but a difference.",
+    )  # fmt: skip
+    study: str | None = setting("Study with friction curves; by default the first of the scene.", metavar="STUDY")
+
+    def plan(self) -> "Comparison":
+        """Check all names and plan every combination."""
+        from rollslip_campaigns.comparison.comparison import plan_comparison
+
+        return plan_comparison(self)
+
+    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+        """Run the combinations."""
+        from rollslip_campaigns.comparison.comparison import run_comparison
+
+        return run_comparison(made, show)
+
+    def place(self, made: Any, about: str) -> str:
+        """Return how the folder of the results is called."""
+        return f"{Path(about).stem}-comparison"
+
+    def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
+        """Tell whether a combination failed."""
+        return [] if (dataset["status"] != "done").any() else None
 
 
 @hookimpl
-def campaigns() -> list[Campaign]:
+def campaigns() -> list[type[Campaign]]:
     """Offer the campaign."""
-    return [
-        Campaign(
-            name="compare",
-            summary="Run every combination of models on SCENE; compare friction, critical slip and cost.",
-            command="rollslip_campaigns.comparison.command:compare",
-            function="rollslip_campaigns.comparison.comparison:compare",
-        ),
-    ]
+    return [ComparisonSettings]

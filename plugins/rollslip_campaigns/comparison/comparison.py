@@ -13,7 +13,7 @@ import contextlib
 import itertools
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -23,15 +23,15 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS
 from rollslip.catalogue.discovery import available
 from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, in_words, nearest
+from rollslip.planning.campaign import listed
 from rollslip.planning.execution import execute
-from rollslip.planning.plan import Plan, plan
+from rollslip.planning.plan import Plan, duration_range, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import CITED, about
 from rollslip.results.words import counted
 from rollslip.results.words import warned as of_consequence
 from rollslip.scene.changes import evolve
-from rollslip.scene.reading import load_scene
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
 from rollslip.studies.study import study_class
 from rollslip_campaigns.comparison.attribution import (
@@ -47,6 +47,8 @@ from rollslip_campaigns.comparison.choices import CHILD, KINDS, Choice, Model, r
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from rollslip_campaigns.comparison import ComparisonSettings
 
 
 @attrs.frozen(eq=False)
@@ -86,6 +88,18 @@ class Comparison:
         return 2.0 * sum(plan.seconds for plan in self.plans.values())
 
     @property
+    def told(self) -> list[str]:
+        """What will run, with its size and cost as far as they can be told."""
+        from rollslip.cli.console import headline_of
+
+        chosen, plans = [one.choices for one in self.combinations.values()], self.plans.values()
+        models = dict.fromkeys((kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen)
+        several = f"{self.study} of {len(self.combinations)} combinations: {', '.join(self.combinations)}"
+        slices = sum(plan.evaluations for plan in plans)
+        cost = f"about {slices} slices to evaluate, {duration_range(self.seconds)}"
+        return [*filter(None, (headline_of(self.scene, models), several, self.exchanged, cost))]
+
+    @property
     def exchanged(self) -> str:
         """Say what models take the place of, where it is not all of the scene's model; empty if it always is."""
         return "; ".join(
@@ -95,85 +109,19 @@ class Comparison:
         )
 
 
-def compare(
-    scene: Scene | str,
-    *,
-    contact: Sequence[Model] | str = (),
-    film: Sequence[Model] | str = (),
-    traction: Sequence[Model] | str = (),
-    reference: Model | Mapping[str, Model] | None = None,
-    study: str | None = None,
-) -> "xr.Dataset":
-    """Run every combination of models on one scene and compare friction, critical slip and cost.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file.
-    contact, film, traction : sequence of models, or str
-        Each a name, a table with ``model`` and its parameters, or a model; or names with commas between them. By
-        default the scene's own. A bare name that the scene uses keeps the scene's parameters. A model that is not
-        composed takes the place of the child ``hydrodynamic`` of the scene's traction, or ``film`` of its film, if
-        there is one.
-    reference : model, str or mapping, optional
-        What the others are held against: a traction, names of different kinds with commas between them, or a mapping
-        of kind to model; what it does not name is the first of the comparison. By default the first combination, and
-        what is reported then is no error but a difference.
-    study : str, optional
-        One that gives friction curves; by default the first one of the scene.
-
-    Returns
-    -------
-    xarray.Dataset
-        The curves of the study with a dimension ``combination`` (and contact, film, traction along it); relative
-        ``difference`` over the curve with max_error and rms_error, critical_slip_error and peak_error, smallest_film
-        and film_location, seconds_per_slice and cost (times that of the cheapest), status in words; and over the
-        dimension ``bin``, the slices of the reference sorted by film regime, film parameter, and what its law states
-        to be sorted by (of an Eyring fluid strain rate, heating, D): bin_share of the contact force, bin_difference,
-        bin_contribution to mean_difference; explained(grouping).
-
-    Raises
-    ------
-    SceneError, PluginError
-        If the scene, a name or a parameter is wrong, or there is nothing to compare; before anything runs.
-    RollslipError
-        If every combination fails: of the class of the first one's error.
-
-    Examples
-    --------
-    >>> result = compare("1032930-30C", traction=["muraki", "eyring"], reference="maxwell-eyring",
-    ...                  study="friction-curve")
-    >>> [str(label) for label in result.combination.values]
-    ['muraki', 'eyring', 'maxwell-eyring']
-    >>> bool((result.rms_error.sel(combination="eyring") < result.rms_error.sel(combination="muraki")).all())
-    True
-    """
-    return run_comparison(
-        plan_comparison(scene, contact=contact, film=film, traction=traction, reference=reference, study=study)
-    )
-
-
 # Planning -----------------------------------------------------------------------------------------------------------
 
 
-def plan_comparison(
-    scene: Scene | str,
-    *,
-    contact: Sequence[Model] | str = (),
-    film: Sequence[Model] | str = (),
-    traction: Sequence[Model] | str = (),
-    reference: Model | Mapping[str, Model] | None = None,
-    study: str | None = None,
-) -> Comparison:
-    """Check all names and plan every combination; see `compare`."""
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    study = _study(scene, study)
+def plan_comparison(asked: "ComparisonSettings") -> Comparison:
+    """Check all names and plan every combination."""
+    scene = asked.given
+    study = _study(scene, asked.study)
     problems, unknown = list[str](), list[PluginError]()
     choices = {
-        kind: [read_choice(scene, kind, model, problems, unknown) for model in _listed(models)]
-        for kind, models in (("contact", contact), ("film", film), ("traction", traction))
+        kind: [read_choice(scene, kind, model, problems, unknown) for model in listed(getattr(asked, kind)) or [None]]
+        for kind in KINDS
     }
-    wanted = {} if reference is None else _by_kind(reference, problems, unknown)
+    wanted = {} if asked.reference is None else _by_kind(asked.reference, problems, unknown)
     named = {kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()}
     refuse(problems, unknown)
     products = [dict(zip(KINDS, each, strict=True)) for each in itertools.product(*choices.values())]
@@ -193,7 +141,7 @@ def plan_comparison(
         study=study,
         combinations=_at_one_resolution(study, combinations),
         reference=labels[-1],
-        named=reference is not None,
+        named=asked.reference is not None,
     )
 
 
@@ -215,11 +163,6 @@ def _with_curves() -> list[str]:
             if study_class(name).curves_of is not None:
                 found.append(name)
     return found
-
-
-def _listed(models: Sequence[Model] | str) -> Sequence[Model | None]:
-    """The models of one kind; None stands for the scene's own."""
-    return [*filter(None, map(str.strip, models.split(",")))] or [None] if isinstance(models, str) else models or [None]
 
 
 def _by_kind(

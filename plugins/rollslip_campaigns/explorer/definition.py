@@ -1,7 +1,7 @@
 """What an explorer is made of: what sliders move, which models can be chosen, and at how many points it is computed."""
 
 from collections.abc import Mapping
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import attrs
 
@@ -10,12 +10,14 @@ from rollslip.catalogue.registry import get_class
 from rollslip.errors import SceneError
 from rollslip.planning.quantities import quantities
 from rollslip.scene.changes import Quantity, unknown
-from rollslip.scene.reading import load_scene
-from rollslip.scene.values import Scene
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
 from rollslip_campaigns.explorer.grid import Dial, Explorer
+from rollslip_campaigns.sweep.sampling import read_overs
 from rollslip_studies.effective_friction.study import EffectiveFriction
+
+if TYPE_CHECKING:
+    from rollslip_campaigns.explorer import ExplorerSettings
 
 __all__ = ["plan_explorer"]
 
@@ -33,28 +35,12 @@ _NODES: Final = 4
 _MOST: Final = 20_000
 
 
-def plan_explorer(scene: Scene | str, over: Mapping[str, object] | None = None, *, checks: int = 24) -> Explorer:
-    """Return what an explorer computes.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file.
-    over : mapping, optional
-        What moves, by dotted key: "LOW:HIGH" or "LOW:HIGH:NODES" with units, or a list of models. By default load,
-        speed of the inner ring, temperature, clearance, and the law of traction beside the one that it approximates.
-    checks : int
-        Random places at which it is held against runs, for each combination of models.
-
-    Raises
-    ------
-    SceneError
-        If anything of it is wrong.
-    """
-    given = scene if isinstance(scene, Scene) else load_scene(scene)
+def plan_explorer(asked: "ExplorerSettings") -> Explorer:
+    """Return what an explorer computes."""
+    given, over = asked.given, read_overs(asked.over)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     known = quantities(assemble(base), settings(base, EffectiveFriction.name))
-    wanted: dict[str, object] = dict(over) if over else _defaults(known)
+    wanted: dict[str, object] = over or _defaults(known)
     dials, choices, problems = list[Dial](), dict[str, tuple[str, ...]](), list[str]()
     for key, value in wanted.items():
         if key not in known:
@@ -69,7 +55,7 @@ def plan_explorer(scene: Scene | str, over: Mapping[str, object] | None = None, 
                 problems.append(f"{key}: {error}")
     if not dials and not problems:
         problems.append("nothing to move by a slider; name a quantity, such as operation.radial_load='1 kN:5 kN'")
-    planned = Explorer(base, tuple(dials), choices, checks)
+    planned = Explorer(base, tuple(dials), choices, asked.checks)
     if not problems and planned.size > _MOST:
         problems.append(f"{planned.size} points are more than {_MOST}; take fewer quantities, nodes or models")
     if problems:

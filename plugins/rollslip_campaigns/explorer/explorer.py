@@ -1,16 +1,13 @@
 """Computes an explorer: a sweep over the nodes of its grid, and one at random places that tells how far off it is."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import ConvergenceError
-from rollslip.scene.values import Scene
-from rollslip_campaigns.explorer.definition import plan_explorer
 from rollslip_campaigns.explorer.grid import Explorer, between
 from rollslip_campaigns.explorer.page import GROUPS, Results, library, write_page
 from rollslip_campaigns.sweep.folder import begin, finish
@@ -21,75 +18,30 @@ from rollslip_studies.effective_friction.study import EffectiveFriction
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["explore"]
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.explorer import ExplorerSettings
+
+__all__ = ["run_explorer"]
 
 Array = NDArray[np.float64]
 
 
-def explore(
-    scene: Scene | str | Explorer,
-    over: Mapping[str, object] | None = None,
-    *,
-    out: Path,
-    checks: int = 24,
-    engine: object = None,
-    time_limit: object = None,
-    report: Callable[[Any], None] = lambda now: None,
-) -> dict[str, Any]:
-    """Write one self-contained page in which a bearing is explored by sliders; it needs no server.
-
-    Effective friction of both raceways against cage slip, the loads of the rollers, the slip and drag of running away,
-    the critical slips and the slip at which the cage runs follow what is moved. They are computed beforehand on a grid;
-    what lies between its nodes is interpolated (`rollslip_campaigns.explorer.grid`), and how far that is off runs is
-    measured at random places and stands in the page.
-
-    Parameters
-    ----------
-    scene, over, checks
-        As in `plan_explorer`, or an explorer that is planned.
-    out : Path
-        The file, of which an older one is replaced.
-    engine, time_limit : optional
-        Where points are computed, and how long one may take, as in `rollslip.sweep`.
-    report : callable, optional
-        Is called with how far a sweep is.
-
-    Returns
-    -------
-    dict
-        ``points``; ``told``, which says the errors in words; and ``errors``: for each result the median and the largest
-        error at the random places, at how many of them it is known, and at how many on one side only.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If anything is wrong with the scene, or plotly is not installed.
-    ConvergenceError
-        If a point of the grid fails.
-    OutputError
-        If the page cannot be written.
-    """
-    planned = scene if isinstance(scene, Explorer) else plan_explorer(scene, over, checks=checks)
-    keys = [dial.key for dial in planned.dials]
+def run_explorer(planned: Explorer, asked: "ExplorerSettings", folder: Path, show: "Shown") -> dict[str, Any]:
+    """Compute the points in a folder, interpolate, measure how far that is off at random places, and write the page."""
     library()  # refused before anything is computed
+    keys = [dial.key for dial in planned.dials]
 
-    def swept(over: Mapping[str, object], **options: Any) -> "xr.Dataset":
-        asked: dict[str, Any] = {
-            "study": EffectiveFriction.name,
-            "output": [*GROUPS, "angle"],
-            "engine": engine,
-            "time_limit": time_limit,
-        }
-        made = plan_sweep(planned.scene, over, **asked, **options)
-        with TemporaryDirectory() as folder:
-            kept = begin(made, Path(folder))
-            run_sweep(made, kept, report=report)
-            found = _whole(finish(made, kept))
-            return found.rename({name: key for key, name in made.names.items()})
+    def swept(of: str, over: Mapping[str, object], **options: Any) -> "xr.Dataset":
+        points = {"study": EffectiveFriction.name, "output": [*GROUPS, "angle"], **options}
+        made = plan_sweep(planned.scene, over, engine=asked.engine, time_limit=asked.time_limit, **points)
+        kept = begin(made, folder / of)
+        run_sweep(made, kept, report=lambda now: show(*now.told))
+        found = _whole(finish(made, kept))
+        return found.rename({name: key for key, name in made.names.items()})
 
     choices: dict[str, object] = {key: list(names) for key, names in planned.choices.items()}
     nodes = {dial.key: dial.nodes.tolist() for dial in planned.dials}
-    grid = swept(choices | nodes)
+    grid = swept("nodes", choices | nodes)
     order = [*choices, *keys]
     slip = grid["cage_slip"].to_numpy() if "cage_slip" in grid.coords else None
     if slip is None:
@@ -101,14 +53,14 @@ def explore(
     errors: dict[str, dict[str, Any]] = {}
     if planned.checks:
         ranges = {dial.key: f"{dial.low!r}:{dial.high!r}{':log' * dial.logarithmic}" for dial in planned.dials}
-        random = swept(choices | ranges, samples=planned.checks, seed=1, sampling="latin-hypercube")
+        random = swept("places", choices | ranges, samples=planned.checks, seed=1, sampling="latin-hypercube")
         _, true = _table(random, [*choices, "sample"])
         true = true.reshape(table.shape[0], planned.checks, -1)
         places = np.stack([random[key].to_numpy() for key in keys], axis=-1)
         guessed = np.array([[between(planned.dials, one, place) for place in places] for one in table])
         errors = _errors(layout, guessed, true)
     angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
-    write_page(out, planned, Results(slip, angle, layout, table, errors), grid)
+    write_page(asked.page, planned, Results(slip, angle, layout, table, errors), grid)
     told = [
         f"{GROUPS[name]}: off by {100.0 * one['median']:.2g} % in the middle of the random places, by "
         f"{100.0 * one['largest']:.2g} % at most"

@@ -98,6 +98,13 @@ class Explorer:
     checks: int
 
     @property
+    def told(self) -> list[str]:
+        """What moves, and how many points that takes, in words."""
+        lines = [*(dial.told for dial in self.dials), *(f"{key}: {', '.join(of)}" for key, of in self.choices.items())]
+        several = f"{self.size} points, {self.checks} random ones for each combination of models among them"
+        return [f"  {line}" for line in (*lines, several)]
+
+    @property
     def size(self) -> int:
         """Points that are computed."""
         combinations = int(np.prod([len(names) for names in self.choices.values()], dtype=int))

@@ -1,18 +1,88 @@
-"""Fit parameters of a law to measured friction."""
+"""Fit parameters of an oil and of a traction model to measured friction."""
 
-from rollslip.catalogue.campaign import Campaign
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
 from rollslip.hookspecs import hookimpl
+from rollslip.planning.campaign import Campaign, setting
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.fit.problem import Parameter, RigProblem
+
+
+@attrs.frozen(eq=False)
+class FitSettings(Campaign):
+    """Fit parameters of oil and traction model to DATA of a traction rig, and write results, plots and an oil.
+
+    Returns
+    -------
+    xarray.Dataset
+        Per parameter value, standard_error, interval (level, side), status and limit_status in words, profile;
+        covariance and correlation; principal directions with their spread; where the searches ended; per row fitted
+        friction and residual; a curve for each operating point. `rollslip_campaigns.fit.oil.write_oil` makes an oil of
+        it.
+
+    Raises
+    ------
+    SceneError
+        If the data, the rig or the names of the parameters are wrong; all faults of a file at once.
+    PluginError
+        If a model or the oil does not exist or cannot be loaded.
+    ConvergenceError
+        If the fit does not converge.
+    """
+
+    name = "fit"
+    writes = "data and oil"
+
+    data: Any = setting(
+        "", default=attrs.NOTHING, of=Path, argument="DATA.csv", first=True,
+        more="Data file, see `rollslip.measurement.rig.read_data`, or what is read of one.",
+    )  # fmt: skip
+    parameters: str | Iterable[str] = setting(
+        "What to fit, separated by commas.", default=attrs.NOTHING, metavar="NAME,NAME",
+        more='Values and factors of the oil ("eyring_stress", "pressure_viscosity", "viscosity_factor") and parameters '
+        'of the traction model ("flash", "hydrodynamic.flash"). They start from the values of the rig file.',
+    )  # fmt: skip
+    traction: Any = setting(
+        "Traction model, by default that of the rig file.", metavar="MODEL",
+        more="A name, a mapping with ``model``, or a model; the film likewise.",
+    )  # fmt: skip
+    film: Any = setting("Film model, by default that of the rig file.", metavar="MODEL")
+    rig: str | os.PathLike[str] | Any = setting(
+        "Rig file, by default rig.toml beside the data.", of=Path, metavar="RIG.toml"
+    )
+
+    def plan(self) -> "tuple[RigProblem, list[Parameter]]":
+        """Read data and rig, and find what is to be fitted."""
+        from rollslip_campaigns.fit.fit import plan_fit
+
+        return plan_fit(self)
+
+    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+        """Fit."""
+        from rollslip_campaigns.fit.fit import run_fit
+
+        problem, wanted = made
+        return run_fit(problem, wanted, show)
+
+    def write(self, dataset: "xr.Dataset", folder: Path) -> str:
+        """Write the oil too; return version, data and models."""
+        from rollslip_campaigns.fit.findings import headline
+        from rollslip_campaigns.fit.oil import write_oil
+
+        write_oil(dataset, folder / f"{Path(self.data).stem}.toml")
+        return headline(dataset)
 
 
 @hookimpl
-def campaigns() -> list[Campaign]:
+def campaigns() -> list[type[Campaign]]:
     """Offer the campaign."""
-    return [
-        Campaign(
-            name="fit",
-            summary="Fit parameters of oil and traction model to DATA of a traction rig, "
-            "and write results, plots and an oil.",
-            command="rollslip_campaigns.fit.command:fit",
-            function="rollslip_campaigns.fit.fit:fit",
-        ),
-    ]
+    return [FitSettings]

@@ -4,9 +4,8 @@ A parameter that the data do not see is not fitted but kept, and said to be.
 """
 
 import math
-import os
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -16,67 +15,33 @@ from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.measurement.rig import Rig, RigData, load_rig, read_data
 from rollslip_campaigns.fit.least_squares import Report, estimate
-from rollslip_campaigns.fit.problem import Array, Parameter, Raw, RigProblem, friction_at, parameters_named, rig_problem
+from rollslip_campaigns.fit.problem import Array, Parameter, RigProblem, friction_at, parameters_named, rig_problem
 from rollslip_campaigns.fit.result import Fit, dataset_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["fit"]
+    from rollslip_campaigns.fit import FitSettings
+
+__all__ = ["plan_fit", "run_fit"]
 
 #: Factor by which a parameter is moved either way, to see whether the data see it at all.
 VARIED: Final = 10.0
 
 
-def fit(
-    data: str | os.PathLike[str] | RigData,
-    *,
-    parameters: str | Iterable[str],
-    traction: Raw | None = None,
-    film: Raw | None = None,
-    rig: str | os.PathLike[str] | Rig | None = None,
-    report: Report = lambda text, share: None,
-) -> "xr.Dataset":
-    """Fit parameters of an oil and of a traction model to the data of a traction rig.
-
-    Parameters
-    ----------
-    data : str, path or RigData
-        Data file, see `rollslip.measurement.rig.read_data`.
-    parameters : iterable of str
-        What to fit, or the names separated by commas: values and factors of the oil ("eyring_stress",
-        "pressure_viscosity", "viscosity_factor") and parameters of the traction model ("flash",
-        "hydrodynamic.flash"). They start from the values of the rig file.
-    traction, film : str, mapping or model, optional
-        Models, by default those of the rig file.
-    rig : str, path or Rig, optional
-        Rig file, by default ``rig.toml`` beside the data.
-    report : callable
-        Told how far it is, in words and as a share.
-
-    Returns
-    -------
-    xarray.Dataset
-        Per parameter value, standard_error, interval (level, side), status and limit_status in words, profile;
-        covariance and correlation; principal directions with their spread; where the searches ended; per row fitted
-        friction and residual; a curve for each operating point. `rollslip_campaigns.fit.oil.write_oil` makes an oil of
-        it.
-
-    Raises
-    ------
-    SceneError
-        If the data, the rig or the names of the parameters are wrong; all faults of a file at once.
-    PluginError
-        If a model or the oil does not exist or cannot be loaded.
-    ConvergenceError
-        If the fit does not converge.
-    """
-    begin = time.perf_counter()
-    read = data if isinstance(data, RigData) else read_data(data)
+def plan_fit(asked: "FitSettings") -> tuple[RigProblem, list[Parameter]]:
+    """Read data and rig, and return the problem with what is to be fitted."""
+    read = asked.data if isinstance(asked.data, RigData) else read_data(asked.data)
+    rig = asked.rig
     if not isinstance(rig, Rig):
         rig = load_rig(Path(read.source).with_name("rig.toml") if rig is None else rig)
-    problem = rig_problem(read, rig, traction, film)
-    wanted = parameters_named(problem, parameters)
+    problem = rig_problem(read, rig, asked.traction, asked.film)
+    return problem, parameters_named(problem, asked.parameters)
+
+
+def run_fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> "xr.Dataset":
+    """Fit."""
+    begin = time.perf_counter()
     fitted = _fit(problem, wanted, report)
     return dataset_of(problem, fitted, wanted, time.perf_counter() - begin)
 

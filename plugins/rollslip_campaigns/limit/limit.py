@@ -14,11 +14,8 @@
 
 import json
 import math
-import os
-import tempfile
 import time
 from collections.abc import Callable, Mapping
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -29,30 +26,37 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.plan import duration_range, estimate
-from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.quantities import quantities
 from rollslip.results.dataset import about, save
 from rollslip.scene.changes import Quantity, evolve, unknown
-from rollslip.scene.reading import load_scene
-from rollslip.scene.values import DEFAULT_STUDY, Scene
+from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable
 from rollslip.studies.answers import Estimated
 from rollslip.studies.study import settings, study_class
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
-from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement, tells_in_words
+from rollslip_campaigns.limit.search import (
+    Requirement,
+    next_places,
+    outputs_of,
+    passages,
+    read_requirement,
+    tells_in_words,
+)
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, name_of
 from rollslip_campaigns.sweep.folder import taken_up
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import unpacked
 from rollslip_campaigns.sweep.result import collect
 from rollslip_campaigns.sweep.run import Progress, asked_engine, run_sweep
-from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis
-from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs
+from rollslip_campaigns.sweep.sweep import plan_sweep, study_with
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Limit", "limit", "plan_limit", "run_limit"]
+    from rollslip_campaigns.limit import LimitSettings
+
+__all__ = ["RESULT", "Limit", "plan_limit", "run_limit"]
 
 RESULT: Final = "limit.nc"
 #: Values that are computed first where nothing is said.
@@ -80,7 +84,7 @@ class Limit:
         How far neighbours are apart: by how much of the value where `logarithmic`, else of the range.
     logarithmic : bool
         Whether values are even in their logarithm.
-    seconds : float
+    point_seconds : float
         Time that a point is estimated to take [s]; NaN where it is not known.
     """
 
@@ -89,7 +93,12 @@ class Limit:
     first: tuple[int, ...]
     within: float
     logarithmic: bool
-    seconds: float
+    point_seconds: float
+
+    @property
+    def unusual(self) -> tuple[str, ...]:
+        """What is unusual of the values."""
+        return self.sweep.unusual
 
     @property
     def axis(self) -> Axis:
@@ -112,78 +121,24 @@ class Limit:
         low, high = (self.axis.shown(self.axis.values[k]) for k in (0, -1))
         how, first = "the value" if self.logarithmic else "the range", len(self.first)
         lines = [
-            f"{self.requirement.told}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
-            f"{first} values at first, and {self.each} more at most wherever the limit is passed",
+            self.sweep.headline,
+            f"  {self.requirement.told}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
+            f"  {first} values at first, and {self.each} more at most wherever the limit is passed",
         ]
-        if not math.isnan(self.seconds):
-            once = duration_range(self.seconds * (first + self.each))
-            lines.append(f"each takes {duration_range(self.seconds)} of one core, all {once} where it is passed once")
+        if not math.isnan(self.point_seconds):
+            once = duration_range(self.point_seconds * (first + self.each))
+            lines.append(
+                f"  each takes {duration_range(self.point_seconds)} of one core, all {once} where it is passed once"
+            )
         return lines
 
 
-def limit(
-    scene: Scene | str,
-    over: Mapping[str, str],
-    keep: str,
-    *,
-    study: str | None = None,
-    within: float = 0.01,
-    out: str | os.PathLike[str] | None = None,
-    engine: object = None,
-    time_limit: float | str | None = None,
-) -> "xr.Dataset":
-    """Find where a result of a scene passes a limit while one quantity moves.
-
-    Parameters
-    ----------
-    scene, over, keep, study, within, engine, time_limit
-        As in `plan_limit`.
-    out : path, optional
-        Folder in which everything is kept; a call with the same scene and options goes on with what it holds.
-
-    Returns
-    -------
-    xarray.Dataset
-        (point,), in ascending order: ``searched``, the values; ``result``, what came out; ``keeps``, 1 where the limit
-        is kept; ``status`` and ``message`` of each. (edge,): ``edge_kept`` and ``edge_passed``, the values between
-        which the limit is passed, and ``edge_unknown``, 1 where a point between them failed.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If anything is wrong with the scene or what is asked for; before anything runs.
-    EngineError, OutputError
-        If the engine or the folder cannot be used.
-
-    Examples
-    --------
-    >>> found = limit(
-    ...     "1032930-70C", {"bearing.roller_length": "5 mm:40 mm:5"}, "half_width >= 60 um", study="friction-curve"
-    ... )
-    >>> found.sizes["edge"], bool(found.edge_kept[0] < found.edge_passed[0])
-    (1, True)
-    """
-    made = plan_limit(scene, over, keep, study=study, within=within, engine=engine, time_limit=time_limit)
-    place = tempfile.TemporaryDirectory() if out is None else nullcontext(out)
-    with place as folder, progress_in_notebook("limit") as show:
-        return run_limit(made, Path(folder), report=lambda now: show(*now.told))
-
-
-def plan_limit(
-    scene: Scene | str,
-    over: Mapping[str, str],
-    keep: str,
-    *,
-    study: str | None = None,
-    within: float = 0.01,
-    engine: object = None,
-    time_limit: float | str | None = None,
-) -> Limit:
+def plan_limit(asked: "LimitSettings") -> Limit:
     """Check a search and lay out its values."""
-    given = scene if isinstance(scene, Scene) else load_scene(scene)
+    given, over, within = asked.given, read_overs(asked.over), asked.within
     base = attrs.evolve(given, sweep=None, uncertainty=None)
-    name = study or next(iter(base.study), DEFAULT_STUDY)
-    requirement = read_requirement(keep, study_class(name, base))
+    name = study_with(base, asked.study, outputs_of(asked.keep))
+    requirement = read_requirement(asked.keep, study_class(name, base))
     if not 1e-6 <= within <= 0.5:
         raise SceneError([f"within: a share from 1e-06 to 0.5 is expected, such as 0.01, not {within:g}"])
     if len(over) != 1:
@@ -200,15 +155,18 @@ def plan_limit(
         raise SceneError(
             [f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"]
         )
+    if not isinstance(text, str):  # else it may know that it was typed
+        text = ",".join(map(str, text)) if isinstance(text, list) else str(text)
     try:
-        span, count, logarithmic = _range(quantity, text if isinstance(text, str) else str(text))
+        span, count, logarithmic = _range(quantity, text)
     except RollslipError as error:
         raise SceneError([f"{key}: {getattr(error, 'reason', error)}"]) from error
     ending = ":log" if logarithmic else ""
     rough = plan_sweep(
-        base, {key: f"{span}:{count}{ending}"}, study=name, output=[requirement.output], engine=engine,
-        time_limit=time_limit,
+        base, {key: f"{span}:{count}{ending}"}, study=name, output=[requirement.output],
+        engine=asked.engine, time_limit=asked.time_limit,
     )  # fmt: skip
+    asked_engine(rough)  # refused before a folder is made
     values = rough.design.axes[0].values
     width = math.log(float(values[-1]) / float(values[0])) / math.log1p(within) if logarithmic else 1.0 / within  # type: ignore[arg-type]
     spacing = 2 ** max(0, math.ceil(math.log2(width / (count - 1))))
@@ -230,7 +188,7 @@ def plan_limit(
         first=tuple(range(0, size, spacing)),
         within=within,
         logarithmic=logarithmic,
-        seconds=seconds,
+        point_seconds=seconds,
     )
 
 

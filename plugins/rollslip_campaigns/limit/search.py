@@ -20,7 +20,7 @@ from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import Study
 from rollslip.units import UnitError, format_quantity, quantity, unit_given
 
-__all__ = ["Requirement", "next_places", "passages", "read_requirement"]
+__all__ = ["Requirement", "next_places", "outputs_of", "passages", "read_requirement"]
 
 _FORM: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*(<=|>=|<|>)\s*(\S.*)")
 
@@ -60,6 +60,11 @@ class Requirement:
     def slack(self, value: float) -> float:
         """Return how far a value is within the limit, negative beyond it."""
         return self.limit - value if self.sense == "<=" else value - self.limit
+
+
+def outputs_of(text: str) -> list[str]:
+    """Return the output that the text of a requirement names; none where it is none."""
+    return [] if (form := _FORM.fullmatch(text)) is None else [form[1]]
 
 
 def read_requirement(text: str, study: type[Study]) -> Requirement:

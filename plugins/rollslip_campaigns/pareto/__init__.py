@@ -1,18 +1,84 @@
 """Hold the error of numerical and modelling choices against their cost."""
 
-from rollslip.catalogue.campaign import Campaign
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
 from rollslip.hookspecs import hookimpl
+from rollslip.planning.campaign import Campaign, OfScene, setting
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.pareto.candidates import Family
+
+
+@attrs.frozen(eq=False)
+class ParetoSettings(OfScene):
+    """Hold error against cost for the studies of SCENE: a family of choices, and the front that none of them passes.
+
+    What may differ: slices, quadrature, instants, table_tolerance, integrator, integrator_tolerance, compiled (NumPy in
+    its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
+    other models differ from the exact one.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions (choice, result): error of the numerical choices against the finest of the same models; difference
+        from the finest of the exact model, of films from that of the scene's own; error_status and difference_status in
+        words; on_front (error of the numerical choices) and on_model_front (difference of the modelling choices and the
+        plan's). (choice,): kind, seconds (median), seconds_low, seconds_high, evaluations,
+        status, and as coordinates all that was chosen. (choice, round): round_seconds. (result,): floor, the
+        difference of the finest from one half as fine, below which errors are not known.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene or a name is wrong, or nothing is left to choose.
+    RollslipError
+        If a finest fails.
+
+    Examples
+    --------
+    >>> from rollslip import pareto
+    >>> found = pareto("1032930-30C", study="friction-curve", choices="slices", rounds=1)
+    >>> friction = found.sel(result="friction")
+    >>> bool(friction.error.sel(choice="5 slices") > friction.error.sel(choice="41 slices"))
+    True
+    """
+
+    name = "pareto"
+    goes_on = "resume"
+
+    study: str | None = setting("Only this study.", metavar="STUDY")
+    choices: Sequence[str] | str = setting(
+        "What may differ, such as slices,instants; by default all there is.", default=(), metavar="A,B", many=True
+    )
+    traction: Sequence[str] | str = setting("Traction models to choose from.", default=(), metavar="A,B", many=True)
+    film: Sequence[str] | str = setting("Film models to choose from.", default=(), metavar="A,B", many=True)
+    rounds: int = setting("How often each choice is timed.", of=int, default=5, shown=True)
+
+    def plan(self) -> "Family":
+        """Return the family of choices."""
+        from rollslip_campaigns.pareto.candidates import plan_family
+
+        return plan_family(self)
+
+    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+        """Run all choices; what is done of them is kept in a folder."""
+        from rollslip_campaigns.pareto.pareto import run_family
+
+        return run_family(made, folder, show)
+
+    def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
+        """Tell whether a choice failed."""
+        return [] if (dataset["status"] != "done").any() else None
 
 
 @hookimpl
-def campaigns() -> list[Campaign]:
+def campaigns() -> list[type[Campaign]]:
     """Offer the campaign."""
-    return [
-        Campaign(
-            name="pareto",
-            summary="Hold error against cost for the studies of SCENE: a family of choices, "
-            "and the front that none of them passes.",
-            command="rollslip_campaigns.pareto.command:pareto",
-            function="rollslip_campaigns.pareto.pareto:pareto",
-        ),
-    ]
+    return [ParetoSettings]

@@ -14,7 +14,7 @@
 
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
@@ -23,12 +23,15 @@ from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
-from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
 from rollslip.studies.study import AXES, Study
 from rollslip_campaigns.comparison.choices import choice_of
+
+if TYPE_CHECKING:
+    from rollslip_campaigns.pareto import ParetoSettings
 
 #: One at a time.
 _SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
@@ -97,23 +100,32 @@ class Family:
     rounds: int
     notes: tuple[str, ...]
 
+    @property
+    def told(self) -> list[str]:
+        """What will be run: the number of choices of each study by kind, rounds and references."""
+        from rollslip.cli.console import headline
+
+        lines = [headline(self.plan)]
+        for study in self.studies:
+            of = {kind: len(self.of(study, kind)) for kind in ("numerical", "modelling", "film", "reference")}
+            finest = self.of(study, "reference")[0].resolution
+            instants = f" and {finest.instants} instants" if (finest.instants or 1) > 1 else ""
+            lines.append(
+                f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
+                f"{self.rounds} round{'s' * (self.rounds != 1)} each, against {of['reference']} references, the finest "
+                f"with {finest.slices} slices{instants}"
+            )
+        return [*lines, *self.notes]
+
     def of(self, study: str, *kinds: str) -> list[Choice]:
         """Return the choices of a study that are of some kinds."""
         return [one for one in self.choices if one.study == study and one.kind in kinds]
 
 
-def plan_family(
-    scene: Scene | str,
-    *,
-    study: str | None = None,
-    choices: Sequence[str] | str = (),
-    traction: Sequence[str] | str = (),
-    film: Sequence[str] | str = (),
-    rounds: int = 5,
-) -> Family:
-    """Return the family of choices for a scene; see `rollslip_campaigns.pareto.pareto.pareto`."""
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    wanted, laws, films = (_names(names) for names in (choices, traction, film))
+def plan_family(asked: "ParetoSettings") -> Family:
+    """Return the family of choices for a scene."""
+    scene, rounds = asked.given, asked.rounds
+    wanted, laws, films = (tuple(listed(names)) for names in (asked.choices, asked.traction, asked.film))
     problems = [_unknown(name) for name in wanted if name not in AXES]
     if rounds < 1:
         problems.append(f"rounds: must be at least 1, not {rounds}")
@@ -121,7 +133,7 @@ def plan_family(
         raise SceneError(problems)
     for law in laws:
         get_class("traction", law)
-    made = plan(scene, study)
+    made = plan(scene, asked.study)
     named = [axis for axis, names in (("traction", laws), ("film", films)) if names]
     wanted = tuple(dict.fromkeys((*wanted, *named))) if wanted else tuple(AXES)
     varied = {_film_label(scene, name): _with_film(scene, name) for name in films or _others(scene)}
@@ -149,10 +161,6 @@ def plan_family(
         rounds=rounds,
         notes=tuple(notes),
     )
-
-
-def _names(names: Sequence[str] | str) -> tuple[str, ...]:
-    return tuple(filter(None, map(str.strip, names.split(",")))) if isinstance(names, str) else tuple(names)
 
 
 def _unknown(name: str) -> str:

@@ -11,7 +11,7 @@
 
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -27,70 +27,18 @@ from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import run_origin, together
 from rollslip.results.dataset import CITED, about
-from rollslip.scene.values import Scene, scene_hash
-from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family, plan_family
+from rollslip.scene.values import scene_hash
+from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from rollslip.planning.progress import Shown
 
 #: Processor time [s] that a turn takes at least, so that the clock of every system can tell it.
 _TURN: Final = 0.05
 #: Error below which rounding governs, whatever the finest and one half as fine differ by.
 _ROUNDING: Final = 1e-14
-#: What a caller is told: the share that is done, the seconds that are left (nan if unknown), and in words.
-Progress = Callable[[float, float, str], None]
-
-
-def pareto(
-    scene: Scene | str,
-    *,
-    study: str | None = None,
-    choices: Sequence[str] | str = (),
-    traction: Sequence[str] | str = (),
-    film: Sequence[str] | str = (),
-    rounds: int = 5,
-) -> "xr.Dataset":
-    """Hold error against cost for a family of numerical and modelling choices on one scene.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file.
-    study : str, optional
-        Only this study; by default all of the scene.
-    choices : sequence of str, or str
-        What may differ, of `rollslip_campaigns.pareto.candidates.AXES`, or with commas between; by default all that
-        acts on the results.
-    traction, film : sequence of str, or str
-        Laws and films to choose from, in place of those that the family has by itself.
-    rounds : int
-        How often each choice is timed.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions (choice, result): error of the numerical choices against the finest of the same models; difference
-        from the finest of the exact model, of films from that of the scene's own; error_status and difference_status in
-        words; on_front (error of the numerical choices) and on_model_front (difference of the modelling choices and the
-        plan's). (choice,): kind, seconds (median), seconds_low, seconds_high, evaluations,
-        status, and as coordinates all that was chosen. (choice, round): round_seconds. (result,): floor, the
-        difference of the finest from one half as fine, below which errors are not known.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If the scene or a name is wrong, or nothing is left to choose.
-    RollslipError
-        If a finest fails.
-
-    Examples
-    --------
-    >>> found = pareto("1032930-30C", study="friction-curve", choices="slices", rounds=1)
-    >>> friction = found.sel(result="friction")
-    >>> bool(friction.error.sel(choice="5 slices") > friction.error.sel(choice="41 slices"))
-    True
-    """
-    return run_family(plan_family(scene, study=study, choices=choices, traction=traction, film=film, rounds=rounds))
 
 
 def front(cost: Array, error: Array) -> NDArray[np.bool_]:
@@ -132,8 +80,8 @@ class Record:
     evaluations: int = 0
 
 
-def run_family(family: Family, kept: Path | None = None, progress: Progress | None = None) -> "xr.Dataset":
-    """Run all choices of a family; see `pareto`."""
+def run_family(family: Family, kept: Path | None = None, show: "Shown | None" = None) -> "xr.Dataset":
+    """Run all choices of a family; see `rollslip.pareto`."""
     begin = time.perf_counter()
     records = [_read(family, one, _file(kept, k)) if kept else Record() for k, one in enumerate(family.choices)]
     resumed = any(record.status for record in records)
@@ -146,8 +94,8 @@ def run_family(family: Family, kept: Path | None = None, progress: Progress | No
         choice, record = family.choices[k], records[k]
         if len(record.seconds) > n or record.status not in ("", "done"):
             continue
-        if progress is not None:
-            progress(done / len(turns), _left(turns[done:], last), f"{choice.study}: {choice.label}")
+        if show is not None:
+            show(f"{choice.study}: {choice.label}", done / len(turns), _left(turns[done:], last))
         started = time.perf_counter()
         _take(family, choice, record)
         if choice.kind != "reference":  # which says nothing of the others

@@ -1,17 +1,86 @@
 """Run one study at many points."""
 
-from rollslip.catalogue.campaign import Campaign
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
 from rollslip.hookspecs import hookimpl
+from rollslip.planning.campaign import Campaign, OfPoints, setting
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.sweep.definition import Sweep
+
+
+@attrs.frozen(eq=False)
+class SweepSettings(OfPoints):
+    """Compute a study of SCENE at many points, and keep everything in a folder.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension for each axis and, with samples, "sample", with their values as coordinates; the outputs of the
+        study; ``status``, ``message`` and ``seconds`` of every point.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If anything is wrong with the scene or the sweep; before anything runs.
+    EngineError, OutputError
+        If the engine or the folder cannot be used.
+
+    Examples
+    --------
+    >>> from rollslip import sweep
+    >>> found = sweep(
+    ...     "1032930-70C",
+    ...     {"operation.temperature": "50 degC:90 degC:3", "models.traction.hydrodynamic": ["muraki", "eyring"]},
+    ...     study="friction-curve", output=["half_width", "friction"],
+    ... )
+    >>> found.friction.sizes["temperature"], set(found.status.values.ravel().tolist())
+    (3, {'ok'})
+    """
+
+    name = "sweep"
+    summary = "Compute many points of a study: a grid, samples, several models; go on after whatever happens."
+    own_command = "rollslip_campaigns.sweep.command:sweep"
+
+    over: Mapping[str, object] | Sequence[str] | str | None = setting(
+        "What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
+        metavar="KEY=VALUES", many=True, first=True,
+        more='A mapping of keys to lists of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", or, to be sampled, '
+        '"LOW:HIGH" or "LOW:HIGH:log". Tables [sweep] and [uncertainty] of the scene count too.',
+    )  # fmt: skip
+    samples: int | None = setting("Samples of ranges and of what is uncertain.", of=int, least=1, metavar="N")
+    sampling: str | None = setting("sobol, replicated-sobol, latin-hypercube, saltelli.", metavar="NAME")
+    seed: int | None = setting("Seed of the samples.", of=int, least=0, metavar="N")
+    study: str | None = setting("Only this study.", metavar="STUDY")
+    output: Sequence[str] | str = setting(
+        "Variable to keep; may be repeated.", default=(), metavar="NAME", many=True,
+        more="Several in a text have commas between them; by default the main ones.",
+    )  # fmt: skip
+
+    def plan(self) -> "Sweep":
+        """Check the sweep and lay out its points."""
+        from rollslip_campaigns.sweep.folder import planned
+
+        return planned(self)
+
+    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+        """Compute the points in a folder."""
+        from rollslip_campaigns.sweep.folder import begin, finish
+        from rollslip_campaigns.sweep.run import run_sweep
+
+        kept = begin(made, folder)
+        run_sweep(made, kept, said=said, report=lambda now: show(*now.told))
+        return finish(made, kept)
 
 
 @hookimpl
-def campaigns() -> list[Campaign]:
+def campaigns() -> list[type[Campaign]]:
     """Offer the campaign."""
-    return [
-        Campaign(
-            name="sweep",
-            summary="Compute many points of a study: a grid, samples, several models; go on after whatever happens.",
-            command="rollslip_campaigns.sweep.command:sweep",
-            function="rollslip_campaigns.sweep.folder:sweep",
-        ),
-    ]
+    return [SweepSettings]

@@ -18,12 +18,10 @@ from rollslip.cli.app import (
     print_json,
     progress,
     results_options,
-    scene_argument,
-    scene_of,
-    set_option,
-    study_option,
     warn,
 )
+from rollslip.cli.campaign import with_settings
+from rollslip_campaigns.sweep import SweepSettings
 
 if TYPE_CHECKING:
     from rollslip_campaigns.sweep.definition import Sweep
@@ -43,66 +41,23 @@ class _Steps(click.Group):
         return super().resolve_command(ctx, args)
 
 
-@click.group(cls=_Steps)
-def sweep() -> None:
-    """Compute many points of a study: a grid, samples, several models; go on after whatever happens."""
+sweep = _Steps("sweep", help=SweepSettings.summary)
 
 
-@sweep.command("run")
-@scene_argument
-@click.option(
-    "--over",
-    "overs",
-    metavar="KEY=VALUES",
-    multiple=True,
-    help="What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
-)
-@click.option("--samples", metavar="N", type=click.IntRange(1), help="Samples of ranges and of what is uncertain.")
-@click.option("--sampling", metavar="NAME", help="sobol, replicated-sobol, latin-hypercube, saltelli.")
-@click.option("--seed", metavar="N", type=click.IntRange(0), help="Seed of the samples.")
-@study_option
-@click.option("--output", "outputs", metavar="NAME", multiple=True, help="Variable to keep; may be repeated.")
-@set_option
-@engine_options
 @results_options("Folder for the sweep, new or empty.", overwrite=False)
 @json_option
-def sweep_run(
-    scene: str,
-    overs: Sequence[str],
-    samples: int | None,
-    sampling: str | None,
-    seed: int | None,
-    study: str | None,
-    outputs: Sequence[str],
-    changes: Sequence[str],
-    engine: Mapping[str, object] | None,
-    time_limit: str | None,
-    results: Results,
-) -> None:
-    """Compute a study of SCENE at many points, and keep everything in a folder."""
+def _sweep_run(asked: SweepSettings, about: str, results: Results) -> None:
     from rollslip_campaigns.sweep.folder import begin
-    from rollslip_campaigns.sweep.run import asked_engine
-    from rollslip_campaigns.sweep.sampling import parse_overs
-    from rollslip_campaigns.sweep.sweep import plan_sweep
 
-    made = plan_sweep(
-        scene_of(scene, changes),
-        parse_overs(overs),
-        samples=samples,
-        sampling=sampling,
-        seed=seed,
-        study=study,
-        output=[name.strip() for text in outputs for name in text.split(",")],
-        time_limit=time_limit,
-        engine=engine,
-    )
-    asked_engine(made)  # refused before a folder is made
+    made = asked.plan()
     warn(made.unusual)
     if not results.as_json:
-        click.echo(sweep_headline(made))
-        click.echo("\n".join(f"  {line}" for line in sweep_planned(made)))
-    results.go_to(f"{Path(scene).stem}-sweep")
+        click.echo("\n".join(made.told))
+    results.go_to(asked.place(made, about))
     _run_sweep(made, begin(made, results.target), (), results)
+
+
+sweep.command("run")(with_settings(SweepSettings, _sweep_run))
 
 
 @sweep.command("resume")
@@ -224,55 +179,6 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
 
 
 # What is said ---------------------------------------------------------------------------------------------------------
-
-
-def sweep_headline(sweep: "Sweep") -> str:
-    """Return the first line of a run: version, scene and hash, study and packages."""
-    import importlib.metadata
-
-    from rollslip.scene.values import scene_hash
-
-    packages = ", ".join(f"{name} {version}" for name, version in sweep.facts["packages"].items())
-    version = importlib.metadata.version("rollslip")
-    scene = f"{sweep.given.source} {scene_hash(sweep.scene)[:12]}"
-    return f"rollslip {version} | {scene} | sweep of {sweep.study} | {packages}"
-
-
-def sweep_planned(sweep: "Sweep") -> list[str]:
-    """Say what is swept, before anything runs."""
-    from rollslip.scene.distributions import shown
-
-    lines = []
-    for axis in sweep.design.axes:
-        count, ends = len(axis.values), [axis.shown(value) for value in axis.values]
-        values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
-        lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
-        if axis.key == "models.traction" and "hydrodynamic" in dict(sweep.scene.models.traction.parameters):
-            whole = sweep.scene.models.traction.name
-            lines.append(
-                f"  in place of the whole {whole}; to change the law in it, sweep models.traction.hydrodynamic"
-            )
-    for of in sweep.design.sampled:
-        lines.append(f"{of.key}: {shown(sweep.uncertainty.distributions[of.key], of.unit or '1')}")
-    if sweep.design.has_samples:
-        n = len(sweep.design.samples)
-        balance = (
-            "; a Sobol sequence is balanced at powers of two"
-            if sweep.table.sampling.endswith("sobol") and n & (n - 1)
-            else ""
-        )
-        lines.append(f"{n} samples, {sweep.table.sampling}, seed {sweep.table.seed}{balance}")
-    elif sweep.given.uncertainty:
-        lines.append("the table [uncertainty] of the scene is not used: no samples are asked for; --samples N does")
-    for name, resolution in sweep.resolutions.chosen.items():
-        laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
-        lines.append(
-            f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.instants} "
-            "instants of a pitch, what scene and points far apart need for the error of "
-            f"{sweep.scene.accuracy.tolerance:g} it states"
-        )
-    lines.append(f"{len(sweep.numbers)} points; of each {', '.join(sweep.outputs)}")
-    return lines
 
 
 def sweep_progress(of: "Progress") -> str:

@@ -17,8 +17,8 @@ import attrs
 from rollslip.bearing.resolution import Resolution
 from rollslip.fields import at_least, non_negative, one_of, parameter, positive
 from rollslip.references import Citation
-from rollslip.scene.distributions import Uncertainty
-from rollslip.scene.values import Scene, resolved
+from rollslip.scene.distributions import Uncertainty, shown
+from rollslip.scene.values import Scene, resolved, scene_hash
 from rollslip.structure import FrozenTable
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sampling import SAMPLINGS, Design, plain_names
@@ -225,3 +225,51 @@ class Sweep:
     def hash(self) -> str:
         """SHA-256 of the facts."""
         return hashlib.sha256(json.dumps(self.facts, sort_keys=True).encode()).hexdigest()
+
+    @property
+    def headline(self) -> str:
+        """The first line of a run: version, scene and hash, study and packages."""
+        packages = ", ".join(f"{name} {version}" for name, version in self.facts["packages"].items())
+        version = importlib.metadata.version("rollslip")
+        scene = f"{self.given.source} {scene_hash(self.scene)[:12]}"
+        return f"rollslip {version} | {scene} | sweep of {self.study} | {packages}"
+
+    @property
+    def planned(self) -> list[str]:
+        """What is swept, in words."""
+        lines = []
+        for axis in self.design.axes:
+            count, ends = len(axis.values), [axis.shown(value) for value in axis.values]
+            values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
+            lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
+            if axis.key == "models.traction" and "hydrodynamic" in dict(self.scene.models.traction.parameters):
+                whole = self.scene.models.traction.name
+                lines.append(
+                    f"  in place of the whole {whole}; to change the law in it, sweep models.traction.hydrodynamic"
+                )
+        for of in self.design.sampled:
+            lines.append(f"{of.key}: {shown(self.uncertainty.distributions[of.key], of.unit or '1')}")
+        if self.design.has_samples:
+            n = len(self.design.samples)
+            balance = (
+                "; a Sobol sequence is balanced at powers of two"
+                if self.table.sampling.endswith("sobol") and n & (n - 1)
+                else ""
+            )
+            lines.append(f"{n} samples, {self.table.sampling}, seed {self.table.seed}{balance}")
+        elif self.given.uncertainty:
+            lines.append("the table [uncertainty] of the scene is not used: no samples are asked for; --samples N does")
+        for name, resolution in self.resolutions.chosen.items():
+            laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
+            lines.append(
+                f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.instants} "
+                "instants of a pitch, what scene and points far apart need for the error of "
+                f"{self.scene.accuracy.tolerance:g} it states"
+            )
+        lines.append(f"{len(self.numbers)} points; of each {', '.join(self.outputs)}")
+        return lines
+
+    @property
+    def told(self) -> list[str]:
+        """All that is said before anything runs."""
+        return [self.headline, *(f"  {line}" for line in self.planned)]

@@ -1,22 +1,16 @@
 """The folder of a sweep: made once, gone on with, looked at."""
 
 import json
-import os
-import tempfile
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
 from rollslip.errors import OutputError
-from rollslip.planning.progress import progress_in_notebook
 from rollslip.results.dataset import save
-from rollslip.scene.values import Scene
-from rollslip_campaigns.sweep.definition import Sweep
+from rollslip_campaigns.sweep.definition import Sweep, SweepTable
 from rollslip_campaigns.sweep.journal import (
     FAILED,
     LOCK,
@@ -30,84 +24,25 @@ from rollslip_campaigns.sweep.journal import (
     states,
 )
 from rollslip_campaigns.sweep.result import collect
-from rollslip_campaigns.sweep.run import asked_engine, run_sweep
+from rollslip_campaigns.sweep.run import asked_engine
 from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Status", "begin", "finish", "status", "sweep", "taken_up"]
+    from rollslip_campaigns.sweep import SweepSettings
+
+__all__ = ["RESULT", "Status", "begin", "finish", "planned", "status", "taken_up"]
 
 RESULT = "sweep.nc"
 
 
-def sweep(
-    scene: Scene | str,
-    over: Mapping[str, object] | None = None,
-    *,
-    out: str | os.PathLike[str] | None = None,
-    samples: int | None = None,
-    sampling: str | None = None,
-    seed: int | None = None,
-    study: str | None = None,
-    output: Sequence[str] | str = (),
-    time_limit: float | str | None = None,
-    engine: object = None,
-) -> "xr.Dataset":
-    """Compute a study at many points.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` count.
-    over : mapping, optional
-        What is varied, by dotted key: a list of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", with units; or, to
-        be sampled, "LOW:HIGH" or "LOW:HIGH:log".
-    out : path, optional
-        Folder in which everything is kept, and from which ``rollslip sweep resume`` goes on; by default nothing is.
-    samples, sampling, seed, study, output, time_limit, engine : optional
-        As in `rollslip_campaigns.sweep.sweep.plan_sweep`.
-
-    Returns
-    -------
-    xarray.Dataset
-        One dimension for each axis and, with samples, "sample", with their values as coordinates; the outputs of the
-        study; ``status``, ``message`` and ``seconds`` of every point.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If anything is wrong with the scene or the sweep; before anything runs.
-    EngineError, OutputError
-        If the engine or the folder cannot be used.
-
-    Examples
-    --------
-    >>> found = sweep(
-    ...     "1032930-70C",
-    ...     {"operation.temperature": "50 degC:90 degC:3", "models.traction.hydrodynamic": ["muraki", "eyring"]},
-    ...     study="friction-curve", output=["half_width", "friction"],
-    ... )
-    >>> found.friction.sizes["operation.temperature"], set(found.status.values.ravel().tolist())
-    (3, {'ok'})
-    """
-    planned = plan_sweep(
-        scene,
-        over,
-        samples=samples,
-        sampling=sampling,
-        seed=seed,
-        study=study,
-        output=output,
-        time_limit=time_limit,
-        engine=engine,
-    )
-    asked_engine(planned)
-    with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
-        kept = begin(planned, Path(folder))
-        with progress_in_notebook("sweep") as show:
-            run_sweep(planned, kept, report=lambda now: show(*now.told))
-        return finish(planned, kept)
+def planned(asked: "SweepSettings") -> Sweep:
+    """Check the settings of a sweep and lay out its points."""
+    told = {one.name: getattr(asked, one.name) for one in attrs.fields(SweepTable)}
+    made = plan_sweep(asked.given, told.pop("over"), **told)
+    asked_engine(made)  # refused before a folder is made
+    return made
 
 
 def begin(sweep: Sweep, folder: Path) -> Path:

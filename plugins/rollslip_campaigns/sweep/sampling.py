@@ -159,6 +159,18 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
     return dict(pairs)
 
 
+def read_overs(given: object) -> dict[str, object]:
+    """Return what is varied, by key: a mapping as it is, texts as those of the command line."""
+    if isinstance(given, Mapping):
+        return dict(given)
+    if isinstance(given, str) and "=" in given:
+        return parse_overs([given])
+    if not isinstance(given, list | tuple) or not all(isinstance(text, str) for text in given):
+        wanted = "a mapping such as {'operation.radial_load': '1 kN:5 kN:5'}, or texts KEY=VALUES"
+        raise SceneError([f"over: what varies is expected, {wanted}, not {as_written(given)}"])
+    return parse_overs(given)
+
+
 def _checked(quantity: Quantity, value: object, which: str, given: str | None = None) -> object:
     try:
         return quantity.read(value, given)

@@ -27,6 +27,7 @@ from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.files import whole_file
+from rollslip.planning.campaign import listed
 from rollslip.planning.plan import estimate, require_memory
 from rollslip.planning.plausibility import implausible_along
 from rollslip.planning.provenance import cited, data_references
@@ -42,9 +43,9 @@ from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written, format_quantity
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
 from rollslip_campaigns.sweep.journal import died, journals
-from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart, probabilities, read_axis
+from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart, probabilities, read_axis, read_overs
 
-__all__ = ["FILE", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
+__all__ = ["FILE", "open_sweep", "plan_sweep", "store_sweep", "study_with", "with_engine"]
 
 #: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
 _TRIED = 1000
@@ -60,29 +61,15 @@ _CANDIDATES: Final = 512
 _AGAIN = "the same command as before, with --out {}, makes it again and takes up the journals"
 
 
-def plan_sweep(
-    scene: Scene | str,
-    over: Mapping[str, object] | None = None,
-    *,
-    samples: int | None = None,
-    sampling: str | None = None,
-    seed: int | None = None,
-    study: str | None = None,
-    output: Sequence[str] | str = (),
-    time_limit: float | str | None = None,
-    engine: object = None,
-) -> Sweep:
-    """Check a sweep and lay out its points."""
+def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
+    """Check a sweep and lay out its points; `asked` are settings of `SweepTable` in place of the scene's."""
     given = scene if isinstance(scene, Scene) else load_scene(scene)
     base, where, problems = _without_tables(given), Location(given.origins), list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
-    outputs = list(filter(None, map(str.strip, output.split(",")))) if isinstance(output, str) else list(output)
-    asked = {
-        "samples": samples, "sampling": sampling, "seed": seed, "study": study, "output": outputs or None,
-        "time_limit": time_limit, "engine": engine,
-    }  # fmt: skip
-    table, place = _table(given, {key: value for key, value in asked.items() if value is not None}, problems)
-    name = table.study or next(iter(base.study), DEFAULT_STUDY)
+    over, outputs = {} if over is None else read_overs(over), listed(asked.pop("output", ()))
+    asked = {key: value for key, value in asked.items() if value is not None} | ({"output": outputs} if outputs else {})
+    table, place = _table(given, asked, problems)
+    name = study_with(base, table.study, table.output)
     cls = study_class(name, base)
     names = _noted(problems, lambda: named_outputs(cls, table.output), ())
     studies, assembly = settings(base, name), assemble(base)
@@ -91,7 +78,7 @@ def plan_sweep(
     sampled = table.samples is not None
     wanted = [
         *_leaves(table.over, "", place.at("over")),
-        *((key.strip(), value, Location({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
+        *((key.strip(), value, Location({}, tuple(key.strip().split(".")))) for key, value in over.items()),
     ]
     axes, ranges = _axes(wanted, known, sampled, problems)
     uncertainty = read_uncertainty(given.uncertainty or {}, where.at("uncertainty"), known, problems)
@@ -122,11 +109,18 @@ def plan_sweep(
         packages=packages,
         local=local,
         citations=_citations(tried, name),
-        table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **(over or {})})),
+        table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **over})),
         given=given,
         unusual=unusual,
         files=studies[name].digest(assembly),
     )
+
+
+def study_with(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
+    """Return the study that is named, else the first of the scene that has some outputs, or the first of all."""
+    own = [*scene.study] or [DEFAULT_STUDY]
+    having = (one for one in own if outputs and study_class(one, scene).outputs.keys() >= set(outputs))
+    return named or next(having, own[0])
 
 
 def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tuple[SweepTable, Location]:

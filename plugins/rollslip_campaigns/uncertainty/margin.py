@@ -22,10 +22,7 @@
 
 import json
 import math
-import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -35,18 +32,16 @@ import numpy as np
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
+from rollslip.planning.plan import duration_range
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import about
-from rollslip.scene.reading import load_scene
-from rollslip.scene.values import Scene
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import taken_up
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.result import collect
-from rollslip_campaigns.sweep.run import Progress, run_sweep
+from rollslip_campaigns.sweep.run import Progress, asked_engine, run_sweep
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
@@ -67,7 +62,9 @@ from rollslip_studies.steady_slip.study import SteadySlip
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin", "uncertainty"]
+    from rollslip_campaigns.uncertainty import UncertaintySettings
+
+__all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin"]
 
 RESULT: Final = "uncertainty.nc"
 CONFIDENCE: Final = 0.95
@@ -119,6 +116,18 @@ class Margin:
         return {name: one for name, one in named.items() if one is not None}
 
     @property
+    def unusual(self) -> tuple[str, ...]:
+        """What is unusual of the values that scatter."""
+        return self.critical.unusual
+
+    @property
+    def told(self) -> list[str]:
+        """What is sampled, and what it costs, in words."""
+        planned = dict.fromkeys(f"  {line}" for one in self.sweeps.values() for line in one.planned)
+        cost = (f"  {name}: {duration_range(of)} of one core" for name, of in expected_seconds(self).items())
+        return [self.critical.headline, *planned, *cost]
+
+    @property
     def confidence(self) -> float:
         """Confidence with which intervals of quantiles are made, so that they hold with 95 %."""
         return CONFIDENCE if self.until is None else ENDING
@@ -128,93 +137,18 @@ class Margin:
         return quantile(values, probability, replicates=REPLICATES, confidence=self.confidence)
 
 
-def uncertainty(
-    scene: Scene | str,
-    *,
-    out: str | os.PathLike[str] | None = None,
-    samples: int | None = None,
-    until: float | None = None,
-    probability: float = 0.99,
-    loads: int | None = None,
-    indices: int = 0,
-    seed: int = 0,
-    engine: object = None,
-    time_limit: float | str | None = None,
-) -> "xr.Dataset":
-    """Compute the distributions of reserve, steady slip and least load, the allowable slip and the margin.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file. Its table ``[uncertainty]`` says what scatters; without one its
-        data and models do.
-    out : path, optional
-        Folder in which everything is kept; a call with the same scene and options goes on with what it holds.
-    samples, until, probability, loads, indices, seed, engine, time_limit : optional
-        As in `plan_margin`.
-
-    Returns
-    -------
-    xarray.Dataset
-        (quantity, sample): value; (quantity, probability): quantile_value, quantile_low, quantile_high; (quantity,):
-        samples, known, beyond, unknown; scalars allowable_slip, margin, skidding, with their ends, and bounded; (input,
-        acted): rank_correlation; (batch,): batch_samples, batch_allowable and its ends; (indexed, input): first_order,
-        total_order with their ends.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If anything is wrong with the scene or what is asked for; before anything runs.
-    EngineError, OutputError
-        If the engine or the folder cannot be used.
-
-    Examples
-    --------
-    >>> found = uncertainty("1032930-70C", samples=64, probability=0.9)
-    >>> bool(0.0 < found.allowable_low < found.allowable_slip < found.allowable_high < 0.95)
-    True
-    """
-    made = plan_margin(
-        scene,
-        samples=samples,
-        until=until,
-        probability=probability,
-        loads=loads,
-        indices=indices,
-        seed=seed,
-        engine=engine,
-        time_limit=time_limit,
-    )
-    place = tempfile.TemporaryDirectory() if out is None else nullcontext(out)
-    with place as folder, progress_in_notebook("uncertainty") as show:
-        return run_margin(made, Path(folder), report=lambda now: show(*now.told))
-
-
-def plan_margin(
-    scene: Scene | str,
-    *,
-    samples: int | None = None,
-    until: float | None = None,
-    probability: float = 0.99,
-    loads: int | None = None,
-    indices: int = 0,
-    seed: int = 0,
-    engine: object = None,
-    time_limit: float | str | None = None,
-) -> Margin:
+def plan_margin(asked: "UncertaintySettings") -> Margin:
     """Check what is asked for and lay out its samples."""
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    samples = samples if samples is not None else _SAMPLES if until is None else _MOST
+    scene, probability, until, indices = asked.given, asked.probability, asked.until, asked.indices
+    samples = asked.samples if asked.samples is not None else _SAMPLES if until is None else _MOST
     stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
-    loads = loads if loads is not None else min(_LOADS, samples) if stated else 0
+    loads = asked.loads if asked.loads is not None else min(_LOADS, samples) if stated else 0
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
     if until is not None and not until > 0.0:
         problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
-    if samples < 2:
-        problems.append(f"samples: a distribution needs 2 at least, not {samples}")
-    if not 0 <= loads <= samples:
+    if loads > samples:
         problems.append(f"loads: the samples of the least load are the first of all {samples}, not {loads}")
     if indices and (indices < 4 or indices & (indices - 1)):
         problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
@@ -223,7 +157,7 @@ def plan_margin(
     if problems:
         raise SceneError(problems)
     scene, scatter = with_scatter(scene)
-    shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
+    shared: dict[str, Any] = {"seed": asked.seed, "engine": asked.engine, "time_limit": asked.time_limit}
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
     balance = {"study": SteadySlip.name, "output": ["least_load"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
@@ -237,6 +171,7 @@ def plan_margin(
                 "the indices, or the correlations"
             ]
         )
+    asked_engine(critical)  # refused before a folder is made
     return Margin(
         critical=critical,
         load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance) if loads else None,

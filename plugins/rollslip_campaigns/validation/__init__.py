@@ -1,21 +1,124 @@
 """Hold models against what was measured: data sets, predictions of any program, and which law is the better one."""
 
-from rollslip.catalogue.campaign import Campaign
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
 from rollslip.hookspecs import hookimpl
+from rollslip.planning.campaign import Campaign, setting
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.validation.validate import Validation
+
+_PREDICTIONS = "What another program gives for one data set; may be repeated."
+_DATA = "Names, folders, or data sets that are read: `rollslip.measurement.Measurement`."
+
+
+@attrs.frozen(eq=False)
+class ValidationSettings(Campaign):
+    """Hold models against data sets, by name or folder; by default all data sets that are installed.
+
+    Calculated over measured with the uncertainty of both, statements that hold or do not, chi-square where it means
+    something: a table, an atlas of figures, a report.
+
+    Returns
+    -------
+    xarray.Dataset
+        (row,): calculated and measured values with their bands, ratio and verdict; (statement,): what holds; (group,):
+        chi-square of each series.
+
+    Examples
+    --------
+    >>> from rollslip import validate
+    >>> found = validate("klebanov-2022", samples=32)
+    >>> int((found.row_verdict == "inside").sum()) > 0
+    True
+    """
+
+    name = "validate"
+    result = "validation"
+
+    data: Any = setting("", default=(), argument="[DATA]...", many=True, first=True, more=_DATA)
+    traction: str = setting("Traction models beside those of the data sets' scenes.", default="", metavar="A,B")
+    film: str = setting("Film models beside those of the data sets' scenes.", default="", metavar="A,B")
+    contact: str = setting("Contact models beside those of the data sets' scenes.", default="", metavar="A,B")
+    predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
+    form: Path | None = setting("Write a file for such predictions.", of=Path, metavar="FILE.csv")
+    samples: int = setting("Of what scatters.", of=int, default=128, least=0, metavar="N", shown=True)
+    seed: int = setting("Seed of the samples.", of=int, default=0, least=0, metavar="N")
+
+    def plan(self) -> "Validation":
+        """Check what is asked for."""
+        from rollslip_campaigns.validation.validate import plan_validation
+
+        return plan_validation(self)
+
+    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+        """Hold the models against the data."""
+        from rollslip_campaigns.validation.validate import run_validation
+
+        return run_validation(made, show)
+
+    def place(self, made: Any, about: str) -> str:
+        """Return how the folder of the results is called."""
+        return "validation" if len(made.sets) != 1 else f"{made.sets[0].name}-validation"
+
+    def instead(self) -> str:
+        """Write a file for predictions of one data set, where that is asked for."""
+        from rollslip_campaigns.validation.predictions import write_form
+
+        return "" if self.form is None else write_form(self.data, self.form)
+
+
+@attrs.frozen(eq=False)
+class RankingSettings(Campaign):
+    """Rank laws by their errors on conditions of DATA that they were not fitted to.
+
+    Parameters are fitted to friction on all conditions but one, and the law is scored on that one, for every condition
+    in turn. What cannot be told with a confidence of 95 % is said to be so.
+
+    Returns
+    -------
+    xarray.Dataset
+        (law,): error with its interval, parameters, seconds and status, the best first; (law, condition):
+        condition_error; (law, other): probability.
+    """
+
+    name = "rank"
+    result = "ranking"
+    samples = 0
+
+    data: Any = setting("", default=attrs.NOTHING, argument="DATA...", many=True, first=True, more=_DATA)
+    traction: str = setting("Traction laws.", default="", metavar="A,B")
+    film: str = setting("Film laws; all combinations are ranked.", default="", metavar="A,B")
+    contact: str = setting("Contact laws.", default="", metavar="A,B")
+    parameters: str = setting("What is fitted to friction of rigs.", default="", metavar="NAME,NAME")
+    predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
+    seed: int = setting("Seed of what is drawn.", of=int, default=0, least=0, metavar="N")
+
+    def plan(self) -> "Validation":
+        """Check what is asked for."""
+        from rollslip_campaigns.validation.ranking import plan_ranking
+
+        return plan_ranking(self)
+
+    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+        """Score and rank the laws."""
+        from rollslip_campaigns.validation.ranking import run_ranking
+
+        return run_ranking(made, self, show)
+
+    def place(self, made: Any, about: str) -> str:
+        """Return how the folder of the results is called."""
+        return "ranking" if len(made.sets) != 1 else f"{Path(about).name}-ranking"
 
 
 @hookimpl
-def campaigns() -> list[Campaign]:
+def campaigns() -> list[type[Campaign]]:
     """Offer the campaigns."""
-    return [
-        Campaign(
-            name="validate",
-            summary="Hold models against data sets, by name or folder; by default all data sets that are installed.",
-            command="rollslip_campaigns.validation.command:validate",
-        ),
-        Campaign(
-            name="rank",
-            summary="Rank laws by their errors on conditions of DATA that they were not fitted to.",
-            command="rollslip_campaigns.validation.command:rank",
-        ),
-    ]
+    return [ValidationSettings, RankingSettings]

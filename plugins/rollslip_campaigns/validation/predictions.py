@@ -9,22 +9,26 @@ import io
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.catalogue.discovery import available
+from rollslip.catalogue.registry import get_model
 from rollslip.errors import SceneError
-from rollslip.files import content_of, decoded, readable
-from rollslip.measurement import Measurement
+from rollslip.files import content_of, decoded, readable, whole_file
+from rollslip.measurement import Measurement, load_measurement
 from rollslip.measurement.values import Series
 from rollslip.units import as_written
 from rollslip_campaigns.validation.judging import Value
 
-__all__ = ["Predictions", "data_set_of", "form", "read_predictions"]
+__all__ = [
+    "Predictions", "data_set_of", "form", "measurement_named", "predictions_of", "read_predictions", "write_form",
+]  # fmt: skip
 
 _HEAD: Final = ("data_set", "series", "line", "conditions", "unit", "predicted", "uncertainty")
 
@@ -70,6 +74,33 @@ class Predictions:
         columns = [generator.permutation(column) for column in columns]
         sampled = np.array(columns).T
         return values, sampled if any(one is not None and one[1] for one in found) else sampled[:0]
+
+
+def measurement_named(name: str | Path | Measurement) -> Measurement:
+    """Return a data set by its name or its folder."""
+    if isinstance(name, Measurement):
+        return name
+    if isinstance(name, Path) or (name not in available("measurement") and Path(name).is_dir()):
+        return load_measurement(name)
+    made: Measurement = get_model("measurement", name)
+    return made
+
+
+def predictions_of(given: Iterable[str | Path | Predictions], names: Sequence[Any]) -> list[Predictions]:
+    """Return predictions, those of files read, each of the data set that it names, or of the only one."""
+    return [
+        one if isinstance(one, Predictions) else read_predictions(one, measurement_named(data_set_of(one, names)))
+        for one in given
+    ]
+
+
+def write_form(names: Sequence[str], path: Path) -> str:
+    """Write a file for predictions of one data set; say what to do with it."""
+    if len(names) != 1:
+        raise SceneError(["form: needs one data set; name one"])
+    with whole_file(path) as partial:
+        partial.write_text(form(measurement_named(names[0])), encoding="utf-8")
+    return f"written: {path}; fill the column predicted, and give it back by --predictions {path}"
 
 
 def form(measurement: Measurement) -> str:

@@ -18,9 +18,8 @@
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
@@ -31,6 +30,7 @@ from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.measurement import Measurement
 from rollslip.measurement.values import ContactSeries, Series
+from rollslip.planning.campaign import listed
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
 from rollslip.results.dataset import about
 from rollslip_campaigns.fit.least_squares import estimate, minimise
@@ -48,7 +48,9 @@ from rollslip_campaigns.validation.validate import Combination, Validation, nomi
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FEWEST", "Told", "rank", "tell"]
+    from rollslip_campaigns.validation import RankingSettings
+
+__all__ = ["FEWEST", "Told", "plan_ranking", "run_ranking", "tell"]
 
 Array = NDArray[np.float64]
 #: Conditions without which nothing is told.
@@ -59,38 +61,35 @@ _RESAMPLED: Final = 4096
 _LEAST: Final = 0.1
 
 
-def rank(
-    names: "str | Iterable[str | Path | Measurement]",
-    *,
-    traction: str = "",
-    film: str = "",
-    contact: str = "",
-    parameters: str = "",
-    predictions: Sequence[Predictions] = (),
-    seed: int = 0,
-    report: Callable[[float, str], None] = lambda share, text: None,
+def plan_ranking(asked: "RankingSettings") -> Validation:
+    """Check what is asked for."""
+    plan = plan_validation(asked)
+    if len(plan.combinations[1:] or plan.combinations) + len(plan.predictions) < 2:
+        raise SceneError(["there is nothing to rank: name two laws, as by --traction A,B, or give --predictions"])
+    if not any(series.rows for measurement in plan.sets for series in measurement.series):
+        raise SceneError(["there is nothing to rank by: the data sets hold no numbers"])
+    return plan
+
+
+def run_ranking(
+    plan: Validation, asked: "RankingSettings", report: Callable[[str, float], None] = lambda text, share: None
 ) -> "xr.Dataset":
     """Rank laws by their errors on conditions that they were not fitted to."""
     begin = time.perf_counter()
-    plan = plan_validation(names, traction=traction, film=film, contact=contact, predictions=predictions, samples=0)
     laws = plan.combinations[1:] or plan.combinations
-    wanted = [name.strip() for name in parameters.split(",") if name.strip()]
-    if len(laws) + len(predictions) < 2:
-        raise SceneError(["there is nothing to rank: name two laws, as by --traction A,B, or give --predictions"])
+    wanted = listed(asked.parameters)
     scored, conditions = list[_Scored](), list[str]()
     parts = [(measurement, series) for measurement in plan.sets for series in measurement.series if series.rows]
-    if not parts:
-        raise SceneError(["there is nothing to rank by: the data sets hold no numbers"])
     for measurement, series in parts:
         conditions += [f"{measurement.name}, {series.name}: {label}" for label in _labels(series)]
     for k, law in enumerate(laws):
-        report(k / len(laws), law.label)
+        report(law.label, k / len(laws))
         scored.append(_scored(law, parts, wanted))
     unknown = set(wanted) - {name for one in scored for name in one.fitted}
     if unknown:
         raise SceneError([f"parameters: no law has {', '.join(sorted(unknown))} to fit to these data"])
-    scored += [_predicted(one, parts) for one in predictions]
-    return _dataset(plan, scored, conditions, tuple(wanted), seed, time.perf_counter() - begin)
+    scored += [_predicted(one, parts) for one in plan.predictions]
+    return _dataset(plan, scored, conditions, tuple(wanted), asked.seed, time.perf_counter() - begin)
 
 
 # Scores -------------------------------------------------------------------------------------------------------------

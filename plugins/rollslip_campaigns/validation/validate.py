@@ -13,7 +13,7 @@
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -27,8 +27,9 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
-from rollslip.measurement import Measurement, load_measurement
+from rollslip.measurement import Measurement
 from rollslip.measurement.values import ContactSeries, Series, Statement
+from rollslip.planning.campaign import listed
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import with_scatter
@@ -45,19 +46,19 @@ from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_campaigns.validation.findings import shown
 from rollslip_campaigns.validation.judging import UNTOLD, Group, Judged, Said, Value, held, verdict_on
 from rollslip_campaigns.validation.observables import observe
-from rollslip_campaigns.validation.predictions import Predictions
+from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip_campaigns.validation import RankingSettings, ValidationSettings
+
 __all__ = [
-    "AS_STATED", "Combination", "Validation", "judged_statement", "measurement_named", "nominal_values",
-    "plan_validation", "run_validation", "validate",
+    "AS_STATED", "Combination", "Validation", "judged_statement", "nominal_values", "plan_validation",
+    "run_validation",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
-#: Samples of what scatters.
-_SAMPLES: Final = 128
 
 
 @attrs.frozen
@@ -95,69 +96,40 @@ class Validation:
     seed: int
 
 
-def validate(names: str | Iterable[str | Path | Measurement] = (), **options: Any) -> "xr.Dataset":
-    """Hold data sets against models.
-
-    Examples
-    --------
-    >>> found = validate("klebanov-2022", samples=32)
-    >>> int((found.row_verdict == "inside").sum()) > 0
-    True
-    """
-    return run_validation(plan_validation(names, **options))
-
-
-def measurement_named(name: str | Path | Measurement) -> Measurement:
-    """Return a data set by its name or its folder."""
-    if isinstance(name, Measurement):
-        return name
-    if isinstance(name, Path) or (name not in available("measurement") and Path(name).is_dir()):
-        return load_measurement(name)
-    made: Measurement = get_model("measurement", name)
-    return made
-
-
-def plan_validation(
-    names: str | Iterable[str | Path | Measurement] = (),
-    *,
-    contact: str = "",
-    film: str = "",
-    traction: str = "",
-    predictions: Sequence[Predictions] = (),
-    samples: int = _SAMPLES,
-    seed: int = 0,
-) -> Validation:
+def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation:
     """Check what is asked for."""
-    asked = [names] if isinstance(names, str) else list(names)
-    sets = tuple(measurement_named(one) for one in asked or available("measurement"))
+    names = [asked.data] if isinstance(asked.data, str | Path | Measurement) else list(asked.data)
+    sets = tuple(measurement_named(one) for one in names or available("measurement"))
     if not sets:
         raise SceneError(["there is no data set; 'rollslip plugins new NAME --kind measurement' writes one"])
-    if samples and samples < 2:
-        raise SceneError([f"samples: a band needs 2 at least, or 0 for none, not {samples}"])
-    listed = {
-        kind: [name.strip() for name in text.split(",") if name.strip()]
-        for kind, text in zip(KINDS, (contact, film, traction), strict=True)
-    }
-    for kind, named in listed.items():
+    if asked.samples == 1:
+        raise SceneError(["samples: a band needs 2 at least, or 0 for none, not 1"])
+    laws = {kind: listed(getattr(asked, kind)) for kind in KINDS}
+    for kind, named in laws.items():
         for name in named:
             find(kind, name)
-    wanted = {kind: named for kind, named in listed.items() if named}
+    wanted = {kind: named for kind, named in laws.items() if named}
     products = [dict(zip(wanted, each, strict=True)) for each in itertools.product(*wanted.values())] if wanted else []
     combinations = [AS_STATED, *(Combination(" + ".join(one.values()), one) for one in products)]
     known = {one.name for one in sets}
+    predictions = predictions_of(asked.predictions, names)
     for one in predictions:
         if one.of not in known:
             raise SceneError([f"{one.source}: predictions of data set {one.of!r}, which is not asked for"])
     return Validation(
-        sets=sets, combinations=tuple(combinations), predictions=tuple(predictions), samples=samples, seed=seed
+        sets=sets,
+        combinations=tuple(combinations),
+        predictions=tuple(predictions),
+        samples=asked.samples,
+        seed=asked.seed,
     )
 
 
 # Running ------------------------------------------------------------------------------------------------------------
 
 
-def run_validation(plan: Validation, report: Callable[[float, str], None] = lambda share, text: None) -> "xr.Dataset":
-    """Compute what a validation needs; see `validate`."""
+def run_validation(plan: Validation, report: Callable[[str, float], None] = lambda text, share: None) -> "xr.Dataset":
+    """Compute what a validation needs; see `rollslip.validate`."""
     begin = time.perf_counter()
     rows, groups, said, warnings = list[Judged](), list[Group](), list[Said](), list[str]()
     parts = [
@@ -168,7 +140,7 @@ def run_validation(plan: Validation, report: Callable[[float, str], None] = lamb
     ]
     for k, (measurement, thing, combination) in enumerate(parts):
         what = thing.says if isinstance(thing, Statement) else thing.name
-        report(k / len(parts), f"{measurement.name}: {what}, {combination.label}")
+        report(f"{measurement.name}: {what}, {combination.label}", k / len(parts))
         if isinstance(thing, Statement):
             said.append(judged_statement(measurement, thing, combination))
         elif thing.rows:
