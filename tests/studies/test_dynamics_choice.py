@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rollslip
+from plan_scenes import points, scene
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
@@ -100,21 +101,24 @@ def damped(study, assembly, end):
     return worst * 0.2 / moving.system.frequencies[0]
 
 
+def evaluations(study, integrator, few=None):
+    """Evaluations of the rates that an integrator takes with few slices."""
+    few = estimates.with_few_slices(bearing()) if few is None else few
+    found = attrs.evolve(study, integrator=integrator).tried(
+        study.moving(few), np.linspace(0.0, study.duration, 3), study.relative_tolerance
+    )
+    assert found.outcome == "finished"
+    return found.evaluations
+
+
 @pytest.mark.parametrize("level", ["pocket", "planar"])
 def test_where_rollers_hit_their_pockets_and_little_is_damped_an_explicit_one_serves(level):
     study = Dynamics(level=level, duration=0.03, points=11, planar=PLANAR)
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "leapfrog"}
     assert damped(study, bearing(), 0.02) < 0.05
-    counts = re.search(
-        r"in the first 0.03 s decide among them: leapfrog (\d+), rk45 (\d+); friction is evaluated every \S+ s there",
-        found.reasons["integrator"],
-    )
-    assert int(counts[1]) < int(counts[2])
-    assert "the motion swings, at up to" in found.reasons["integrator"]
-    run = attrs.evolve(study, integrator="leapfrog").run(estimates.with_few_slices(bearing()))
-    # without the rates at stored instants; the looks at the damping are among them
-    assert run.attrs["rate_evaluations"] == pytest.approx(int(counts[1]), rel=0.01)
+    assert re.match(r"the motion swings, at up to \S+ rad/s, and speeds are damped by", found.reasons["integrator"])
+    assert evaluations(study, "leapfrog") < 0.5 * evaluations(study, "rk45")
 
 
 @pytest.mark.parametrize(
@@ -130,7 +134,7 @@ def test_what_is_stiff_keeps_the_integrator_of_the_study(level, friction, change
     study = Dynamics(level=level, friction=friction, duration=0.05, planar=PLANAR)
     found = choose_motion(study, bearing(**changes), others("integrator"))
     assert found.settings == {"integrator": "rodas5p"}
-    assert found.reasons["integrator"].startswith("the motion is stiff: its strongest damping, ")
+    assert found.reasons["integrator"].startswith("the motion is stiff: ")
     if friction == "constant":
         assert damped(study, bearing(**changes), 1e-3) > 0.3
 
@@ -141,15 +145,8 @@ def test_from_rest_one_that_follows_its_error_serves_where_it_needs_far_fewer_ra
     study = Dynamics(duration=2e-3, points=3, **rest)
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "rk45"}
-    told = re.search(
-        r"rodas5p takes (\d+) evaluations .* in (\S+) s, rk45 (\d+) in 0.002 s", found.reasons["integrator"]
-    )
-    assert int(told[1]) > 2 * int(told[3])
-    few = estimates.with_few_slices(bearing())
-    run = attrs.evolve(study, integrator="rk45").run(few)
-    assert run.attrs["rate_evaluations"] == pytest.approx(int(told[3]), rel=0.01)
-    slow = attrs.evolve(study, integrator="rodas5p", duration=float(told[2])).run(few)
-    assert slow.attrs["rate_evaluations"] > 2 * run.attrs["rate_evaluations"]
+    assert "but for a while only" in found.reasons["integrator"]
+    assert evaluations(study, "rodas5p") > 2 * evaluations(study, "rk45")
 
 
 def test_a_tight_tolerance_is_for_a_method_of_high_order():
@@ -167,14 +164,25 @@ def test_at_cage_set_an_explicit_one_serves_where_it_needs_far_fewer_rates(frict
         attrs.evolve(study, integrator=name).run(bearing()).attrs["rate_evaluations"] for name in ("rk45", "rodas5p")
     ]
     assert rates[0] < 0.6 * rates[1]
-    assert re.search(r"decays at up to \d+/s, .*: rodas5p takes \d+ .*, against rk45 \d+$", found.reasons["integrator"])
+    assert "which does not bind an explicit method" in found.reasons["integrator"]
 
 
 def test_at_cage_set_friction_that_sets_in_at_once_is_stiff():
     study = Dynamics(friction="constant", friction_speed=1e-5, duration=0.5)
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "rodas5p"}
-    assert re.search(r"for which explicit integrators take at least \d+, and rodas5p", found.reasons["integrator"])
+    assert "more than the 10000/s up to which an explicit method takes fewer rates" in found.reasons["integrator"]
+
+
+@pytest.mark.parametrize("level", ["cage-set", "pocket"])
+@pytest.mark.parametrize("number", [0, 3, 5, 8, 10, 16, 18, 22])
+def test_no_rival_goes_through_a_random_bearing_with_many_fewer_rates(number, level):
+    """Bearings whose contacts are not stiff; leapfrog would not resolve stiff ones."""
+    study = Dynamics(level=level, friction="effective", duration=0.2 if level == "cage-set" else 0.05, points=3)
+    few = estimates.with_few_slices(assemble(scene(points(24)[number]), SLICES))
+    found = choose_motion(study, few, others("integrator"))
+    rates = {name: evaluations(study, name, few) for name in ("rk45", "rodas5p", found.settings["integrator"])}
+    assert rates[found.settings["integrator"]] <= 1.7 * min(rates.values())
 
 
 def test_the_choice_of_an_integrator_is_not_one_of_time():
@@ -267,18 +275,6 @@ def test_what_cannot_be_estimated_is_taken_as_finely_as_there_is(monkeypatch):
     for name in ("friction", "level"):
         assert found.reasons[name].endswith("would leave: the steps became too small")
     assert found.errors == {}
-
-
-def test_where_no_explicit_integrator_goes_through_the_one_of_the_study_stays(monkeypatch):
-    def fails(study, found):
-        raise ConvergenceError("pocket: the steps became too small")
-
-    monkeypatch.setattr(estimates, "_finished", fails)
-    found = choose_motion(Dynamics(level="pocket", duration=1e-3), bearing(), others("integrator"))
-    assert found.settings == {"integrator": "rodas5p"}
-    assert found.reasons["integrator"] == (
-        "no explicit integrator goes through the first 0.001 s: pocket: the steps became too small"
-    )
 
 
 def test_what_the_scene_names_stays():

@@ -4,17 +4,15 @@
   it does with many, and its difference is the error of the simpler way, with all that averages out or adds up.
 - Rollers that hit their pockets let the cage swing without moving its mean, and how they do so is chaotic: no tolerance
   makes two integrators agree on it. The levels are therefore held against each other by means over orbits of the cage.
-- Integrators are chosen by the spectrum of the motion: the eigenvalues of its Jacobian along the way, and the
-  frequencies that it tells. What swings and is hardly damped is for explicit methods, what is damped within a step that
-  resolves its contacts for the one that a study takes by default. Among explicit ones, of which only those are tried
-  that step without Python, evaluations of the rates decide. Nothing is timed: the same scene has the same integrator.
+- Integrators are chosen by rule, from the frequencies that a motion tells and its damping, the eigenvalues of its
+  Jacobian, where it begins. What swings and is hardly damped is for explicit methods, what is damped within a step that
+  resolves its contacts for the one that a study takes by default.
 - Effective friction has another largest drag than conventional friction, by 2.7 % in the middle and up to 23 % over 62
   random bearings (docs/trust/runaway.rst). Near it the one cage runs away where the other does not, whatever their
   speeds were until then: there it is not chosen.
-- Where rollers hit their pockets only explicit methods that resolve contacts are tried: another that is right about
-  the cage's speed may miss a third of the impacts' force (docs/trust/dynamics.rst).
-- What is stiff for a while only, as a start from rest, may still be cheaper with steps that follow their error: both go
-  through it until the implicit method has taken clearly more.
+- Where rollers hit their pockets only explicit methods that resolve contacts serve: another that is right about the
+  cage's speed may miss a third of the impacts' force (docs/trust/dynamics.rst).
+- What is stiff for a while only, as a start from rest, is for an explicit method whose steps follow their error.
 - Along a history it is looked at several instants. Where rings rest contacts are damped most: there, if not all the
   way, the motion is stiff, and an explicit method whose steps follow its error takes short ones for a short time.
 - What cannot be estimated is taken as finely as there is.
@@ -30,7 +28,6 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
-from rollslip.catalogue.registry import available, get_model
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
 from rollslip.motion.moving_bearing import MovingBearing
@@ -49,14 +46,9 @@ _STEP, _LOOSEST = 0.1, 1e-3
 _ORBITS, _INSTANTS = 3, 64
 #: Instants after which frictions are compared before their motions go on.
 _LOOKS: Final = (4, 8, 16, 32)
-#: Time [s] over which integrators are tried, instants of it at which the spectrum is taken, and at most as many steps
-#: that resolve contacts.
-_SHORT, _SPECTRA, _STEPS = 5e-2, 16, 12_000
-#: Least evaluations of an explicit method in a step of an implicit one, and in the time in which the fastest part of
-#: the motion decays: the real axis belongs to the stability of the usual ones up to about half their evaluations.
-_PER_STEP, _PER_DECAY = 3, 1.0
-#: By how much fewer evaluations make up for the default's larger stability.
-_CHEAPER = 2.0
+#: Damping [1/s] up to which rk45 takes fewer evaluations of smooth motions than rodas5p, or 1.6 times as many at most,
+#: and error of a step from which on leapfrog takes fewer than rk45 where contacts are resolved: 24 random bearings.
+_SMOOTH, _LEAPS = 1e4, 3e-8
 #: A step resolves a contact by this part of a radian; what is damped by more than the other part in it is stiff. An
 #: explicit method bears a fifth more.
 _RESOLVED, _STIFF = 0.2, 0.25
@@ -76,6 +68,11 @@ class Movable(Protocol):
     @property
     def cage_slip(self) -> float:
         """Slip of the cage at the start."""
+        ...
+
+    @property
+    def roller_slip(self) -> float:
+        """Slip of the rollers at the start."""
         ...
 
     @property
@@ -268,105 +265,41 @@ class _Trials:
         return "pocket", f"{found}, more than the {allowed:.1e} that leaving it out may take{other}", None
 
     def integrator(self, study: Movable) -> tuple[str, str, float | None]:
-        """An explicit one where the motion is not stiff, else the one that the study takes by default."""
-        moving, method = self.moving(study), study.method(self.assembly)
-        name, order = method.name, method.order or 0
-        contact, looks = moving.system.frequencies[0], list(zip(*moving.looks(), strict=True))
-        each = [_spectrum(moving, np.array([t]), y[None]) for t, y in looks]
-        found = max(frequency for frequency, _ in each), max(damping for _, damping in each)
-        at_times = False  # stiff, of a history
-        span = min(_SHORT, study.duration, _STEPS * _RESOLVED / contact if contact else math.inf)
-        if contact:
-            mildest = min(damping for _, damping in each)
-            if stiff := _stiff(contact, mildest):
-                return name, stiff, None
-            at_times = bool(_stiff(contact, found[1]))
-            own, least = math.inf, 0.0
-        else:
-            default = self._gone(study, moving, span)
-            found = _spectrum(moving, default.t, default.y)
-            own, least = default.evaluations, max(_PER_STEP * default.steps, _PER_DECAY * found[1] * span)
-        decays = f"the motion decays at up to {found[1]:.2g}/s"
-        costs = f"{name} takes {own} evaluations of the rates in the first {span:.2g} s"
-        if _CHEAPER * least >= own:
-            return name, f"{decays}, for which explicit integrators take at least {least:.0f}, and {costs}", None
-        tried, failed = dict[str, Trajectory](), ""
-        for other in available("integrator"):
-            model = get_model("integrator", other)
-            # of smooth motions, so that the same tolerance is about the same error, none of a lower order
-            higher = (model.order or 0) >= order
-            serves = model.resolves_contacts and (higher or not at_times) if contact else higher
-            if model.explicit and serves and model.compiled() is not None:
-                try:
-                    tried[other] = self._gone(study.evolved(integrator=other), moving, span)
-                except ConvergenceError as error:
-                    failed = str(error)
-        best = min(tried, key=lambda other: tried[other].evaluations, default=None)
-        if best is None:
-            return name, f"no explicit integrator goes through the first {span:.2g} s: {failed}", None
-        told = ", ".join(f"{other} {one.evaluations}" for other, one in tried.items())
+        """Leapfrog where contacts are to be resolved, rk45 where nothing swings, and the default where it is stiff."""
+        moving, name = self.moving(study), study.method(self.assembly).name
+        contact, (times, states) = moving.system.frequencies[0], moving.looks()
+        without_slip = [_damping(moving, t, y) for t, y in zip(times.tolist(), states, strict=True)]
+        begin = _damping(moving, 0.0, np.asarray(moving.initial(study.cage_slip, study.roller_slip)))
+        mildest, most = min(without_slip), max(*without_slip, begin)
+        damped = f"speeds are damped by up to {most:.2g}/s"
         if not contact:
-            if _CHEAPER * tried[best].evaluations >= own:
-                return name, f"{decays}, and {costs}, explicit integrators more than half of it: {told}", None
-            return best, f"{decays}, which does not bind an explicit integrator: {costs}, against {told}", None
-        if at_times:
-            return (
-                best,
-                f"the motion is damped by {mildest:.2g} to {found[1]:.2g}/s along the way: explicit steps that resolve "
-                f"contacts serve, and are held to tolerance where it is stiff; evaluations of the rates in the first "
-                f"{span:.2g} s: {told}",
-                None,
-            )
-        fastest, damping = _spectrum(moving, tried[best].t, tried[best].y)
-        if stiff := _stiff(contact, damping):
-            if (get_model("integrator", best).order or 0) < order:
-                return name, stiff, None
-            few = tried[best].evaluations
-            own, at = self._until(study.evolved(integrator=name), moving, span, _CHEAPER * few)
-            if own <= _CHEAPER * few:
-                return name, stiff, None
-            return (
-                best,
-                f"{stiff}; but {name} takes {own} evaluations of the rates in {at:.2g} s, {best} {few} in {span:.2g} s",
-                None,
-            )
-        return (
-            best,
-            f"the motion swings, at up to {max(fastest, *moving.system.frequencies):.2g} rad/s, and is hardly damped, "
-            f"by {damping:.2g}/s at most: explicit steps that resolve contacts serve, and evaluations of the "
-            f"rates in the first {span:.2g} s decide among them: {told}{_held(tried[best])}",
-            None,
-        )
-
-    def _until(self, study: Movable, moving: MovingBearing, span: float, most: float) -> tuple[int, float]:
-        """Evaluations of the rates until there are more than the most, or the span [s] ends; and when that was [s]."""
-        count, at, found = 0, 0.0, None
-        while at < span and count <= most:
-            at = min(max(2.0 * at, span / _SPECTRA), span)
-            found = _finished(study, study.tried(moving, np.array([at]), study.relative_tolerance, found))
-            count += found.evaluations
-        return count, at
-
-    def _gone(self, study: Movable, moving: MovingBearing, span: float) -> Trajectory:
-        times = np.linspace(0.0, span, _SPECTRA + 1)
-        return _finished(study, study.tried(moving, times, study.relative_tolerance))
+            if most > _SMOOTH:
+                return (
+                    name,
+                    f"{damped}, more than the {_SMOOTH:g}/s up to which an explicit method takes fewer rates",
+                    None,
+                )
+            return "rk45", f"{damped}, which does not bind an explicit method", None
+        if self.assembly.cage.pocket_contact == "film":
+            return name, "the motion is stiff: films in the pockets are, once they are pressed", None
+        if stiff := _stiff(contact, mildest):
+            return name, stiff, None
+        if _stiff(contact, most):
+            return "rk45", f"{damped}, but for a while only: explicit steps are held to their error there", None
+        swings = f"the motion swings, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
+        if study.relative_tolerance < _LEAPS:
+            return "rk45", f"{swings}: explicit steps of a high order serve for errors of that size", None
+        return "leapfrog", f"{swings}: explicit steps that resolve contacts serve", None
 
 
-def _spectrum(moving: MovingBearing, t: Array, y: Array) -> tuple[float, float]:
-    """Fastest angular frequency [rad/s] and strongest damping [1/s] at some states.
-
-    The damping is that of speeds by speeds, twice the decay of what it lets swing.
-    """
-    fastest = damping = 0.0
+def _damping(moving: MovingBearing, t: float, y: Array) -> float:
+    """Strongest damping [1/s] of speeds by speeds at a state, twice the decay of what it lets swing."""
     speeds = ~moving.system.places
-    for at, state in zip(t.tolist(), y, strict=True):
-        try:
-            jacobian = moving.system.jacobian(at, state)
-        except Exception as fault:  # of somebody's drag or friction: the run tells whose
-            raise ConvergenceError(f"the rates fail at t = {at:.3g} s: {fault}") from fault
-        fastest = max(fastest, float(np.abs(np.linalg.eigvals(jacobian).imag).max()))
-        damping = max(damping, float(-np.linalg.eigvals(jacobian[np.ix_(speeds, speeds)]).real.min()))
-    return fastest, damping
+    try:
+        jacobian = moving.system.jacobian(t, y)
+    except Exception as fault:  # of somebody's drag or friction: the run tells whose
+        raise ConvergenceError(f"the rates fail at t = {t:.3g} s: {fault}") from fault
+    return max(0.0, float(-np.linalg.eigvals(jacobian[np.ix_(speeds, speeds)]).real.min()))
 
 
 def _stiff(contact: float, damping: float) -> str:
@@ -376,16 +309,8 @@ def _stiff(contact: float, damping: float) -> str:
         return ""
     return (
         f"the motion is stiff: its strongest damping, {damping:.2g}/s, takes {damping * step:.2g} in a step of "
-        f"{step:.2g} s that resolves its contacts, more than the {_STIFF:g} up to which explicit ones are tried"
+        f"{step:.2g} s that resolves its contacts, more than the {_STIFF:g} up to which explicit ones serve"
     )
-
-
-def _held(found: Trajectory) -> str:
-    """How long friction was held where it was not evaluated every time."""
-    if not (told := found.told):
-        return ""
-    held, off = told["friction_held"], told["friction_off"]
-    return f"; friction is evaluated every {held:.1g} s there, and off by {off:.0e} of it when it is again"
 
 
 def _finished(study: Movable, found: Trajectory) -> Trajectory:
