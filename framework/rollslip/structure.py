@@ -129,7 +129,7 @@ def _layout(
 ) -> "tuple[str | None, dict[str, attrs.Attribute[Any]], dict[str, attrs.Attribute[Any]], attrs.Attribute[Any] | None]":
     """Return of a class the key of a bare name, its fields by name and by key, and the one that takes what is left."""
     fields = {a.name: a for a in attributes(cls) if a.init}
-    by_key = {key: a for a in fields.values() if not a.metadata.get("rest") and (key := key_of(a)) is not None}
+    by_key = {key: a for key, a in fields_of(cls) if a.init and not a.metadata.get("rest")}
     return bare_key(cls), fields, by_key, next((a for a in fields.values() if a.metadata.get("rest")), None)
 
 
@@ -149,6 +149,11 @@ def key_of(attribute: "attrs.Attribute[Any]") -> str | None:
     """Return the name of a field's key in a scene; None if it has none."""
     key: str | None = attribute.metadata.get("key", attribute.name)
     return key
+
+
+def fields_of(cls: Any) -> "list[tuple[str, attrs.Attribute[Any]]]":
+    """Return key and field of all fields of a class that have a key in a scene."""
+    return [(key, attribute) for attribute in attributes(cls) if (key := key_of(attribute)) is not None]
 
 
 def bare_key(cls: Any) -> str | None:

@@ -14,6 +14,7 @@ from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
 from rollslip.scene.schema import shown_range
 from rollslip.scene.values import resolved
+from rollslip.structure import fields_of
 from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 
@@ -149,8 +150,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             "usual": shown_range(a, "usual"),
             "possible": shown_range(a, "possible"),
         }
-        for a in attrs.fields(thing)
-        if a.metadata.get("key", a.name) is not None  # else nobody can set it
+        for _, a in fields_of(thing)
     ]
     about |= {
         "description": "\n".join(_doc(thing)),

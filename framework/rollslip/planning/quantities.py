@@ -19,7 +19,7 @@ from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import Known, Quantity
 from rollslip.scene.values import LubricantTable, ModelChoice, Scene
-from rollslip.structure import Location
+from rollslip.structure import Location, fields_of
 from rollslip.units import UnitError, quantity
 
 __all__ = ["quantities"]
@@ -72,9 +72,8 @@ def _thermal(scene: Scene) -> Any:
 def _of(instance: Any, prefix: str) -> Iterator[Quantity]:
     """Values of an attrs instance and of those in it."""
     kinds = get_type_hints(type(instance))
-    for attribute in attrs.fields(type(instance)):
-        name = attribute.metadata.get("key", attribute.name)
-        if name is None or attribute.metadata.get("rest"):
+    for name, attribute in fields_of(type(instance)):
+        if attribute.metadata.get("rest"):
             continue
         key, value = f"{prefix}.{name}", getattr(instance, attribute.name)
         if model := attribute.metadata.get("kind"):

@@ -38,7 +38,7 @@ from rollslip.results.curves import percent
 from rollslip.results.dark import GROUND, INK, adapting
 from rollslip.results.dataset import citations_of
 from rollslip.results.words import counted, verdict, warned
-from rollslip.scene.schema import schema
+from rollslip.scene.schema import rows_of, schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
 
@@ -264,15 +264,11 @@ def _input(datasets: "Datasets") -> str:
 
 def _known_keys(studies: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Unit and meaning of the keys of a scene, also of the tables that the reader of scenes leaves raw."""
-    known = {row.key: (row.unit, row.doc) for row in schema()}
-    raw: dict[str, Any] = {"lubricant": OilTable}
+    rows = [*schema(), *rows_of(OilTable, "lubricant.")]
     for name in studies:
         with contextlib.suppress(PluginError):  # the package is not here, or broken: its keys go without a meaning
-            raw[f"study.{name}"] = get_class("study", name)
-    for table, owner in raw.items():
-        for field in attrs.fields(owner):
-            known[f"{table}.{field.name}"] = (field.metadata.get("unit") or "", field.metadata.get("doc", ""))
-    return known
+            rows += rows_of(get_class("study", name), f"study.{name}.")
+    return {row.key: (row.unit, row.doc) for row in rows}
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -12,7 +12,7 @@ from rollslip.fields import FieldError
 from rollslip.files import readable
 from rollslip.scene.reading import checked_scene
 from rollslip.scene.values import ModelChoice, Scene, resolved
-from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
+from rollslip.structure import bare_key, fields_of, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, split_key
 from rollslip.units import as_written, quantity, typed, unit_given
 
@@ -188,7 +188,7 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
             table[:] = entries
             table = table[int(where[-1])]
             continue
-        attribute = next((a for a in attributes(kind) if key_of(a) == part), None) if attrs.has(kind) else None
+        attribute = dict(fields_of(kind)).get(str(part)) if attrs.has(kind) else None
         kind = types_of(kind)[attribute.name] if attribute is not None else None
         below = table.get(part)
         several = get_args(kind)[0] if get_origin(kind) is tuple else None

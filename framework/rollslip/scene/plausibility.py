@@ -20,7 +20,7 @@ import attrs
 from rollslip.errors import PluginError
 from rollslip.fields import FieldError, Span, as_given, span_in_words, unusual
 from rollslip.scene.supply import DEEPEST
-from rollslip.structure import Location, attributes, key_of, types_of
+from rollslip.structure import Location, attributes, fields_of, types_of
 from rollslip.units import UnitError, format_quantity, likely, quantity, unit_given
 
 __all__ = [
@@ -360,9 +360,8 @@ def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Loc
     if not isinstance(raw, Mapping):
         return
     kinds = types_of(cls)
-    for attribute in attributes(cls):
-        key = key_of(attribute)
-        if key is None or key not in raw:
+    for key, attribute in fields_of(cls):
+        if key not in raw:
             continue
         value, at = raw[key], where.at(key)
         if (kind := attribute.metadata.get("kind")) is not None:

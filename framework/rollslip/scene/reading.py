@@ -20,7 +20,7 @@ from rollslip.files import content_of, decoded, readable
 from rollslip.scene.clearance import FOLLOWS, before_mounting, in_operation, listed
 from rollslip.scene.plausibility import impossible_relations
 from rollslip.scene.values import Scene, resolved
-from rollslip.structure import FrozenTable, Location, attributes, bare_key, key_of, structure, thawed
+from rollslip.structure import FrozenTable, Location, bare_key, fields_of, structure, thawed
 from rollslip.toml import KeyPath, parse
 from rollslip.units import as_written
 
@@ -162,10 +162,8 @@ def _with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> di
 def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
     """Fill what a table leaves out with given values, but for those that follow from others and follow on."""
     filled = dict(table)
-    for attribute in attributes(type(data)):
-        key, value = key_of(attribute), getattr(data, attribute.name)
-        if key is None:
-            continue
+    for key, attribute in fields_of(type(data)):
+        value = getattr(data, attribute.name)
         inner = attrs.has(type(value))
         if key not in filled:
             default: Any = attribute.default

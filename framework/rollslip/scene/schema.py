@@ -8,7 +8,7 @@ import attrs
 from rollslip.fields import span_in_words
 from rollslip.scene.reading import NAMED
 from rollslip.scene.values import Scene
-from rollslip.structure import FrozenTable, attributes, bare_key, key_of, types_of
+from rollslip.structure import FrozenTable, attributes, bare_key, fields_of, types_of
 from rollslip.units import format_quantity
 
 __all__ = ["SchemaRow", "rows_of", "schema", "shown_default", "shown_range", "shown_type"]
@@ -34,10 +34,7 @@ def schema() -> list[SchemaRow]:
 def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
     """Yield the keys of one table of a scene, ``prefix`` before each."""
     kinds = types_of(cls)
-    for attribute in attributes(cls):
-        name = key_of(attribute)
-        if name is None:
-            continue
+    for name, attribute in fields_of(cls):
         kind, metadata = kinds[attribute.name], attribute.metadata
         free = metadata.get("rest") or FrozenTable in (kind, *get_args(kind))
         key = prefix + ("*" if metadata.get("rest") else f"{name}.*" if free else name)

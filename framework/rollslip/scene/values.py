@@ -21,7 +21,7 @@ import attrs
 from rollslip.datasets import Bearing, Surface
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
 from rollslip.scene.supply import Lubrication
-from rollslip.structure import FrozenTable, attributes, key_of
+from rollslip.structure import FrozenTable, fields_of
 from rollslip.units import format_quantity
 
 __all__ = [
@@ -249,8 +249,7 @@ def resolved(scene: Any) -> dict[str, object]:
 @cache
 def _keys(cls: Any) -> list[tuple[str, str, bool]]:
     """Name of every field that has a key in a scene, the key, and whether it takes the rest of the table."""
-    every = ((a.name, key_of(a), bool(a.metadata.get("rest"))) for a in attributes(cls))
-    return [(name, key, rest) for name, key, rest in every if key is not None]
+    return [(a.name, key, bool(a.metadata.get("rest"))) for key, a in fields_of(cls)]
 
 
 def _plain(value: object) -> object:

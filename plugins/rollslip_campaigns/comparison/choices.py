@@ -10,7 +10,7 @@ from rollslip.catalogue.registry import structure_model
 from rollslip.errors import PluginError, SceneError, UnknownNameError
 from rollslip.models import SliceModel, left_to_scene
 from rollslip.scene.values import Scene
-from rollslip.structure import Location
+from rollslip.structure import Location, fields_of
 
 #: A model by name, as a table with ``model`` and its parameters, or made.
 Model = str | Mapping[str, object] | SliceModel
@@ -87,12 +87,10 @@ def _as_table(kind: str, model: Model) -> dict[str, object]:
         raise PluginError(f"{kind}: a name, a table with 'model' or a model is expected, not {model!r}")
     if model.name not in available(kind) or get_class(kind, model.name) is not type(model):
         raise PluginError(f"{kind}: {type(model).__qualname__} is not what is called {model.name!r} here; register it")
-    cls: Any = type(model)
     table: dict[str, object] = {"model": model.name}
     left = left_to_scene(model)
-    for attribute in attrs.fields(cls):
-        key = attribute.metadata.get("key", attribute.name)  # None for what is none of a scene
-        if key and attribute not in left:
+    for key, attribute in fields_of(type(model)):
+        if attribute not in left:
             value, child = getattr(model, attribute.name), attribute.metadata.get("kind")
             table[key] = _as_table(child, value) if child else value
     return table

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
+from rollslip.structure import fields_of
 
 Array = NDArray[np.float64]
 
@@ -194,11 +195,7 @@ class CourseSettings:
     @property
     def parameters(self) -> dict[str, Any]:
         """Parameters of all shapes by key; None, or nothing, where they are not given."""
-        return {
-            attribute.metadata.get("key", attribute.name): getattr(self, attribute.name)
-            for attribute in attrs.fields(type(self))
-            if attribute.name != "shape"
-        }
+        return {key: getattr(self, attribute.name) for key, attribute in fields_of(type(self)) if key != "shape"}
 
     def course(self, now: float, end: float) -> Course:
         """Return the course up to an end [s], at least, of a value that the operation states to be ``now``.
