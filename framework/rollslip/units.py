@@ -11,11 +11,14 @@ Decisions:
   product.
 - Catalogues give speeds as 1/min, min-1 or Hz and mean turns. So these are turns in a field of rad/s, and only there;
   1/s stays refused, which some take for turns and some for radians.
+- Two factors that data sheets print together, "Nm" or "W/mK", are read where the field has the dimension of their
+  product, and only there: in others mK are millikelvins.
 - Nothing is guessed: a decimal comma, a missing unit or an unknown one is an error that shows what to write.
 - A number in a file or from Python is in SI units. One that is typed on a command line without a unit is none: who
   types 3000 for a speed means rpm (`typed`).
 """
 
+import contextlib
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -58,6 +61,7 @@ _PREFIXES = {
     "u": Fraction(1, 10**6),
     "m": Fraction(1, 10**3),
     "c": Fraction(1, 10**2),
+    "d": Fraction(1, 10),
     "k": Fraction(10**3),
     "M": Fraction(10**6),
     "G": Fraction(10**9),
@@ -71,8 +75,8 @@ _POUND = Fraction("0.45359237") * _KILOGRAM
 _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "1": (Fraction(1), (0, 0, 0, 0, 0), ""),
     "%": (Fraction(1, 100), (0, 0, 0, 0, 0), ""),
-    "m": (Fraction(1), (1, 0, 0, 0, 0), "numck"),
-    "l": (Fraction(1, 1000), (3, 0, 0, 0, 0), "m"),
+    "m": (Fraction(1), (1, 0, 0, 0, 0), "numcdk"),
+    **dict.fromkeys("lL", (Fraction(1, 1000), (3, 0, 0, 0, 0), "m")),
     "g": (Fraction(1, 1000), (0, 1, 0, 0, 0), "mk"),
     "s": (Fraction(1), (0, 0, 1, 0, 0), "num"),
     "min": (Fraction(60), (0, 0, 1, 0, 0), ""),
@@ -83,11 +87,13 @@ _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "arcmin": (Fraction(math.pi) / 10800, (0, 0, 0, 0, 1), ""),
     "rpm": (Fraction(math.pi) / 30, (0, 0, -1, 0, 1), ""),
     "N": (Fraction(1), (1, 1, -2, 0, 0), "mkM"),
-    "in": (Fraction(254, 10**4), (1, 0, 0, 0, 0), ""),
+    **dict.fromkeys(("in", "inch"), (Fraction(254, 10**4), (1, 0, 0, 0, 0), "")),
+    "mil": (Fraction(254, 10**7), (1, 0, 0, 0, 0), ""),
     "micron": (Fraction(1, 10**6), (1, 0, 0, 0, 0), ""),
     "kgf": (_KILOGRAM, (1, 1, -2, 0, 0), ""),
     "lbf": (_POUND, (1, 1, -2, 0, 0), ""),
     "psi": (_POUND / Fraction(254, 10**4) ** 2, (-1, 1, -2, 0, 0), ""),
+    "ksi": (1000 * _POUND / Fraction(254, 10**4) ** 2, (-1, 1, -2, 0, 0), ""),
     "Hz": (Fraction(1), (0, 0, -1, 0, 0), "kM"),
     "Pa": (Fraction(1), (-1, 1, -2, 0, 0), "mkMG"),
     "bar": (Fraction(10**5), (-1, 1, -2, 0, 0), ""),
@@ -178,6 +184,7 @@ _MEANT: Mapping[str, tuple[str, ...]] = {
 }
 
 _LONGEST = 80  # characters of a value that a message repeats
+_LONGEST_UNIT = 12  # characters of one whose factors may stand together
 _MOST_FACTORS = 8  # above or below the line; exact fractions of thousands take minutes
 _CELSIUS_ZERO = Fraction("273.15")
 #: Scales of temperature: size of a degree, and their zero [K].
@@ -188,13 +195,15 @@ _OFFSETS = {
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+)([^\d,][^,]*)?", re.ASCII)
 _FACTOR = re.compile(r"([A-Za-z%]+)(-?[1-4])?")
-_SPELLINGS = str.maketrans("µμ⁻¹²³·*", "uu-123  ", "^") | {ord("°"): "deg"}
+_SPELLINGS = str.maketrans("µμ⁻¹²³·⋅*", "uu-123   ", "^") | {ord("°"): "deg", ord("℃"): "degC"}
+_TOGETHER = re.compile(r"(?<=[A-Za-z0-9])(?=[A-Za-z])")
+_POINT = re.compile(r"(?<=[A-Za-z0-9])\.(?=[A-Za-z])")
 
 
 @lru_cache
 def _unit(text: str) -> tuple[Fraction, Dimension]:
     """Size in SI units and dimension of a unit."""
-    above, slash, below = text.translate(_SPELLINGS).partition("/")
+    above, slash, below = _POINT.sub(" ", text.translate(_SPELLINGS)).partition("/")
     below = below.strip()
     if below.startswith("(") and below.endswith(")"):
         below = below[1:-1]
@@ -202,6 +211,24 @@ def _unit(text: str) -> tuple[Fraction, Dimension]:
         raise UnitError(f"{as_written(text)} is ambiguous without parentheses")
     (top, dimension), (bottom, divisor) = _product(above, text), _product(below if slash else "1", text)
     return top / bottom, tuple(a - b for a, b in zip(dimension, divisor, strict=True))
+
+
+def _unit_in(text: str, unit: str) -> tuple[Fraction, Dimension]:
+    """Size and dimension of a unit in a field: turns are those of speeds, and factors may stand together."""
+    spelled = text.translate(_SPELLINGS)
+    if unit == "rad/s" and spelled in _TURNS:
+        return _ATOMS[_TURNS[spelled]]
+    known, expected = None, _unit(unit)[1]
+    with contextlib.suppress(UnitError):
+        if (known := _unit(text))[1] == expected:
+            return known
+    for gap in _TOGETHER.finditer(spelled) if len(spelled) <= _LONGEST_UNIT else ():
+        above, slash, below = f"{spelled[: gap.start()]} {spelled[gap.start() :]}".partition("/")
+        below = f"({below})" if " " in below and "(" not in below else below
+        with contextlib.suppress(UnitError):
+            if (found := _unit(above + slash + below))[1] == expected:
+                return found
+    return known or _unit(text)
 
 
 def _product(factors: str, unit: str) -> tuple[Fraction, Dimension]:
@@ -413,6 +440,7 @@ def _from_text(text: str, unit: str) -> Fraction:
     number = _NUMBER.match(stripped)
     try:
         value = Fraction(number[0]) if number else None
+        float(value or 0)  # beyond all floats it cannot be told in its own unit either
     except ValueError:  # more digits than Python reads
         value = None
     if number is None or value is None:
@@ -429,7 +457,7 @@ def _from_text(text: str, unit: str) -> Fraction:
             return value * size + zero
         symbol = "K"
     try:
-        size, dimension = _ATOMS[_TURNS[spelled]] if unit == "rad/s" and spelled in _TURNS else _unit(symbol)
+        size, dimension = _unit_in(symbol, unit)
     except UnitError as error:
         raise UnitError(f"{as_written(text)}: {error}; here {expectation(unit)}") from None
     if dimension != _unit(unit)[1]:
@@ -529,8 +557,7 @@ def _scale(given: str, unit: str) -> tuple[Fraction, Fraction]:
     spelled = given.translate(_SPELLINGS)
     if unit == "K" and spelled in _OFFSETS:
         return _OFFSETS[spelled]
-    symbol = _ATOMS[_TURNS[spelled]] if unit == "rad/s" and spelled in _TURNS else _unit(given)
-    return symbol[0], Fraction(0)
+    return _unit_in(given, unit)[0], Fraction(0)
 
 
 def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) -> str | None:
@@ -549,6 +576,7 @@ def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) 
         return None
     for meant in _MEANT.get(given, _MEANT.get(unit, ())):
         text = f"{number} {meant}"
-        if meant != given and usual(float(_from_text(text, unit))):
-            return text
+        with contextlib.suppress(OverflowError):  # 1e308 kN
+            if meant != given and usual(float(_from_text(text, unit))):
+                return text
     return None
