@@ -12,7 +12,7 @@ from typing import Any, Final, TypeAlias
 
 from rollslip.errors import SceneError
 
-__all__ = ["DEEPEST", "FrozenTable", "KeyPath", "key_lines", "parse", "split_key", "thawed"]
+__all__ = ["DEEPEST", "FrozenTable", "KeyPath", "key_lines", "loads", "parse", "split_key", "thawed"]
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
@@ -22,6 +22,8 @@ DEEPEST: Final = 32
 _PART = r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'"""
 _KEY = re.compile(rf"(?:{_PART})(?:[ \t]*\.[ \t]*(?:{_PART}))*")
 _PARTS = re.compile(_PART)
+#: A key over which tomllib takes minutes: its time grows with the square of the parts.
+_ENDLESS = re.compile(rf"(?<![A-Za-z0-9_.-])(?<!\. )(?:(?:{_PART})[ \t]*\.[ \t]*){{1000}}")
 
 
 class FrozenTable(Mapping[str, object]):
@@ -65,10 +67,18 @@ def thawed(value: object) -> Any:
     return [thawed(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
+def loads(text: str) -> dict[str, Any]:
+    """Return a document as tomllib does, in a time that grows with its length alone."""
+    if text.count(".") >= 1000 and (endless := _ENDLESS.search(text)):
+        line = text.count("\n", 0, endless.start()) + 1
+        raise tomllib.TOMLDecodeError(f"a key has more than 1000 parts (at line {line}, column 1)")
+    return tomllib.loads(text)
+
+
 def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:
     """Return a document as nested tables, and the place in the file that each of its keys came from."""
     try:
-        raw = tomllib.loads(text)
+        raw = loads(text)
     except (ValueError, RecursionError) as error:
         raise SceneError([_syntax_error(error, text, source)]) from None
     origins: dict[KeyPath, str] = {path: f"{source}:{line}" for path, line in key_lines(text).items()}

@@ -196,6 +196,11 @@ def holds(document: Any, path: tuple[str | int, ...]) -> bool:
         ("a = 1e5\na = 1e5\nb = 1", "scene.toml:2: not valid TOML: ", ")"),
         ("a = " + "1" * 5000, "scene.toml: not valid TOML: ", ""),
         ("a = " + "[" * 100_000, "scene.toml", ""),
+        (
+            "[a]\nx = { b" + ' . "c"' * 100_000 + " = 1 }",
+            "scene.toml:2: not valid TOML: a key has more than 1000 parts",
+            "",
+        ),
     ],
 )
 def test_a_syntax_error_has_its_line(text: str, start: str, end: str) -> None:

@@ -1,6 +1,5 @@
 """Changes of scenes: what can vary, and values by dotted key, from Python or ``key=value`` of the command line."""
 
-import tomllib
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final, get_args, get_origin
@@ -13,7 +12,7 @@ from rollslip.files import readable
 from rollslip.scene.reading import checked_scene
 from rollslip.scene.values import ModelChoice, Scene, resolved
 from rollslip.structure import bare_key, fields_of, thawed, types_of
-from rollslip.toml import DEEPEST, KeyPath, split_key
+from rollslip.toml import DEEPEST, KeyPath, loads, split_key
 from rollslip.units import as_written, quantity, typed, unit_given
 
 __all__ = ["SHORT", "Known", "Quantity", "evolve", "full_key", "parse_set", "unknown"]
@@ -239,7 +238,7 @@ def parse_set(text: str) -> tuple[str, object]:
         raise SceneError([f"{as_written(text)}: write KEY=VALUE, such as operation.radial_load='500 N'"])
     key, value = key.strip(), value.strip()
     try:
-        parsed = tomllib.loads(f"value = {value}")
+        parsed = loads(f"value = {value}")
     except (ValueError, RecursionError):
         return key, value
     plain = parsed.keys() == {"value"} and isinstance(parsed["value"], bool | int | float | str | list | dict)
