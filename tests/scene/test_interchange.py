@@ -144,12 +144,13 @@ def test_the_schema_has_every_key_with_its_unit():
 
 def test_a_command_reads_what_another_wrote(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    for arguments in (["export", "1032930-70C", "--out", "b.json"], ["info", "b.json"], ["export", "--schema"]):
+    written = ["export", "1032930-70C", "--out", "b.json"]
+    for arguments in (written, [*written, "--overwrite"], ["info", "b.json"], ["export", "--schema"]):
         with pytest.raises(SystemExit) as leave:
             main(arguments)
         assert leave.value.code == 0
     assert "radial clearance" in capsys.readouterr().out
-    for arguments in (["export"], ["export", "b.json", "--result", "r.nc"], ["export", "b.json", "--schema"]):
+    for arguments in (written, ["export"], ["export", "b.json", "--result", "r.nc"], ["export", "b.json", "--schema"]):
         with pytest.raises(SystemExit) as leave:
             main(arguments)
         assert leave.value.code == 2

@@ -95,15 +95,19 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     type=click.Path(path_type=Path),
     help="Stored result of SCENE, to be written where the format of FILE has a place for it.",
 )
+@click.option("--overwrite", is_flag=True, help="Replace the file.")
 @click.option("--schema", "of_schema", is_flag=True, help="The JSON Schema of the JSON instead.")
 @set_option
-def export(scene: str | None, out: Path | None, result: Path | None, of_schema: bool, changes: Sequence[str]) -> None:
+def export(
+    scene: str | None, out: Path | None, result: Path | None, overwrite: bool, of_schema: bool, changes: Sequence[str]
+) -> None:
     """Write SCENE for other programs: as neutral parameters in JSON, or in a format that a package offers.
 
     All commands read such a file in place of a scene.
     """
     import json
 
+    from rollslip.errors import OutputError
     from rollslip.files import whole_file
     from rollslip.results.dataset import open_result
     from rollslip.scene.interchange import parameter_schema, to_parameters, write_foreign
@@ -112,6 +116,8 @@ def export(scene: str | None, out: Path | None, result: Path | None, of_schema: 
         raise click.UsageError("give a SCENE, or --schema")
     if result is not None and (out is None or of_schema):
         raise click.UsageError("--result needs a SCENE and an --out")
+    if out is not None and out.exists() and not overwrite:
+        raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if scene is not None and out is not None:
         notes = write_foreign(scene_of(scene, changes), out, None if result is None else open_result(result))
         for note in notes:
