@@ -41,6 +41,19 @@ def test_there_and_back_is_the_same_scene(name, changes):
     assert to_parameters(back) == to_parameters(scene)
 
 
+@pytest.mark.parametrize(
+    "rings", [{}, {"operation.inner_ring_temperature": "75 degC"}], ids=["as mounted", "warm ring"]
+)
+def test_a_clearance_that_follows_from_its_mounting_still_does(rings):
+    scene = evolve(load_scene("gearbox"), rings)
+    assert scene.bearing.mounted is not None
+    fitted = {"bearing.mounting.shaft_fit": "m6"}
+    assert evolve(from_parameters(to_parameters(scene)), fitted) == evolve(scene, fitted)
+    stated = to_parameters(scene)
+    stated["parameters"]["bearing"]["radial_clearance"]["value"] *= 2.0
+    assert from_parameters(stated).bearing.radial_clearance == 2.0 * scene.bearing.radial_clearance
+
+
 def test_every_number_of_a_key_with_a_unit_has_it():
     told = to_parameters(load_scene("1032930-70C"))["parameters"]
     for row in schema():

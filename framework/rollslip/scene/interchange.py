@@ -10,6 +10,7 @@
   (`rollslip.scene.formats`), of which this JSON is one.
 """
 
+import contextlib
 import json
 import os
 import re
@@ -98,7 +99,21 @@ def from_parameters(document: object, source: str = "parameters") -> Scene:
     raw = _read(parameters, "", source, problems)
     if problems:
         raise SceneError(problems)
-    return from_raw(raw, source, json.dumps(document, indent=1, allow_nan=False))
+    text = json.dumps(document, indent=1, allow_nan=False)
+    scene = from_raw(raw, source, text)
+    if scene.bearing.mounting is None:
+        return scene
+    # what follows, the clearance that a mounting leaves and equal temperatures, was written out for others
+    operation = raw["operation"]
+    bearing = {key: value for key, value in raw["bearing"].items() if key != "radial_clearance"}
+    equal = [key for key in operation if key.endswith("_temperature") and operation[key] == operation["temperature"]]
+    for left_out in (equal, []):
+        stated = {key: value for key, value in operation.items() if key not in left_out}
+        with contextlib.suppress(SceneError):
+            follows = from_raw(raw | {"bearing": bearing, "operation": stated}, source, text)
+            if follows.bearing.radial_clearance == scene.bearing.radial_clearance:
+                return follows
+    return scene
 
 
 def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
