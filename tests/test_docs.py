@@ -94,7 +94,7 @@ def toml_snippets():
 
 def test_there_are_blocks_to_test():
     assert len(toml_snippets()) == 3
-    assert len(console_blocks()) == 11
+    assert len(console_blocks()) == 12
 
 
 @pytest.mark.parametrize("snippet", toml_snippets())

@@ -21,6 +21,7 @@ from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
 from rollslip.measurement import QUANTITIES
+from rollslip.results.answer import RULES
 from rollslip.scene.distributions import DISTRIBUTIONS, Correlation
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
@@ -165,7 +166,8 @@ def validity():
                 for one in models_as_dict(name)[kind].get("made_for", ()):
                     rows.setdefault(tuple(one.values()), []).append(f"``{name}``")
     lines = table(
-        ("laws", "made for", "outside", "remedy", "rests on"), [(", ".join(names), *row) for row, names in rows.items()]
+        ("laws", "code", "made for", "outside", "remedy", "rests on"),
+        [(", ".join(names), *row) for row, names in sorted(rows.items())],
     )
     return [lines[0], "   :class: wrapping", *lines[1:]]
 
@@ -370,6 +372,21 @@ def sentences():
     return table(("root", *kinds_), [(f"``{root}``", *(str(count[root, kind]) for kind in kinds_)) for root in roots])
 
 
+def verdicts():
+    """The rules of the verdict, in the order in which they are asked."""
+
+    def said(fact, sign, limit):
+        factor, other = limit if isinstance(limit, tuple) else (limit, "")
+        if sign == "none":
+            return f"{fact} is not known"
+        return f"{fact} {sign} {factor:g}" if not other else f"{fact} {sign} {f'{factor:g} x ' * (factor != 1)}{other}"
+
+    rows = [
+        (one.code, one.verdict, " and ".join(said(*each) for each in one.when) or "else", one.source) for one in RULES
+    ]
+    return table(("rule", "verdict", "where", "rests on"), rows)
+
+
 PARTS = {
     "scene-keys": scene_keys,
     "relations": relations,
@@ -390,6 +407,7 @@ PARTS = {
     "folders": folders,
     "imports-picture": imports_picture,
     "sentences": sentences,
+    "verdicts": verdicts,
     "table": from_table,
 }
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rollslip.planning.execution import run as run
     from rollslip.planning.new_scene import new as new
     from rollslip.planning.plan import plan as plan
+    from rollslip.results.account import answer as answer
     from rollslip.results.dataset import open_result as open_result
     from rollslip.results.figures import plot as plot
     from rollslip.scene.changes import evolve as evolve
@@ -46,6 +47,7 @@ _HOMES = {
     "Conditions": "rollslip_kernels.slices",
     "RollslipDeprecationWarning": "rollslip.errors",
     "Slices": "rollslip_kernels.slices",
+    "answer": "rollslip.results.account",
     "available": "rollslip.catalogue.registry",
     "evolve": "rollslip.scene.changes",
     "get_include": "rollslip_kernels",

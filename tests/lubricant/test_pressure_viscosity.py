@@ -20,7 +20,7 @@ from rollslip.errors import DomainError, PluginError, RollslipDeprecationWarning
 from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
 from rollslip.lubricant.pressure import PressureViscosity, from_oil, with_law
 from rollslip.models import TractionModel
-from rollslip.results.words import verdict
+from rollslip.results.account import answer
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
@@ -379,9 +379,9 @@ def test_a_strangers_law_is_named_like_ours(monkeypatch):
 
 def test_barus_is_told_first_where_a_scene_names_it():
     scene = evolve(load_scene("1032930-70C"), {"study.effective-friction.points": 9, "accuracy.slices": 11})
-    told = verdict([run(scene, "effective-friction")])
+    told = answer(run(scene, "effective-friction")).assumed
     assert any("follows Barus's law, as the scene names it: too steep above 0.1 GPa" in line for line in told)
     part = next(part for part in plan(scene).parts if part.part == "viscosity at pressure")
     assert "times what the default, Roelands's, does" in part.reason
     quiet = evolve(scene, {"lubricant.pressure_viscosity_law": "roelands"})
-    assert not any("Barus" in line for line in verdict([run(quiet, "effective-friction")]))
+    assert not any("Barus" in line for line in answer(run(quiet, "effective-friction")).assumed)

@@ -15,6 +15,7 @@ from rollslip import register
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli import console
 from rollslip.results.account import Account, PlainAccount, Table, account_of
+from rollslip.results.account import answer as answer_of
 from rollslip.results.curves import Curves, curve_names, curves
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
@@ -126,7 +127,7 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
         "heat given off: 12.5 W/m2 K",
         "verdict: sound",
     ]
-    assert console.findings(dataset) == [
+    assert account_of(dataset).lines(dataset) == [
         "2 m/s: critical slip 10.00%, largest friction 0.03",
         "4 m/s: grip still rises",
         *account.sentences(dataset)[2:],
@@ -141,21 +142,33 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
 
 @pytest.mark.quick
 @pytest.mark.parametrize("found", [1e-4, 2e-3])
-def test_the_terminal_shows_what_matters_most_and_an_error_that_is_not_kept(capsys, found):
+def test_the_terminal_shows_all_or_only_an_error_that_is_not_kept(capsys, found):
     error = {"result": "grip", "tolerance": 1e-3, "estimated": 1e-4, "found": found, "how": "a posteriori"}
     cost = {"actual": 1.0, "estimated": 1.0}
     dataset = strangers(accuracy=json.dumps([error]), cost=json.dumps(cost))
-    lines, shown = console.findings(dataset), PlainAccount.most_important
-    left, kept = console.print_results([dataset], whole=False), found <= 1e-3
+    lines, kept = account_of(dataset).lines(dataset), found <= 1e-3
+    console.print_results([dataset], whole=False)
     short = capsys.readouterr().out.splitlines()
-    assert short[0] == "grip-of-a-stranger:"
-    assert short[1 : 1 + shown] == [f"  {line}" for line in lines[:shown]]
-    assert ["not kept" in line for line in short[1 + shown :]] == [True] * (not kept)
-    assert left == len(lines) - shown + kept
-    assert console.print_results([dataset], whole=True) == 0
+    assert short[:1] == ["grip-of-a-stranger:"] * (not kept)
+    assert ["not kept" in line for line in short[1:]] == [True] * (not kept)
+    console.print_results([dataset], whole=True)
     whole = capsys.readouterr().out.splitlines()
     assert whole[1:-1] == [f"  {line}" for line in lines]
     assert ("not kept" in whole[-1]) is not kept
+
+
+@pytest.mark.quick
+def test_a_study_without_an_account_gives_an_answer_without_a_verdict():
+    answer = answer_of(strangers(source="road.toml"))
+    assert (answer.verdict, answer.next, answer.notes) == ("", (), ())
+    assert [(row.label, row.text) for row in answer.rows] == [
+        ("2 m/s, slip at largest traction", "10 %"),
+        ("depth of wear", "3.2 um"),
+        ("time to failure", "it does not fail"),
+        ("heat given off", "12.5 W/m2 K"),
+        ("verdict", "sound"),
+    ]
+    json.dumps(answer.as_dict(), allow_nan=False)
 
 
 @pytest.mark.quick
@@ -216,7 +229,7 @@ def registered():
 def test_an_account_of_a_stranger_takes_the_place_of_the_plain_one(tmp_path):
     dataset = strangers(grade="steep", instants=3)
     account = account_of(dataset)
-    assert console.findings(dataset) == ["there is grip"]
+    assert account_of(dataset).lines(dataset) == ["there is grip"]
     assert account.paragraph(dataset) == "There is grip."
     assert account.record(dataset) == {}
     assert save_plots(dataset, tmp_path) == []

@@ -128,7 +128,7 @@ def test_the_critical_slip_is_written_at_its_maximum(everything, drawn):
         assert value in words(curve)
         assert value in words(chart)
         assert (value in words(rollers)) == (ring == "inner")
-        assert f"{ring} ring: critical cage slip {value}" in metadata(curve, "description")
+        assert f"{ring.capitalize()} ring: critical cage slip {value}" in metadata(curve, "description")
 
 
 @pytest.mark.parametrize("scene", [COLD, evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})])

@@ -13,11 +13,11 @@ import pytest
 
 from rollslip.bearing.assembly import assemble
 from rollslip.references import KLEBANOV, as_dict
-from rollslip.results.account import capital
+from rollslip.results.account import answer as answer_of
 from rollslip.results.curves import percent
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
-from rollslip.results.words import REST, counted, verdict
+from rollslip.results.words import REST, counted
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene
 from rollslip_studies.effective_friction.study import EffectiveFriction
@@ -104,15 +104,17 @@ def page(results, figures, tmp_path):
     return written(results, figures, tmp_path, **provenance())
 
 
-def test_the_verdict_stands_before_all_else(results, figures, tmp_path):
+def test_the_answer_stands_before_all_else(results, figures, tmp_path):
     page = written(results, figures, tmp_path, **provenance())
-    lines = [f"{capital(line)}." for line in verdict(results.values())]
-    assert len(lines) == 3
-    assert lines[0].startswith("The cage runs away at")
-    at = [page.index(f"<p>{escape(line)}</p>") for line in lines]
-    assert at == sorted(at)
-    assert at[-1] < page.index('<section id="figures"') < page.index('<section id="warnings"')
+    datasets = [dataset.assign_attrs(provenance()) for dataset in results.values()]
+    answer = answer_of(*datasets)
+    at = page.index(answer.html())
+    assert f"<strong>{answer.verdict}</strong> " in page[at:]
+    assert "some-oil, 6371 rpm, 3.415 kN, 30 °C" in page[at:]
+    assert at < page.index('<section id="figures"') < page.index('<section id="warnings"')
     assert page.index('<section id="warnings"') < page.index("<details><summary><h2")
+    for row in answer.rows:
+        assert f'<th scope="row">{row.label}</th><td>{escape(row.text)}</td>' in page
 
 
 def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figures, tmp_path):

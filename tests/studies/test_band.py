@@ -46,6 +46,11 @@ def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with
         assert told["steady_slip"][end] == pytest.approx(float(moved.steady_slip[0]), rel=0.05)
         assert told["least_load"][end] == pytest.approx(float(moved.least_load), rel=0.05)
     assert told["steady_slip"]["most"] == "cage.drag.constant-torque.size"
+    for name in ("steady_slip", "least_load"):  # of one quantity alone the band is what it does
+        (moved,) = told[name]["moved"]
+        assert (moved["key"], moved["unit"]) == ("cage.drag.constant-torque.size", "N m")
+        assert moved["values"] == pytest.approx([told[name]["low"], told[name]["high"]])
+        assert moved["ends"] == pytest.approx([torque * math.exp(sign * deviation * FIFTH) for sign in (-1.0, 1.0)])
 
 
 def test_where_a_quantity_makes_the_cage_run_away_the_band_has_no_upper_end():
@@ -96,6 +101,6 @@ def test_the_command_tells_bands_beside_its_numbers(tmp_path):
     arguments = ["run", "1032930-70C", "--study", "steady-slip", "--set", "study.steady-slip.acceptable_slip=0.02"]
     done = CliRunner().invoke(cli, [*arguments, "--out", str(tmp_path / "o"), "--no-plots"])
     assert done.exit_code == 0, done.output
-    assert re.search(r"\[where data scatter the slip is about 0\.\d+ % to \d", done.output)
-    assert "[where data scatter the load is about" in done.output
+    assert re.search(r"cage slip +0\.77 % +below 0\.1 to 6\.\d %", done.output)
+    assert re.search(r"minimum load +\d\.\d kN +\d\.\d+ to \d\.\d kN, for a slip below 2 %", done.output)
     assert "band" in rollslip.open_result(tmp_path / "o" / "steady-slip.nc").attrs

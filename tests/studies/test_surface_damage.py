@@ -9,10 +9,10 @@ from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
 from rollslip.motion.losses import power_balance
-from rollslip.results.account import account_of
+from rollslip.results.account import account_of, answer
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
-from rollslip.results.words import LOWER_BOUNDS, verdict
+from rollslip.results.words import LOWER_BOUNDS
 from rollslip.scene.interchange import read_foreign, write_foreign
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
@@ -211,20 +211,22 @@ def test_a_bearing_that_runs_away_says_so():
     assert account_of(gone).sentences(gone) == [gone.status.item()]
 
 
-def test_limits_are_told_in_the_verdict(tmp_path):
+def test_limits_are_told_in_the_answer(tmp_path):
     hot = {"model": "contact-temperature", "allowed": "70 degC"}
     result = measured(["film-parameter", hot])
     account = account_of(result)
-    beyond = "the contact temperature is beyond its limit of 70 degC on the inner and outer ring"
-    assert account.harm(result) == beyond
-    assert verdict([result])[:2] == [LOWER_BOUNDS, beyond], "the scene's one drag is that of the land"
-    (law,) = verdict([measured("power-density")])
-    assert law.startswith("viscosity under pressure follows Barus's law, as the scene names it: ")
-    first, runs, bound, harm, caution, note, trust = verdict([run(SCENE, "steady-slip"), result])
-    assert first.startswith("the cage runs away at")
-    assert runs.startswith("with the drags of the scene the cage runs at a slip of")
-    assert (bound, harm, caution, note) == (LOWER_BOUNDS, beyond, law, SCENE.note), "which is as it was shipped"
-    assert trust.startswith("how far to trust it:")
+    one = answer(result)
+    row = one["contact-temperature"]
+    assert row.value == float(result.worst.sel(measure="contact-temperature").max())
+    assert row.note == "beyond its limit on the inner and outer ring, 70 degC"
+    assert one["film-parameter"].note.startswith("within its limit, 1")
+    assert one["film-parameter"].value == float(result.worst.sel(measure="film-parameter").min())
+    assert one["cage_slip"].value == float(result.slip)
+    assert one.assumed[0] == LOWER_BOUNDS, "the scene's one drag is that of the land"
+    both = answer(run(SCENE, "steady-slip"), result)
+    assert both["cage_slip"].by == "steady-slip"
+    assert both["contact-temperature"] == row
+    assert both.faults == ()
     told = account.topics(result)
     assert told["contact temperature"][0].endswith(
         "on the inner and outer ring that is beyond its limit of 70 degC (given in the scene)"

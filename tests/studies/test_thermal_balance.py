@@ -324,7 +324,8 @@ def test_a_wrong_thermal_model_is_refused_by_every_study():
 def test_runaways_of_film_and_of_bulk_are_told_apart():
     film = balanced({"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
     assert film.status.item().startswith("no balance: the drag is larger than the cage can carry")
-    assert account_of(film).headline(film) == film.status.item()
+    (row,) = account_of(film).answer(film).rows
+    assert (row.text, row.note) == ("no balance", film.status.item())
     weak = {"shaft_ambient": 0.05, "housing_ambient": 0.05}
     bulk = balanced(**weak)
     assert "no balance up to 150 degC: losses exceed what is carried away by " in bulk.status.item()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
 #: What the shell sees.
-OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, INTERRUPTED = 0, 2, 3, 4, 5, 130
+OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, FAILED_ON, INTERRUPTED = 0, 2, 3, 4, 5, 6, 130
 
 #: What plots are written as; a test holds that it is what can be written.
 FORMATS = frozenset({"svg", "pdf", "png"})
@@ -293,11 +293,14 @@ class Results:
         """Return where everything was written to, as plain values."""
         return {"folder": str(self.target), "files": self._files}
 
-    def tell(self, *datasets: "xr.Dataset") -> None:
-        """Print the warnings of results, those of most consequence, and where everything was written to."""
+    def tell(self, *datasets: "xr.Dataset", whole: bool = True) -> None:
+        """Print the warnings of results, those of most consequence, and where everything was written to.
+
+        Unless it is the whole, laws that were left are not told: an answer has them as notes.
+        """
         from rollslip.results.words import counted, warned
 
-        first, more = warned(datasets)
+        first, more = warned(datasets, laws=whole)
         warn(first)
         if more:
             warn([f"{counted(more)}; rollslip info of the .nc files in {self.target} tells of each"])

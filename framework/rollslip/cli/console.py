@@ -16,8 +16,9 @@ from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
-from rollslip.results.account import account_of, told_elsewhere
-from rollslip.results.words import first_line, verdict
+from rollslip.results.account import account_of
+from rollslip.results.answer import COLOURS, Answer
+from rollslip.results.words import confidence, first_line
 from rollslip.scene.values import EXACT, Scene, scene_hash
 from rollslip.units import format_quantity
 
@@ -132,28 +133,29 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
     print_table(("part", this, other, "reason"), rows)
 
 
-def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> int:
-    """Print the verdict, and of each study what matters most, or all that it found with errors and times.
+def print_answer(answer: Answer) -> None:
+    """Print an answer, with its verdict in colour where somebody sees that."""
+    if not sys.stdout.isatty():
+        click.echo(str(answer))
+        return
+    from rich.text import Text
 
-    Return how many lines are left out.
-    """
-    every, left = list(datasets), 0
-    for line in (told := verdict(every)):
-        click.echo(line)
-    told += told_elsewhere(every)
-    for dataset in every:
-        lines, missed = findings(dataset, told), missed_errors(dataset)
-        shown = len(lines) if whole else account_of(dataset).most_important
-        rest = lines[shown:]
-        left += len(rest) + (not whole and not missed)
-        texts = lines[:shown] + ([accuracy_and_time(dataset)] if whole or missed else [])
-        click.echo("\n  ".join((f"{dataset.attrs['study']}:", *texts)))
-    return left
+    marked = next((f"  {row.label}  " for row in answer.rows if row.key == answer.marked), "\n")
+    for k, line in enumerate(answer.lines()):
+        text = Text(line, style="bold" if line.startswith(marked) else "")
+        if not k and answer.verdict:
+            ink, ground = COLOURS[answer.verdict]
+            text.stylize(f"bold {ink} on {ground}", 0, len(answer.verdict))
+        terminal().print(text, soft_wrap=True)
 
 
-def findings(dataset: "xr.Dataset", told: Sequence[str] = ()) -> list[str]:
-    """Return what a study found, line by line, but for those that were told before."""
-    return [line for line in account_of(dataset).lines(dataset) if not any(line in one for one in told)]
+def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
+    """Print of each study all that it found with errors and times, or only which errors are more than asked for."""
+    for dataset in datasets:
+        lines = [*account_of(dataset).lines(dataset), accuracy_and_time(dataset)] if whole else []
+        lines += [accuracy_and_time(dataset)] if not whole and missed_errors(dataset) else []
+        if lines:
+            click.echo("\n  ".join((f"{dataset.attrs['study']}:", *lines)))
 
 
 def missed_errors(dataset: "xr.Dataset") -> set[str]:
@@ -190,14 +192,14 @@ def print_found(dataset: "xr.Dataset", indent: str = "") -> None:
     click.echo("\n".join(f"{indent}{line}" for line in account.lines(dataset)))
 
 
-def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]") -> dict[str, Any]:
+def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", answer: Answer) -> dict[str, Any]:
     """Return what a run did, as plain values; a value without meaning is null, with its status beside it."""
     return {
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": plan.scene.source,
         "scene_hash": scene_hash(plan.scene),
         "models": _by_kind(plan.models),
-        "verdict": verdict(datasets.values()),
+        "answer": answer.as_dict() | {"confidence": confidence(datasets.values())},
         "studies": {
             name: {
                 "results": account_of(dataset).record(dataset),

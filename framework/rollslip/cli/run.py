@@ -11,6 +11,7 @@ import click
 from rollslip.cli.app import (
     BAD_PLUGIN,
     BAD_SCENE,
+    FAILED_ON,
     INTERRUPTED,
     NOT_CONVERGED,
     Results,
@@ -96,29 +97,47 @@ def new(file: Path, **given: str | None) -> None:
 @set_option
 @results_options(resume=True)
 @click.option("--verify", is_flag=True, help="Run at the finest too, and tell whether the plan kept its word.")
-@verbose_option("All that was found, with errors and times.")
+@click.option(
+    "--fail-on",
+    "failing",
+    multiple=True,
+    type=click.Choice(("slips", "skids", "unknown")),
+    help="End with exit code 6 at this verdict; slips means skids too; may be repeated.",
+)
+@verbose_option("All that was found, with notes, errors and times.")
 @json_option
-def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, verbose: bool, results: Results) -> None:
+def run(
+    scene: str,
+    study: str | None,
+    changes: Sequence[str],
+    verify: bool,
+    failing: Sequence[str],
+    verbose: bool,
+    results: Results,
+) -> None:
     """Run the studies of SCENE, a shipped scene or a file, and write results, plots and on request a report.
 
-    It prints what matters most, with -v all that was found.
+    It prints the answer: OK, SLIPS, SKIDS or UNKNOWN, and what that rests on; with -v all that was found.
     """
     from rollslip.cli import console
     from rollslip.planning.execution import execute
-    from rollslip.planning.plan import plan
+    from rollslip.planning.plan import own_cage, plan
     from rollslip.planning.verification import verify as verified
+    from rollslip.results.account import answer
     from rollslip.results.dataset import save
+    from rollslip.results.words import confidence
 
     made = plan(scene_of(scene, changes), study)
-    if not results.as_json:
+    if verbose and not results.as_json:
         click.echo(console.headline(made))
+    own = own_cage(made.scene, made.studies)  # which the answer tells among what is assumed
     for sentence in made.foreseen:
-        click.echo(f"note: {sentence}", err=True)
+        if verbose or sentence != own:
+            click.echo(f"note: {sentence}", err=True)
     results.go_to(f"{Path(scene).stem}-results")
     kept = results.kept()
-    go_on = results.go_on(
-        ["rollslip", "run", scene, *(["--study", study] if study else []), *(f"--set={c}" for c in changes)]
-    )
+    changed = [scene, *(f"--set={c}" for c in changes)]
+    go_on = results.go_on(["rollslip", "run", *changed, *(["--study", study] if study else [])])
     datasets = {}
     with interruptible(kept, go_on), results.folder() as folder:
         for name in made.studies:
@@ -127,22 +146,25 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, ver
             if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
                 with progress(f"{name} at the finest"):
                     datasets[name] = verified(made, name, datasets[name])
-            datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
-            save(datasets[name], folder / f"{name}.nc")
             if datasets[name].attrs.get("outcome") == "interrupted":
                 break
+        for name in {row.by for row in answer(*datasets.values()).rows if row.key == "cage_slip"}:
+            datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
+        for name, dataset in datasets.items():
+            save(dataset, folder / f"{name}.nc")
         results.show(datasets, folder)
     outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
     if "interrupted" not in outcomes:
         forget(kept)
+    found = answer(*datasets.values(), scene=shlex.join(changed))
     if results.as_json:
-        print_json(console.run_as_dict(made, datasets) | results.as_dict())
+        print_json(console.run_as_dict(made, datasets, found) | results.as_dict())
     else:
-        left = console.print_results(datasets.values(), whole=verbose)
-        if left:
-            lines = f"{left} more line{'s' * (left != 1)}"
-            click.echo(f"{lines}, with errors and times: run with -v, or rollslip info of the .nc files")
-        results.tell(*datasets.values())
+        console.print_answer(found)
+        if verbose:
+            click.echo(f"confidence: {confidence(datasets.values())}")
+        console.print_results(datasets.values(), whole=verbose)
+        results.tell(*datasets.values(), whole=verbose)
     if "interrupted" in outcomes:
         click.echo(go_on, err=True)
         sys.exit(INTERRUPTED)
@@ -150,6 +172,8 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, ver
         failed = outcomes["failed"].attrs
         click.echo(f"failed: {failed['outcome_message']}; what was computed is kept", err=True)
         sys.exit({"model": BAD_PLUGIN, "domain": BAD_SCENE}.get(failed["failed_by"], NOT_CONVERGED))
+    if found.verdict.lower() in {*failing, *(["skids"] if "slips" in failing else [])}:
+        sys.exit(FAILED_ON)
 
 
 @click.command()

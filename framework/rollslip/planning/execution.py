@@ -63,7 +63,7 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
     made = plan(scene, study)
     name = next(iter(made.studies))
     with progress_in_notebook(name, made.seconds_of(name)) as show:
-        return execute(made, name, progress=show)
+        return made.studies[name].with_bands(made.scene, execute(made, name, progress=show))
 
 
 def execute(

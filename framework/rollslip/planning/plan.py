@@ -276,6 +276,13 @@ def require_memory(studies: Mapping[str, Study], assembly: Assembly, memory: flo
         raise SceneError(problems)
 
 
+def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
+    """Return which cage a bearing has that the scene does not state; nothing where it does, or none takes part."""
+    if not _caged(studies) or "mass" in (scene.cage or {}):
+        return ""
+    return f"the cage is the bearing's own, {'; '.join(in_words(scene, read_cage(scene)))}"
+
+
 def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:
     """Return in words what somebody should know before a plan is run; empty if there is nothing."""
     said = [
@@ -286,8 +293,8 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
     ]
-    if _caged(studies) and "mass" not in (scene.cage or {}):
-        said.append(f"the cage is the bearing's own, {'; '.join(in_words(scene, read_cage(scene)))}")
+    if told := own_cage(scene, studies):
+        said.append(told)
     if held := _held(scene, studies):
         said.append(
             f"models.thermal does not act in {', '.join(held)}: rings, rollers and oil "

@@ -19,7 +19,7 @@ import attrs
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.models import SliceModel
-from rollslip.planning.plan import Plan, part_as_dict
+from rollslip.planning.plan import Plan, own_cage, part_as_dict
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
 from rollslip.results.dataset import CITED
 from rollslip.scene.values import Scene, resolved, scene_hash
@@ -64,6 +64,7 @@ def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
         models=models_told(plan.models),
         lubricant=lubricant_told(assembly.lubricant),
         **({"bound_below": 1} if "cage" in assembly.known_cage and assembly.cage.drags.bound_below else {}),
+        **({"own_cage": told} if (told := own_cage(scene, plan.studies)) else {}),
         data=[data_told(offer) for offer in named_data(scene.raw or {}) if offer.kind != "lubricant"],
         film_limits=film_limits_told(assembly),
         conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},

@@ -1,22 +1,27 @@
 """What an account is: how the results of one study or campaign are told, in words, as plain values, tables and figures.
 
-- Console, report, figures and JSON ask `account_of` for it and know no study by name. It is found by the dataset's
-  attribute ``study`` among the entry points ``rollslip.account``, our own like a stranger's.
+- Console, report, figures and JSON ask `account_of` for it, `answer` for what stands first, and know no study by
+  name. It is found by the dataset's attribute ``study`` among the entry points ``rollslip.account``, our own like a
+  stranger's.
 - Everything is told from the dataset alone, so that a stored result is told alike years later.
 - A study without an account is told by what its dataset says of itself: friction curves where attribute ``curves`` says
   what they are, and single values by name, unit and status.
 - An account is imported for words alone too: what loads Matplotlib is imported where figures are drawn.
 """
 
+import json
 import math
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import available, get_class
+from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
 from rollslip.results.curves import Curves, critical_rows, curves
+from rollslip.results.words import LOWER_BOUNDS, percent
 from rollslip.units import UnitError, format_quantity
 
 if TYPE_CHECKING:
@@ -24,8 +29,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital", "headline_of",
-    "told_elsewhere", "untold", "with_unit",
+    "ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "answer", "capital",
+    "with_unit",
 ]  # fmt: skip
 
 
@@ -67,45 +72,21 @@ class Account:
         The study, as the attribute ``study`` of its datasets has it.
     numbers : mapping of str to tuple of str
         Attributes of its datasets that are numbers of interest: what each is called, and its unit.
-    names_first : bool
-        Whether sentences begin with names, which keep their small letters.
-    knows_operation : int
-        How much it knows of how the bearing runs: of several results that of the largest speaks.
-    most_important : int
-        How many of its `lines` a short form has, the first ones.
+    drawn : str
+        Function that draws its figures, as "module:function"; empty where it draws none.
     """
 
     name: str
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {}
-    names_first: ClassVar[bool] = False
-    knows_operation: ClassVar[int] = 0
-    most_important: ClassVar[int] = 2
+    drawn: ClassVar[str] = ""
 
-    def headline(self, dataset: "xr.Dataset") -> str:
-        """Return what has to be known before all else, without its full stop; nothing where there is no such thing."""
-        return ""
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return what has to be known first: rows of quantities, what is assumed, and commands by verdict."""
+        return Answer()
 
-    def operation(self, dataset: "xr.Dataset") -> str:
-        """Return how the bearing runs, and with what reserve, without its full stop; nothing where it is not known."""
-        return ""
-
-    def known_better(self, dataset: "xr.Dataset") -> list[str]:
-        """Return which of its sentences one that knows more of how the bearing runs tells in place of it."""
-        return []
-
-    def chance(self, dataset: "xr.Dataset") -> str:
-        """Return how probably the cage does not run away where data scatter; nothing where it is not known."""
-        return ""
-
-    def harm(self, dataset: "xr.Dataset") -> str:
-        """Return which limits of its surfaces a bearing passes, without its full stop; nothing where it passes none."""
-        return ""
-
-    def untold(self, dataset: "xr.Dataset | None") -> str:
-        """Return what its study would add to a verdict, with what to type, where it did not run or does not say it."""
-        return ""
-
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
         return {}
 
@@ -119,9 +100,10 @@ class Account:
 
     def paragraph(self, dataset: "xr.Dataset") -> str:
         """Return all that is said as one text, for those who cannot see the figures."""
-        return " ".join(f"{text if self.names_first else capital(text)}." for text in self.sentences(dataset))
+        return " ".join(f"{capital(text)}." for text in self.sentences(dataset))
 
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values as JSON has them; what has no value is None, with its status beside it."""
         return {}
 
@@ -138,7 +120,8 @@ class Account:
 
         Artists take their style when they are made: figures are drawn while they are iterated.
         """
-        yield from ()
+        if self.drawn:
+            yield from resolve_name(self.drawn)(dataset)
 
     def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
         """Return the contacts that the load parameters of the dataset are of, in their order."""
@@ -148,9 +131,20 @@ class Account:
 class PlainAccount(Account):
     """How a dataset is told by what it says of itself: its friction curves, and its single values."""
 
-    names_first: ClassVar[bool] = True
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return every single value, and the slip at the largest traction of each curve."""
+        known = [
+            Row(key=f"critical_slip_{c.name}", label=f"{c.name}, slip at largest traction", value=c.critical_slip,
+                text=percent(c.critical_slip), note=c.rests_on)
+            for c in curves(dataset) if c.has_critical
+        ]  # fmt: skip
+        return Answer(
+            rows=(*known, *(Row(key=name, label=name, text=text) for name, text in _single_values(dataset).items()))
+        )
 
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found of each curve, and every single value."""
         slips = {
             name: [row["status"] if row["critical_slip"] is None else _critical(dataset, row)]
@@ -178,7 +172,8 @@ class PlainAccount(Account):
                 )
         return _named(slips | _single_values(dataset))
 
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return critical slip, largest friction and status of each curve, and every single value."""
         singles: dict[str, Any] = {}
         for name in map(str, dataset.data_vars):
@@ -193,8 +188,10 @@ class PlainAccount(Account):
         return critical_rows(dataset) | singles
 
     def figures(self, dataset: "xr.Dataset") -> "Figures":
-        """Draw the curves, if there are any."""
-        if curves(dataset):
+        """Draw the curves, if there are any, and nothing else does."""
+        if self.drawn:
+            yield from super().figures(dataset)
+        elif curves(dataset):
             from rollslip.results.curve_figures import plain_curves
 
             yield self.name, f"Friction over slip, {self.name}.", plain_curves(dataset)
@@ -207,25 +204,41 @@ class PlainAccount(Account):
         ]
 
 
-def headline_of(datasets: "Iterable[xr.Dataset]") -> str:
-    """Return the headline of the result that knows most of how the bearing runs; nothing if none has one."""
-    told = sorted(((account_of(d), d) for d in datasets), key=lambda one: -one[0].knows_operation)
-    return next(filter(None, (account.headline(dataset) for account, dataset in told)), "")
+def answer(*results: "xr.Dataset", scene: str = "") -> Answer:
+    """Return what has to be known first of results of one scene: verdict, rows with bands, assumptions, notes.
 
+    Parameters
+    ----------
+    results : xarray.Dataset
+        Results of studies, as `rollslip.run` or `rollslip.open_result` give them.
+    scene : str
+        What the commands of the answer are to take, with options; by default the source of the results.
 
-def told_elsewhere(datasets: "Iterable[xr.Dataset]") -> set[str]:
-    """Return sentences of results beside which another one knows it better: one number is told once."""
-    told = [(account_of(dataset), dataset) for dataset in datasets]
-    most = max((account.knows_operation for account, _ in told), default=0)
-    return {text for account, dataset in told if account.knows_operation < most
-            for text in account.known_better(dataset)}  # fmt: skip
+    Returns
+    -------
+    Answer
+        It shows itself as text and in a notebook; ``as_dict()`` gives SI values, units, bands and texts.
 
-
-def untold(datasets: "Iterable[xr.Dataset]") -> list[str]:
-    """Return what studies and campaigns that some results are not of would add to their verdict."""
-    there = {str(dataset.attrs.get("study", "")): dataset for dataset in datasets}
-    accounts: Iterator[Account] = (get_class("account", name) for name in available("account"))
-    return [text for account in accounts if (text := account.untold(there.get(account.name)))]
+    Examples
+    --------
+    >>> import rollslip
+    >>> rollslip.answer(rollslip.run("gearbox", "steady-slip"))["cage_slip"].text
+    '1.5 %'
+    """
+    found = merged(
+        ((str(one.attrs.get("study", "")), account_of(one).answer(one)) for one in results),
+        scene or next((str(one.attrs["source"]) for one in results if one.attrs.get("source")), ""),
+    )
+    oils = [json.loads(one.attrs["lubricant"]) for one in results if one.attrs.get("lubricant")]
+    first = [one.attrs.get("note", "") for one in results]
+    first += [LOWER_BOUNDS for one in results if one.attrs.get("bound_below")]
+    told = (*first, *found.assumed, *(oil.get("caution", "") for oil in oils))
+    return attrs.evolve(
+        found,
+        case=next(filter(None, map(case_of, results)), ()),
+        notes=notes_of(results),
+        assumed=tuple(dict.fromkeys(filter(None, told))),
+    )
 
 
 def account_of(dataset: "xr.Dataset") -> Account:
@@ -238,8 +251,8 @@ def account_of(dataset: "xr.Dataset") -> Account:
 
 
 def capital(text: str) -> str:
-    """Return a text with a capital as its first letter."""
-    return f"{text[:1].upper()}{text[1:]}"
+    """Return a text with a capital as its first letter, unless its first word is a name such as "steady_slip"."""
+    return f"{text[:1].upper()}{text[1:]}" if text.partition(" ")[0].rstrip(":,;").isalpha() else text
 
 
 def _critical(dataset: "xr.Dataset", row: Mapping[str, Any]) -> str:

@@ -1,6 +1,6 @@
 """The report: everything that is known about a run in one HTML file that opens anywhere and stays readable.
 
-- The verdict stands first, then the figures two abreast, then the warnings with their consequences; all else is folded
+- The answer stands first, then the figures two abreast, then the warnings with their consequences; all else is folded
   until a reader opens it, and comes unfolded on paper.
 - The figures follow the page: light, dark, or printed. Tables become lists where a screen is narrow.
 - One file without scripts and without anything to load; a content security policy in its head lets the browser hold
@@ -33,11 +33,11 @@ from rollslip.files import whole_file
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
-from rollslip.results.account import Table, account_of, capital, told_elsewhere
+from rollslip.results.account import Table, account_of, answer, capital
 from rollslip.results.curves import percent
 from rollslip.results.dark import GROUND, INK, adapting
 from rollslip.results.dataset import citations_of
-from rollslip.results.words import counted, verdict, warned
+from rollslip.results.words import confidence, counted, warned
 from rollslip.scene.schema import rows_of, schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -67,14 +67,14 @@ _WIDE: Final = 300.0
 
 def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path) -> None:
     """Write one self-contained HTML file about the results of a run."""
-    said = verdict(datasets.values())
+    first = answer(*datasets.values())
     drawings, colours = _figures(figures)
     shown = [
         section
         for section in (
             _Section("Figures", "figures", drawings, folded=False),
             _Section("Warnings", "warnings", _warnings(datasets), folded=False),
-            _Section("What was found", "findings", _findings(datasets), folded=bool(said)),
+            _Section("What was found", "findings", _findings(datasets), folded=bool(first.rows)),
             _Section("What was modelled and what was left out", "plan", _plan(datasets)),
             _Section("Models", "models", _models(datasets)),
             _Section("Input", "input", _input(datasets)),
@@ -93,7 +93,7 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
             _PAGE.substitute(
                 title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
                 style=_STYLE + colours,
-                verdict="".join(_tag("p", f"{capital(line)}.") for line in said),
+                verdict=first.html() if first.rows or first.verdict else "",
                 introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
                 contents="".join(f'<li><a href="#{section.key}">{section.heading}</a></li>' for section in shown),
                 sections="".join(section.html for section in shown),
@@ -139,13 +139,12 @@ def _warnings(datasets: "Datasets") -> str:
 
 
 def _findings(datasets: "Datasets") -> str:
-    body, left_out = "", told_elsewhere(datasets.values())
+    body = ""
     for name, dataset in datasets.items():
-        story = ([text for text in part if text not in left_out] if isinstance(part, list) else part
-                 for part in account_of(dataset).story(dataset))  # fmt: skip
-        if told := "".join(_told(part) for part in story if part):
+        if told := "".join(_told(part) for part in account_of(dataset).story(dataset) if part):
             body += _tag("h3", name) + told
-    return body
+    sure = confidence(datasets.values())
+    return body + (_tag("p", f"Confidence: {sure}.") if sure and body else "")
 
 
 def _told(part: str | list[str] | Table) -> str:
@@ -469,8 +468,10 @@ h3 { font-size: 1rem; margin: 1.25rem 0 .25rem; }
 p, ul { margin: .5rem 0; max-width: 46rem; }
 li { margin: .25rem 0; }
 a { color: var(--link); }
-.verdict p { font-size: 1.15rem; font-weight: 600; }
-.verdict p:nth-child(n+3) { font-size: 1rem; font-weight: 400; }
+.answer p:first-child { font-size: 1.15rem; font-weight: 600; }
+.answer strong { padding: .1em .5em; color: #000; background: #f0b849; }
+.answer.ok strong { background: #7bc47f; } .answer.skids strong { color: #fff; background: #b42318; }
+.answer.unknown strong { color: #fff; background: #86198f; } .answer .marked td { font-weight: 600; }
 nav ul { display: flex; flex-wrap: wrap; gap: .1rem 1.25rem; padding: 0; list-style: none; max-width: none; }
 nav a { display: inline-block; padding: .2rem 0; }
 #warnings { margin-top: 2rem; padding: .75rem 1.25rem; border-left: .4rem solid var(--alarm);
@@ -515,8 +516,8 @@ pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem
   td[data-of]:not([data-of=""])::before { content: attr(data-of) ": "; color: var(--quiet); }
 }
 @media print { body { padding: 0; max-width: none; font-size: 10pt; line-height: 1.35; } nav { display: none; }
-  h1 { font-size: 15pt; margin: 0 0 2mm; } h2 { margin: 3mm 0; } .verdict p, .verdict p:nth-child(n+3) {
-  font-size: 10pt; margin: 1.5mm 0; }
+  h1 { font-size: 15pt; margin: 0 0 2mm; } h2 { margin: 3mm 0; }
+  .answer p, .answer p:first-child { font-size: 10pt; margin: 1.5mm 0; }
   summary:not(:has(h2)) { display: none; } summary h2::before { display: none; }
   .wide, .sheet { overflow: visible; } td { overflow-wrap: anywhere; } pre { white-space: pre-wrap; }
   h2, h3, caption { break-after: avoid; }
@@ -544,7 +545,7 @@ _PAGE: Final = Template(
 <body>
 <header>
 <h1>$title</h1>
-<div class="verdict">$verdict</div>
+$verdict
 $introduction
 <nav aria-label="Contents"><ul>$contents</ul></nav>
 </header>

@@ -1,32 +1,21 @@
-"""Sentences that several studies and campaigns say alike, and the verdict that stands before all of them."""
+"""Sentences that several studies and campaigns say alike, and how people read numbers."""
 
 import json
 import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from rollslip.results.account import account_of, headline_of, untold
-from rollslip.results.curves import percent
+from rollslip.results.curves import percent as three_digits
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "AT_REST",
-    "LOWER_BOUNDS",
-    "REST",
-    "SWITCHED_OFF",
-    "TOLD_FROM",
-    "UNSURE",
-    "counted",
-    "estimated",
-    "first_line",
-    "runs_at",
-    "runs_away",
-    "verdict",
+    "AT_REST", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted", "estimated",
+    "first_line", "force", "force_unit", "percent", "plain", "rounded_up", "runs_at", "runs_away", "span", "two",
     "warned",
-]
+]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
@@ -68,7 +57,7 @@ def runs_away(slip: float, drag: float, status: str) -> str:
     """Say where a cage runs away, or what was found instead; no full stop."""
     if math.isnan(slip):
         return status
-    return f"the cage runs away at {percent(slip)} cage slip, at a drag of {format_quantity(drag, 'N m', 3)}"
+    return f"the cage runs away at {three_digits(slip)} cage slip, at a drag of {format_quantity(drag, 'N m', 3)}"
 
 
 def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
@@ -87,32 +76,11 @@ def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     return f"{said}, and could carry {'at least ' * bound}{reserve:.3g} times the drag"
 
 
-def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
-    """Return what has to be known first, one line each, no full stops; cautions and notes alone if no result has it.
-
-    Where the cage runs away; how it runs, with what reserve and how surely; whether a bound is all that is known; which
-    limits of the surfaces are passed; what a law that somebody chose is known for; how far to trust that. Of several
-    results that know how it runs the one speaks whose account knows most.
-    """
-    every = list(datasets)
-    first, harms = headline_of(every), [account_of(dataset).harm(dataset) for dataset in every]
-    oils: list[dict[str, Any]] = [json.loads(d.attrs["lubricant"]) for d in every if d.attrs.get("lubricant")]
-    cautions = dict.fromkeys(one["caution"] for one in oils if one.get("caution"))
-    cautions |= dict.fromkeys(str(dataset.attrs["note"]) for dataset in every if dataset.attrs.get("note"))
-    told = sorted(((account_of(d), d) for d in every), key=lambda one: -one[0].knows_operation)
-    runs = next(filter(None, (account.operation(dataset) for account, dataset in told)), "")
-    if not (first or runs or any(harms)):
-        return [*cautions]
-    chance = next(filter(None, (account.chance(dataset) for account, dataset in told)), "")
-    bound = LOWER_BOUNDS if any(dataset.attrs.get("bound_below") for dataset in every) else ""
-    said = [first, "; ".join(filter(None, [runs, chance])), bound, *harms, *cautions, _trust(every)]
-    return [*filter(None, said)]
-
-
-def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:
+def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list[str], list[str]]:
     """Return the warnings of results that are told at once, and the bounds of laws that are told where asked for.
 
-    What several results warn of alike is told once, where its consequence is largest. No full stops.
+    What several results warn of alike is told once, where its consequence is largest; without ``laws`` no bounds
+    are. No full stops.
     """
     others, bounds = dict[str, None](), dict[tuple[str, str], dict[str, Any]]()
     for dataset in datasets:
@@ -126,7 +94,7 @@ def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:
                 bounds[one["law"], one["made_for"]] = one
     ranked = sorted(bounds.values(), key=lambda one: (not one["warned"], not one["measured"], -one["weight"]))
     first = [one["text"] for one in ranked[:_MOST] if one["warned"]]
-    return [*others, *first], [one["short"] for one in ranked[len(first) :]]
+    return ([*others, *first], [one["short"] for one in ranked[len(first) :]]) if laws else ([*others], [])
 
 
 def counted(more: "Sequence[str]") -> str:
@@ -135,30 +103,80 @@ def counted(more: "Sequence[str]") -> str:
     return f"{what}, with less consequence or one that nobody knows: {'; '.join(more)}"
 
 
-def _trust(datasets: "list[xr.Dataset]") -> str:
-    """Say what results rest on: a law that approximates another, bounds that were left, and the data of the oil.
-
-    Then what is not told, with what to type.
-    """
-    judged: list[dict[str, Any]] = [json.loads(d.attrs["validity"]) for d in datasets if d.attrs.get("validity")]
+def confidence(datasets: "Iterable[xr.Dataset]") -> str:
+    """Say what results rest on: a law that approximates another, and the quality of the data; no full stop."""
+    every = list(datasets)
+    checked: list[dict[str, Any]] = [json.loads(d.attrs["validity"]) for d in every if d.attrs.get("validity")]
     said = list[str]()
-    if off := [one["approximation"] for one in judged if one.get("approximation")]:
+    if off := [one["approximation"] for one in checked if one.get("approximation")]:
         most = max(off, key=lambda one: float(one["rms"]))
         said.append(
             f"{most['law']!r} is {100.0 * most['rms']:.2g} % (rms) off {most['reference']!r}, which it approximates"
         )
-    left = {bound["law"] for one in judged for bound in one.get("bounds", ()) if bound["share_outside"] >= TOLD_FROM}
-    if left:
-        said.append(f"outside what it was made for: {', '.join(sorted(left))}, as the warnings say")
     kept: list[dict[str, Any]] = [
-        {"kind": "oil"} | json.loads(d.attrs["lubricant"]) for d in datasets if d.attrs.get("lubricant")
+        {"kind": "oil"} | json.loads(d.attrs["lubricant"]) for d in every if d.attrs.get("lubricant")
     ]
-    kept += [one for d in datasets for one in json.loads(d.attrs.get("data", "[]"))]
+    kept += [one for d in every for one in json.loads(d.attrs.get("data", "[]"))]
     for kind in dict.fromkeys(one["kind"] for one in kept):
         if grades := sorted({grade for one in kept if one["kind"] == kind for grade in one.get("grades", {}).values()}):
             ends = " and ".join(dict.fromkeys((grades[0], grades[-1])))
-            said.append(f"{kind} data of grade{'s' * (len(grades) > 1)} {ends}{' (estimated)' * (grades[-1] == 'D')}")
-    lines = [f"how far to trust it: {'; '.join(said)}"] if said else []
-    if missing := untold(datasets):
-        lines.append(f"not told here: {' and '.join(missing)}")
-    return "; ".join(lines)
+            said.append(f"data quality of the {kind} {ends} (A printed to D estimated)")
+    return "; ".join(said)
+
+
+# How people read values -----------------------------------------------------------------------------------------------
+
+
+def two(value: float) -> str:
+    """Return a number in two digits, without an exponent.
+
+    Examples
+    --------
+    >>> two(0.00456), two(12.34), two(22040.0), two(1.0)
+    ('0.0046', '12', '22000', '1.0')
+    """
+    if not math.isfinite(value) or value == 0.0:
+        return "0" if value == 0.0 else "none"
+    digits = 1 - math.floor(math.log10(abs(float(f"{value:.1e}"))))
+    return f"{round(value, digits):.{max(digits, 0)}f}"
+
+
+def percent(share: float) -> str:
+    """Return a share in per cent, two digits.
+
+    Examples
+    --------
+    >>> percent(0.0434), percent(7e-6), percent(0.934)
+    ('4.3 %', 'below 0.1 %', '93 %')
+    """
+    return "below 0.1 %" if abs(share) < 1e-3 else f"{two(100.0 * share)} %"
+
+
+def span(low: float, high: float) -> str:
+    """Return a band of slips in per cent: what is below 0.1 % and beyond all slips is said so."""
+    if high < 1e-3:
+        return "all below 0.1 %"
+    least = "below 0.1" if low < 1e-3 else two(100.0 * low)
+    return f"{least} to {two(100.0 * high)} %" if high < 1.0 else f"{least} % to skidding"
+
+
+def force(load: float, like: float, *, unit: bool = True) -> str:
+    """Return a force in N, or in kN where one that it stands beside is 500 N or more: one unit for a printout."""
+    name, factor = force_unit(like)
+    return f"{two(load * factor)}{f' {name}' * unit}"
+
+
+def force_unit(load: float) -> tuple[str, float]:
+    """Return the unit in which a load is printed, and how many there are in a newton."""
+    return ("kN", 1e-3) if load >= 500.0 else ("N", 1.0)
+
+
+def plain(value: float) -> str:
+    """Return a number as it was given, without an exponent where it is short."""
+    return f"{value:.10g}" if abs(value) >= 1e-3 and len(f"{value:.10g}") < 8 else f"{value:.4g}"
+
+
+def rounded_up(load: float, unit: str = "N") -> str:
+    """Return a load that is no less, in two digits, in N or kN."""
+    size = 10.0 ** (math.floor(math.log10(load)) - 1)
+    return f"{plain(math.ceil(load / size) * size * (1e-3 if unit == 'kN' else 1.0))} {unit}"

@@ -11,6 +11,7 @@
 import abc
 import math
 from collections.abc import Mapping, Sequence
+from statistics import NormalDist
 from typing import Any, Final
 
 import attrs
@@ -27,6 +28,8 @@ __all__ = ["DISTRIBUTIONS", "Distribution", "LogUniform", "Uncertainty", "read_u
 
 Array = NDArray[np.float64]
 _optional = attrs.validators.optional(positive)
+#: Values of a normal distribution that take less time one by one than SciPy takes to be imported.
+_FEW: Final = 4
 
 
 def own_unit(doc: str) -> Any:
@@ -79,6 +82,25 @@ def _one_of_two(first: Any, second: Any, names: tuple[str, str]) -> None:
         raise FieldError(names[0], f"give either {names[0]} or {names[1]}")
 
 
+def _scores(probability: Array) -> Array:
+    """Return quantiles of the normal distribution; of a few without SciPy, which takes longer to import than a run."""
+    if probability.size <= _FEW and bool(((probability > 0.0) & (probability < 1.0)).all()):
+        of = NormalDist().inv_cdf
+        return np.array([of(one) for one in probability.ravel().tolist()]).reshape(probability.shape)
+    from scipy.special import ndtri
+
+    return np.asarray(ndtri(probability))
+
+
+def _below(score: Array) -> Array:
+    """Return the normal distribution at scores; of a few likewise."""
+    if score.size <= _FEW:
+        return np.array([0.5 * math.erfc(-one / 2.0**0.5) for one in score.ravel().tolist()]).reshape(score.shape)
+    from scipy.special import ndtr
+
+    return np.asarray(ndtr(score))
+
+
 @attrs.frozen(kw_only=True)
 class Normal(Distribution):
     """x = mean + deviation z, with z normal."""
@@ -99,14 +121,10 @@ class Normal(Distribution):
         return attrs.evolve(self, mean=mean, deviation=deviation, scatter=None)
 
     def _quantile(self, probability: Array) -> Array:
-        from scipy.special import ndtri
-
-        return np.asarray(self.mean + self.deviation * ndtri(probability))
+        return np.asarray(self.mean + self.deviation * _scores(probability))
 
     def _share(self, value: Array) -> Array:
-        from scipy.special import ndtr
-
-        return np.asarray(ndtr((value - self.mean) / self.deviation))
+        return np.asarray(_below((value - self.mean) / self.deviation))
 
 
 @attrs.frozen(kw_only=True)
@@ -136,15 +154,11 @@ class LogNormal(Distribution):
         return math.sqrt(math.log1p(float(self.scatter or 0.0) ** 2))
 
     def _quantile(self, probability: Array) -> Array:
-        from scipy.special import ndtri
-
-        return np.asarray(self.median * np.exp(self._sigma * ndtri(probability)))
+        return np.asarray(self.median * np.exp(self._sigma * _scores(probability)))
 
     def _share(self, value: Array) -> Array:
-        from scipy.special import ndtr
-
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(ndtr(np.log(np.maximum(value, 0.0) / self.median) / self._sigma))
+            return np.asarray(_below(np.log(np.maximum(value, 0.0) / self.median) / self._sigma))
 
 
 @attrs.frozen(kw_only=True)

@@ -1,9 +1,9 @@
 """The account of a comparison of models."""
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures, Story, Table, account_of
+from rollslip.results.account import Account, Story, Table, account_of
 from rollslip.results.curves import curve_names
 from rollslip_campaigns.comparison import findings
 
@@ -14,9 +14,8 @@ if TYPE_CHECKING:
 class ComparisonAccount(Account):
     """How models beside one another are told: with a table for each curve."""
 
-    names_first: ClassVar[bool] = True
-
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return {
             f"{label}, {name}": texts
@@ -29,9 +28,7 @@ class ComparisonAccount(Account):
         """Return all that is said."""
         return findings.findings(dataset)
 
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values."""
-        return findings.record(dataset)
+    record = staticmethod(findings.record)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table for each curve."""
@@ -47,11 +44,7 @@ class ComparisonAccount(Account):
         ]
         return [*([f"{exchanged}."] if exchanged else []), *self.tables(dataset), self.sentences(dataset), *bins]
 
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw a figure for each curve."""
-        from rollslip_campaigns.comparison.figures import figures
-
-        yield from figures(dataset)
+    drawn = "rollslip_campaigns.comparison.figures:figures"
 
 
 @hookimpl

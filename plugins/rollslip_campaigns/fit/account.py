@@ -1,9 +1,9 @@
 """The account of a fit."""
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures, Table
+from rollslip.results.account import Account, Table
 from rollslip_campaigns.fit import findings
 
 if TYPE_CHECKING:
@@ -13,11 +13,7 @@ if TYPE_CHECKING:
 class FitAccount(Account):
     """How a fit is told: with a table of its parameters."""
 
-    names_first: ClassVar[bool] = True
-
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what was found, by what it is about."""
-        return findings.topics(dataset)
+    topics = staticmethod(findings.topics)
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return all that is said."""
@@ -27,19 +23,13 @@ class FitAccount(Account):
         """Return what is said on a terminal beside the table."""
         return findings.notes(dataset)
 
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values."""
-        return findings.record(dataset)
+    record = staticmethod(findings.record)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the parameters with their errors and intervals."""
         return [Table("", findings.HEAD, [list(row) for row in findings.parameter_rows(dataset)])]
 
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw friction, residuals and profiles."""
-        from rollslip_campaigns.fit.figures import figures
-
-        yield from figures(dataset)
+    drawn = "rollslip_campaigns.fit.figures:figures"
 
 
 @hookimpl

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.answer import Answer, Row
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["headline", "kept_spans", "record", "sentences", "topics"]
+__all__ = ["answer", "headline", "kept_spans", "record", "sentences", "topics"]
 
 #: Changes of the result below this share of its range are no change of its course.
 _FLAT: Final = 1e-6
@@ -26,6 +27,11 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         "points failed": _failed(dataset),
     }  # fmt: skip
     return found | {name: lines for name, lines in others.items() if lines}
+
+
+def answer(dataset: "xr.Dataset") -> Answer:
+    """Return where the limit is kept."""
+    return Answer(rows=(Row(key="limit", label="limit", text="", note=headline(dataset)),))
 
 
 def sentences(dataset: "xr.Dataset") -> list[str]:

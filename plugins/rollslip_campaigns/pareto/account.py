@@ -1,10 +1,10 @@
 """The account of error against cost."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures, Table
+from rollslip.results.account import Account, Table
 from rollslip_campaigns.pareto import findings
 
 if TYPE_CHECKING:
@@ -18,7 +18,8 @@ class ParetoAccount(Account):
         "rounds": ("rounds in which choices were timed", ""),
     }
 
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return {"found": findings.findings(dataset)}
 
@@ -26,19 +27,13 @@ class ParetoAccount(Account):
         """Return all that is said."""
         return findings.findings(dataset)
 
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values."""
-        return findings.record(dataset)
+    record = staticmethod(findings.record)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the choices of each study, with their times and errors."""
         return [Table(*table) for table in findings.tables(dataset)]
 
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw the front of each result."""
-        from rollslip_campaigns.pareto.figures import front_figures
-
-        yield from front_figures(dataset)
+    drawn = "rollslip_campaigns.pareto.figures:front_figures"
 
 
 @hookimpl

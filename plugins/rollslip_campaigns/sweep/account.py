@@ -1,9 +1,9 @@
 """The account of a sweep."""
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures
+from rollslip.results.account import Account
 from rollslip_campaigns.sweep import findings
 
 if TYPE_CHECKING:
@@ -13,25 +13,13 @@ if TYPE_CHECKING:
 class SweepAccount(Account):
     """How a sweep is told: by the range of every output."""
 
-    names_first: ClassVar[bool] = True
-
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what was found, by what it is about."""
-        return findings.topics(dataset)
+    topics = staticmethod(findings.topics)
+    record = staticmethod(findings.record)
+    drawn = "rollslip_campaigns.sweep.figures:sweep_figures"
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return all that is said."""
         return findings.sentences(dataset)
-
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values."""
-        return findings.record(dataset)
-
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw a map of the critical slip, and models against the scatter of the data."""
-        from rollslip_campaigns.sweep.figures import sweep_figures
-
-        yield from sweep_figures(dataset)
 
 
 @hookimpl

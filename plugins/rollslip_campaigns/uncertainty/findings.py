@@ -7,18 +7,22 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.results.answer import Answer, Row
+from rollslip.results.words import force, percent, plain, span, two
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["failed", "headline", "margin", "record", "reserve", "sentences", "topics"]
+__all__ = ["answer", "failed", "margin", "record", "reserve", "sentences", "topics"]
 
 #: What people act on, and what margin and allowable slip are of.
 RESERVE: Final = "drag reserve"
 STEADY: Final = "steady slip"
 LOAD: Final = "least radial load"
 RUNAWAY: Final = "slip of running away"
+#: How well samples know a band: best.
+_KNOWN: Final = 3
 #: Rank correlation of slip and drag of running away below which the caveat is told.
 _AGAINST: Final = -0.3
 
@@ -116,9 +120,27 @@ def _plain(value: Any) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def headline(dataset: "xr.Dataset") -> str:
-    """Say what reserve of drag there is, or where there is no cage, where it would run away."""
-    return reserve(dataset) if RESERVE in dataset["quantity"].to_numpy() else _runs_away(dataset)
+def answer(dataset: "xr.Dataset") -> Answer:
+    """Return slip, reserve and load of the samples; of a scene without a cage, where it would run away."""
+    every, p = dataset["quantity"].to_numpy(), float(dataset.attrs["probability"])
+    if RESERVE not in every:
+        return Answer(rows=(Row(key="runaway", label="limit drag torque", text="", note=_runs_away(dataset)),))
+    low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
+    sure = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
+    n, skids = int(dataset["samples"].sel(quantity=STEADY)), float(dataset["skidding"])
+    rows = [
+        Row(key="cage_slip", label="cage slip", value=slip, band=(low, high), known=_KNOWN, within=math.inf,
+            text=percent(slip) if math.isfinite(slip) else "skidding", note=f"{span(low, high)}; median of {n} samples")
+        if not math.isnan(slip) else Row(key="cage_slip", label="cage slip", text="not found", note=_steady(dataset)),
+        Row(key="drag_reserve", label="reserve to skidding", value=sure, band=(sure, math.inf), known=_KNOWN,
+            within=math.inf, text="not found" if math.isnan(sure) else f"at least {two(sure)}",
+            note=f"with probability {p:g}; {percent(skids)} of the samples skid"),
+    ]  # fmt: skip
+    if LOAD in every and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
+        below = f"for a slip below {plain(100.0 * float(dataset.attrs['acceptable_slip']))} %"
+        rows.append(Row(key="minimum_load", label="minimum load", value=load, unit="N", text=force(load, load),
+                        note=f"{below}, with probability {p:g}", within=math.inf))  # fmt: skip
+    return Answer(rows=tuple(rows))
 
 
 def _quantile(dataset: "xr.Dataset", name: str, probability: float) -> tuple[float, float, float]:

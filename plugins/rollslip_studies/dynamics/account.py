@@ -4,8 +4,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Contact, Figures, Table
+from rollslip.results.account import Account, Contact, Table
+from rollslip.results.answer import Answer
 from rollslip_studies.dynamics import findings, history_findings
+from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
 from rollslip_studies.surface_damage import findings as damage
 
 if TYPE_CHECKING:
@@ -26,33 +28,21 @@ class DynamicsAccount(Account):
         "contacts_evaluated": ("contacts evaluated in the motion", ""),
         "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
-    most_important: ClassVar[int] = 4
+    drawn = "rollslip_studies.dynamics.figures:motion_figures"
 
-    def headline(self, dataset: "xr.Dataset") -> str:
-        """Return where the cage runs away; along a history, how near it came to that."""
-        if history_findings.along(dataset):
-            return history_findings.running_away(dataset)[0]
-        return findings.headline(dataset)
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the slip at the end, along a history the largest, and measures of damage on the way."""
+        row = history_findings.row(dataset) if history_findings.along(dataset) else findings.row(dataset)
+        return Answer(rows=(row, *damage.rows(dataset)), next=NEXT_OF_OTHERS)
 
-    def operation(self, dataset: "xr.Dataset") -> str:
-        """Return the slip at the end; along a history the largest."""
-        if history_findings.along(dataset):
-            return history_findings.largest_in_words(dataset)
-        return findings.operation(dataset)
-
-    def known_better(self, dataset: "xr.Dataset") -> list[str]:
-        """Return where the cage runs away, if operation does not change."""
-        return [] if history_findings.along(dataset) else [findings.headline(dataset)]
-
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return history_findings.told(dataset, findings.topics(dataset)) | damage.over_motion(dataset)
 
-    def harm(self, dataset: "xr.Dataset") -> str:
-        """Return which measures of damage are beyond their limits on the way."""
-        return damage.harm(dataset)
-
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values."""
         return {
             **findings.record(dataset),
@@ -67,12 +57,6 @@ class DynamicsAccount(Account):
             Table("Energy ledger", *findings.ledger_table(dataset)),
             Table("Events", *findings.events_table(dataset)),
         ]
-
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw speeds, orbit, ledger and tracks."""
-        from rollslip_studies.dynamics.figures import motion_figures
-
-        yield from motion_figures(dataset)
 
     def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
         """Return the contacts with both rings."""

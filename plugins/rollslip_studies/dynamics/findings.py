@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.words import UNSURE, runs_away
+from rollslip.results.answer import Row
+from rollslip.results.words import UNSURE, percent, runs_away
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -261,9 +262,13 @@ def _is_steady(dataset: "xr.Dataset") -> bool:
     return bool(dataset.attrs["steady_status"] == "steady")
 
 
-def operation(dataset: "xr.Dataset") -> str:
-    """Say at which slip the cage runs, or where it was at the end."""
-    return _steady(dataset)
+def row(dataset: "xr.Dataset") -> Row:
+    """Return the row of the slip at the end; none is known of a motion that is not steady."""
+    slip = float(dataset.attrs["steady_cage_slip"]) if _is_steady(dataset) else math.nan
+    if math.isnan(slip):
+        return Row(key="cage_slip", label="cage slip", text="not steady", note=_steady(dataset))
+    return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), note="mean of the last orbit",
+               known=1, within=0.1)  # fmt: skip
 
 
 def _steady(dataset: "xr.Dataset") -> str:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.words import estimated
+from rollslip.results.answer import Row
+from rollslip.results.words import estimated, percent
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics.findings import energy_in_words
 
@@ -211,6 +212,14 @@ def largest_in_words(dataset: "xr.Dataset") -> str:
     if ahead < -_AHEAD:
         said += f"; the cage runs ahead by up to {-100 * ahead:.3g} % of its speed without slip, at t = {then:.3g} s"
     return said
+
+
+def row(dataset: "xr.Dataset") -> Row:
+    """Return the row of the largest slip."""
+    slip, when = largest(dataset)
+    known = "" if math.isnan(slip) else f"at t = {when:.3g} s, of an operation that varies"
+    return Row(key="largest_cage_slip", label="largest cage slip", value=slip, note=known or "the rings all but stand",
+               text=percent(slip) if known else "not found")  # fmt: skip
 
 
 def running_away(dataset: "xr.Dataset") -> list[str]:

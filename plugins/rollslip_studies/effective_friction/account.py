@@ -5,8 +5,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures, PlainAccount
+from rollslip.results.account import Account, PlainAccount
+from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
+from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS, reserve_row, slip_row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -14,11 +16,31 @@ if TYPE_CHECKING:
 
 _RUNAWAY: Final = ("runaway_slip", "runaway_drag", "runaway_status")
 _STEADY: Final = ("steady_cage_slip", "steady_drag", "steady_status")
+#: What slip and reserve may be off those of every slice, relative: docs/tables/runaway_effective_summary.csv.
+_WITHIN: Final = 0.25
 
 
 def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
     """All but where the cage runs and runs away, of which each is one sentence."""
     return dataset.drop_vars((*_RUNAWAY, *_STEADY), errors="ignore")
+
+
+def _runs_away(dataset: "xr.Dataset") -> str:
+    """Say where the cage runs away; nothing where that was not asked for."""
+    return runs_away(*(dataset[name].item() for name in _RUNAWAY)) if "runaway_slip" in dataset else ""
+
+
+def _runs(dataset: "xr.Dataset") -> str:
+    """Say steady slip and reserve of drag; nothing where they were not asked for."""
+    if "steady_cage_slip" not in dataset:
+        return ""
+    slip, drag, status = (dataset[name].item() for name in _STEADY)
+    if math.isnan(slip):
+        return str(status)
+    reserve, known = dataset["runaway_drag"].item() / drag if drag > 0.0 else math.nan, "found"
+    if "drag_reserve" in dataset:
+        reserve, known = dataset["drag_reserve"].item(), dataset["reserve_status"].item()
+    return runs_at(slip, dataset["runaway_slip"].item(), reserve, known)
 
 
 class EffectiveFrictionAccount(PlainAccount):
@@ -28,43 +50,32 @@ class EffectiveFrictionAccount(PlainAccount):
         "closure": ("closure: what the rollers spin at", ""),
     }
 
-    knows_operation: ClassVar[int] = 1
-
-    def headline(self, dataset: "xr.Dataset") -> str:
-        """Return where the cage runs away."""
-        if "runaway_slip" not in dataset:
-            return ""
-        away = (dataset[name].item() for name in _RUNAWAY)
-        return runs_away(*away)
-
-    def operation(self, dataset: "xr.Dataset") -> str:
-        """Return steady slip and reserve of drag."""
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return slip and reserve of drag, which a study of steady slips knows better."""
         if "steady_cage_slip" not in dataset:
-            return ""
-        slip, drag, status = (dataset[name].item() for name in _STEADY)
-        if math.isnan(slip):
-            return str(status)
-        reserve, known = dataset["runaway_drag"].item() / drag if drag > 0.0 else math.nan, "found"
+            return Answer(next=NEXT_OF_OTHERS)
+        slip, status = dataset["steady_cage_slip"].item(), dataset["steady_status"].item()
+        rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN)]
         if "drag_reserve" in dataset:
-            reserve, known = dataset["drag_reserve"].item(), dataset["reserve_status"].item()
-        return runs_at(slip, dataset["runaway_slip"].item(), reserve, known)
+            reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
+            rows.append(reserve_row(*reserve, known=1, within=_WITHIN))
+        return Answer(rows=tuple(rows), assumed=assumed_of(dataset), next=NEXT_OF_OTHERS)
 
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say where the cage runs away and runs, and what was found of each curve."""
-        said = {"running away": self.headline(dataset), "steady slip": self.operation(dataset)}
-        return {about: [text] for about, text in said.items() if text} | super().topics(_curves(dataset))
+        said = {"running away": _runs_away(dataset), "steady slip": _runs(dataset)}
+        return {about: [text] for about, text in said.items() if text} | PlainAccount.topics(_curves(dataset))
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return where the cage runs away and runs, and what was found of each curve."""
-        return [*self.known_better(dataset), *super().sentences(_curves(dataset))]
-
-    def known_better(self, dataset: "xr.Dataset") -> list[str]:
-        """Return where the cage runs away and runs."""
-        return [text for text in (self.headline(dataset), self.operation(dataset)) if text]
+        return [*filter(None, (_runs_away(dataset), _runs(dataset))), *super().sentences(_curves(dataset))]
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return what is said on a terminal."""
-        said, a = [*self.known_better(dataset), *super().lines(_curves(dataset))], dataset.attrs
+        said = [*filter(None, (_runs_away(dataset), _runs(dataset))), *super().lines(_curves(dataset))]
+        a = dataset.attrs
         if "instants_error" in a:
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(
@@ -73,11 +84,7 @@ class EffectiveFrictionAccount(PlainAccount):
             )
         return said
 
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw the curves, the single rollers and the map."""
-        from rollslip_studies.effective_friction.figures import figures
-
-        yield from figures(dataset)
+    drawn = "rollslip_studies.effective_friction.figures:figures"
 
 
 @hookimpl

@@ -47,6 +47,8 @@ from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip.scene.values import Scene
+
 #: Doublings start here and give up there.
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 1024
 
@@ -174,6 +176,12 @@ class EffectiveFriction(Study):
         default=15, doc="cage slips, and roller slips either way, of the map; 0 for none", validator=at_least(0)
     )
     per_roller: bool = parameter(default=False, doc="store the friction of every roller at the first instant")
+
+    def with_bands(self, scene: "Scene", dataset: "xr.Dataset") -> "xr.Dataset":
+        """Return a result with the band of its steady slip, which every slice's friction gives."""
+        from rollslip_studies.steady_slip.band import with_bands  # of the few who ask for it
+
+        return with_bands(scene, dataset, "steady_cage_slip")
 
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate: curve, maximum, error of the slices, and map."""

@@ -3,8 +3,12 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
+import attrs
+
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures, PlainAccount
+from rollslip.results.account import Account, PlainAccount
+from rollslip.results.answer import Answer
+from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,11 +22,12 @@ class FrictionCurveAccount(PlainAccount):
         "rolling_speed": ("entrainment speed", "m/s"),
     }
 
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw the curves."""
-        from rollslip_studies.friction_curve.figures import figures
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the curves, and that another study knows the slip of the cage."""
+        return attrs.evolve(PlainAccount.answer(dataset), next=NEXT_OF_OTHERS)
 
-        yield from figures(dataset)
+    drawn = "rollslip_studies.friction_curve.figures:figures"
 
 
 @hookimpl

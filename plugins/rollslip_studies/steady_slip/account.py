@@ -1,14 +1,12 @@
 """The account of steady slips."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures
+from rollslip.results.account import Account
 from rollslip_studies.steady_slip import findings
-
-if TYPE_CHECKING:
-    import xarray as xr
+from rollslip_studies.steady_slip.rows import answer
 
 
 class SteadySlipAccount(Account):
@@ -20,39 +18,12 @@ class SteadySlipAccount(Account):
         "friction": ("friction of the motion", ""),
     }
 
-    knows_operation: ClassVar[int] = 2
-    most_important: ClassVar[int] = 3
+    answer = staticmethod(answer)
+    topics = staticmethod(findings.topics)
 
-    def headline(self, dataset: "xr.Dataset") -> str:
-        """Return where the cage runs away."""
-        return findings.headline(dataset)
+    record = staticmethod(findings.record)
 
-    def operation(self, dataset: "xr.Dataset") -> str:
-        """Return steady slip, reserve of drag, and the least load of an acceptable slip."""
-        return findings.operation(dataset)
-
-    def untold(self, dataset: "xr.Dataset | None") -> str:
-        """Return how to know the load that a slip takes."""
-        if dataset is not None and "least_load" in dataset:
-            return ""
-        return (
-            "the least load of a cage slip, of 5 % for example, beside what makers ask for (--study steady-slip --set "
-            "study.steady-slip.acceptable_slip=0.05)"
-        )
-
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what was found, by what it is about."""
-        return findings.topics(dataset)
-
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values."""
-        return findings.record(dataset)
-
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw torques, orbit and the slips that were followed."""
-        from rollslip_studies.steady_slip.figures import steady_figures
-
-        yield from steady_figures(dataset)
+    drawn = "rollslip_studies.steady_slip.figures:steady_figures"
 
 
 @hookimpl

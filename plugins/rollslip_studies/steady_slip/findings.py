@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.words import AT_REST, UNSURE, runs_at, runs_away
+from rollslip.results.words import AT_REST, UNSURE
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -71,15 +71,6 @@ def _lost(one: "xr.Dataset") -> dict[str, Any]:
     return {"friction_torque": float(one["friction_torque"]), "losses": dict(powers)}
 
 
-def headline(dataset: "xr.Dataset") -> str:
-    """Say where the cage runs away, or that it does not."""
-    largest, slip = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
-    if math.isnan(largest):
-        return str(dataset["largest_drag_status"].item()) if "most_torque" in dataset else ""
-    by = ", by the effective friction of the raceways" if dataset.attrs["friction"] == "effective" else ""
-    return f"{runs_away(slip, largest, 'found')}{by}"
-
-
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
     return {
@@ -90,19 +81,6 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         **{f"limit of the {_what(dataset, name)}": [_limit(dataset, name)] for name in varied(dataset)},
         "inertia of the rollers": [_inertia(dataset)],
     }
-
-
-def operation(dataset: "xr.Dataset") -> str:
-    """Say at which slip the cage runs, what reserve of drag it has, and which load keeps an acceptable slip."""
-    if not has_steady(dataset) or str(dataset["status"].item()) != "found":
-        return str(dataset["status"].item())
-    slip, drag = float(dataset["steady_slip"][0]), float(dataset["torque"][0])
-    reserve, known = float(dataset["largest_drag"]) / drag if drag > 0.0 else math.nan, "found"
-    if "drag_reserve" in dataset:
-        reserve, known = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
-    least = f"; {_least_load(dataset, needs=False)}" if "least_load" in dataset else ""
-    said = f"{runs_at(slip, float(dataset['largest_drag_slip']), reserve, known)}{_band(dataset, 'steady_slip')}"
-    return f"{said}{_doubted(dataset)}{least}"
 
 
 def _band(dataset: "xr.Dataset", name: str) -> str:
@@ -198,12 +176,11 @@ def _slow(dataset: "xr.Dataset") -> bool:
     return "formula_speed" in dataset and float(dataset["formula_speed"]) < _JUDGED_FROM
 
 
-def _doubted(dataset: "xr.Dataset") -> str:
-    """Say in a clause that the friction torque is far from makers' formulas; nothing where it is not."""
+def doubted(dataset: "xr.Dataset") -> str:
+    """Say that the friction torque is far from makers' formulas; nothing where it is not."""
     ratio = _over_formulas(dataset)
-    if _slow(dataset) or not (ratio < 1.0 / _FAR or ratio > _FAR):
-        return ""
-    return f"; the friction torque is {ratio:.2g} times what makers' formulas give, beyond a factor of {_FAR:g}"
+    far = not _slow(dataset) and (ratio < 1.0 / _FAR or ratio > _FAR)
+    return f"{ratio:.2g} times what makers' formulas give" if far else ""
 
 
 def _judged(dataset: "xr.Dataset") -> list[str]:
@@ -217,7 +194,7 @@ def _judged(dataset: "xr.Dataset") -> list[str]:
             f"n d_m is {n_dm:.3g} mm/min: below {6e4 * _JUDGED_FROM:.2g} makers' formulas are no measure of the torque "
             "here, which has no weight of the rollers and little of mixed friction"
         ]
-    if not _doubted(dataset):
+    if not doubted(dataset):
         return []
     why = (
         "a drag is missing or too small, and slip and torque are lower bounds: see cage.drag"
@@ -288,7 +265,7 @@ def _jump(dataset: "xr.Dataset") -> str:
     return f"{said}; a larger one takes it to {_percent(to)}, where slips carry {beyond}"
 
 
-def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
+def _least_load(dataset: "xr.Dataset") -> str:
     """Say which load a slip takes, beside what makers ask for, and what the rules of others still need."""
     slip, load = _percent(float(dataset.attrs["acceptable_slip"])), float(dataset["least_load"])
     if math.isnan(load):
@@ -304,7 +281,7 @@ def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
         if math.isfinite(load)
     )
     said += f"; makers ask for {asked}, for any oil and cage"
-    missing = zip(makers, told, strict=True) if needs else ()
+    missing = zip(makers, told, strict=True)
     return said + "".join(f"; {maker}'s rule {status}" for maker, status in missing if status not in ("", "found"))
 
 

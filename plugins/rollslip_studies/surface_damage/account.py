@@ -1,9 +1,13 @@
 """The account of damage."""
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
+
+import attrs
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Figures
+from rollslip.results.account import Account
+from rollslip.results.answer import Answer
+from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
 from rollslip_studies.surface_damage import findings
 
 if TYPE_CHECKING:
@@ -13,25 +17,16 @@ if TYPE_CHECKING:
 class SurfaceDamageAccount(Account):
     """How measures of damage are told."""
 
-    most_important: ClassVar[int] = 6
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the slip, which another study knows better, and the worst of every measure."""
+        return attrs.evolve(findings.answer(dataset), next=NEXT_OF_OTHERS)
 
-    def harm(self, dataset: "xr.Dataset") -> str:
-        """Return which measures are beyond their limits."""
-        return findings.harm(dataset)
+    topics = staticmethod(findings.topics)
 
-    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what was found, measure by measure."""
-        return findings.topics(dataset)
+    record = staticmethod(findings.record)
 
-    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return the single values."""
-        return findings.record(dataset)
-
-    def figures(self, dataset: "xr.Dataset") -> Figures:
-        """Draw the measures over the orbit and across the worst contacts."""
-        from rollslip_studies.surface_damage.figures import damage_figures
-
-        yield from damage_figures(dataset)
+    drawn = "rollslip_studies.surface_damage.figures:damage_figures"
 
 
 @hookimpl

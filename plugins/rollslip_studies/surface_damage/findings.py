@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollslip.results.answer import Answer, Row
+from rollslip.results.words import percent
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -85,17 +87,30 @@ def _limit(one: "xr.Dataset") -> str:
     return f"that is within its limit of {value} ({source})"
 
 
-def harm(dataset: "xr.Dataset") -> str:
-    """Say which measures are beyond their limits; nothing where none is."""
-    if "measure" not in dataset.dims:
-        return ""
-    said = [
-        f"the {one['meaning'].item()} is beyond its limit of {told(float(one['limit']), str(one['unit'].item()))} on "
-        f"the {' and '.join(rings)} ring"
-        for one in measures(dataset)
-        if (rings := beyond(one))
-    ]
-    return "; ".join(said)
+def answer(dataset: "xr.Dataset") -> Answer:
+    """Return the slip, and the worst of every measure."""
+    slip, status = (float(dataset["slip"]), "") if "slip" in dataset else (math.nan, str(dataset["status"].item()))
+    own = Row(key="cage_slip", label="cage slip", value=slip, known=1,
+              text="not found" if math.isnan(slip) else percent(slip), note=status)  # fmt: skip
+    return Answer(rows=(own, *rows(dataset)))
+
+
+def rows(dataset: "xr.Dataset") -> tuple[Row, ...]:
+    """Return the worst of every measure, and whether that is beyond its limit; nothing where none was measured."""
+    return tuple(map(_row, measures(dataset))) if "measure" in dataset.dims else ()
+
+
+def _row(one: "xr.Dataset") -> Row:
+    key, label, unit = (str(one[name].item()) for name in ("measure", "meaning", "unit"))
+    known = one["worst"].to_numpy()[np.isfinite(one["worst"].to_numpy())]
+    if not known.size:
+        return Row(key=key, label=label, unit=unit, text="not found", note=str(one["worst_status"].to_numpy()[0]))
+    worst = float(known.max() if one["sense"].item() == "largest" else known.min())
+    limit = float(one["limit"])
+    state = f"beyond its limit on the {' and '.join(beyond(one))} ring," if beyond(one) else "within its limit,"
+    note = "no limit is known" if math.isnan(limit) else f"{state} {told(limit, unit)}"
+    return Row(key=key, label=label, value=worst, unit=unit, text=told(worst, unit), note=note,
+               alarm=bool(beyond(one)))  # fmt: skip
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.words import estimated
+from rollslip.results.answer import Answer, Row
+from rollslip.results.words import estimated, percent
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -133,10 +134,29 @@ def _settings(dataset: "xr.Dataset") -> str:
     return f"other studies take the temperatures of the scene; these are {' '.join(keys)}"
 
 
-def headline(dataset: "xr.Dataset") -> str:
-    """Say that there is no balance; nothing where there is one."""
-    status = str(dataset["status"].item())
-    return status if solved(dataset) and status != "found" else ""
+def answer(dataset: "xr.Dataset") -> Answer:
+    """Return the temperatures and the slip in balance, or the heat that has to be carried away to hold those given."""
+    if not solved(dataset):
+        loss = float(dataset["given_loss"])
+        text, note = (_watt(loss), "at the temperatures of the scene")
+        if math.isnan(loss):
+            text, note = "not found", str(dataset["given_status"].item())
+        return Answer(
+            rows=(Row(key="given_loss", label="heat to carry away", value=loss, unit="W", text=text, note=note),)
+        )
+    if not (balances := lasting(dataset)):
+        note = str(dataset["status"].item())
+        return Answer(rows=(Row(key="temperature", label="bulk temperature", unit="K", text="no balance", note=note),))
+    one = balances[0]
+    names, values = one["node"].to_numpy(), one["temperature"].to_numpy()
+    slip = float(one["steady_slip"])
+    first = float(values[0])
+    rows = (
+        Row(key="temperature", label="bulk temperature", value=first, unit="K", text=celsius(first),
+            note=_temperatures(names, values)),
+        Row(key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)),
+    )  # fmt: skip
+    return Answer(rows=rows, assumed=tuple(filter(None, [estimated(dataset)])))
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:

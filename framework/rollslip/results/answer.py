@@ -1,0 +1,445 @@
+"""The answer: what has to be known first of some results, as one value that terminal, report, notebook and JSON show.
+
+- Each account gives rows, one a quantity. Of several results the one tells a quantity that knows it best; two that
+  differ by more than both allow are a fault, which is told.
+- The verdict is the first of the `RULES` that holds, on facts that are intervals: a reserve that is known to be 2 at
+  least is from 2 to infinity. A rule for something worse that the facts cannot decide makes the verdict UNKNOWN.
+- People read two digits, percent, rpm, °C and kN, no exponents; values and bands beside them are SI and whole.
+"""
+
+import json
+import math
+import re
+import shutil
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from html import escape
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+
+from rollslip.results.words import force_unit, percent, plain, rounded_up, two
+from rollslip.units import format_quantity, shown_unit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["ACCEPTABLE", "RULES", "Answer", "Note", "Row", "Rule", "assumed_of", "case_of", "merged", "notes_of"]
+
+#: Verdicts, what is worse later; UNKNOWN is none of them.
+VERDICTS: Final = ("OK", "SLIPS", "SKIDS")
+UNKNOWN: Final = "UNKNOWN"
+#: Letters and ground of each, with the same contrast on a dark and on a light terminal.
+COLOURS: Final = {"OK": ("black", "green"), "SLIPS": ("black", "yellow"), "SKIDS": ("white", "red"),
+                  UNKNOWN: ("white", "magenta")}  # fmt: skip
+#: Cage slip that is acceptable where no result says another.
+ACCEPTABLE: Final = 0.05
+#: Slip [1] below which an assumption moves nothing that matters, and the factor on it from which one is told.
+_SMALL, _MOVES = 0.005, 1.2
+#: Lines of an answer and rows of it, at most; width where there is no terminal, and between which it is kept.
+MOST_LINES, MOST_ROWS = 15, 8
+_WIDTH: Final = 100
+#: Letters of the longest heading below the rows.
+_HEADING: Final = len("assumed")
+#: A line of a new scene whose value nobody gave.
+_ASSUMED: Final = re.compile(r"^\s*(\w+)\s*=.*#.*\bASSUMED\b", re.MULTILINE)
+
+
+@attrs.frozen(kw_only=True)
+class Row:
+    """One quantity of an answer.
+
+    Attributes
+    ----------
+    key : str
+        What it is, alike in all results: "cage_slip".
+    label : str
+        What people call it.
+    value : float
+        SI value, NaN where there is none.
+    unit : str
+        SI unit.
+    text : str
+        How it is printed.
+    band : tuple of float, optional
+        Between what it lies, 5 to 95 % or bounds; infinite where there is no end.
+    note : str
+        What is said beside it.
+    known : int
+        How well its study knows it: of several the best known is told.
+    within : float
+        Relative difference from another study's value that is no fault.
+    alarm : bool
+        Whether a limit is passed, for which another row makes room.
+    by : str
+        The study that it is of.
+    """
+
+    key: str
+    label: str
+    value: float = math.nan
+    unit: str = "1"
+    text: str
+    band: tuple[float, float] | None = None
+    note: str = ""
+    known: int = 0
+    within: float = 0.1
+    alarm: bool = False
+    by: str = ""
+
+
+@attrs.frozen(kw_only=True)
+class Note:
+    """A law that was left: its code, what is outside in a few words, the whole sentence, and its weight."""
+
+    code: str
+    short: str
+    text: str
+    weight: float
+
+
+@attrs.frozen(kw_only=True)
+class Rule:
+    """One rule of the verdict: its code, what it says if all conditions hold, words beside the row, and its source.
+
+    A condition is a fact, a sign and a limit: a number, or another fact times a factor.
+    """
+
+    code: str
+    verdict: str
+    row: str
+    when: tuple[tuple[str, str, float | tuple[float, str]], ...]
+    words: str
+    source: str
+
+
+_CHOICE: Final = "a choice"
+RULES: Final = (
+    Rule(code="V1", verdict="SKIDS", row="drag_reserve", when=(("drag reserve", "<", 1.0),),
+         words="the drags are larger than what the rollers carry", source="balance of torques"),
+    Rule(code="V2", verdict=UNKNOWN, row="cage_slip", when=(("cage slip", "none", 0.0),), words="",
+         source="nothing can be said"),
+    Rule(code="V3", verdict="SKIDS", row="cage_slip", when=(("cage slip", ">", 0.2),), words="above 20 %",
+         source=_CHOICE),
+    Rule(code="V4", verdict="SKIDS", row="drag_reserve", when=(("drag reserve", "<", 1.5),), words="below 1.5",
+         source=_CHOICE),
+    Rule(code="V5", verdict=UNKNOWN, row="cage_slip",
+         when=(("low end of the band", "<", (1.0, "acceptable slip")), ("high end of the band", ">", 0.2),
+               ("high end of the band", ">", (40.0, "low end of the band"))),
+         words="from OK to SKIDS where data scatter", source=_CHOICE),
+    Rule(code="V6", verdict="SLIPS", row="cage_slip", when=(("cage slip", ">", (1.0, "acceptable slip")),),
+         words="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
+    Rule(code="V7", verdict="SLIPS", row="cage_slip", when=(("high end of the band", ">", (2.0, "acceptable slip")),),
+         words="may be twice the acceptable {acceptable}", source=_CHOICE),
+    Rule(code="V8", verdict="SLIPS", row="drag_reserve", when=(("drag reserve", "<", 2.0),), words="below 2",
+         source=_CHOICE),
+    Rule(code="V9", verdict="OK", row="cage_slip", when=(), words="", source="else"),
+)  # fmt: skip
+_Interval = tuple[float, float]
+_NOTHING: Final[_Interval] = (math.nan, math.nan)
+
+
+def holds(rule: Rule, facts: Mapping[str, _Interval]) -> bool | None:
+    """Return whether all conditions of a rule hold; None where facts do not decide that."""
+    each = [_holds(facts.get(fact, _NOTHING), sign, limit, facts) for fact, sign, limit in rule.when]
+    return False if False in each else None if None in each else True
+
+
+def _holds(fact: _Interval, sign: str, limit: float | tuple[float, str], facts: Mapping[str, _Interval]) -> bool | None:
+    if sign == "none":
+        return math.isnan(fact[0])
+    factor, other = limit if isinstance(limit, tuple) else (limit, "")
+    low, high = (factor * end for end in facts.get(other, _NOTHING if other else (1.0, 1.0)))
+    below = sign == "<"
+    (least, most), (low, high) = (fact, (low, high)) if below else ((low, high), fact)
+    if most < low:
+        return True
+    return False if least >= high else None
+
+
+@attrs.frozen(kw_only=True)
+class Answer:
+    """What has to be known first: `rows` of quantities, what is assumed, what was left, and what to do next.
+
+    An account gives rows, ``acceptable`` slip, ``assumed`` and ``next``, commands by verdict with ``{scene}`` and
+    ``{load}`` in them; `merged` makes one answer of several, with ``verdict``, ``rule`` behind it, and ``case``.
+    """
+
+    rows: tuple[Row, ...] = ()
+    acceptable: float = math.nan
+    assumed: tuple[str, ...] = ()
+    next: Mapping[str, tuple[str, ...]] | tuple[str, ...] = ()
+    case: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
+    faults: tuple[str, ...] = ()
+    verdict: str = ""
+    rule: str = ""
+    marked: str = ""
+
+    def __getitem__(self, key: str) -> Row:
+        """Return a row by its key."""
+        return next(row for row in self.rows if row.key == key)
+
+    def shown(self) -> list[Row]:
+        """Return the rows that people see, `MOST_ROWS` at most: those with an alarm, and the first others."""
+        kept = sorted(self.rows, key=lambda row: not row.alarm)[:MOST_ROWS]
+        return [row for row in self.rows if row in kept]
+
+    def groups(self) -> list[tuple[str, list[str]]]:
+        """Return what stands below the rows, by its heading."""
+        codes = list(dict.fromkeys(note.code or note.short for note in self.notes))
+        counted = f"{len(codes)} on laws outside their range: {' '.join(codes)} (-v)" if codes else ""
+        return [
+            ("assumed", list(self.assumed)),
+            ("notes", [*self.faults, *filter(None, [counted])]),
+            ("next", [str(command) for command in self.next]),
+        ]
+
+    def lines(self, width: int = 0) -> list[str]:
+        """Return the lines of a terminal: no wider than it, `MOST_LINES` at most, what matters least left out.
+
+        Commands are not wrapped: as one line they can be pasted.
+        """
+        width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, 40)
+        head = [f"{self.verdict}   {', '.join(self.case)}"] if self.verdict else []
+        rows, groups = [(row.label, row.text, row.note) for row in self.shown()], self.groups()
+        while True:
+            below = [line for name, texts in groups for line in
+                     _aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
+            parts = [part for part in (_wrapped(head, width), _aligned(rows, width), below) if part]
+            lines = [line for k, part in enumerate(parts) for line in ([""] * (k > 0) + part)]
+            longer = next((texts for _, texts in reversed(groups) if len(texts) > 1), rows)
+            if len(lines) <= MOST_LINES or len(longer) <= 1:
+                return lines
+            longer.pop()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as JSON has it: of each row SI value, unit, band and the text that is printed."""
+        return {
+            "verdict": self.verdict,
+            "rule": self.rule,
+            "case": list(self.case),
+            "rows": {
+                row.key: {
+                    "label": row.label,
+                    "value": _finite(row.value),
+                    "unit": row.unit,
+                    "band": None if row.band is None else [_finite(end) for end in row.band],
+                    "text": row.text,
+                    "note": row.note,
+                    "study": row.by,
+                }
+                for row in self.rows
+            },
+            "assumed": list(self.assumed),
+            "notes": [attrs.asdict(note) for note in self.notes],
+            "faults": list(self.faults),
+            "next": list(self.next),
+        }
+
+    def html(self) -> str:
+        """Return it as a part of a page, by the verdict as its class."""
+        marked = ' class="marked"'
+        rows = "".join(
+            f'<tr{marked * (row.key == self.marked)}><th scope="row">{escape(row.label)}</th>'
+            f"<td>{escape(row.text)}</td><td>{escape(row.note)}</td></tr>"
+            for row in self.shown()
+        )
+        below = "".join(f"<p>{name}: {'<br/>'.join(map(escape, texts))}</p>" for name, texts in self.groups() if texts)
+        head = f"<p><strong>{self.verdict}</strong> {escape(', '.join(self.case))}</p>" if self.verdict else ""
+        titles = "".join(f'<th scope="col">{title}</th>' for title in ("quantity", "value", "band, remarks"))
+        table = f"<table><thead><tr>{titles}</tr></thead><tbody>{rows}</tbody></table>"
+        return f'<div class="answer {self.verdict.lower()}">{head}{table}{below}</div>'
+
+    _repr_html_ = html
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+
+def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
+    """Return one answer of those of several studies, each with its name; ``scene`` is what commands are to take."""
+    given = sorted(answers, key=lambda each: -max((row.known for row in each[1].rows), default=-1))
+    best, faults = dict[str, Row](), list[str]()
+    for study, one in given:
+        for row in (attrs.evolve(row, by=row.by or study) for row in one.rows):
+            known = best.setdefault(row.key, row)
+            better, other = (row, known) if row.known > known.known else (known, row)
+            best[row.key] = better
+            if _differ(better, other):
+                faults.append(
+                    f"two studies disagree on the {row.label}: {better.text} by {better.by}, {other.text} by {other.by}"
+                )
+    acceptable = next((one.acceptable for _, one in given if one.acceptable > 0.0), ACCEPTABLE)
+    answer = Answer(
+        rows=tuple(best.values()),
+        acceptable=acceptable,
+        assumed=tuple(dict.fromkeys(text for _, one in given for text in one.assumed)),
+        faults=tuple(faults),
+    )
+    commands = next((one.next for _, one in given if one.next), None)
+    if "cage_slip" not in best and commands is None:
+        return answer
+    answer = judged(answer)
+    by_verdict: Any = commands or {}
+    least = best.get("minimum_load")
+    load = least.value if least is not None else math.nan
+    filled = {"scene": scene, "load": rounded_up(load, least.text.split()[-1]) if least and load > 0.0 else ""}
+    texts = [text.format(**filled) for text in by_verdict.get(answer.verdict, ()) if "{load}" not in text or load > 0.0]
+    return attrs.evolve(answer, next=tuple(texts) if scene else ())
+
+
+def judged(answer: Answer) -> Answer:
+    """Return an answer with its verdict, and words beside the row that decided."""
+    facts = facts_of(answer)
+    open_ones = list[Rule]()
+    for rule in RULES:
+        state = holds(rule, facts)
+        if state is None and rule.verdict != UNKNOWN:
+            open_ones.append(rule)
+        if state:
+            break
+    words = rule.words.format(acceptable=f"{plain(100.0 * answer.acceptable)} %")
+    verdict, code, key = rule.verdict, rule.code, rule.row
+    if rule.verdict != UNKNOWN:
+        worse = [one for one in open_ones if VERDICTS.index(one.verdict) > VERDICTS.index(rule.verdict)]
+        if worse:
+            verdict, code, key = UNKNOWN, worse[0].code, worse[0].row
+            lacks = " and ".join(dict.fromkeys(fact for fact, *_ in worse[0].when if not _known(facts.get(fact))))
+            words = f"whether it {worse[0].verdict.lower()} is not known: no {lacks}" if lacks else (
+                f"whether it is {worse[0].words} is not known"
+            )  # fmt: skip
+            words = words.format(acceptable=f"{plain(100.0 * answer.acceptable)} %")
+            key = key if any(row.key == key for row in answer.rows) else "cage_slip"
+    rows = tuple(
+        attrs.evolve(row, note="; ".join(filter(None, (row.note, words)))) if row.key == key else row
+        for row in answer.rows
+    )
+    return attrs.evolve(answer, rows=rows, verdict=verdict, rule=code, marked=key if verdict != "OK" else "")
+
+
+def facts_of(answer: Answer) -> dict[str, _Interval]:
+    """Return what rules are about, each between its ends; what is not known is left out."""
+    rows = {row.key: row for row in answer.rows}
+    facts = {"acceptable slip": (answer.acceptable, answer.acceptable)}
+    if (slip := rows.get("cage_slip")) is not None and not math.isnan(slip.value):
+        facts["cage slip"] = (slip.value, slip.value)
+        if slip.band is not None:
+            facts |= {
+                name: (end, end)
+                for name, end in zip(("low end of the band", "high end of the band"), slip.band, strict=True)
+            }
+    if (reserve := rows.get("drag_reserve")) is not None and not math.isnan(reserve.value):
+        facts["drag reserve"] = reserve.band or (reserve.value, reserve.value)
+    return facts
+
+
+def _known(fact: _Interval | None) -> bool:
+    return fact is not None and not math.isnan(fact[0])
+
+
+def _differ(one: Row, other: Row) -> bool:
+    """Whether two values of a quantity are further from each other than both allow; none that is small is."""
+    if one is other or math.isnan(one.value) or math.isnan(other.value) or math.isinf(one.value):
+        return False
+    least = 1e-3 if one.key == "cage_slip" else 0.0
+    return abs(one.value - other.value) > max(abs(one.value), abs(other.value)) * (one.within + other.within) + least
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+# What a result says of itself -----------------------------------------------------------------------------------------
+
+
+def case_of(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """Return bearing, oil, speeds, load and temperature of a result in people's units; empty if it does not say."""
+    a = dataset.attrs
+    scene = json.loads(a.get("scene_resolved", "{}"))
+    if not (operation := scene.get("operation")):
+        return ()
+    named = [one["name"] for one in json.loads(a.get("data", "[]")) if one["kind"] == "bearing"]
+    oil = json.loads(a.get("lubricant", "{}")).get("name", "")
+    oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
+    oil = oil.upper() if oil.startswith("mil-") else oil
+    inner, outer = (operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer"))
+    speed = f"{inner:.0f} rpm" + (f" (outer ring {outer:.0f} rpm)" if outer else "")
+    (unit, size), load = force_unit(operation["radial_load"]), operation["radial_load"]
+    last = f"{plain(load * size)} {unit}", f"{plain(operation['temperature'] - 273.15)} °C"
+    return tuple(filter(None, (named[0] if named else a.get("source", ""), oil, speed, *last)))
+
+
+def assumed_of(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """Return what nobody gave: marks of a new scene, and what scatters, with the slips that it leads to."""
+    a = dataset.attrs
+    given = [", ".join(dict.fromkeys(_ASSUMED.findall(a.get("scene", "")))).replace("_", " ")]
+    given = [f"{names} as rollslip new has it" for names in filter(None, given)]
+    if own := a.get("own_cage"):
+        given.append(f"cage {own.partition(', ')[2].partition(';')[0]}")
+    said = list[str]()
+    for one in json.loads(a.get("band", "{}")).get("steady_slip", {}).get("moved", ()):
+        low, high = (math.inf if end is None else end for end in one["values"])
+        if len(said) < 2 and max(low, high) > _SMALL and max(low, high) >= _MOVES * min(low, high):
+            said.append(f"{_quantity(one)}: slip {_ends(low, high)}")
+    return (*said, *filter(None, ["; ".join(given)]))
+
+
+def _quantity(one: Mapping[str, Any]) -> str:
+    """A quantity that was moved and where to: "Eyring stress 1.1 to 8.9 MPa", "petroff-land x 0.32 to 3.2"."""
+    *_, table, name = one["key"].split(".")
+    ends = one["ends"]
+    if name.endswith("factor"):
+        called = table if name == "factor" else name.removesuffix("_factor").replace("_", " ")
+        return f"{called} x {two(ends[0])} to {two(ends[1])}"
+    unit = shown_unit(max(map(abs, ends)), one["unit"])
+    if not unit or abs(min(ends)) < 1e-6:
+        low, high = (format_quantity(end, one["unit"], 2) for end in ends)
+        return f"{name.replace('_', ' ')} {low} to {high}" if "e" not in low + high else f"{name.replace('_', ' ')}"
+    low, high = (format_quantity(end, one["unit"], 2).partition(" ")[0] for end in ends)
+    return f"{name.replace('_', ' ')} {low} to {high} {unit}"
+
+
+def _ends(low: float, high: float) -> str:
+    """Two slips, in the order of what leads to them."""
+    texts = [percent(end) if math.isfinite(end) else "skidding" for end in (low, high)]
+    return f"{texts[0].removesuffix(' %')} to {texts[1]}" if texts[0][-1] == texts[1][-1] == "%" else " to ".join(texts)
+
+
+def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
+    """Return the laws that results left, each once and where its consequence is largest, the worst first."""
+    found = dict[str, tuple[tuple[bool, float], Note]]()
+    for dataset in datasets:
+        judged_ = json.loads(dataset.attrs["validity"]) if dataset.attrs.get("validity") else {}
+        for one in judged_.get("told", []):
+            note = Note(code=one.get("code", ""), short=one["short"], text=one["text"], weight=one["weight"])
+            key, rank = note.code or f"{one['law']} {one['made_for']}", (one["warned"], one["weight"])
+            if key not in found or rank > found[key][0]:
+                found[key] = rank, note
+    return tuple(note for _, note in sorted(found.values(), key=lambda each: each[0], reverse=True))
+
+
+# Lines ---------------------------------------------------------------------------------------------------------------
+
+
+def _headed(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
+    for k, text in enumerate(texts):
+        yield f"{'' if k else name:<{_HEADING}}", text
+
+
+def _wrapped(lines: Iterable[str], width: int) -> list[str]:
+    return [line for text in lines for line in textwrap.wrap(text, width, break_on_hyphens=False)]
+
+
+def _aligned(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
+    """Rows of texts below one another; the last text wraps in its column."""
+    if not rows:
+        return []
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]) - 1)]
+    lines = []
+    for row in rows:
+        before = "  " + "".join(f"{text:<{size}}  " for text, size in zip(row, widths, strict=False))
+        room = int(min(max(width - len(before), 16), 1000))
+        parts = textwrap.wrap(row[-1], room, break_on_hyphens=False, break_long_words=False) or [""]
+        lines += [(before if not k else " " * len(before)) + part for k, part in enumerate(parts)]
+    return [line.rstrip() for line in lines]

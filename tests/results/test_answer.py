@@ -1,0 +1,223 @@
+"""The answer: a verdict by rules that are data, rows whose numbers are those of the file, and lines that fit."""
+
+import json
+import math
+import re
+
+import pytest
+from click.testing import CliRunner
+
+import rollslip
+from rollslip.cli.main import cli
+from rollslip.results.account import answer as answer_of
+from rollslip.results.answer import MOST_LINES, RULES, UNKNOWN, VERDICTS, Answer, Note, Row, holds, judged, merged
+from rollslip.results.words import percent, rounded_up
+
+SAFE = {"slip": 0.01, "band": (0.004, 0.03), "reserve": (8.0, 8.0)}
+
+
+def answered(slip=0.01, band=(0.004, 0.03), reserve=(8.0, 8.0), acceptable=0.05):
+    rows = [Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip) if slip > 0 else "-", band=band)]
+    if reserve is not None:
+        rows.append(
+            Row(key="drag_reserve", label="reserve to skidding", value=reserve[0], text=f"{reserve[0]:g}", band=reserve)
+        )
+    return judged(Answer(rows=tuple(rows), acceptable=acceptable))
+
+
+#: Rule -> facts at which it decides, and facts a hair away at which another does.
+THRESHOLDS = [
+    ("V1", {"reserve": (0.999, 0.999)}, {"reserve": (1.0, 1.0)}, "V4"),
+    ("V2", {"slip": math.nan}, {}, "V9"),
+    ("V3", {"slip": 0.2001, "band": (0.19, 0.21)}, {"slip": 0.2, "band": (0.19, 0.21)}, "V6"),
+    ("V4", {"reserve": (1.499, 1.499)}, {"reserve": (1.5, 1.5)}, "V8"),
+    ("V5", {"band": (0.00499, 0.2001)}, {"band": (0.00501, 0.2001)}, "V7"),
+    ("V5", {"band": (0.001, 0.2001)}, {"band": (0.001, 0.2)}, "V7"),
+    ("V5", {"slip": 0.06, "band": (0.0049, 0.3)}, {"slip": 0.06, "band": (0.05, 3.0)}, "V6"),
+    ("V6", {"slip": 0.0501, "band": (0.04, 0.06)}, {"slip": 0.05, "band": (0.04, 0.06)}, "V9"),
+    ("V6", {"acceptable": 0.0099, "band": (0.009, 0.011)}, {"acceptable": 0.01, "band": (0.009, 0.011)}, "V9"),
+    ("V7", {"band": (0.004, 0.1001)}, {"band": (0.004, 0.1)}, "V9"),
+    ("V8", {"reserve": (1.999, 1.999)}, {"reserve": (2.0, 2.0)}, "V9"),
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("code", "at", "beside", "other"), THRESHOLDS)
+def test_each_rule_decides_up_to_its_threshold(code, at, beside, other):
+    rules = {rule.code: rule for rule in RULES}
+    one, two = answered(**SAFE | at), answered(**SAFE | beside)
+    assert (one.rule, one.verdict) == (code, rules[code].verdict)
+    assert (two.rule, two.verdict) == (other, rules[other].verdict)
+
+
+@pytest.mark.quick
+def test_every_rule_has_a_threshold_above_and_a_source():
+    assert [rule.code for rule in RULES] == [f"V{k}" for k in range(1, len(RULES) + 1)]
+    assert {rule.code for rule in RULES} == {code for code, *_ in THRESHOLDS} | {"V9"}
+    assert all(rule.source and rule.verdict in (*VERDICTS, UNKNOWN) for rule in RULES)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("facts", "verdict", "words"),
+    [
+        ({"band": None}, "UNKNOWN", "whether it slips is not known: no high end of the band"),
+        ({"reserve": None}, "UNKNOWN", "whether it skids is not known: no drag reserve"),
+        ({"reserve": (1.2, math.inf)}, "UNKNOWN", "whether it is below 1.5 is not known"),
+        ({"reserve": (2.0, math.inf)}, "OK", ""),
+        ({"slip": 0.5, "band": (0.4, math.inf), "reserve": (1.0, math.inf)}, "SKIDS", "above 20 %"),
+        ({"slip": 0.06, "band": (0.05, 0.07), "reserve": (1.6, math.inf)}, "SLIPS", "above the acceptable 5 %"),
+        ({"slip": 0.5, "band": None, "reserve": None}, "SKIDS", "above 20 %"),
+    ],
+)
+def test_a_rule_for_something_worse_that_cannot_be_decided_makes_the_verdict_unknown_and_says_why(
+    facts, verdict, words
+):
+    answer = answered(**SAFE | facts)
+    assert answer.verdict == verdict
+    assert "; ".join(row.note for row in answer.rows if row.note) == words
+
+
+@pytest.mark.quick
+def test_a_condition_is_left_open_where_the_ends_of_a_fact_differ():
+    (rule,) = (one for one in RULES if one.code == "V8")
+    assert [holds(rule, {"drag reserve": ends}) for ends in ((1.0, 1.9), (1.0, 2.1), (2.0, 3.0))] == [True, None, False]
+    assert holds(rule, {}) is None
+
+
+def row(value, **changes):
+    return Row(**{"key": "cage_slip", "label": "cage slip", "value": value, "text": percent(value)} | changes)
+
+
+@pytest.mark.quick
+def test_a_quantity_is_told_once_by_the_study_that_knows_it_best_and_a_contradiction_is_told():
+    rough, fine = Answer(rows=(row(0.044, known=1, within=0.1),)), Answer(rows=(row(0.05, known=2, within=0.02),))
+    one = merged([("rough", rough), ("fine", fine)])
+    assert [(r.value, r.by) for r in one.rows] == [(0.05, "fine")]
+    assert one.faults == ()
+    far = Answer(rows=(row(0.043, known=1, within=0.1),))
+    assert merged([("fine", fine), ("rough", far)]).faults == (
+        "two studies disagree on the cage slip: 5.0 % by fine, 4.3 % by rough",
+    )
+    small = Answer(rows=(row(0.0009, known=1),)), Answer(rows=(row(0.0001, known=2),))
+    assert merged(zip("ab", small, strict=True)).faults == ()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_lines_are_no_wider_than_the_terminal_and_fifteen_at_most(width):
+    long = (
+        "a remark that is so long that it has to wrap in a column of its own, more than once where there is little room"
+    )
+    rows = tuple(row(0.05, key=str(k), note=long if k == 3 else "short") for k in range(8))
+    notes = tuple(Note(code=f"W{k}", short="", text="", weight=1.0) for k in range(9))
+    answer = Answer(rows=rows, verdict="OK", case=("NU 2312", "ISO VG 220"), assumed=(long, "b", "c"), notes=notes,
+                    next=("rollslip run a", "rollslip run b"))  # fmt: skip
+    lines = answer.lines(width)
+    assert max(map(len, lines)) <= width
+    assert lines[0] == "OK   NU 2312, ISO VG 220"
+    assert len(lines) <= MOST_LINES
+    assert any(line.startswith("  next") for line in lines)
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    """A scene as a user starts it, run by the command: its folder, its JSON, and its datasets."""
+    folder = tmp_path_factory.mktemp("answer")
+    given = ["new", str(folder / "my.toml"), "--bearing", "NU2312", "--oil", "iso-vg-220", "--speed", "1500 rpm",
+             "--load", "1 kN", "--supply", "splash", "--cage", "brass"]  # fmt: skip
+    assert CliRunner().invoke(cli, given).exit_code == 0
+    done = CliRunner().invoke(
+        cli, ["run", str(folder / "my.toml"), "--json", "--no-plots", "--out", str(folder / "out")]
+    )
+    assert done.exit_code == 0, done.stderr
+    datasets = {path.stem: rollslip.open_result(path) for path in sorted((folder / "out").glob("*.nc"))}
+    return folder, json.loads(done.stdout), datasets
+
+
+def test_every_number_of_the_answer_is_the_one_in_the_file(ran):
+    _, said, datasets = ran
+    rows, steady = said["answer"]["rows"], datasets["steady-slip"]
+    kept = {
+        "cage_slip": float(steady.steady_slip[0]),
+        "minimum_load": float(steady.least_load),
+        "makers_minimum_load": float(steady.makers_least_load.min()),
+        "acceptable_reserve": float(steady.acceptable_reserve),
+        "drag_reserve": float(steady.drag_reserve),
+        "friction_torque": float(steady.friction_torque[0]),
+        "film_parameter": float(steady.film_parameter.min()),
+        "clearance": json.loads(steady.attrs["scene_resolved"])["bearing"]["radial_clearance"],
+    }
+    assert {key: one["value"] for key, one in rows.items()} == kept
+    band = json.loads(steady.attrs["band"])
+    assert rows["cage_slip"]["band"] == [band["steady_slip"][end] for end in ("low", "high")]
+    assert rows["minimum_load"]["band"] == [band["least_load"][end] for end in ("low", "high")]
+    assert all(one["study"] == "steady-slip" and one["unit"] and one["text"] for one in rows.values())
+    assert (
+        answer_of(*datasets.values(), scene=str(ran[0] / "my.toml")).as_dict()
+        | {"confidence": said["answer"]["confidence"]}
+        == said["answer"]
+    )
+
+
+def test_printed_numbers_are_those_values_in_two_digits_one_unit_and_without_exponents(ran):
+    *_, datasets = ran
+    answer = answer_of(*datasets.values())
+    scales = {"cage_slip": 100.0, "minimum_load": 1e-3, "clearance": 1e6}
+    for row in answer.rows:
+        if printed := re.search(r"-?\d[\d.]*", row.text):
+            assert float(printed[0]) == pytest.approx(scales.get(row.key, 1.0) * row.value, rel=0.05), row
+    text = str(answer)
+    assert not re.search(r"\de[+-]?\d|\d{4,}(?! rpm)", text.partition("next")[0].partition("\n")[2])
+    assert "kN" in text
+    assert not re.search(r"\d N\b(?! m)", text)
+    assert answer.case == ("NU2312E", "ISO VG 220", "1500 rpm", "1 kN", "70 °C")
+
+
+def test_commands_that_are_named_next_work_as_pasted(ran):
+    folder, said, datasets = ran
+    least = float(datasets["steady-slip"].least_load)
+    assert said["answer"]["verdict"] == "SLIPS"
+    first, *_ = said["answer"]["next"]
+    assert first == f"rollslip run {folder / 'my.toml'} --set operation.radial_load='{rounded_up(least, 'kN')}'"
+    done = CliRunner().invoke(
+        cli, ["run", str(folder / "my.toml"), "--set", f"operation.radial_load={rounded_up(least, 'kN')}",
+              "--no-plots", "--out", str(folder / "at-least")]
+    )  # fmt: skip
+    assert done.exit_code == 0
+    slip = rollslip.open_result(folder / "at-least" / "steady-slip.nc").steady_slip
+    assert float(slip[0]) < 0.05
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [((), 0), (("slips",), 6), (("skids",), 0), (("unknown",), 0), (("unknown", "slips"), 6)],
+)
+def test_a_verdict_can_be_an_exit_code(ran, options, code):
+    folder, *_ = ran
+    asked = [part for one in options for part in ("--fail-on", one)]
+    given = ["run", str(folder / "my.toml"), "--study", "effective-friction", "--no-plots", "--overwrite", *asked]
+    done = CliRunner().invoke(cli, [*given, "--out", str(folder / "again")])
+    assert done.exit_code == code, done.output
+    assert done.stdout.startswith("SLIPS   NU2312E, ISO VG 220")
+
+
+def test_a_preloaded_bearing_has_no_minimum_load():
+    scene = rollslip.evolve(
+        rollslip.load_scene("gearbox"), {"bearing.radial_clearance": "-15 um", "accuracy.slices": 5}
+    )
+    answer = answer_of(rollslip.run(scene, "steady-slip"))
+    row = answer["minimum_load"]
+    assert (row.text, row.note) == ("none", "preloaded by 15 µm")
+    assert math.isnan(row.value)
+    assert "makers" not in str(answer)
+
+
+def test_a_page_and_a_notebook_show_the_same_rows(ran):
+    *_, datasets = ran
+    answer = answer_of(*datasets.values())
+    page = answer._repr_html_()
+    assert page.startswith('<div class="answer slips"><p><strong>SLIPS</strong> NU2312E, ')
+    assert re.findall(r'scope="row">(.*?)</th><td>(.*?)</td>', page) == [
+        (row.label.replace("'", "&#x27;"), row.text) for row in answer.rows
+    ]
