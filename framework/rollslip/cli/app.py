@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, FAILED_ON, INTERRUPTED = 0, 2, 3, 4, 5, 6, 130
 
 #: What plots are written as; a test holds that it is what can be written.
-FORMATS = frozenset({"svg", "pdf", "png"})
+FORMATS, TABLES = frozenset({"svg", "pdf", "png"}), frozenset({"csv", "xlsx"})
 
 
 # Options ------------------------------------------------------------------------------------------------------------
@@ -107,8 +107,9 @@ def engine_options(command: Any) -> Any:
 def _formats(context: click.Context, option: click.Parameter, text: str) -> tuple[str, ...]:
     """Return what --format names."""
     names = tuple(dict.fromkeys(filter(None, (name.strip().lower() for name in text.split(",")))))
-    if not names or set(names) - FORMATS:
-        raise click.BadParameter(f"{text!r}; name some of {', '.join(sorted(FORMATS))}, separated by commas")
+    if not names or set(names) - FORMATS - TABLES:
+        known = ", ".join(sorted(FORMATS | TABLES))
+        raise click.BadParameter(f"{text!r}; name some of {known}, separated by commas")
     return names
 
 
@@ -155,7 +156,7 @@ def results_options(
         click.option("--no-plots", is_flag=True, help=plots),
         click.option(
             "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
-            help="Files of the plots: svg, pdf, png.",
+            help="Files of the plots: svg, pdf, png; of a table: csv, xlsx.",
         ),
     ]  # fmt: skip
 
@@ -178,7 +179,7 @@ def results_options(
                 resume=resume,
                 report=report,
                 crate=crate,
-                formats=() if no_plots else formats,
+                formats=tuple(one for one in formats if one in TABLES) if no_plots else formats,
                 as_json=as_json,
             )
             command(results=results, **others)
@@ -240,7 +241,8 @@ class Results:
         as_json: bool,
     ) -> None:
         self.out, self._overwrite, self._resume, self._report = out, overwrite, resume, report
-        self._crate, self._formats = crate, formats
+        self._crate, self._formats = crate, tuple(one for one in formats if one in FORMATS)
+        self._tables = tuple(one for one in formats if one in TABLES)
         self.as_json = as_json
         self.target = Path()
         self._files: list[str] = []
@@ -274,6 +276,10 @@ class Results:
                     files = save_plots(dataset, folder, tuple(drawn))
                     figures[name] = [file for file in files if file.suffix == ".svg"]
                     written += [file.name for file in files if file.suffix[1:] in self._formats]
+        if self._tables:
+            from rollslip.results.table import save_tables
+
+            written += [file.name for file in save_tables(datasets, folder, self._tables)]
         if self._report:
             from rollslip.results.report import write_report
 

@@ -1,0 +1,132 @@
+"""Tables of results for a spreadsheet: one row a quantity or a point, in people's units, which stand in the head.
+
+A run gives the rows of its answer; what was computed at many points gives a row a point: what varies first, then what
+came out, a column for each of its values, and in words what has none. A number that is not known is an empty cell.
+"""
+
+import csv
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rollslip.errors import OutputError
+from rollslip.files import whole_file
+from rollslip.results.account import answer
+from rollslip.units import converted, shown_unit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["FORMATS", "save_tables", "table"]
+
+#: Values of one variable at a point that have a column each, at most; more are curves, which stay in the .nc file.
+_COLUMNS: Final = 12
+#: What is told in percent: names that end so.
+_SHARES: Final = ("slip", "probability", "chance")
+_Table = tuple[list[str], list[list[Any]]]
+
+
+def table(*results: "xr.Dataset") -> _Table:
+    """Return head and rows of results: of a run those of its answer, of many points a row each.
+
+    Examples
+    --------
+    >>> import rollslip
+    >>> head, rows = table(rollslip.run("gearbox", "steady-slip"))
+    >>> head[:3], rows[0][0], rows[0][2]
+    (['quantity', 'value', 'unit'], 'cage slip', '%')
+    """
+    (first, *_) = results
+    return _of_points(first) if "status" in first and first["status"].dims else _of_answer(results)
+
+
+def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iterable[str]) -> list[Path]:
+    """Write tables into a folder and return the files: ``answer`` of a run, and NAME of what has many points."""
+    many = {name: one for name, one in results.items() if "status" in one and one["status"].dims}
+    found = {name: table(one) for name, one in many.items()} or {"answer": table(*results.values())}
+    written = []
+    for name, of in found.items():
+        for ending in formats:
+            path = folder / f"{name}.{ending}"
+            with whole_file(path) as partial:
+                FORMATS[ending](partial, *of)
+            written.append(path)
+    return written
+
+
+def _of_answer(results: Sequence["xr.Dataset"]) -> _Table:
+    rows = []
+    for row in answer(*results).rows:
+        unit = _unit(row.key, [row.value, *(row.band or ())], row.unit)
+        low, high = row.band or (math.nan, math.nan)
+        values = [_told(value, row.unit, unit) for value in (row.value, low, high)]
+        rows.append([row.label, values[0], unit, *values[1:], row.text, row.note])
+    return ["quantity", "value", "unit", "low", "high", "in words", "remark"], rows
+
+
+def _of_points(dataset: "xr.Dataset") -> _Table:
+    over = dataset["status"].dims
+    shape = tuple(dataset.sizes[name] for name in over)
+    columns = dict[str, Any]()
+    for name, of in (*((name, dataset[name]) for name in over if name in dataset.coords), *dataset.data_vars.items()):
+        inner = [dim for dim in of.dims if dim not in over]
+        if not set(of.dims) & set(over) or math.prod(of.sizes[dim] for dim in inner) > _COLUMNS:
+            continue
+        for place in itertools.product(*(range(of.sizes[dim]) for dim in inner)):
+            one = of.isel(dict(zip(inner, place, strict=True)))
+            labels = [str(of[dim][k].item() if dim in of.coords else k + 1) for dim, k in zip(inner, place, strict=True)
+                      if of.sizes[dim] > 1]  # fmt: skip
+            missing = [dim for dim in over if dim not in one.dims]
+            whole = one.expand_dims({dim: dataset.sizes[dim] for dim in missing}).transpose(*over).to_numpy()
+            label = " ".join((str(one.attrs.get("key", name)), *labels))
+            if whole.dtype.kind == "f":
+                si = str(one.attrs.get("units", "1"))
+                unit = _unit(str(name), whole.ravel().tolist(), si)
+                columns[f"{label} [{unit}]" if unit else label] = [_told(x, si, unit) for x in whole.ravel().tolist()]
+            else:
+                columns[label] = whole.ravel().tolist()
+    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)] if math.prod(shape) else []
+
+
+def _unit(name: str, values: Iterable[float], unit: str) -> str:
+    """The unit in which people read some values: that of the largest; percent of shares."""
+    if unit == "1":
+        return "%" if name.endswith(_SHARES) else ""
+    return shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
+
+
+def _told(value: float, unit: str, shown: str) -> float | None:
+    """A value in the unit of its column; None where there is none."""
+    return None if not math.isfinite(value) else float(f"{converted(value, unit, shown):.12g}")
+
+
+def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows([head, *rows])
+
+
+def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    try:
+        from openpyxl import Workbook
+        from openpyxl.styles import Font
+    except ImportError:
+        raise OutputError("xlsx: needs openpyxl; pip install 'rollslip[xlsx]', or take csv") from None
+    book = Workbook()
+    sheet = book.active
+    for row in (head, *rows):
+        sheet.append(list(row))
+    for cell in sheet[1]:
+        cell.font = Font(bold=True)
+    sheet.freeze_panes = "A2"
+    book.save(path)
+
+
+#: Ending -> what writes it.
+FORMATS: Final[Mapping[str, Callable[[Path, Sequence[str], Iterable[Sequence[Any]]], None]]] = MappingProxyType(
+    {"csv": _csv, "xlsx": _xlsx}
+)

@@ -1,0 +1,70 @@
+"""Tables for a spreadsheet: every number is the one of the result, in the unit of its column."""
+
+import csv
+
+import numpy as np
+import openpyxl
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import rollslip
+from rollslip.cli.main import cli
+from rollslip.results.account import answer
+from rollslip.results.table import table
+from rollslip.units import quantity
+
+
+@pytest.fixture(scope="module")
+def swept():
+    over = {"speed": ["500 rpm", "1500 rpm"], "temperature": ["60 degC", "80 degC", "100 degC"]}
+    return rollslip.sweep(
+        "1032930-70C", over, study="steady-slip", output=["slip", "largest_drag", "effective_friction"]
+    )
+
+
+def test_a_run_has_the_rows_of_its_answer():
+    result = rollslip.run("gearbox", "steady-slip")
+    head, rows = table(result)
+    for row, (label, value, unit, low, high, text, remark) in zip(answer(result).rows, rows, strict=True):
+        assert (label, text, remark) == (row.label, row.text, row.note)
+        scale = 0.01 if unit == "%" else 1.0 if unit == "" else quantity(f"1 {unit}", row.unit)
+        assert value is None if np.isnan(row.value) else value * scale == pytest.approx(row.value, rel=1e-11)
+        for end, of in zip((low, high), row.band or (np.nan, np.nan), strict=True):
+            assert end is None if not np.isfinite(of) else end * scale == pytest.approx(of, rel=1e-11)
+    assert head == ["quantity", "value", "unit", "low", "high", "in words", "remark"]
+
+
+def test_many_points_have_a_row_each_in_people_s_units(swept):
+    head, rows = table(swept)
+    assert head[:2] == ["operation.inner_speed [rpm]", "operation.temperature [degC]"]
+    assert [row[:2] for row in rows] == [[n, t] for n in (500.0, 1500.0) for t in (60.0, 80.0, 100.0)]
+    slip = [row[head.index("steady_slip [%]")] for row in rows]
+    np.testing.assert_allclose(slip, 100.0 * swept["steady_slip"].to_numpy().ravel(), rtol=1e-11)
+    assert {"effective_friction inner", "effective_friction outer"} <= set(head)
+    assert {row[head.index("status")] for row in rows} == {"ok"}
+
+
+def test_what_is_not_known_is_an_empty_cell_and_a_curve_stays_in_its_file():
+    status = xr.DataArray(["ok", "failed"], dims="point")
+    value = xr.DataArray([0.25, np.nan], dims="point", attrs={"units": "m"})
+    curve = xr.DataArray(np.ones((2, 50)), dims=("point", "x"))
+    assert table(xr.Dataset({"status": status, "value": value, "curve": curve})) == (
+        ["status", "value [mm]"],
+        [["ok", 250.0], ["failed", None]],
+    )
+
+
+def test_the_command_writes_tables_and_no_plots_unless_asked(tmp_path):
+    done = CliRunner().invoke(
+        cli, ["run", "1032930-70C", "--study", "steady-slip", "--format", "csv,xlsx", "--out", str(tmp_path / "out")]
+    )
+    assert done.exit_code == 0, done.output
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"answer.csv", "answer.xlsx", "steady-slip.nc", "manifest.json"}
+    with (tmp_path / "out" / "answer.csv").open(newline="", encoding="utf-8") as file:
+        told = list(csv.reader(file))
+    sheet = openpyxl.load_workbook(tmp_path / "out" / "answer.xlsx").active
+    for row, cells in zip(told, sheet.iter_rows(values_only=True), strict=True):
+        for text, cell in zip(row, cells, strict=True):
+            assert (float(text) == cell) if isinstance(cell, int | float) else (text == (cell or ""))
