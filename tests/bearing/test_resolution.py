@@ -143,3 +143,14 @@ def test_a_map_takes_more_slices_than_a_table_holds():
 def test_a_word_that_is_not_known_is_answered_with_the_one_that_is(key, word):
     with pytest.raises(SceneError, match=f"accuracy.{key}: .*'exakt'.*; or write '{word}'"):
         evolve(load_scene("1032930-70C"), {f"accuracy.{key}": "exakt"})
+
+
+def test_the_finest_of_some_takes_each_number_from_the_one_that_has_it_finest():
+    fine = Resolution(slices=41, quadrature="gauss", instants=2, table_tolerance=1e-3, integrator="bdf", friction="a")
+    coarse = Resolution(slices=11, instants=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5)
+    found = Resolution.finest_of([coarse, fine], ("integrator", "friction"))
+    assert found == Resolution(
+        slices=41, quadrature="gauss", instants=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5
+    )
+    assert Resolution.finest_of([fine]).integrator is None
+    assert Resolution.finest_of([Resolution()]).instants == 1

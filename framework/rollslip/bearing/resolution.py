@@ -9,7 +9,7 @@
 """
 
 import abc
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Final
 
 import attrs
@@ -93,6 +93,20 @@ class Resolution:
     friction: str | None = parameter(default=None, doc="friction of the raceways in motion")
     level: str | None = parameter(default=None, doc="level of detail of motion")
     compiled: bool = parameter(default=True, doc="whether stages run compiled")
+
+    @classmethod
+    def finest_of(cls, some: Collection["Resolution"], alike: Collection[str] = ()) -> "Resolution":
+        """Return the finest of some, number by number; of fields that are to be `alike` what all have in common."""
+        most = max(some, key=lambda one: one.slices)
+        common = {name: {getattr(one, name) for one in some} for name in alike}
+        return cls(
+            slices=most.slices,
+            quadrature=most.quadrature,
+            instants=max(one.instants or 1 for one in some),
+            table_tolerance=min(one.table_tolerance for one in some),
+            integrator_tolerance=min((s for one in some if (s := one.integrator_tolerance) is not None), default=None),
+            **{name: values.pop() for name, values in common.items() if len(values) == 1},
+        )
 
     def slicing(self, length: float) -> tuple[Array, Array]:
         """Return positions from the middle and widths of the slices of a roller [m], (n,)."""

@@ -36,7 +36,7 @@ class Sheet:
         self.handles.append(Line2D([], [], label=label, **style))
 
     def done(
-        self, x: str = "", y: str = "", *, columns: int = 1, height: float | None = None, title: str = ""
+        self, x: str = "", y: str = "", *, columns: int = 1, height: float | None = None, title: str = "", **legend: Any
     ) -> "Figure":
         """Label the axes of a single panel, put the legend above and make room for it; ``height`` is that without."""
         if x:
@@ -44,7 +44,7 @@ class Sheet:
             self.axes.set_ylabel(y)
         if self.handles:
             about = {"title": title, "alignment": "left"} if title else {}
-            self.figure.legend(handles=self.handles, loc="outside upper left", ncols=columns, **about)
+            self.figure.legend(handles=self.handles, ncols=columns, **{"loc": "outside upper left", **about, **legend})
         without = self.figure.get_figheight() if height is None else height
         self.figure.set_figheight(without + ROW * (-(-len(self.handles) // columns) + bool(title)))
         return self.figure

@@ -21,6 +21,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS
+from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import available
 from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, in_words, nearest
 from rollslip.planning.campaign import listed
@@ -207,12 +208,11 @@ def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> d
     planned = [one for one in chosen if one.instants is not None]
     if not planned:
         return dict(combinations)
-    most = max(planned, key=lambda one: one.slices)
-    instants = max(one.instants or 1 for one in planned)
+    most = Resolution.finest_of(planned)
 
     def alike(plan: Plan) -> Plan:
         own = plan.estimated[study].resolution
-        same = attrs.evolve(own, slices=most.slices, quadrature=most.quadrature, instants=instants)
+        same = attrs.evolve(own, slices=most.slices, quadrature=most.quadrature, instants=most.instants)
         return plan.at(study, same)
 
     return {

@@ -222,19 +222,7 @@ def _resolution(scene: Scene, study: str, places: list[dict[str, object]]) -> tu
     if not found:
         return None, math.nan
     every = [one.resolution for _, one in found]
-    shared: dict[str, Any] = {
-        name: next(iter(chosen)) if len(chosen := {getattr(one, name) for one in every}) == 1 else None
-        for name in ("integrator", "friction", "level")
-    }
-    steps = [one.integrator_tolerance for one in every if one.integrator_tolerance is not None]
-    resolution = Resolution(
-        slices=max(one.slices for one in every),
-        quadrature=max(every, key=lambda one: one.slices).quadrature,
-        instants=max(one.instants or 1 for one in every),
-        table_tolerance=min(one.table_tolerance for one in every),
-        integrator_tolerance=min(steps, default=None),
-        **shared,
-    )
+    resolution = Resolution.finest_of(every, ("integrator", "friction", "level"))
     seconds = list[float]()
     for at, _ in found:
         begin = time.process_time()

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, lay_out
+from rollslip.results.sheet import Sheet
+from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, lay_out
 from rollslip_campaigns.pareto.findings import FINEST, NUMBERS, PLANNED, studies, taking_part
 
 if TYPE_CHECKING:
@@ -53,26 +54,20 @@ def front_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 
 def _figure(part: "xr.Dataset", name: str) -> "Figure":
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-
     shown = {number: kinds for kinds, (number, _) in NUMBERS.items() if taking_part(part, *kinds).size > 1}
-    figure = Figure(layout="constrained")
-    panels = figure.subplots(1, len(shown), squeeze=False, width_ratios=[3, 2][: len(shown)])[0]
-    handles: list[Artist] = []
+    sheet = Sheet((TWO_COLUMNS[0], 78 * MM), 1, len(shown), squeeze=False, width_ratios=[3, 2][: len(shown)])
+    panels = sheet.axes[0]
     labels: list[tuple[Axes, list[tuple[str, float, float]]]] = []
     for axes, (number, kinds) in zip(panels, shown.items(), strict=True):
-        numbered = _panel(axes, part, number, kinds, len(handles))
-        handles += [handle for handle, *_ in numbered]
+        numbered = _panel(axes, part, number, kinds, len(sheet.handles))
+        sheet.handles += [handle for handle, *_ in numbered]
         labels.append((axes, [(str(handle.get_label()).partition("  ")[0], x, y) for handle, x, y in numbered]))
     panels[0].set_title(f"{name}: numerical choices" if "error" in shown else f"{name}: models")
     if len(shown) == 2:
         panels[1].set_title("models")
     if sum(len(points) for _, points in labels) < sum(len(axes.containers) for axes in panels):
-        handles.append(Line2D([], [], color=_GREY, marker="o", markersize=3.8, linestyle="none", label="dominated"))
-    rows = -(-len(handles) // _COLUMNS)
-    figure.legend(handles=handles, loc="outside lower left", ncols=_COLUMNS, handlelength=1.0, columnspacing=1.2)
-    figure.set_size_inches(TWO_COLUMNS[0], 78 * MM + ROW * rows)
+        sheet.key("dominated", color=_GREY, marker="o", markersize=3.8, linestyle="none")
+    figure = sheet.done(columns=_COLUMNS, loc="outside lower left", handlelength=1.0, columnspacing=1.2)
     lay_out(figure)  # it depends on the place of the axes what a number covers
     for axes, points in labels:
         _write_numbers(axes, points)

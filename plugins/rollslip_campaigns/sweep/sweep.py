@@ -323,7 +323,7 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
         points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
         chosen = [one for one in (_resolution_at(scene, study, changes) for changes in points) if one is not None]
         if chosen:
-            resolutions[name_of(list(values.values()))] = _finest(chosen)
+            resolutions[name_of(list(values.values()))] = Resolution.finest_of(chosen)
     return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
 
 
@@ -340,17 +340,6 @@ def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> R
     except RollslipError:
         return None
     return None if estimated.failed else estimated.resolution
-
-
-def _finest(chosen: Sequence[Resolution]) -> Resolution:
-    """Return the finest of some resolutions, part by part, with the laws as they are named."""
-    most = max(chosen, key=lambda resolution: resolution.slices)
-    return Resolution(
-        slices=most.slices,
-        quadrature=most.quadrature,
-        instants=max(resolution.instants or 1 for resolution in chosen),
-        table_tolerance=min(resolution.table_tolerance for resolution in chosen),
-    )
 
 
 def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> list[int]:

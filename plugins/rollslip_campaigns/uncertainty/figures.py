@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, ROW, plain_decades
+from rollslip.results.sheet import Sheet
+from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, plain_decades
 from rollslip_campaigns.uncertainty.findings import RESERVE, RUNAWAY, STEADY, margin, reserve, topics
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["uncertainty_figures"]
@@ -38,16 +38,10 @@ def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figu
         yield "uncertainty-convergence", caption, _convergence(dataset)
 
 
-def _new() -> "tuple[Figure, Axes]":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    return figure, figure.subplots()
-
-
 def _reserve(dataset: "xr.Dataset") -> "Figure":
     """Share of the samples with less than a reserve; the quantile that is told, and where a cage skids."""
-    figure, axes = _new()
+    sheet = Sheet()
+    axes = sheet.axes
     one, p = dataset.sel(quantity=RESERVE), float(dataset.attrs["probability"])
     n, unknown = int(one["samples"]), int(one["unknown"])
     known = np.sort(one["value"].to_numpy()[:n])[: n - unknown]  # NaN is sorted last
@@ -68,33 +62,36 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
         axes.axvline(least, color="black", linewidth=0.9, label=f"at least, with probability {p:g}: {least:.3g}")
     axes.axvline(1.0, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="below 1 the cage skids")
     axes.set_ylim(0.0, 103.0)
-    axes.set_xlabel("Largest drag over the drags of the scene [–]")
-    axes.set_ylabel("Share of samples [%]")
-    handles, _ = axes.get_legend_handles_labels()
-    figure.legend(handles=handles, loc="outside upper left", ncols=1)
-    figure.set_size_inches(ONE_COLUMN[0], ONE_COLUMN[1] + ROW * len(handles))
-    return figure
+    sheet.handles = axes.get_legend_handles_labels()[0]
+    return sheet.done("Largest drag over the drags of the scene [–]", "Share of samples [%]")
 
 
 def _ranks(dataset: "xr.Dataset") -> "Figure":
     """Rank correlations as bars, a panel for each of what is acted on, in the order of the first."""
-    from matplotlib.figure import Figure
-
     ranks = dataset["rank_correlation"].transpose("acted", "input").to_numpy()
     order = np.argsort(np.nan_to_num(np.abs(ranks)).max(axis=0))
-    keys = [_short(key) for key in dataset["input"].to_numpy()[order]]
-    figure = Figure(figsize=(2 * ONE_COLUMN[0], (24 + 6 * len(keys)) * MM), layout="constrained")
-    panels = figure.subplots(1, len(ranks), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, name, row in zip(panels, dataset["acted"].to_numpy(), ranks, strict=True):
-        axes.barh(np.arange(len(keys)), np.nan_to_num(row[order]), 0.6, color=MODEL_COLOURS[0])
+
+    def bars(axes: Any, places: Any, k: int) -> None:
+        axes.barh(places, np.nan_to_num(ranks[k][order]), 0.6, color=MODEL_COLOURS[0])
+        axes.set_xlim(-1.0, 1.0)
+
+    return _of_inputs(dataset, order, 6, dataset["acted"].to_numpy(), "Rank correlation [–]", bars).figure
+
+
+def _of_inputs(dataset: "xr.Dataset", order: Any, each: float, names: Any, label: str, bars: Any) -> Sheet:
+    """Draw a panel for each name, whose rows are what scatters, `each` so high [mm]; `bars` draws into one."""
+    keys, places = [_short(key) for key in dataset["input"].to_numpy()[order]], np.arange(order.size)
+    size = 2 * ONE_COLUMN[0], (24 + each * len(keys)) * MM
+    sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
+    for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
+        bars(axes, places, k)
         axes.set_title(str(name))
-        axes.set_yticks(np.arange(len(keys)), keys)
+        axes.set_yticks(places, keys)
         axes.tick_params(axis="y", length=0)
         axes.axvline(0.0, color="black", linewidth=0.6)
         axes.spines["left"].set_visible(False)
-        axes.set_xlim(-1.0, 1.0)
-        axes.set_xlabel("Rank correlation [–]")
-    return figure
+        axes.set_xlabel(label)
+    return sheet
 
 
 def _short(key: object) -> str:
@@ -104,7 +101,8 @@ def _short(key: object) -> str:
 
 
 def _margin(dataset: "xr.Dataset") -> "Figure":
-    figure, axes = _new()
+    sheet = Sheet()
+    axes = sheet.axes
     shown: dict[str, tuple[str, str, Any]] = {RUNAWAY: ("below", MODEL_COLOURS[0], DASHES[0])}
     if "margin" in dataset:
         shown = {STEADY: ("above", MODEL_COLOURS[1], DASHES[1])} | shown
@@ -148,43 +146,33 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
     if not ends:  # an axis from 0 to 1 % would say that there is nothing there alone
         axes.set_xlim(0.0, 100.0)
     axes.set_ylim(0.0, 103.0)
-    axes.set_xlabel("Cage slip [%]")
-    axes.set_ylabel("Share of samples [%]")
-    handles, _ = axes.get_legend_handles_labels()
-    figure.legend(handles=handles, loc="outside upper left", ncols=1)
-    figure.set_size_inches(ONE_COLUMN[0], ONE_COLUMN[1] + ROW * len(handles))
-    return figure
+    sheet.handles = axes.get_legend_handles_labels()[0]
+    return sheet.done("Cage slip [%]", "Share of samples [%]")
 
 
 def _indices(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
-
     names = dataset["indexed"].to_numpy()
     order = np.argsort(dataset["total_order"].sel(indexed=names[0]).to_numpy())
-    keys = [_short(key) for key in dataset["input"].to_numpy()[order]]
-    figure = Figure(figsize=(2 * ONE_COLUMN[0], (24 + 9 * len(keys)) * MM), layout="constrained")
-    panels = figure.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, name in zip(panels, names, strict=True):
-        one = dataset.sel(indexed=name)
+
+    def bars(axes: Any, places: Any, k: int) -> None:
+        one = dataset.sel(indexed=names[k])
         for shift, which, colour in ((0.19, "first_order", "0.65"), (-0.19, "total_order", MODEL_COLOURS[0])):
             value, low, high = (one[f"{which}{end}"].to_numpy()[order] for end in ("", "_low", "_high"))
-            bars: dict[str, Any] = {"xerr": [np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)]}
+            spread = [np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)]
             axes.barh(
-                np.arange(len(keys)) + shift, value, 0.36, color=colour, label=which.replace("_", " "),
-                error_kw={"elinewidth": 0.7}, **bars,
+                places + shift, value, 0.36, color=colour, label=which.replace("_", " "), error_kw={"elinewidth": 0.7},
+                xerr=spread,
             )  # fmt: skip
-        axes.set_title(str(name))
-        axes.set_yticks(np.arange(len(keys)), keys)
-        axes.tick_params(axis="y", length=0)
-        axes.axvline(0.0, color="black", linewidth=0.6)
-        axes.spines["left"].set_visible(False)
-        axes.set_xlabel("Share of the variance [–]")
-    figure.legend(handles=panels[0].get_legend_handles_labels()[0], loc="outside lower left", ncols=2)
-    return figure
+
+    sheet = _of_inputs(dataset, order, 9, names, "Share of the variance [–]", bars)
+    handles = sheet.axes[0][0].get_legend_handles_labels()[0]
+    sheet.figure.legend(handles=handles, loc="outside lower left", ncols=2)
+    return sheet.figure
 
 
 def _convergence(dataset: "xr.Dataset") -> "Figure":
-    figure, axes = _new()
+    sheet = Sheet()
+    axes = sheet.axes
     known = dataset.isel(batch=np.isfinite(dataset["batch_allowable"].to_numpy()))
     count, value, low, high = (known[f"batch_{name}"].to_numpy() for name in ("samples", "allowable", "low", "high"))
     told = np.isfinite(low) & np.isfinite(high)
@@ -199,6 +187,4 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
         )
     axes.set_xticks(count, [str(one) for one in count])
     axes.minorticks_off()
-    axes.set_xlabel("Samples")
-    axes.set_ylabel(f"Allowable slip at {float(dataset.attrs['probability']):g} [%]")
-    return figure
+    return sheet.done("Samples", f"Allowable slip at {float(dataset.attrs['probability']):g} [%]")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.curve_figures import new_figure
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.validation.findings import together
@@ -44,19 +44,16 @@ def _colours(dataset: "xr.Dataset") -> Mapping[str, tuple[str, str]]:
     return {name: (MODEL_COLOURS[k % len(MODEL_COLOURS)], _MARKS[k % len(_MARKS)]) for k, name in enumerate(models)}
 
 
-def _figure(rows: int, models: int) -> "tuple[Figure, Any]":
-    from matplotlib.figure import Figure
-
-    height = (18 + 3.4 * rows) * MM + ROW * (1 + models // 3)
-    figure = Figure(figsize=(TWO_COLUMNS[0], max(height, 45 * MM)), layout="constrained")
-    return figure, figure.subplots()
+def _sheet(rows: int, models: int) -> Sheet:
+    return Sheet((TWO_COLUMNS[0], max((18 + 3.4 * rows) * MM + ROW * (1 + models // 3), 45 * MM)))
 
 
 def _ratios(dataset: "xr.Dataset") -> "Figure":
     """One line a row of a data set, one mark a model."""
     keys = together(dataset, "data_set", "series", "condition")
     colours = _colours(dataset)
-    figure, axes = _figure(len(keys) * max(1, len(colours) // 2), len(colours))
+    sheet = _sheet(len(keys) * max(1, len(colours) // 2), len(colours))
+    axes = sheet.axes
     step = 0.7 / max(len(colours), 1)
     for k in range(dataset.sizes["row"]):
         one = dataset.isel(row=k)
@@ -77,8 +74,7 @@ def _ratios(dataset: "xr.Dataset") -> "Figure":
     axes.set_ylim(len(keys) - 0.4, -0.6)
     axes.set_yticks(range(len(keys)), [f"{series}: {condition}" for _, series, condition in keys])
     axes.set_xlabel("Calculated over measured [–]")
-    _legend(figure, colours)
-    return figure
+    return _done(sheet, colours)
 
 
 def _plain_log(axis: Any) -> None:
@@ -97,8 +93,9 @@ def _series(dataset: "xr.Dataset") -> "Figure":
     """Measured and calculated values of a series, one place a condition."""
     colours = _colours(dataset)
     conditions = list(dict.fromkeys(map(str, dataset["row_condition"].to_numpy())))
-    figure, axes = new_figure()
-    figure.set_size_inches(TWO_COLUMNS[0], 70 * MM + ROW * (1 + len(colours) // 3))
+    sheet = Sheet((TWO_COLUMNS[0], 70 * MM + ROW * (1 + len(colours) // 3)))
+    sheet.key("measured, 95 %", color="0.2", marker="_")
+    axes = sheet.axes
     unit = str(dataset["row_unit"].to_numpy()[0])
     quantity = str(dataset["row_quantity"].to_numpy()[0])
     every = np.abs(dataset["measured"].to_numpy())
@@ -139,15 +136,15 @@ def _series(dataset: "xr.Dataset") -> "Figure":
         axes.set_xlabel("Row of the data set")
     name = (quantity.partition("/")[2] or quantity).replace("-", " ").replace("_", " ")
     axes.set_ylabel(f"{name.capitalize()} [{of if of == '%' else unit_label(of)}]")
-    _legend(figure, colours, measured=True)
-    return figure
+    return _done(sheet, colours)
 
 
 def _statements(dataset: "xr.Dataset") -> "Figure":
     """A mark for every statement and model."""
     says = list(dict.fromkeys(map(str, dataset["statement_says"].to_numpy())))
     models = list(dict.fromkeys(map(str, dataset["statement_models"].to_numpy())))
-    figure, axes = _figure(len(says) + 3, 0)
+    sheet = _sheet(len(says) + 3, 0)
+    axes = sheet.axes
     marks = {"held": ("o", "#0072B2", "#0072B2"), "not held": ("X", "#D55E00", "#D55E00"),
              "cannot be told": ("o", "white", "0.4")}  # fmt: skip
     for k in range(dataset.sizes["statement"]):
@@ -162,16 +159,12 @@ def _statements(dataset: "xr.Dataset") -> "Figure":
     axes.xaxis.tick_top()
     axes.grid(visible=True, color="0.92")
     axes.set_axisbelow(True)
-    return figure
+    return sheet.done()
 
 
-def _legend(figure: "Figure", colours: Mapping[str, tuple[str, str]], measured: bool = False) -> None:
-    from matplotlib.lines import Line2D
-
-    handles = [
-        Line2D([], [], color=colour, marker=mark, linestyle="solid", markersize=4, label=name)
-        for name, (colour, mark) in colours.items()
-    ]
-    if measured:
-        handles.insert(0, Line2D([], [], color="0.2", marker="_", label="measured, 95 %"))
-    figure.legend(handles=handles, loc="outside upper left", ncols=3)
+def _done(sheet: Sheet, colours: Mapping[str, tuple[str, str]]) -> "Figure":
+    """Explain the models in a legend, for which the sheet has room."""
+    for name, (colour, mark) in colours.items():
+        sheet.key(name, color=colour, marker=mark, linestyle="solid", markersize=4)
+    sheet.figure.legend(handles=sheet.handles, loc="outside upper left", ncols=3)
+    return sheet.figure
