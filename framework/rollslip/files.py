@@ -24,6 +24,14 @@ from rollslip.structure import attributes
 from rollslip.units import UnitError, as_written, expectation, quantity
 
 _REMEDY: Final = "free space, or name another place"
+#: Ending of a file that is taken for a scene -> what it is, and what takes it.
+NO_SCENES: Final = {
+    ".nc": "a result; rollslip info, cite and report take it, and its attribute 'scene' holds the scene",
+    ".csv": "a table; rollslip fit, rank and validate take measured ones",
+    ".json": "parameters in JSON; commands take them, and read_foreign from Python",
+    ".rexs": "a file of REXS, and no package that reads it is installed; 'rollslip-rexs' of the documentation does",
+    ".zip": "an archive; unpack it, and name the .toml file in it",
+}
 
 
 def decoded(content: bytes, source: str) -> str:

@@ -105,7 +105,8 @@ def structure(
         elif rest is not None:
             others[key] = value
         else:
-            faults.append(where.at(key).says(_unknown(key, by_key)))
+            advice: str | None = getattr(cls, "advice", {}).get(key)
+            faults.append(where.at(key).says(advice or _unknown(key, by_key)))
     if rest is not None:
         values[rest.name] = _frozen(others, where, faults)
     for key, attribute in by_key.items():
@@ -244,6 +245,9 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         try:
             return quantity(raw, unit)
         except UnitError as error:
+            if isinstance(raw, list | tuple) and raw:
+                of = "the resultant of components, or " * (unit == "N")
+                error = UnitError(f"{error}; give {of}one value: sweep takes several, --over {_dotted(where.path)}=A,B")
             faults.append(where.says(str(error)))
             return MISSING
     elif kind is int:

@@ -87,6 +87,7 @@ def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:
 
 
 _UNQUOTED = re.compile(r"=\s*[+-]?[\d.]+(?:,|\s*(?![eE][+-]?\d|[xob_])[A-Za-z%/])")
+_BARE_TEXT = re.compile(r"=\s*[A-Za-z]")
 
 
 def _syntax_error(error: Exception, text: str, source: str) -> str:
@@ -100,6 +101,8 @@ def _syntax_error(error: Exception, text: str, source: str) -> str:
     column = f" (column {position[2]})" if position else " (at the end of the file)"
     unquoted = _UNQUOTED.search(text.split("\n")[line - 1])
     hint = '; write a number as 1.5, and one with a unit in quotes, as "15 mm"' if unquoted else ""
+    if message == "Invalid value" and _BARE_TEXT.search(text.split("\n")[line - 1]):
+        hint = '; write a text in quotes, as "moes"'
     return f"{source}:{line}: not valid TOML: {message}{column}{hint}"
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import PluginError, SceneError
+from rollslip.errors import PluginError, RollslipError, SceneError
 from rollslip.planning.quantities import quantities
 from rollslip.scene import FrozenTable, ModelChoice, Scene, resolved, scene_hash
 from rollslip.scene.changes import SHORT, evolve, parse_set
@@ -120,6 +120,25 @@ def test_faults_of_changes_are_marked_and_the_others_keep_their_lines() -> None:
 def test_what_is_no_key_is_reported(key: str) -> None:
     with pytest.raises(SceneError, match="is not a key"):
         evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("operation.axial_load", "1 N", "operation.axial_load: axial loads, which ribs carry, are not modelled; leave"),
+        (
+            "operation.radial_load",
+            [1, 2],
+            "such as '3415 N'; give the resultant of components, or one value: sweep takes",
+        ),
+        ("bearing.name", 6312, "bearing.name: no bearing is called '6312': this is a deep groove ball bearing"),
+        ("bearing.name", True, "bearing.name: a text is expected, not true"),
+    ],
+)
+def test_what_was_meant_otherwise_gets_advice(key: str, value: object, said: str) -> None:
+    with pytest.raises(RollslipError) as caught:
+        evolve(parse_scene(SCENE, "scene.toml"), {key: value})
+    assert said in str(caught.value)
 
 
 @pytest.mark.parametrize("key", ["title.x", "bearing.rollers.x", "study.effective-friction.slip.x", "lubricant.name.x"])

@@ -16,7 +16,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.errors import PluginError, SceneError, nearest
-from rollslip.files import content_of, decoded, readable
+from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import FOLLOWS, before_mounting, in_operation, listed
 from rollslip.scene.plausibility import impossible_relations
 from rollslip.scene.values import Scene, resolved
@@ -59,6 +59,8 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     """
     path = Path(os.fspath(name_or_path))
     source = readable(os.fspath(name_or_path))
+    if what := NO_SCENES.get(path.suffix.lower()):
+        raise SceneError([f"{source}: is no scene but {what}"])
     if isinstance(name_or_path, str) and not source.endswith(".toml"):
         shipped = _shipped()
         if source in shipped:
@@ -126,12 +128,14 @@ def _with_named_data(raw: dict[str, object], where: Location, problems: list[str
             continue
         own = {key: value for key, value in table.items() if key != "name"}
         complete[kind] = own
-        if not isinstance(name := table["name"], str):
-            problems.append(at.says(f"a text is expected, not {as_written(name)}"))
-            continue
         from rollslip.catalogue.discovery import get_class  # only a scene that names data needs a plugin
 
         try:
+            if not isinstance(name := table["name"], str):
+                if isinstance(name, int) and not isinstance(name, bool):
+                    get_class(kind, str(name))  # says what is called so: 6312 is a ball bearing
+                problems.append(at.says(f"a text is expected, not {as_written(name)}"))
+                continue
             data = get_class(kind, name).data
             if kind == "bearing":
                 data = listed(own, name, data, where.at(kind), problems)

@@ -14,7 +14,7 @@ import json
 import operator
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 
@@ -74,6 +74,12 @@ def _temperature(of: str, default: object = _follow_temperature) -> Any:
 @attrs.frozen(kw_only=True)
 class Operation:
     """What the bearing is doing."""
+
+    #: Keys that others have -> what to do about them.
+    advice: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("axial_load", "axial_force", "thrust_load"),
+        "axial loads, which ribs carry, are not modelled; leave it out, and count friction on ribs besides",
+    )
 
     inner_speed: float = _speed("inner")
     outer_speed: float = _speed("outer", 0.0)
