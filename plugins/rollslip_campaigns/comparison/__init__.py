@@ -13,12 +13,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.planning.progress import Shown
+    from rollslip_campaigns.comparison.alternatives import Alternatives
     from rollslip_campaigns.comparison.comparison import Comparison
 
 
 @attrs.frozen(eq=False)
 class ComparisonSettings(OfScene):
-    """Run every combination of models on SCENE; compare friction, critical slip and cost.
+    """Run SCENE with several oils, bearings, cages or models, and compare them.
+
+    --oil, --bearing, --cage and --clearance-class give the answer of each, best first, and say whether there is a clear
+    winner where data scatter. --traction, --film and --contact compare friction, critical slip and cost.
 
     A model that is not composed of others takes the place of the hydrodynamic model where the scene's traction is a
     blend, such as lambda-blend, and of the film where the scene's film is a correction, such as inlet-correction; --set
@@ -67,15 +71,27 @@ class ComparisonSettings(OfScene):
         more="Or a mapping of kind to model. Without it what is reported is no error but a difference.",
     )  # fmt: skip
     study: str | None = setting("Study with friction curves; by default the first of the scene.", metavar="STUDY")
+    oil: Sequence[str] | str = setting("Oils to choose from.", default=(), metavar="A,B", many=True)
+    bearing: Sequence[str] | str = setting("Bearings to choose from.", default=(), metavar="A,B", many=True)
+    cage: Sequence[str] | str = setting("What the cage may be of.", default=(), metavar="A,B", many=True)
+    clearance_class: Sequence[str] | str = setting("Clearances to choose from.", default=(), metavar="C3,C4", many=True)
 
-    def plan(self) -> "Comparison":
+    def plan(self) -> "Comparison | Alternatives":
         """Check all names and plan every combination."""
+        if self.oil or self.bearing or self.cage or self.clearance_class:
+            from rollslip_campaigns.comparison.alternatives import plan_alternatives
+
+            return plan_alternatives(self)
         from rollslip_campaigns.comparison.comparison import plan_comparison
 
         return plan_comparison(self)
 
     def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
         """Run the combinations."""
+        if type(made).__name__ == "Alternatives":
+            from rollslip_campaigns.comparison.alternatives import run_alternatives
+
+            return run_alternatives(made, show)
         from rollslip_campaigns.comparison.comparison import run_comparison
 
         return run_comparison(made, show)

@@ -1,0 +1,196 @@
+"""Alternatives of one scene side by side: the answer of each, best first, and how sure it is that one slips less.
+
+- Each is run as ``rollslip run`` would, by study ``steady-slip``: what is told of it is what that tells.
+- Data scatter in all of them alike. So the ratio of two slips is surer than either: what moves a quantity of both moves
+  both slips, and the difference of the logarithms counts, in squares, as in the band of one. Two oils share no data of
+  theirs, so what moves the oil counts for each.
+"""
+
+import itertools
+import json
+import math
+import time
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.errors import RollslipError, SceneError
+from rollslip.planning.campaign import listed
+from rollslip.planning.execution import run
+from rollslip.planning.provenance import origin, together
+from rollslip.results.account import answer
+from rollslip.results.dataset import CITED, about
+from rollslip.scene.changes import evolve
+from rollslip.scene.values import Scene, resolved, scene_hash
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.comparison import ComparisonSettings
+
+__all__ = ["KEYS", "STUDY", "Alternatives", "plan_alternatives", "ratio_band", "run_alternatives"]
+
+#: Option -> key of the scene that it changes.
+KEYS: Final[Mapping[str, str]] = MappingProxyType(
+    {"bearing": "bearing.name", "clearance_class": "bearing.clearance_class", "oil": "lubricant", "cage": "cage.make"}
+)
+STUDY: Final = "steady-slip"
+#: Row of an answer -> unit and meaning of the variable of that name.
+ROWS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
+    {
+        "cage_slip": ("1", "steady cage slip"),
+        "minimum_load": ("N", "least radial load of an acceptable slip"),
+        "acceptable_reserve": ("1", "driving torque at the acceptable slip over the drags there"),
+        "drag_reserve": ("1", "largest drag over the drags"),
+        "friction_torque": ("N m", "friction torque of the bearing"),
+        "film_parameter": ("1", "smallest film parameter"),
+        "clearance": ("m", "operating clearance"),
+    }
+)
+#: Between the names of one alternative.
+_BETWEEN: Final = " / "
+_WORST_FIRST: Final = ("SKIDS", "UNKNOWN", "SLIPS", "OK")
+
+
+@attrs.frozen(eq=False)
+class Alternatives:
+    """Scenes to be run, by what differs, and why others cannot be; ``keys`` are those that differ."""
+
+    scene: Scene
+    keys: tuple[str, ...]
+    scenes: Mapping[str, Scene]
+    refused: Mapping[str, str]
+    told: tuple[str, ...] = ()
+
+
+def plan_alternatives(asked: "ComparisonSettings") -> Alternatives:
+    """Make a scene of each combination of what is named."""
+    named = {option: listed(value) for option in KEYS if (value := getattr(asked, option))}
+    others = [one for one in ("traction", "film", "contact", "reference", "study") if getattr(asked, one)]
+    if others:
+        asked_for, one = " and ".join(f"--{option.replace('_', '-')}" for option in named), others[0]
+        raise SceneError([f"{one}: laws are compared by their curves, {asked_for} by the answer; ask for one of both"])
+    scenes, refused = dict[str, Scene](), dict[str, str]()
+    for names in itertools.product(*named.values()):
+        label = _BETWEEN.join(names)
+        try:
+            scenes[label] = evolve(asked.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)})
+        except RollslipError as error:
+            refused[label] = str(error).removeprefix("changes: ")
+    if len(scenes) < 2:
+        faults = [f"{label}: {why}" for label, why in refused.items()]
+        raise SceneError(faults or [f"{next(iter(named))}: name two at least, with commas between, to compare them"])
+    keys = tuple(KEYS[option] for option in named)
+    return Alternatives(asked.given, keys, scenes, refused)
+
+
+def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
+    """Run all and put them side by side, best first."""
+    begin, done, failed = time.perf_counter(), dict[str, Any](), dict(made.refused)
+    for k, (label, scene) in enumerate(made.scenes.items()):
+        show(label, k / len(made.scenes), math.nan)
+        try:
+            done[label] = run(scene, STUDY)
+        except RollslipError as error:
+            failed[label] = str(error).removeprefix("changes: ")
+    if not done:
+        raise SceneError([f"{label}: {why}" for label, why in failed.items()])
+    import xarray as xr
+
+    answers = {label: answer(one, scene=label) for label, one in done.items()}
+    order = sorted(done, key=lambda label: _rank(answers[label]))
+    labels = [*order, *failed]
+    values = {name: np.full(len(labels), math.nan) for name in ROWS}
+    ends = np.full((2, len(labels)), math.nan)
+    for k, label in enumerate(order):
+        for row in answers[label].rows:
+            if row.key in values:
+                values[row.key][k] = row.value
+            if row.key == "cage_slip" and row.band is not None:
+                ends[:, k] = row.band
+    over = "alternative"
+    variables: dict[str, Any] = {name: (over, of, about(*ROWS[name])) for name, of in values.items()}
+    for name, of, what in (("cage_slip_low", ends[0], "5 %"), ("cage_slip_high", ends[1], "95 %")):
+        variables[name] = over, of, about("1", f"steady cage slip, {what} where data scatter")
+    verdicts = [answers[label].verdict for label in order] + ["" for _ in failed]
+    variables["verdict"] = over, np.array(verdicts), about("1", "verdict")
+    variables["status"] = over, np.array(["done"] * len(order) + ["failed"] * len(failed)), about("1", "done or failed")
+    variables["message"] = over, np.array([failed.get(label, "") for label in labels]), about("1", "why it failed")
+    runs = [one.attrs for one in done.values()]
+    return xr.Dataset(
+        variables,
+        {over: (over, labels, about("1", "what differs"))},
+        origin(
+            study="alternatives",
+            source=made.scene.source,
+            title=made.scene.title,
+            differ=list(made.keys),
+            rows={label: {row.key: row.text for row in answers[label].rows} for label in order},
+            surer=_surer(order, done, made.keys),
+            scene_resolved=resolved(made.scene),
+            scene_hash=scene_hash(made.scene),
+            packages={name: number for one in runs for name, number in json.loads(one["packages"]).items()},
+            **{key: together(runs, key) for key in ("models", *CITED)},
+            warnings=[],
+            evaluations=sum(int(one["evaluations"]) for one in runs),
+            wall_time=time.perf_counter() - begin,
+        ),
+    )
+
+
+def _rank(of: Any) -> tuple[int, float]:
+    """The better verdict first, then the smaller slip."""
+    slip = next((row.value for row in of.rows if row.key == "cage_slip"), math.nan)
+    worst = _WORST_FIRST.index(of.verdict) if of.verdict in _WORST_FIRST else 0
+    return -worst, math.inf if math.isnan(slip) else slip
+
+
+def _surer(order: list[str], done: "Mapping[str, xr.Dataset]", keys: Iterable[str]) -> list[list[float]]:
+    """Between what the slip of each is, over that of the first, 5 and 95 %; NaN where it is not known."""
+    oil = next((k for k, key in enumerate(keys) if key == KEYS["oil"]), None)
+    oils = {label: "" if oil is None else label.split(_BETWEEN)[oil] for label in order}
+    first = order[0]
+    return [
+        [*ratio_band(done[label], done[first], own=() if oils[label] == oils[first] else ("lubricant.",))]
+        for label in order
+    ]
+
+
+def ratio_band(one: "xr.Dataset", other: "xr.Dataset", own: tuple[str, ...] = ()) -> tuple[float, float]:
+    """Return between what the ratio of two steady slips lies, 5 and 95 %; NaN where a band is not known.
+
+    Parameters
+    ----------
+    one, other : xarray.Dataset
+        Results with bands.
+    own : tuple of str
+        Beginnings of keys whose values the two do not share.
+    """
+    moved = [_moves(of) for of in (one, other)]
+    if one is other or not all(moved):
+        return (1.0, 1.0) if one is other else (math.nan, math.nan)
+    up = down = 0.0
+    for key in dict.fromkeys((*moved[0], *moved[1])):
+        a, b = (of.get(key, (0.0, 0.0)) for of in moved)
+        shared = not any(key.startswith(one) for one in own)
+        pairs = [tuple(x - y for x, y in zip(a, b, strict=True))] if shared else [a, tuple(-x for x in b)]
+        for ends in pairs:
+            up += max(*ends, 0.0) ** 2
+            down += min(*ends, 0.0) ** 2
+    middle = float(one["steady_slip"][0]) / float(other["steady_slip"][0])
+    return middle * math.exp(-math.sqrt(down)), middle * math.exp(math.sqrt(up))
+
+
+def _moves(of: "xr.Dataset") -> dict[str, tuple[float, ...]]:
+    """By how much the logarithm of the slip moves with each quantity, low and high; nothing where that is not known."""
+    band = json.loads(of.attrs.get("band", "{}")).get("steady_slip", {})
+    slip, found = float(np.ravel(of["steady_slip"])[0]), dict[str, tuple[float, ...]]()
+    for row in band.get("moved", ()):
+        if any(value is None or not value > 0.0 for value in row["values"]):
+            return {}
+        found[row["key"]] = tuple(math.log(value / slip) for value in row["values"])
+    return found

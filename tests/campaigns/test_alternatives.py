@@ -1,0 +1,89 @@
+"""Alternatives of one scene: each is told as a run of it, and a winner only where data that scatter leave one."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import rollslip
+from rollslip.cli.main import cli
+from rollslip.errors import SceneError
+from rollslip.results.account import account_of
+from rollslip_campaigns.comparison.alternatives import ratio_band
+
+
+@pytest.fixture(scope="module")
+def oils():
+    return rollslip.compare("gearbox", oil="iso-vg-68, iso-vg-220, nope")
+
+
+@pytest.mark.parametrize("oil", ["iso-vg-68", "iso-vg-220"])
+def test_each_is_told_as_its_run_tells_it(oils, oil):
+    alone = rollslip.run(rollslip.evolve(rollslip.load_scene("gearbox"), {"lubricant": oil}), "steady-slip")
+    rows = {row.key: row for row in rollslip.answer(alone).rows}
+    one = oils.sel(alternative=oil)
+    assert float(one.cage_slip) == rows["cage_slip"].value
+    assert (float(one.cage_slip_low), float(one.cage_slip_high)) == rows["cage_slip"].band
+    assert float(one.minimum_load) == rows["minimum_load"].value
+    assert json.loads(oils.attrs["rows"])[oil]["friction_torque"] == rows["friction_torque"].text
+
+
+def test_the_better_stands_first_and_what_failed_last(oils):
+    assert oils.alternative.values.tolist() == ["iso-vg-220", "iso-vg-68", "nope"]
+    assert oils.status.values.tolist() == ["done", "done", "failed"]
+    assert "no lubricant is called 'nope'" in str(oils.message.values[-1])
+    assert np.diff(oils.cage_slip.values[:2]) > 0.0
+    said = account_of(oils).sentences(oils)
+    assert said[0].startswith("no clear winner between iso-vg-220 and iso-vg-68")
+    assert said[1].startswith("nope: ")
+
+
+def _with_band(slip, **moved):
+    rows = [{"key": key.replace("_", ".", 1), "values": [slip * end for end in ends]} for key, ends in moved.items()]
+    return xr.Dataset({"steady_slip": ("steady", [slip])}, attrs={"band": json.dumps({"steady_slip": {"moved": rows}})})
+
+
+def test_what_moves_both_alike_does_not_blur_their_ratio():
+    """Two slips that a shared quantity halves and doubles: their ratio stays; one of each blurs it by the root."""
+    one = _with_band(0.04, cage_drag=(0.5, 2.0), lubricant_alpha=(0.5, 2.0))
+    other = _with_band(0.02, cage_drag=(0.5, 2.0), lubricant_alpha=(0.5, 2.0))
+    assert ratio_band(one, other) == pytest.approx((2.0, 2.0))
+    blurred = math.exp(math.sqrt(2.0) * math.log(2.0))
+    assert ratio_band(one, other, own=("lubricant.",)) == pytest.approx((2.0 / blurred, 2.0 * blurred))
+    assert ratio_band(one, one) == (1.0, 1.0)
+    assert np.isnan(ratio_band(one, xr.Dataset({"steady_slip": ("steady", [0.02])}))).all()
+
+
+def test_a_clear_winner_is_told():
+    found = rollslip.compare("gearbox", clearance_class=["CN", "C5"])
+    (low, high) = json.loads(found.attrs["surer"])[1]
+    assert low <= float(found.cage_slip[1] / found.cage_slip[0]) <= high
+    said = account_of(found).sentences(found)[0]
+    assert said.startswith("no clear winner" if low <= 1.0 else f"{found.alternative.values[0]} slips least")
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"oil": "iso-vg-68"}, "oil: name two at least"),
+        ({"oil": "nope, nada"}, "no lubricant is called 'nope'"),
+        ({"cage": ["brass", "steel"], "film": "moes"}, "film: laws are compared by their curves, --cage by the answer"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(asked, said):
+    with pytest.raises(SceneError, match=said):
+        rollslip.compare("gearbox", **asked)
+
+
+def test_the_command_prints_a_table_and_json_has_its_numbers(tmp_path):
+    asked = ["compare", "turbine", "--cage", "brass,polyamide", "--out", str(tmp_path / "out")]
+    told = CliRunner().invoke(cli, asked)
+    assert told.exit_code == 0, told.output
+    assert "verdict" in told.output
+    again = CliRunner().invoke(cli, [*asked, "--overwrite", "--json"])
+    rows = json.loads(again.stdout)["alternatives"]
+    assert {row["alternative"] for row in rows} == {"brass", "polyamide"}
+    assert all(row["cage_slip"] > 0.0 and row["status"] == "done" for row in rows)
