@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.motion.torque_balance import TorqueBalance
 
-FREE, CATALOGUE = 7, 11
+FREE, CATALOGUE, WIDE = 7, 11, 13
 OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
 GRADES = (32, 46, 68, 100, 150, 220)
 SERIES = {
@@ -27,6 +27,8 @@ SERIES = {
     "NU22": ("05", "08", "10", "12", "16", "20"),
 }
 RESISTING = ["rolling-resistance", "hysteresis", "churning"]
+#: Diameter of a raceway times speed that no bearing exceeds [mm rpm].
+FASTEST = 1.5e6
 
 
 def free(number, *, even=False):
@@ -80,6 +82,27 @@ def catalogue(number, *, resists=True, even=False):
         scene = load_scene(path)
     changes = {"cage.drag": RESISTING if resists else ["churning"]}
     return evolve(scene, changes | ({"bearing.profile": "none"} if even else {}))
+
+
+def wide(number):
+    """One of both, at 0.5 to 15,000 rpm, of any light load, also with an outer ring that turns and friction in pockets."""
+    u = np.random.default_rng([WIDE, number]).uniform(size=9)
+    scene = free(number) if u[0] < 0.4 else catalogue(number, resists=u[1] < 0.6)
+    raceway = 1e3 * scene.bearing.inner_raceway_diameter
+    speed = min(0.5 * 30_000.0 ** u[2], FASTEST / raceway)
+    drags = [*(RESISTING if u[0] >= 0.4 and u[1] < 0.6 else ["churning"])]
+    if u[3] < 0.35:
+        drags.append({"model": "pocket-friction", "coefficient": 0.01 * 15.0 ** u[4]})
+    return evolve(
+        scene,
+        {
+            "operation.inner_speed": f"{speed} rpm",
+            "operation.outer_speed": f"{speed * (-0.5 + 1.2 * u[5]) if u[6] < 0.3 else 0.0} rpm",
+            "operation.radial_load": 0.0 if u[7] < 0.1 else scene.operation.radial_load * 100.0 ** -u[7],
+            "bearing.radial_clearance": f"{-6.0 + 20.0 * u[8]} um",
+            "cage.drag": drags,
+        },
+    )
 
 
 def balance(scene, *, slices=12, positions=56, inertia=True):
