@@ -85,7 +85,7 @@ def catalogue(number, *, resists=True, even=False):
 
 
 def wide(number):
-    """One of both, at 0.5 to 15,000 rpm, of any light load, also with an outer ring that turns and friction in pockets."""
+    """One of both at 0.5 to 15,000 rpm, lightly loaded, also with outer rings that turn and friction in pockets."""
     u = np.random.default_rng([WIDE, number]).uniform(size=9)
     scene = free(number) if u[0] < 0.4 else catalogue(number, resists=u[1] < 0.6)
     raceway = 1e3 * scene.bearing.inner_raceway_diameter
