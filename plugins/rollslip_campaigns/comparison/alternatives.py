@@ -1,6 +1,6 @@
 """Alternatives of one scene side by side: the answer of each, best first, and how sure it is that one slips less.
 
-- Each is run as ``rollslip run`` would, by study ``steady-slip``: what is told of it is what that tells.
+- Each is run as ``rollslip run`` would, by the study of steady slips: what is told of it is what that tells.
 - Data scatter in all of them alike. So the ratio of two slips is surer than either: what moves a quantity of both moves
   both slips, and the difference of the logarithms counts, in squares, as in the band of one. Two oils share no data of
   theirs, so what moves the oil counts for each.
@@ -25,6 +25,7 @@ from rollslip.results.account import answer
 from rollslip.results.dataset import CITED, about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene, resolved, scene_hash
+from rollslip_studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +39,7 @@ __all__ = ["KEYS", "STUDY", "Alternatives", "plan_alternatives", "ratio_band", "
 KEYS: Final[Mapping[str, str]] = MappingProxyType(
     {"bearing": "bearing.name", "clearance_class": "bearing.clearance_class", "oil": "lubricant", "cage": "cage.make"}
 )
-STUDY: Final = "steady-slip"
+STUDY: Final = SteadySlip.name
 #: Row of an answer -> unit and meaning of the variable of that name.
 ROWS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
