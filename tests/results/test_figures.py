@@ -16,9 +16,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.cli import app
 from rollslip.planning.provenance import film_limits_told
 from rollslip.results.curves import Curve, curves, percent
-from rollslip.results.dark import GROUND, INK, on_dark
 from rollslip.results.figures import plot, save_plots
-from rollslip.results.style import FORMATS, STYLE, set_plainly
+from rollslip.results.style import FORMATS, GROUND, INK, STYLE, on_dark, set_plainly
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip_studies.effective_friction.study import EffectiveFriction

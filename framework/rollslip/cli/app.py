@@ -289,7 +289,7 @@ class Results:
                     file.unlink()
             written.append("report.html")
         if self._crate:
-            from rollslip.results.crate import write_crate
+            from rollslip.cli.crate import write_crate
 
             written.append(write_crate({folder / f"{name}.nc": one for name, one in datasets.items()}).name)
         self._files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")

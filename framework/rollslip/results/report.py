@@ -35,8 +35,8 @@ from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
 from rollslip.results.account import Table, account_of, answer, capital
 from rollslip.results.curves import percent
-from rollslip.results.dark import GROUND, INK, adapting
 from rollslip.results.dataset import citations_of
+from rollslip.results.style import GROUND, INK, adapting
 from rollslip.results.words import confidence, counted, warned
 from rollslip.scene.schema import rows_of, schema
 from rollslip.units import UnitError, format_quantity

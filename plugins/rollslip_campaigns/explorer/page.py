@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from rollslip.errors import PluginError
 from rollslip.files import whole_file
-from rollslip.results.dark import GROUND, INK, on_dark
-from rollslip.results.style import RING_COLOURS, unit_label
+from rollslip.results.style import GROUND, INK, RING_COLOURS, on_dark, unit_label
 from rollslip.units import converted
 
 if TYPE_CHECKING:
