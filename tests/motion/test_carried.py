@@ -17,8 +17,6 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion import raceway_friction as friction_module
 from rollslip.motion.carried import carried_motion
-from rollslip.motion.history.settings import HistorySettings
-from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
@@ -27,6 +25,8 @@ from rollslip_kernels.motion.carried import LEDGER
 from rollslip_kernels.motion.system import RefusedError
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag
+from rollslip_studies.dynamics.history.settings import HistorySettings
+from rollslip_studies.dynamics.history.varying import varying_motion
 from strategies import NumpyForm
 
 FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cage.inertia": 3.3e-3}

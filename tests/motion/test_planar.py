@@ -19,8 +19,6 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.motion import planar as planar_module
-from rollslip.motion.history.settings import HistorySettings
-from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip.motion.time_integration import InitialValueProblem, integrate
@@ -30,6 +28,8 @@ from rollslip_kernels.motion import raceway as friction_kernels
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import RefusedError
 from rollslip_plugins.drag.torques import PetroffLand
+from rollslip_studies.dynamics.history.settings import HistorySettings
+from rollslip_studies.dynamics.history.varying import varying_motion
 
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}
 TINY = 1e-30  # of a complex step: exact to rounding

@@ -14,12 +14,12 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.motion import time_integration
 from rollslip.motion.checkpoints import Checkpoints
-from rollslip.motion.history.path import ThermalPath
 from rollslip.results.account import account_of
 from rollslip.results.style import save_figures
 from rollslip.studies.answers import Keep
 from rollslip_studies.dynamics import heating
 from rollslip_studies.dynamics.figures import motion_figures
+from rollslip_studies.dynamics.history.path import ThermalPath
 from rollslip_studies.dynamics.study import Dynamics
 
 LINKS = ("oil_inner_ring", "oil_rollers", "oil_outer_ring")

@@ -22,7 +22,6 @@ from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
-from rollslip.motion.continuation import crossing, follow
 from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
@@ -33,12 +32,14 @@ from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.steady_slip import findings
+from rollslip_studies.steady_slip.branches import follow
 from rollslip_studies.steady_slip.figures import steady_figures
 from rollslip_studies.steady_slip.findings import record, topics
 from rollslip_studies.steady_slip.losses import viscosity_ratio
 from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
 from rollslip_studies.steady_slip.statuses import no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
+from rollslip_studies.thermal_balance.balance import crossing
 
 SHIPPED = load_scene("1032930-50C")
 STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})

@@ -19,11 +19,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError
-from rollslip.motion.history.courses import Course, table
-from rollslip.motion.history.path import CLEARANCE, changed
-from rollslip.motion.history.settings import TEMPERATURES, History, HistorySettings
-from rollslip.motion.history.stations import operated, shown
-from rollslip.motion.history.varying import STILL, VaryingMotion, epicyclic
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.torque_balance import Runaway
 from rollslip.structure import Location
@@ -31,6 +26,11 @@ from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.estimates import slices_and_instants
 from rollslip.studies.raceways import LoadedRaceways
 from rollslip_studies.dynamics import history_findings
+from rollslip_studies.dynamics.history.courses import Course, table
+from rollslip_studies.dynamics.history.path import CLEARANCE, changed
+from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings
+from rollslip_studies.dynamics.history.stations import operated, shown
+from rollslip_studies.dynamics.history.varying import STILL, VaryingMotion, epicyclic
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.study import EffectiveFriction
 

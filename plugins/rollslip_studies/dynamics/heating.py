@@ -24,9 +24,6 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.history.courses import constant
-from rollslip.motion.history.path import CLEARANCE, ThermalPath, changed
-from rollslip.motion.history.settings import TEMPERATURES, History
 from rollslip.motion.losses import power_balance
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.time_integration import Trajectory
@@ -36,6 +33,9 @@ from rollslip.studies.thermal_balance.model import ThermalModel, from_bearing, t
 from rollslip.studies.timing import timed
 from rollslip_studies.dynamics.choice import Movable
 from rollslip_studies.dynamics.ending import explained
+from rollslip_studies.dynamics.history.courses import constant
+from rollslip_studies.dynamics.history.path import CLEARANCE, ThermalPath, changed
+from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
 
 #: Single values of a motion that heats its bearing.
 VALUES: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")

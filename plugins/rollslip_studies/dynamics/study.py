@@ -29,9 +29,6 @@ from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.motion.carried import carried_motion
-from rollslip.motion.history.courses import Course
-from rollslip.motion.history.settings import History, HistorySettings
-from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.planar import PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
@@ -55,6 +52,9 @@ from rollslip_studies.dynamics.ending import (
     steady_slip_of,
     stored,
 )
+from rollslip_studies.dynamics.history.courses import Course
+from rollslip_studies.dynamics.history.settings import History, HistorySettings
+from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.surface_damage.over_motion import over_motion

@@ -6,7 +6,6 @@ from typing import Any, Final
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.motion.continuation import left_out
 from rollslip.motion.spins import place_of, slip_of
 from rollslip.motion.torque_balance import TorqueBalance, nowhere
 from rollslip.motion.way_up import WayUp
@@ -48,7 +47,7 @@ def slip_drag(
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
     }
-    error = float(left_out(slip, torque).max() / (np.abs(torque).max() or 1.0)) / _EXACTER
+    error = float(_left_out(slip, torque).max() / (np.abs(torque).max() or 1.0)) / _EXACTER
     return {name: OUTPUTS[name].variable(value) for name, value in values.items()}, coords, error
 
 
@@ -63,3 +62,20 @@ def _curve(way: WayUp, end: float, points: int) -> tuple[Array, Array]:
     order = np.argsort(slip)
     inside = order[slip[order] <= end]
     return slip[inside], torque[inside]
+
+
+def _left_out(slip: Array, values: Array) -> Array:
+    """By how much each inner point differs from the cubic through the four nearest others, (n,)."""
+    inner = np.arange(1, slip.size - 1)
+    first = np.clip(inner - 2, 0, slip.size - 5)
+    others = first[:, None] + np.arange(5)
+    others = others[others != inner[:, None]].reshape(-1, 4)
+    x, y = slip[others], values[others]
+    weights = np.ones_like(x)
+    for i in range(4):
+        for j in range(4):
+            if i != j:
+                weights[:, i] *= (slip[inner] - x[:, j]) / (x[:, i] - x[:, j])
+    error = np.zeros_like(slip)
+    error[1:-1] = np.abs((weights * y).sum(axis=1) - values[1:-1])
+    return error

@@ -5,11 +5,11 @@ from typing import Final
 import numpy as np
 
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
-from rollslip.motion.continuation import Branch
 from rollslip.motion.torque_balance import Orbit, TorqueBalance
 from rollslip.motion.way_up import Steady, WayUp
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import FASTER, VARIED
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.

@@ -27,7 +27,6 @@ from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.continuation import Branch, follow
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.torque_balance import (
     RANGE,
@@ -52,6 +51,7 @@ from rollslip.studies.raceways import regime_variables, unloaded
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 from rollslip_studies.steady_slip import band
+from rollslip_studies.steady_slip.branches import Branch, follow
 from rollslip_studies.steady_slip.losses import acceptable_reserve, losses
 from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs

@@ -12,7 +12,7 @@
 """
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import attrs
@@ -21,7 +21,6 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.continuation import crossing
 from rollslip.motion.losses import PowerBalance, power_balance
 from rollslip.scene.changes import evolve
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
@@ -52,6 +51,8 @@ _BALANCED: Final = 1e-6
 _COLDEST: Final = 150.0
 #: How far a balance may be from where the curve has its zero [K]; farther it is another one.
 _NEAR: Final = 1.0
+#: Secants by which a steady slip is sought, and how far it may be from where it is surmised, relative to it.
+_SECANTS, _FAR = 12, 0.5
 
 
 @attrs.frozen(eq=False)
@@ -456,3 +457,23 @@ def _unit(n: int, k: int) -> Array:
     found = np.zeros(n)
     found[k] = 1.0
     return found
+
+
+def crossing(
+    excess: Callable[[float], float], start: float, slope: float, largest: float, tolerance: float
+) -> tuple[float, float] | None:
+    """Return where an excess torque is zero, by secants from near it, and its slope; None if they lead elsewhere.
+
+    The last step is below the tolerance, relative to the slip; what is left is far less.
+    """
+    at, value = start, excess(start)
+    for _ in range(_SECANTS):
+        step = -value / slope if slope else np.inf
+        if not (0.0 < at + step <= largest and abs(at + step - start) <= _FAR * start):
+            return None
+        at += step
+        if abs(step) <= tolerance * at:
+            return at, slope
+        before, value = value, excess(at)
+        slope = (value - before) / step
+    return None

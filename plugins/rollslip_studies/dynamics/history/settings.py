@@ -19,7 +19,10 @@ import numpy as np
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, field, non_negative, positive
 from rollslip.files import content_of, decoded, read_columns
-from rollslip.motion.history.courses import (
+from rollslip.scene.values import Operation, Scene
+from rollslip.structure import Location
+from rollslip.units import format_quantity, quantity
+from rollslip_studies.dynamics.history.courses import (
     OF_DIRECTION,
     OF_SPEEDS,
     Array,
@@ -29,10 +32,7 @@ from rollslip.motion.history.courses import (
     table,
     unordered,
 )
-from rollslip.motion.history.path import ThermalPath
-from rollslip.scene.values import Operation, Scene
-from rollslip.structure import Location
-from rollslip.units import format_quantity, quantity
+from rollslip_studies.dynamics.history.path import ThermalPath
 
 #: Temperatures that follow that of the operation where nothing else is said.
 OF_PARTS: Final = ("inner_ring_temperature", "roller_temperature", "outer_ring_temperature")

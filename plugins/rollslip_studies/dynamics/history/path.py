@@ -14,9 +14,9 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
-from rollslip.motion.history.courses import Course, through
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import resolved
+from rollslip_studies.dynamics.history.courses import Course, through
 
 __all__ = ["CLEARANCE", "ThermalPath", "changed"]
 

@@ -1,17 +1,11 @@
-"""All steady slips of a cage, which of them last, and how they move with a parameter, through folds.
+"""How a steady slip of a cage moves with a parameter, through folds.
 
-- Traction has a maximum, so a drag below it is carried at two slips or none: what is looked for is every root of the
-  excess torque over the whole range. The driving torque is costly and the drag is not, so the torque is known as a
-  curve refined until leaving any point out moves it by less than the tolerance; the roots are bracketed on it and
-  located on the torque itself.
-- A steady slip lasts where more slip leaves more torque to speed the cage up.
-- Against a parameter the slips are followed by pseudo-arclength: the next point is sought across the direction in which
-  the last two lie, with slip and parameter both unknown, so that a fold is a point like any other. There the parameter
-  turns, and with it the stability.
+- Slips are followed by pseudo-arclength: the next point is sought across the direction in which the last two lie, with
+  slip and parameter both unknown, so that a fold is a point like any other. There the parameter turns, and with it the
+  stability: a steady slip lasts where more slip leaves more torque to speed the cage up.
 """
 
 from collections.abc import Callable
-from typing import Final
 
 import attrs
 import numpy as np
@@ -20,19 +14,6 @@ from numpy.typing import NDArray
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
 
-#: Most points that the refinement of a curve may need.
-_MOST_POINTS: Final = 400
-#: The neighbours of a point are twice as far from it as from the middle between them, where a cubic is 7 times as exact
-#: on a smooth curve.
-_LEFT_OUT = 4.0
-#: Width of an interval that is not divided, as a share of the slip.
-_NARROWEST = 1e-4
-#: Points within an interval at which the drag is looked at.
-_BETWEEN = 16
-#: Those of a torque that is known roughly.
-_FEW_BETWEEN = 4
-#: Excess torque that counts as none, relative to the largest torque: there the branches meet.
-_MEETING = 1e-9
 #: Steps along a branch in shares of the box: the first one, the largest, and the smallest before giving up.
 _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.01, 0.05, 1e-6
 #: Cosine of the largest turn of a branch in one step.
@@ -41,47 +22,8 @@ _MOST_STEPS = 600
 #: Precision of a point of a branch, as a share of the box.
 _PRECISE = 1e-7
 _SECANTS = 12
-#: How far from where it is surmised a steady slip may be, relative to it.
-_FAR = 0.5
 #: Step by which the excess torque is differentiated, as a share of the box.
 _NUDGE = 1e-5
-
-
-def left_out(slip: Array, values: Array) -> Array:
-    """By how much each inner point differs from the cubic through the four nearest others, (n,)."""
-    inner = np.arange(1, slip.size - 1)
-    first = np.clip(inner - 2, 0, slip.size - 5)
-    others = first[:, None] + np.arange(5)
-    others = others[others != inner[:, None]].reshape(-1, 4)
-    x, y = slip[others], values[others]
-    weights = np.ones_like(x)
-    for i in range(4):
-        for j in range(4):
-            if i != j:
-                weights[:, i] *= (slip[inner] - x[:, j]) / (x[:, i] - x[:, j])
-    error = np.zeros_like(slip)
-    error[1:-1] = np.abs((weights * y).sum(axis=1) - values[1:-1])
-    return error
-
-
-def crossing(
-    excess: Callable[[float], float], start: float, slope: float, largest: float, tolerance: float
-) -> tuple[float, float] | None:
-    """Return where an excess torque is zero, by secants from near it, and its slope; None if they lead elsewhere.
-
-    The last step is below the tolerance, relative to the slip; what is left is far less.
-    """
-    at, value = start, excess(start)
-    for _ in range(_SECANTS):
-        step = -value / slope if slope else np.inf
-        if not (0.0 < at + step <= largest and abs(at + step - start) <= _FAR * start):
-            return None
-        at += step
-        if abs(step) <= tolerance * at:
-            return at, slope
-        before, value = value, excess(at)
-        slope = (value - before) / step
-    return None
 
 
 @attrs.frozen(eq=False)
