@@ -95,6 +95,8 @@ def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
         ("campaigns.sweep.distributions", "rollslip.scene.distributions"),
         ("campaigns.uncertainty.scatter", "rollslip.planning.scatter"),
         ("campaigns.uncertainty.band", "rollslip_studies.steady_slip.band"),
+        ("motion.history.settings", "rollslip_studies.dynamics.history.settings"),
+        ("motion.planar", "rollslip_studies.dynamics.levels.planar"),
         ("studies.dynamics", "rollslip_studies.dynamics"),
         ("studies.effective_friction.study", "rollslip_studies.effective_friction.study"),
         ("studies.friction_curve.study", "rollslip_studies.friction_curve.study"),

@@ -18,8 +18,8 @@ from output import DOCS, write_table
 from scipy.integrate import solve_ivp
 
 from rollslip import evolve, load_scene
-from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.plan import plan
+from rollslip_studies.dynamics.levels.planar import PlanarSettings
 
 INSTANT, QUIET = 2e-5, 1 / 6
 SPANS = {"pocket": 0.3, "planar": 0.1}

@@ -15,10 +15,10 @@ from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, read_table, save_
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.load_map import build_load_map
-from rollslip.motion.carried import carried_motion
-from rollslip.motion.planar import PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
+from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})
 ROLLERS = (10, 20, 50, 100, 200, 500, 1000)

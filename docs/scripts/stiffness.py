@@ -12,7 +12,7 @@ from output import write_table
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.motion.planar import PlanarSettings
+from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 
 HEAVY, FILM = {"operation.radial_load": "20 kN"}, {"cage.pocket_contact": "film"}

@@ -20,10 +20,19 @@ _RENAMED: Final = {
     "rollslip.campaigns.sweep.distributions": "rollslip.scene.distributions",
     "rollslip.campaigns.uncertainty.band": "rollslip_studies.steady_slip.band",
     "rollslip.campaigns.uncertainty.scatter": "rollslip.planning.scatter",
+    "rollslip.motion.continuation": "rollslip_studies.steady_slip.branches",
+    **{
+        f"rollslip.motion.{name}": f"rollslip_studies.dynamics.levels.{name}"
+        for name in ("carried", "moving_bearing", "planar", "raceway_friction")
+    },
     "rollslip.pressure_viscosity": "rollslip.lubricant.pressure",
 }
 #: Folders that became roots; all in them kept its name.
-_ROOTS: Final = {"rollslip.campaigns": "rollslip_campaigns", "rollslip.studies": "rollslip_studies"}
+_ROOTS: Final = {
+    "rollslip.campaigns": "rollslip_campaigns",
+    "rollslip.motion.history": "rollslip_studies.dynamics.history",
+    "rollslip.studies": "rollslip_studies",
+}
 #: What they left behind: the interface of studies, and folders of models that one of them asks.
 _STAYED: Final = {
     "rollslip.studies",

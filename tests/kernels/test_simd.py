@@ -14,10 +14,10 @@ import pytest
 from fuzz import stages
 from rollslip import Chain, evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.planar import PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion import planar
 from rollslip_kernels.stages import simd
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 SUPPORT = Path(__file__).parents[1] / "support"
 
@@ -149,9 +149,9 @@ import sys
 import numpy as np
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.carried import carried_motion
-from rollslip.motion.planar import PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_kernels.stages import simd
 
 scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2})

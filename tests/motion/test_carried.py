@@ -15,9 +15,6 @@ from rollslip.bearing.chain import Chain
 from rollslip.bearing.load_map import build_load_map
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion import raceway_friction as friction_module
-from rollslip.motion.carried import carried_motion
-from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
 from rollslip_kernels.motion import raceway as compiled
@@ -27,6 +24,9 @@ from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
+from rollslip_studies.dynamics.levels import raceway_friction as friction_module
+from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 from strategies import NumpyForm
 
 FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cage.inertia": 3.3e-3}

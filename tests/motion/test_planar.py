@@ -18,9 +18,6 @@ from rollslip.bearing.raceway import RINGS
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
-from rollslip.motion import planar as planar_module
-from rollslip.motion.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
 from rollslip_kernels.motion import planar as kernels
@@ -30,6 +27,9 @@ from rollslip_kernels.motion.system import RefusedError
 from rollslip_plugins.drag.torques import PetroffLand
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
+from rollslip_studies.dynamics.levels import planar as planar_module
+from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}
 TINY = 1e-30  # of a complex step: exact to rounding

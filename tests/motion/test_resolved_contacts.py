@@ -9,12 +9,12 @@ import pytest
 
 from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.carried import carried_motion
-from rollslip.motion.planar import PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.motion.leapfrog import Leapfrog
 from rollslip_kernels.motion.rosenbrock import DormandPrince
+from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 SCENE = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2}
 FRICTION = FrictionSettings(name="constant", coefficient=0.01, transition=0.5)

@@ -16,7 +16,6 @@ from rollslip.catalogue.registry import available, find
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Span, parameter
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
-from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.plausibility import implausible, implausible_along
 from rollslip.planning.quantities import quantities
 from rollslip.scene.plausibility import RELATIONS
@@ -25,6 +24,7 @@ from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, attributes, key_of, types_of
 from rollslip.studies.study import study_class
 from rollslip_plugins.traction.shear_thinning import Carreau
+from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from scene_samples import line_of, scene_with
 
 pytestmark = pytest.mark.quick

@@ -11,12 +11,12 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError
-from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.results.dataset import open_result, save
 from rollslip_studies.dynamics.ending import steady_slip_of
 from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
+from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.steady_slip.study import SteadySlip
 

@@ -16,11 +16,11 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError
-from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.plan import plan
 from rollslip_studies.dynamics import choice as estimates
 from rollslip_studies.dynamics import cost as costs
 from rollslip_studies.dynamics.choice import adds_up, choose_motion
+from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 
 SHIPPED = load_scene("1032930-50C")

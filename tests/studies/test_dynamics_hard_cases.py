@@ -12,9 +12,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.models import NO_LIMITS, DragModel, TractionModel
-from rollslip.motion.planar import PlanarSettings
 from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
 from rollslip_studies.dynamics.history.settings import HistorySettings, LoadCourse
+from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 
 SHIPPED = load_scene("1032930-50C")

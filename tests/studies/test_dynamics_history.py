@@ -16,7 +16,6 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.motion import time_integration
 from rollslip.motion.checkpoints import Checkpoints
-from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
 from rollslip.studies.answers import Keep
@@ -26,6 +25,7 @@ from rollslip_studies.dynamics import along, history_findings
 from rollslip_studies.dynamics.account import DynamicsAccount
 from rollslip_studies.dynamics.history.settings import OF_PARTS, HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION

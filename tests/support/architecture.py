@@ -250,8 +250,8 @@ def named_studies(root: Path = ROOT) -> list[str]:
         for line, text in _texts(path):
             for name, homes in own.items():
                 if re.search(rf"(?<![\w-]){name}(?![\w-])", text) and module.rpartition(".")[0] not in homes:
-                    if module == "rollslip.scene.values" and text == name:
-                        continue
+                    if module == "rollslip.former" or (module == "rollslip.scene.values" and text == name):
+                        continue  # a path where modules were, and the default
                     found.append(f"{module}:{line} names the study {name!r}")
         if folder(module) in ("studies", "rollslip_studies"):
             continue

@@ -12,10 +12,10 @@ import numpy as np
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.carried import carried_motion
-from rollslip.motion.planar import PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion.rosenbrock import DormandPrince
+from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 SCENE = load_scene("1032930-50C")
 NINE = {

@@ -19,7 +19,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError
-from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.torque_balance import Runaway
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
@@ -31,6 +30,7 @@ from rollslip_studies.dynamics.history.path import CLEARANCE, changed
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings
 from rollslip_studies.dynamics.history.stations import operated, shown
 from rollslip_studies.dynamics.history.varying import STILL, VaryingMotion, epicyclic
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.study import EffectiveFriction
 

@@ -25,7 +25,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.motion.losses import power_balance
-from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.time_integration import Trajectory
 from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.studies.answers import Part
@@ -36,6 +35,7 @@ from rollslip_studies.dynamics.ending import explained
 from rollslip_studies.dynamics.history.courses import constant
 from rollslip_studies.dynamics.history.path import CLEARANCE, ThermalPath, changed
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 
 #: Single values of a motion that heats its bearing.
 VALUES: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")

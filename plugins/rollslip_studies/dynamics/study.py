@@ -1,8 +1,7 @@
 """Study dynamics: cage and rollers in time, with constant, effective or conventional friction.
 
 - The scene names the level of detail (`LEVELS`), the friction and the integrator, or leaves them to the plan
-  (`rollslip_studies.dynamics.choice`); each level is one compiled right-hand side (`rollslip.motion.carried`,
-  `rollslip.motion.planar`).
+  (`rollslip_studies.dynamics.choice`); each level is one compiled right-hand side (`rollslip_studies.dynamics.levels`).
 - Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
   the energy is stored, as the plainest measure of how far a result can be trusted.
 - Slip past that of running away, where the balance of torques has its fold (`rollslip.motion.way_up`), is an event,
@@ -28,10 +27,6 @@ from rollslip.errors import SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
-from rollslip.motion.carried import carried_motion
-from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.planar import PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene, resolved
@@ -55,6 +50,10 @@ from rollslip_studies.dynamics.ending import (
 from rollslip_studies.dynamics.history.courses import Course
 from rollslip_studies.dynamics.history.settings import History, HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
+from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.surface_damage.over_motion import over_motion

@@ -24,12 +24,12 @@ from rollslip.bearing.assembly import Assembly, assemble, conditions_read
 from rollslip.bearing.load_map import build_load_map
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
-from rollslip.motion.carried import carried_motion
-from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.planar import PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
+from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 #: Cage slips at which rates are compared, with this share of the roller slip that rolls on the outer ring, so that both
 #: contacts slide; shares of the largest speed, where that varies; and places of a roller in a pitch, between which it

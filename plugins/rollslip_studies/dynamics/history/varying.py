@@ -10,15 +10,15 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
-from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.planar import PlanarSettings
-from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import MOST_AXES, Varying
 from rollslip_studies.dynamics.history.courses import Course, constant
 from rollslip_studies.dynamics.history.path import ThermalPath
 from rollslip_studies.dynamics.history.settings import History
 from rollslip_studies.dynamics.history.stations import Axis, Stations, operated
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.dynamics.levels.planar import PlanarSettings
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 #: Share of the largest epicyclic speed of the cage below which no slip is told: it would refer to next to nothing.
 STILL: Final = 0.05

@@ -16,11 +16,11 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map, resistances
 from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
-from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
-from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip.units import format_quantity
 from rollslip_kernels.motion.carried import LEDGER, Carried
 from rollslip_kernels.motion.system import System
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 
 _BLOCKS: Final = {
     "cage-set": {"roller_spin": "rad/s"},

@@ -12,8 +12,8 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.effective_table import table_records
-from rollslip.motion.raceway_friction import FRICTION, RacewayFriction
 from rollslip_kernels.motion.system import System
+from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, RacewayFriction
 
 #: Friction coefficient of the traction under which a roller is taken to lean on its pocket, where that is a measure.
 _LEANING: Final = 0.05
