@@ -13,6 +13,7 @@ from rollslip import explore
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip_campaigns.explorer import ExplorerSettings, explorer
+from rollslip_campaigns.explorer import page as written
 from rollslip_campaigns.explorer.grid import Dial, between
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
@@ -137,7 +138,8 @@ def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_r
 
 def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, monkeypatch):
     """Without plotly, which only the page itself needs."""
-    monkeypatch.setattr(explorer, "library", lambda: "")
+    for module in (explorer, written):
+        monkeypatch.setattr(module, "library", lambda: "")
     monkeypatch.setattr(explorer, "write_page", lambda path, *_: path.write_text("page"))
     told, over = [], {"operation.radial_load": "2 kN:6 kN:3"}
     report = {"report": lambda *given: told.append(given), "engine": "serial"}

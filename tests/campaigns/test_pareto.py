@@ -36,6 +36,7 @@ from rollslip_campaigns.pareto import pareto as fronts
 from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED
 from rollslip_campaigns.pareto.findings import findings, records, results_of, tables
 from rollslip_campaigns.pareto.pareto import front, run_family
+from rollslip_campaigns.sweep import journal
 
 #: Few slices and slips: quick, and still both rings, a profile and a maximum.
 SCENE = evolve(
@@ -549,11 +550,16 @@ def start(*arguments, cwd, **environment):
     )
 
 
+def of_choices(folder):
+    """What a folder has of each choice, by number."""
+    return {one.row.number: json.loads(one.row.texts) for one in journal.records(folder)}
+
+
 def stopped(tmp_path, how):
     """Stop a run in its first round; return what it said."""
     process = start("--out", "o", cwd=tmp_path, PAUSE="0.1")
     deadline = time.monotonic() + 60.0
-    while not (tmp_path / "o.unfinished" / "0003.json").exists():
+    while 3 not in of_choices(tmp_path / "o.unfinished"):
         assert time.monotonic() < deadline
         time.sleep(0.02)
     process.send_signal(how)
@@ -564,7 +570,7 @@ def stopped(tmp_path, how):
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=["killed", "interrupted"])
 def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
     process, _, err = stopped(tmp_path, how)
-    kept = {path.name: path.read_text() for path in (tmp_path / "o.unfinished").glob("*.json")}
+    kept = of_choices(tmp_path / "o.unfinished")
     assert len(kept) >= 4
     assert not (tmp_path / "o").exists()
     if how == signal.SIGINT:
@@ -581,8 +587,7 @@ def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
     assert not {FINEST, HALF, EXACT} & set(turns)
     found = open_result(tmp_path / "o" / "pareto.nc")
     assert (found.status == "done").all()
-    first = json.loads(kept["0003.json"])
-    assert found.round_seconds.sel(choice=PLANNED).values[0] == first["seconds"][0]
+    assert found.round_seconds.sel(choice=PLANNED).values[0] == kept[3]["seconds"][0]
     assert "interrupted and gone on with" in found.attrs["warnings"]
     whole = pareto(
         evolve(load_scene("1032930-30C"), {"accuracy.slices": 15, "study.friction-curve.points": 15}),
@@ -596,12 +601,12 @@ def test_what_is_kept_of_another_scene_or_other_choices_is_refused(tmp_path):
     kept = tmp_path / "kept"
     run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept)
     other = evolve(SCENE, {"operation.radial_load": "3000 N"})
-    with pytest.raises(OutputError, match=r"kept: holds a run of another scene; .* without --resume"):
-        run_family(ParetoSettings(other, study="friction-curve", choices="slices", rounds=1).plan(), kept)
-    with pytest.raises(OutputError, match="kept: holds a run of other choices"):
-        run_family(ParetoSettings(SCENE, study="friction-curve", choices="traction", rounds=1).plan(), kept)
-    (kept / "0001.json").write_text("{")
-    with pytest.raises(OutputError, match=r"0001.json: is not a part of a run that can be read .*; remove it"):
+    for scene, choices in ((other, "slices"), (SCENE, "traction")):
+        made = ParetoSettings(scene, study="friction-curve", choices=choices, rounds=1).plan()
+        with pytest.raises(OutputError, match=r"kept: holds a run of another scene, or of other .* without --resume"):
+            run_family(made, kept)
+    next(kept.glob("journal-*")).write_text("{" * 999)
+    with pytest.raises(OutputError, match=r"journal-000000.sqlite: is not a journal that can be read .*; move it away"):
         run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept)
 
 

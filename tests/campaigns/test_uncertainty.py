@@ -23,6 +23,7 @@ from rollslip.results.account import account_of
 from rollslip.results.figures import save_plots
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
+from rollslip_campaigns.sweep import folder as swept
 from rollslip_campaigns.sweep.figures import models_apart
 from rollslip_campaigns.sweep.findings import sentences as sweep_sentences
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
@@ -162,10 +163,8 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     slips[5] = np.nan
     status = ["crashed" if k % 16 == 0 else "ok" for k in range(64)]  # number 5 has none in the range
     made = UncertaintySettings(uncertain(**ALPHA), samples=64, probability=0.9).plan()
-    monkeypatch.setattr(
-        allowable, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False)
-    )
-    monkeypatch.setattr(allowable, "collect", lambda sweep, folder: _points(status, slips))
+    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(swept, "collect", lambda sweep, folder: _points(status, slips))
     found = run_margin(made, tmp_path / "failed")
     one = found.sel(quantity="slip of running away")
     assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
@@ -183,10 +182,8 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
 def _of_points(points, monkeypatch, folder, **options):
     """A result of points that nobody computes, and what was said on the way."""
     said = []
-    monkeypatch.setattr(
-        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
-    )
-    monkeypatch.setattr(allowable, "collect", points)
+    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(swept, "collect", points)
     return run_margin(UncertaintySettings(uncertain(**ALPHA), **options).plan(), folder, said=said.append), said
 
 
@@ -291,8 +288,8 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
     slips[[end != "ok" for end in ends]] = np.nan
     counts = Counter(ends)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(allowable, "run_sweep", lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False))
-        patch.setattr(allowable, "collect", lambda sweep, folder: _points(ends, slips))
+        patch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False))
+        patch.setattr(swept, "collect", lambda sweep, folder: _points(ends, slips))
         found = run_margin(sixteen(), tmp_path_factory.mktemp("ends"))
     told = record(found)
     assert told["points"] == {"critical": dict(counts)}
@@ -379,10 +376,8 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     def points(sweep, folder):
         return _points(["timed-out"] * 8, np.full(8, np.nan))
 
-    monkeypatch.setattr(
-        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
-    )
-    monkeypatch.setattr(allowable, "collect", points)
+    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(swept, "collect", points)
     out = tmp_path / "made"
     own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
@@ -449,10 +444,8 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
         slips = np.where(lost, np.nan, sweep.design.samples[:, 0])
         return _points(np.where(lost, "crashed", "ok"), slips)
 
-    monkeypatch.setattr(
-        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
-    )
-    monkeypatch.setattr(allowable, "collect", points)
+    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(swept, "collect", points)
     found = run_margin(made, tmp_path / "made")
     assert int(found.indexed_rows.sel(indexed="slip of running away")) == 8
     assert found.first_order.sel(indexed="slip of running away").item() == pytest.approx(1.0, abs=0.5)

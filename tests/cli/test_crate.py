@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
-from rollslip.cli.main import cli
 from rollslip.cli.crate import CRATE, write_crate
+from rollslip.cli.main import cli
 from rollslip.results.dataset import open_result
 
 

@@ -29,6 +29,7 @@ WRITTEN = {".py", ".pyi", ".pyx", ".pxd", ".h", ".toml", ".in", ".csv", ".txt", 
 #: their place, contacts of a rig. None of them knows of it.
 CAMPAIGNS = {
     ("uncertainty", "sweep"), ("explorer", "sweep"), ("limit", "sweep"), ("pareto", "comparison"),
+    ("pareto", "sweep"),
     ("validation", "comparison"),
     ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip

@@ -98,14 +98,13 @@ class Resolution:
     def finest_of(cls, some: Collection["Resolution"], alike: Collection[str] = ()) -> "Resolution":
         """Return the finest of some, number by number; of fields that are to be `alike` what all have in common."""
         most = max(some, key=lambda one: one.slices)
-        common = {name: {getattr(one, name) for one in some} for name in alike}
         return cls(
             slices=most.slices,
             quadrature=most.quadrature,
             instants=max(one.instants or 1 for one in some),
             table_tolerance=min(one.table_tolerance for one in some),
             integrator_tolerance=min((s for one in some if (s := one.integrator_tolerance) is not None), default=None),
-            **{name: values.pop() for name, values in common.items() if len(values) == 1},
+            **{name: getattr(most, name) for name in alike if len({getattr(one, name) for one in some}) == 1},
         )
 
     def slicing(self, length: float) -> tuple[Array, Array]:

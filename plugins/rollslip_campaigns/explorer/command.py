@@ -18,12 +18,14 @@ from rollslip_campaigns.explorer import ExplorerSettings
 def _explore(asked: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool) -> None:
     from rollslip.errors import OutputError
     from rollslip.results.report import is_report
+    from rollslip_campaigns.explorer.page import library
 
     target = out if out is not None else Path(f"{Path(about).stem}-explorer.html")
     if target.exists() and not overwrite:
         raise OutputError(f"{target}: exists; name another --out, or --overwrite it")
     if target.exists() and not is_report(target):
         raise OutputError(f"{target}: is no page of rollslip, so it is not replaced; name another --out")
+    library()  # refused before anything is told
     asked = attrs.evolve(asked, out=target)
     planned = asked.plan()
     if not as_json:

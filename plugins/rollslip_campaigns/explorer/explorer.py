@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from rollslip.errors import ConvergenceError
 from rollslip_campaigns.explorer.grid import Explorer, between
 from rollslip_campaigns.explorer.page import GROUPS, Results, library, write_page
-from rollslip_campaigns.sweep.folder import begin, finish
-from rollslip_campaigns.sweep.run import run_sweep
+from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
@@ -32,11 +31,11 @@ def run_explorer(planned: Explorer, asked: "ExplorerSettings", folder: Path, sho
     keys = [dial.key for dial in planned.dials]
 
     def swept(of: str, over: Mapping[str, object], **options: Any) -> "xr.Dataset":
-        points = {"study": EffectiveFriction.name, "output": [*GROUPS, "angle"], **options}
-        made = plan_sweep(planned.scene, over, engine=asked.engine, time_limit=asked.time_limit, **points)
-        kept = begin(made, folder / of)
-        run_sweep(made, kept, report=lambda now: show(*now.told))
-        found = _whole(finish(made, kept))
+        how = {"engine": asked.engine, "time_limit": asked.time_limit, **options}
+        made = plan_sweep(planned.scene, over, study=EffectiveFriction.name, output=[*GROUPS, "angle"], **how)
+        points = Points.of(made, folder / of, lambda text: None, lambda now: show(*now.told))
+        points.compute()
+        found = _whole(points.collected())
         return found.rename({name: key for key, name in made.names.items()})
 
     choices: dict[str, object] = {key: list(names) for key, names in planned.choices.items()}

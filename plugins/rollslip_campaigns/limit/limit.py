@@ -43,11 +43,10 @@ from rollslip_campaigns.limit.search import (
     tells_in_words,
 )
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, name_of
-from rollslip_campaigns.sweep.folder import taken_up
+from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import unpacked
-from rollslip_campaigns.sweep.result import collect
-from rollslip_campaigns.sweep.run import Progress, asked_engine, run_sweep
+from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs
 from rollslip_campaigns.sweep.sweep import plan_sweep, study_with
 
@@ -252,20 +251,18 @@ def run_limit(
     """
     from rollslip.catalogue.registry import get_model
 
-    taken_up(made.sweep, folder)
+    points = Points.of(made.sweep, folder, said, report)
     slacks, failed, longest = _known(made, folder)
-    asked, tell = sorted({*made.first, *failed}), said
+    asked = sorted({*made.first, *failed})
     again: tuple[str, ...] = FAILED
     alone = None if asked_engine(made.sweep) is not None or made.sweep.local else get_model("engine", "serial")
     while asked:
-        part = attrs.evolve(made.sweep, only=asked)
-        soon = alone if len(asked) == 1 and longest <= _SOON else None
-        if run_sweep(part, folder, engine=soon, again=again, said=tell, report=report).interrupted:
-            raise KeyboardInterrupt
+        points.compute(asked, engine=alone if len(asked) == 1 and longest <= _SOON else None, again=again)
         slacks, failed, longest = _known(made, folder)
-        asked, again, tell = next_places(slacks, failed, made.spacing), (), lambda text: None
+        asked, again = next_places(slacks, failed, made.spacing), ()
+        points = attrs.evolve(points, said=lambda text: None)
         said(f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if asked else ''}")
-    dataset = _dataset(made, folder, slacks, failed)
+    dataset = _dataset(made, points, slacks, failed)
     save(dataset, folder / RESULT)
     return dataset
 
@@ -308,11 +305,11 @@ def of_the_worst(asked: Requirement, values: "np.ndarray[Any, Any]", words: "np.
     return "; ".join(dict.fromkeys(filter(None, of_it.astype(str).tolist())))
 
 
-def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set[int]) -> "xr.Dataset":
+def _dataset(made: Limit, points: Points, slacks: Mapping[int, float], failed: set[int]) -> "xr.Dataset":
     import xarray as xr
 
     places = sorted({*slacks, *failed})
-    whole = collect(attrs.evolve(made.sweep, only=places), folder)
+    whole = points.collected(places)
     at = whole.isel({made.sweep.names[made.axis.key]: places})
     quantity, asked = made.axis.quantity, made.requirement
     values, unit = np.array(made.axis.values, dtype=float), str(quantity.unit)

@@ -6,13 +6,16 @@
   a short study until it can be timed. A choice is called faster only where every one of its rounds is faster.
 - A choice that fails is a status and stops no other. A result that is not there, such as a critical slip outside the
   range, has no error: its status says in words what is found, beside what the finest finds.
-- What is done is kept, a small file for each choice, so that a run that is interrupted or killed loses one turn.
+- What is done is kept in a journal, as points of sweeps are: a run that is interrupted or killed loses one turn.
 """
 
 import json
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from hashlib import sha256
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
@@ -21,14 +24,14 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import Array
-from rollslip.errors import OutputError, RollslipError, in_words
-from rollslip.files import whole_file
+from rollslip.errors import RollslipError, in_words
 from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import run_origin, together
 from rollslip.results.dataset import CITED, about
 from rollslip.scene.values import scene_hash
 from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family
+from rollslip_campaigns.sweep.journal import Kept
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,11 +83,24 @@ class Record:
     evaluations: int = 0
 
 
-def run_family(family: Family, kept: Path | None = None, show: "Shown | None" = None) -> "xr.Dataset":
-    """Run all choices of a family; see `rollslip.pareto`."""
+def run_family(family: Family, folder: Path | None = None, show: "Shown | None" = None) -> "xr.Dataset":
+    """Run all choices of a family, or what is left of them in a folder."""
+    place = TemporaryDirectory() if folder is None else nullcontext(folder)
+    with place as at, Kept(Path(at), _digest(family)) as kept:
+        return _run(family, kept, show)
+
+
+def _digest(family: Family) -> str:
+    """Return what tells a family from another: scene, settings of the studies and all choices, but not the rounds."""
+    choices = [f"{one.study} {one.label} {scene_hash(one.scene)} {one.resolution}" for one in family.choices]
+    studies = [f"{name} {study}" for name, study in family.studies.items()]
+    return sha256("\n".join([scene_hash(family.plan.scene), *studies, *choices]).encode()).hexdigest()
+
+
+def _run(family: Family, kept: Kept, show: "Shown | None") -> "xr.Dataset":
     begin = time.perf_counter()
-    records = [_read(family, one, _file(kept, k)) if kept else Record() for k, one in enumerate(family.choices)]
-    resumed = any(record.status for record in records)
+    records = [Record(**kept.known.get(k, {})) for k in range(len(family.choices))]
+    resumed = bool(kept.known)
     for study in family.studies:  # what is loaded at first use is to be loaded before anything is timed
         _take(family, family.of(study, "numerical")[0], Record())
     turns = [(k, 0) for k, one in enumerate(family.choices) if one.kind == "reference"]
@@ -100,8 +116,7 @@ def run_family(family: Family, kept: Path | None = None, show: "Shown | None" = 
         _take(family, choice, record)
         if choice.kind != "reference":  # which says nothing of the others
             last[k] = time.perf_counter() - started
-        if kept is not None:
-            _write(family, choice, record, _file(kept, k))
+        kept.keep(k, attrs.asdict(record))
     return _dataset(family, records, time.perf_counter() - begin, resumed)
 
 
@@ -141,52 +156,6 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
         record.evaluations = assembly.inner.chain.evaluated
         if dataset.attrs.get("friction") == "conventional":  # the motion counts for itself
             record.evaluations += int(dataset.attrs.get("contacts_evaluated", 0))
-
-
-# What is kept ---------------------------------------------------------------------------------------------------------
-
-
-def _file(folder: Path, number: int) -> Path:
-    return folder / f"{number:04d}.json"
-
-
-def _key(family: Family, choice: Choice) -> dict[str, str]:
-    """Return what a file belongs to: the scene, the settings of the study and the choice."""
-    return {
-        "scene_hash": scene_hash(family.plan.scene),
-        "study": f"{choice.study} {family.studies[choice.study]}",
-        "choice": f"{choice.label} {scene_hash(choice.scene)} {choice.resolution}",
-    }
-
-
-def _write(family: Family, choice: Choice, record: Record, path: Path) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            f"{path.parent}: cannot be written ({error.strerror}); make room there, or name another --out"
-        ) from error
-    with whole_file(path) as partial:
-        partial.write_text(json.dumps(_key(family, choice) | attrs.asdict(record)), encoding="utf-8")
-
-
-def _read(family: Family, choice: Choice, path: Path) -> Record:
-    """Return what is known of a choice from an interrupted run."""
-    if not path.exists():
-        return Record()
-    try:
-        facts = json.loads(path.read_text(encoding="utf-8"))
-        of = {name: facts.pop(name) for name in _key(family, choice)}
-        record = Record(**facts)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise OutputError(f"{path}: is not a part of a run that can be read ({error}); remove it") from error
-    if of != _key(family, choice):
-        what = "another scene" if of["scene_hash"] != scene_hash(family.plan.scene) else "other choices"
-        raise OutputError(
-            f"{path.parent}: holds a run of {what}; go on with the same ones, or run without --resume, "
-            "or remove the folder"
-        )
-    return record
 
 
 # The dataset ----------------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 import json
 import time
 from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ from rollslip_campaigns.sweep.journal import (
     states,
 )
 from rollslip_campaigns.sweep.result import collect
-from rollslip_campaigns.sweep.run import asked_engine
+from rollslip_campaigns.sweep.run import Report, asked_engine, run_sweep
 from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
     from rollslip_campaigns.sweep import SweepSettings
 
-__all__ = ["RESULT", "Status", "begin", "finish", "planned", "status", "taken_up"]
+__all__ = ["RESULT", "Points", "Status", "begin", "finish", "planned", "status", "taken_up"]
 
 RESULT = "sweep.nc"
 
@@ -81,6 +82,31 @@ def taken_up(sweep: Sweep, folder: Path) -> Path:
             "another --out"
         )
     return folder
+
+
+@attrs.frozen(eq=False)
+class Points:
+    """Points of a sweep in its folder: any may be asked for, and what is done is not computed again."""
+
+    sweep: Sweep
+    folder: Path
+    said: Callable[[str], None] = lambda text: None
+    report: Report = lambda progress: None
+
+    @classmethod
+    def of(cls, sweep: Sweep, folder: Path, said: Callable[[str], None], report: Report) -> "Points":
+        """Return those of a folder, which is made if it is not there."""
+        return cls(sweep, taken_up(sweep, folder), said, report)
+
+    def compute(self, numbers: Sequence[int] | None = None, **how: Any) -> None:
+        """Compute some points, or all; an interrupt is handed on when what had begun is kept."""
+        part = attrs.evolve(self.sweep, only=numbers)
+        if run_sweep(part, self.folder, said=self.said, report=self.report, **how).interrupted:
+            raise KeyboardInterrupt
+
+    def collected(self, numbers: Sequence[int] | None = None) -> "xr.Dataset":
+        """Return what some points have given, or all."""
+        return collect(attrs.evolve(self.sweep, only=numbers), self.folder)
 
 
 def _own(folder: Path) -> set[str]:

@@ -11,6 +11,7 @@
   SQLite finds what destroys its pages, not a number that a disk has changed.
 """
 
+import json
 import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -30,6 +31,7 @@ __all__ = [
     "LOCK",
     "Journal",
     "JournalEntry",
+    "Kept",
     "Session",
     "check_owner",
     "died",
@@ -164,6 +166,43 @@ class Journal:
             self.note({"ended": how})
         finally:
             self._connection.close()
+
+
+class Kept:
+    """What is known of numbered things, each as JSON has it: what was kept in their folder before is known again.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder, made if it is not there.
+    of : str
+        Digest of what they are; what a folder holds of others is refused.
+    """
+
+    def __init__(self, folder: Path, of: str) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            told = f"cannot be written ({error.strerror}); make room there, or name another --out"
+            raise OutputError(f"{folder}: {told}") from error
+        if any(session.about.get("sweep") != of for session in sessions(folder)):
+            remedy = "go on with the same ones, or run without --resume, or remove the folder"
+            raise OutputError(f"{folder}: holds a run of another scene, or of other choices; {remedy}")
+        self.known: dict[int, Any] = {one.row.number: json.loads(one.row.texts) for one in records(folder)}
+        self._journal = Journal(folder, {"sweep": of})
+
+    def keep(self, number: int, value: Any) -> None:
+        """Keep a value, in place of what was known of this number."""
+        self._journal.write([Row(number, "", "ok", "", 0.0, texts=json.dumps(value))])
+        self.known[number] = value
+
+    def __enter__(self) -> "Kept":
+        """Return it, to be closed at the end."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the journal."""
+        self._journal.close("complete")
 
 
 def _name_of(layout: str) -> str:

@@ -41,7 +41,7 @@ from rollslip_campaigns.sweep.definition import Sweep, here
 from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, check_owner, died, only_writer, states
 from rollslip_campaigns.sweep.point import Done, compute, greet
 
-__all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
+__all__ = ["Progress", "Report", "Settled", "asked_engine", "described", "run_sweep"]
 
 _log = logging.getLogger("rollslip.campaigns.sweep.run")  # below that of rollslip, which `--log` sets
 

@@ -38,10 +38,9 @@ from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import about
 from rollslip_campaigns.sweep.definition import Sweep
-from rollslip_campaigns.sweep.folder import taken_up
+from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
-from rollslip_campaigns.sweep.result import collect
-from rollslip_campaigns.sweep.run import Progress, asked_engine, run_sweep
+from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
@@ -207,14 +206,15 @@ def run_margin(
     from rollslip.results.dataset import save
 
     folder.mkdir(parents=True, exist_ok=True)
-    sweeps = made.sweeps
-    places = {name: taken_up(one, folder / name) for name, one in sweeps.items()}
+    every = {
+        name: Points.of(one, folder / name, lambda text, name=name: said(f"{name}: {text}"), report)  # type: ignore[misc]
+        for name, one in made.sweeps.items()
+    }
 
     def computed(name: str, count: int | None = None) -> "xr.Dataset":
-        sweep = attrs.evolve(sweeps[name], only=None if count is None else range(count))
-        if run_sweep(sweep, places[name], said=lambda text: said(f"{name}: {text}"), report=report).interrupted:
-            raise KeyboardInterrupt
-        return collect(sweep, places[name]).isel(sample=slice(count))
+        numbers = None if count is None else range(count)
+        every[name].compute(numbers)
+        return every[name].collected(numbers).isel(sample=slice(count))
 
     batches, total = list[tuple[int, Estimate]](), len(made.critical.design.samples)
     count = min(_FIRST, total)
