@@ -17,7 +17,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Curve", "Curves", "critical_rows", "curve_names", "curves", "digits", "percent"]
+__all__ = ["Curve", "Curves", "critical_rows", "curve_names", "curves", "digits", "or_none", "percent"]
 
 Array = NDArray[np.float64]
 
@@ -208,14 +208,15 @@ def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     told = all(name in dataset for name in FIRST)
     return {
         curve.name: {
-            "critical_slip": _or_none(curve.critical_slip),
-            "critical_friction": _or_none(curve.critical_friction),
+            "critical_slip": or_none(curve.critical_slip),
+            "critical_friction": or_none(curve.critical_friction),
             "status": curve.status,
         }
-        | (dict(zip(FIRST, map(_or_none, (curve.first_slip, curve.first_friction)), strict=True)) if told else {})
+        | (dict(zip(FIRST, map(or_none, (curve.first_slip, curve.first_friction)), strict=True)) if told else {})
         for curve in curves(dataset)
     }
 
 
-def _or_none(number: float) -> float | None:
-    return None if math.isnan(number) else number
+def or_none(value: Any) -> float | None:
+    """Return a number as JSON has it: None for one that is not known, or beyond a range."""
+    return float(value) if math.isfinite(value) else None

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.curves import or_none
 from rollslip.results.words import first_line
 from rollslip.units import format_quantity
 
@@ -124,12 +125,12 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             "meaning": parameter["meaning"].item(),
             "value": float(parameter["value"]),
             "start_value": float(parameter["start_value"]),
-            "standard_error": _or_none(parameter["standard_error"]),
+            "standard_error": or_none(parameter["standard_error"]),
             "status": parameter["status"].item(),
-            **{f"interval {level}": [_or_none(limit) for limit in limits] for level, limits in levels.items()},
+            **{f"interval {level}": [or_none(limit) for limit in limits] for level, limits in levels.items()},
             "limit_status": dict(zip(("lower", "upper"), map(str, parameter["limit_status"].values), strict=True)),
             "correlation": {
-                str(other): _or_none(value)
+                str(other): or_none(value)
                 for other, value in zip(dataset["with_parameter"].values, parameter["correlation"], strict=True)
             },
         }
@@ -145,13 +146,8 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         "scatter": float(a["scatter"]),
         "uncertainties": a["uncertainties"],
         "parameters": parameters,
-        "spread": [_or_none(value) for value in dataset["spread"]],
+        "spread": [or_none(value) for value in dataset["spread"]],
         "warnings": json.loads(a["warnings"]),
         "evaluations": int(a["evaluations"]),
         "wall_time": float(a["wall_time"]),
     }
-
-
-def _or_none(value: Any) -> float | None:
-    number = float(value)
-    return number if math.isfinite(number) else None

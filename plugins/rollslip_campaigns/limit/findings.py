@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.answer import Answer, Row
+from rollslip.results.curves import or_none
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -56,7 +57,10 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             for k in range(dataset.sizes["edge"])
         ],
         "one_way": _turns(dataset) == 0,
-        "points": [{name: _plain(dataset[name].to_numpy()[k]) for name in rows} for k in range(dataset.sizes["point"])],
+        "points": [
+            {"searched": or_none(value), "result": or_none(result), "status": str(status)}
+            for value, result, status in zip(*(dataset[name].to_numpy() for name in rows), strict=True)
+        ],
     }
 
 
@@ -192,9 +196,3 @@ def _result(dataset: "xr.Dataset", at: float) -> str:
         return f"{name} has no value"
     unit, given = dataset["result"].attrs["units"], dataset.attrs["limit_given"] or None
     return f"{name} is {format_quantity(result, unit, 4, given)}"
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, str):
-        return value
-    return float(value) if math.isfinite(value) else None

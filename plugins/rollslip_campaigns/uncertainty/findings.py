@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.results.answer import Answer, Row
+from rollslip.results.curves import or_none
 from rollslip.results.words import force, percent, plain, span, two
 from rollslip.units import format_quantity
 
@@ -75,9 +76,9 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             "quantiles": [
                 {
                     "probability": float(p),
-                    "value": _plain(one["quantile_value"].to_numpy()[k]),
-                    "low": _plain(one["quantile_low"].to_numpy()[k]),
-                    "high": _plain(one["quantile_high"].to_numpy()[k]),
+                    "value": or_none(one["quantile_value"].to_numpy()[k]),
+                    "low": or_none(one["quantile_low"].to_numpy()[k]),
+                    "high": or_none(one["quantile_high"].to_numpy()[k]),
                 }
                 for k, p in enumerate(one["probability"].to_numpy())
             ],
@@ -92,7 +93,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         "reserve_is_a_lower_bound_in": int(dataset["bounded"]) if "bounded" in dataset else None,
         "rank_correlation": {
             str(name): {
-                str(key): _plain(dataset["rank_correlation"].sel(input=key, acted=name))
+                str(key): or_none(dataset["rank_correlation"].sel(input=key, acted=name))
                 for key in dataset["input"].to_numpy()
             }
             for name in dataset["acted"].to_numpy()
@@ -113,11 +114,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
 
 def _ends(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float | None]:
     names = {"value": f"{name}{suffix}", "low": f"{name}_low", "high": f"{name}_high"}
-    return {what: _plain(dataset[variable]) for what, variable in names.items()}
-
-
-def _plain(value: Any) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    return {what: or_none(dataset[variable]) for what, variable in names.items()}
 
 
 def answer(dataset: "xr.Dataset") -> Answer:

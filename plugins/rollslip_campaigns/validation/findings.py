@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.results.curves import or_none
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -162,12 +163,12 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     texts = ("data_set", "series", "models", "quantity", "unit", "condition", "verdict", "status")
     rows = [
         {name: str(dataset[f"row_{name}"].to_numpy()[k]) for name in texts}
-        | {name: _or_none(dataset[name].to_numpy()[k]) for name in _NUMBERS}
+        | {name: or_none(dataset[name].to_numpy()[k]) for name in _NUMBERS}
         for k in range(dataset.sizes["row"])
     ]
     groups = [
         {name: str(dataset[f"group_{name}"].to_numpy()[k]) for name in ("data_set", "series", "models")}
-        | {name: _or_none(dataset[name].to_numpy()[k]) for name in ("chi2", "freedom", "probability")}
+        | {name: or_none(dataset[name].to_numpy()[k]) for name in ("chi2", "freedom", "probability")}
         | {"status": str(dataset["chi2_status"].to_numpy()[k])}
         for k in range(dataset.sizes["group"])
     ]
@@ -183,8 +184,3 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         "statements": statements,
         "samples": int(dataset.attrs["samples"]),
     }
-
-
-def _or_none(value: Any) -> float | None:
-    number = float(value)
-    return number if math.isfinite(number) else None

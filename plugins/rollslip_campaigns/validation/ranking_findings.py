@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.results.curves import or_none
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -87,26 +88,21 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         one = dataset.isel(law=k)
         worse, open_ = better(dataset, k)
         laws[name] = {
-            "error": _or_none(one["error"]),
-            "interval": [_or_none(one["error_low"]), _or_none(one["error_high"])],
+            "error": or_none(one["error"]),
+            "interval": [or_none(one["error_low"]), or_none(one["error_high"])],
             "parameters": int(one["parameters"]),
             "fitted": [part for part in str(one["fitted"].item()).split(", ") if part],
-            "seconds": _or_none(one["seconds"]),
+            "seconds": or_none(one["seconds"]),
             "status": str(one["status"].item()),
             "better_than": worse,
             "cannot_be_told_from": open_,
-            "chance": {names[j]: _or_none(one["probability"].to_numpy()[j]) for j in range(len(names)) if j != k},
+            "chance": {names[j]: or_none(one["probability"].to_numpy()[j]) for j in range(len(names)) if j != k},
             "conditions": dict(
                 zip(
                     map(str, dataset["condition"].to_numpy()),
-                    (_or_none(error) for error in one["condition_error"].to_numpy()),
+                    (or_none(error) for error in one["condition_error"].to_numpy()),
                     strict=True,
                 )
             ),
         }
     return {"laws": laws, "confidence": float(dataset.attrs["confidence"])}
-
-
-def _or_none(value: Any) -> float | None:
-    number = float(value)
-    return number if math.isfinite(number) else None
