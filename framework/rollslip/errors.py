@@ -55,6 +55,12 @@ def in_words(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
 
 
+def wants_memory(error: BaseException) -> bool:
+    """Return whether an error means that memory is too short; the system and libraries say it in several ways."""
+    ways = ("failed to map segment", "annot allocate memory", "can't start new thread")
+    return isinstance(error, MemoryError) or any(way in str(error) for way in ways)
+
+
 def nearest(word: str, known: Iterable[str], count: int = 3, cutoff: float = 0.6) -> list[str]:
     """Return the known words that look most like `word`, the most similar first."""
     import difflib  # only wrong input needs it

@@ -91,3 +91,23 @@ def test_a_force_that_no_contact_bears_names_its_key(capsys: pytest.CaptureFixtu
         "changes: study.friction-curve.normal_force[1]: 1e+06 kN is 594 GPa of pressure after Hertz, at most 20 GPa is "
         "possible"
     )
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        OSError(12, "Cannot allocate memory"),
+        RuntimeError("can't start new thread"),
+        ImportError("pandas.so: failed to map segment from shared object"),
+        ImportError("No module named 'h5py', backend not available"),
+    ],
+    ids=repr,
+)
+def test_too_little_memory_is_said(
+    error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("rollslip.planning.plan.plan", lambda *_: (_ for _ in ()).throw(error))
+    with pytest.raises(SystemExit) as left:
+        main(["plan", SCENE])
+    assert (left.value.code, capsys.readouterr().err.count("memory is too short")) == (2, 1)

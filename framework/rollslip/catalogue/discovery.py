@@ -30,7 +30,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.catalogue.kinds import Kind, canonical, check_kind, get_kind, is_disabled, kinds
-from rollslip.errors import PluginError, UnknownNameError, in_words
+from rollslip.errors import PluginError, UnknownNameError, in_words, wants_memory
 from rollslip.units import as_written
 
 _log = logging.getLogger(__name__)
@@ -283,6 +283,8 @@ def _load(offer: Offer) -> Any:
     except KeyboardInterrupt:
         raise
     except BaseException as error:
+        if wants_memory(error):
+            raise MemoryError(in_words(error)) from error
         raise PluginError(f"{blame} cannot be imported ({in_words(error)}); {remedy}") from error
     kind = get_kind(offer.kind)
     if offer.is_family:

@@ -19,7 +19,7 @@ import click
 from rollslip.cli.app import BAD_PLUGIN, BAD_SCENE, INTERRUPTED, NOT_CONVERGED, OK
 from rollslip.cli.catalogue import cite, doctor, export, info, models, plugins, schema
 from rollslip.cli.run import new, plan, report, run
-from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError
+from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError, wants_memory
 from rollslip.planning.campaign import campaign, campaigns, help_of
 
 __all__ = ["cli", "main"]
@@ -242,11 +242,13 @@ def _run(arguments: Sequence[str] | None) -> int:
             return NOT_CONVERGED
         return BAD_PLUGIN if isinstance(error, PluginError) and not isinstance(error, UnknownNameError) else BAD_SCENE
     except ImportError as error:
-        if error.name != "ROLLSLIP_SIMD":
-            raise
-        click.echo(str(error), err=True)
+        # where memory is short, libraries say of others too that these are not installed
+        missing = f"a library cannot be imported: {error}; memory is too short, or it is damaged: install it again"
+        click.echo(str(error) if error.name == "ROLLSLIP_SIMD" else missing, err=True)
         return BAD_SCENE
     except OSError as error:
+        if wants_memory(error):
+            return _short_of_memory(error)
         if error.filename is None:
             raise
         click.echo(f"{error.filename}: cannot be used ({error.strerror}); name another place", err=True)
@@ -254,9 +256,16 @@ def _run(arguments: Sequence[str] | None) -> int:
     except BrokenPipeError:
         return OK  # the reader of our output has left; there is nobody to tell
     except Exception as error:
+        if wants_memory(error):
+            return _short_of_memory(error)
         notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by ")]
         if not notes:
             raise
         click.echo(f"{type(error).__name__}: {error}; {notes[0]}", err=True)  # somebody's model, not a fault of ours
         return BAD_PLUGIN
     return OK
+
+
+def _short_of_memory(error: Exception) -> int:
+    click.echo(f"memory is too short ({in_words(error)}); close other programs, or ask for less", err=True)
+    return BAD_SCENE
