@@ -14,7 +14,7 @@ from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
-from rollslip_plugins.bibliography import HARRIS_2006, ISO_16281, JOHNSON_1985, LUNDBERG_1939
+from rollslip_plugins.bibliography import HARRIS_ESSENTIAL_2007, ISO_16281, JOHNSON_1985, LUNDBERG_1939
 
 MPA = 1e6  # Pa, the unit of the published coefficients, N/mm2
 
@@ -45,7 +45,7 @@ class PowerDeflection(SliceModel):
 
     name: ClassVar[str] = "power-deflection"
     equation: ClassVar[str] = "w = k l^(8/9) delta^(10/9)/l"
-    references: ClassVar[tuple[Reference, ...]] = (HARRIS_2006,)
+    references: ClassVar[tuple[Reference, ...]] = (HARRIS_ESSENTIAL_2007,)
     reads = frozenset({"approach", "length"})
     writes = frozenset({"load", "stiffness"})
     domain = MappingProxyType({"approach": FINITE, "length": POSITIVE})
@@ -186,7 +186,7 @@ class Palmgren(_HertzLine):
     """
 
     name: ClassVar[str] = "palmgren"
-    references: ClassVar[tuple[Reference, ...]] = (HARRIS_2006, JOHNSON_1985)
+    references: ClassVar[tuple[Reference, ...]] = (HARRIS_ESSENTIAL_2007, JOHNSON_1985)
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""

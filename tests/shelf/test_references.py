@@ -3,6 +3,7 @@
 import codecs
 import json
 import re
+import tomllib
 from pathlib import Path
 
 import attrs
@@ -283,6 +284,16 @@ def test_no_publication_is_written_down_twice():
     assert len(set(titles)) == len(titles)
 
 
+def test_data_name_a_publication_as_the_bibliographies_do():
+    known = {(one.authors[0].partition(",")[0], str(one.year)): str(one) for one in WRITTEN.values() if one.authors}
+    for file in Path(plugins_bibliography.__file__).parent.glob("data/measurements/*/measurement.toml"):
+        for text in tomllib.loads(file.read_text(encoding="utf-8"))["source"]["references"]:
+            same = [
+                one for (who, year), one in known.items() if str(text).startswith(f"{who} ") and f" {year}," in text
+            ]
+            assert same in ([], [text])
+
+
 @pytest.mark.parametrize("one", WRITTEN.values(), ids=str)
 def test_what_an_article_lacks_is_said(one):
     expected = {"article": ("volume", "pages"), "proceedings": ("pages",)}.get(one.kind, ())
@@ -306,6 +317,7 @@ AS_PRINTED = {
 def test_sources_that_were_wrong_or_short_are_as_printed(name):
     one = next(one for known, one in WRITTEN.items() if known.endswith(f".{name}"))
     assert ("; ".join(one.authors), one.journal, one.volume, one.issue, one.pages) == AS_PRINTED[name]
+    assert not {"authors", "journal", "volume", "year"} & set(one.unconfirmed)
 
 
 def test_rollslip_is_cited_as_its_citation_file_says():
