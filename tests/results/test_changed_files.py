@@ -194,14 +194,18 @@ def test_attributes_of_variables_that_readers_take_for_their_own_are_read_or_ref
     assert not said or said.startswith(f"{path}: is not a netCDF file that can be read ("), said
 
 
-def test_an_array_beyond_all_memory_is_refused(result, tmp_path):
+@pytest.mark.parametrize("scale", [True, False], ids=["a dimension", "no dimension"])
+@pytest.mark.parametrize("size", [1 << 50, 1 << 28])
+def test_an_array_beyond_what_its_file_can_hold_is_refused(result, tmp_path, size, scale, recwarn):
     path = tmp_path / "r.nc"
     unsealed(result, path)
     with h5py.File(path, "r+") as file:
-        large = file.create_dataset("large", shape=(1 << 50,), chunks=(1 << 10,), dtype="f8")
-        large.make_scale("large")  # so that it is a dimension of netCDF
-    with pytest.raises(OutputError, match=r"r\.nc: is not a netCDF file that can be read \("):
+        large = file.create_dataset("large", shape=(size,), chunks=(1 << 10,), dtype="f8")
+        if scale:
+            large.make_scale("large")  # so that it is a dimension of netCDF
+    with pytest.raises(OutputError, match=r"r\.nc: is not a netCDF file that can be read \(it claims"):
         open_result(path)
+    assert not recwarn.list
 
 
 def test_what_a_package_raises_about_its_own_model_passes():

@@ -44,6 +44,9 @@ _OTHERWISE: Final = (ArithmeticError, AttributeError, LookupError, RuntimeError,
 
 #: Characters of a value that a message shows.
 _SHOWN: Final = 80
+#: By how much deflate packs at most, and bytes of values that any file may claim.
+_MOST_PACKED: Final = 1032
+_FREELY: Final = 1 << 24
 #: Version of what stands in a file of a result, and what its last line says.
 FORMAT: Final = 1
 _SEAL: Final = b"\nrollslip result %d sha256 %s\n"
@@ -94,7 +97,9 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     try:
         content = path.read_bytes()
         sealed = _check_seal(content, path)
-        with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as stored:
+        with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", phony_dims="access") as stored:
+            if stored.nbytes > _MOST_PACKED * len(content) + _FREELY:
+                raise ValueError(f"it claims {stored.nbytes:.3g} bytes of values in {len(content)} bytes")
             dataset = stored.load()
     except (OSError, MemoryError, *_OTHERWISE) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
