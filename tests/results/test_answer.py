@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import rollslip
+import ten_scenes
 from rollslip.cli.main import cli
 from rollslip.results.account import answer as answer_of
 from rollslip.results.answer import MOST_LINES, RULES, UNKNOWN, VERDICTS, Answer, Note, Row, holds, judged, merged
@@ -221,3 +222,37 @@ def test_a_page_and_a_notebook_show_the_same_rows(ran):
     assert re.findall(r'scope="row">(.*?)</th><td>(.*?)</td>', page) == [
         (row.label.replace("'", "&#x27;"), row.text) for row in answer.rows
     ]
+
+
+def numbers(line):
+    return [float(one) for one in re.findall(r"-?\d+(?:\.\d+)?", line)]
+
+
+@pytest.fixture(scope="module")
+def ten():
+    return ten_scenes.answers()
+
+
+def test_ten_scenes_answer_as_recorded(ten):
+    """Words as they were read, numbers within 5 %: python tests/support/ten_scenes.py writes them anew."""
+    parts = re.split(r"^== (\S+)\n\n", ten_scenes.ANSWERS.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
+    kept = {name: text.strip() for name, text in zip(parts[::2], parts[1::2], strict=True)}
+    assert [*kept] == [*ten]
+    for name, text in kept.items():
+        for was, now in zip(text.splitlines(), ten[name].splitlines(), strict=True):
+            assert re.sub(r"[\d.]+", "#", " ".join(was.split())) == re.sub(r"[\d.]+", "#", " ".join(now.split())), name
+            assert numbers(now) == pytest.approx(numbers(was), rel=0.05), name
+
+
+def test_ten_answers_are_short_narrow_and_begin_with_the_verdict(ten):
+    verdicts = {name: text.split()[0] for name, text in ten.items()}
+    assert verdicts == {
+        "safe": "OK", "slips": "SLIPS", "skids": "SKIDS", "preloaded": "OK", "slow": "OK", "fast": "SKIDS",
+        "starved": "SLIPS", "both-rings": "SLIPS", "own": "SLIPS", "shipped": "OK",
+    }  # fmt: skip
+    for name, text in ten.items():
+        lines = text.splitlines()
+        assert len(lines) <= MOST_LINES, name
+        assert max(len(line) for line in lines if "rollslip " not in line) <= 80, name
+        assert not re.search(r"\de[+-]?\d", text), name
+        assert len({unit for unit in ("kN", "N") if re.search(rf"\d {unit}\b(?! m)", text)}) == 1, name

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
-from rollslip.results.words import force_unit, percent, plain, rounded_up, two
+from rollslip.results.words import force_unit, percent, plain, two
 from rollslip.units import format_quantity, shown_unit
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ RULES: Final = (
     Rule(code="V6", verdict="SLIPS", row="cage_slip", when=(("cage slip", ">", (1.0, "acceptable slip")),),
          words="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
     Rule(code="V7", verdict="SLIPS", row="cage_slip", when=(("high end of the band", ">", (2.0, "acceptable slip")),),
-         words="may be twice the acceptable {acceptable}", source=_CHOICE),
+         words="may be above {twice}", source=_CHOICE),
     Rule(code="V8", verdict="SLIPS", row="drag_reserve", when=(("drag reserve", "<", 2.0),), words="below 2",
          source=_CHOICE),
     Rule(code="V9", verdict="OK", row="cage_slip", when=(), words="", source="else"),
@@ -161,14 +161,15 @@ def _holds(fact: _Interval, sign: str, limit: float | tuple[float, str], facts: 
 class Answer:
     """What has to be known first: `rows` of quantities, what is assumed, what was left, and what to do next.
 
-    An account gives rows, ``acceptable`` slip, ``assumed`` and ``next``, commands by verdict with ``{scene}`` and
-    ``{load}`` in them; `merged` makes one answer of several, with ``verdict``, ``rule`` behind it, and ``case``.
+    An account gives rows, ``acceptable`` slip, ``assumed``, and ``commands`` that help by verdict, with ``{scene}`` in
+    them; `merged` makes one answer of several, with ``verdict``, ``rule`` behind it, and ``case``.
     """
 
     rows: tuple[Row, ...] = ()
     acceptable: float = math.nan
     assumed: tuple[str, ...] = ()
-    next: Mapping[str, tuple[str, ...]] | tuple[str, ...] = ()
+    commands: Mapping[str, tuple[str, ...]] = attrs.field(factory=dict)
+    next: tuple[str, ...] = ()
     case: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()
     faults: tuple[str, ...] = ()
@@ -192,7 +193,7 @@ class Answer:
         return [
             ("assumed", list(self.assumed)),
             ("notes", [*self.faults, *filter(None, [counted])]),
-            ("next", [str(command) for command in self.next]),
+            ("next", list(self.next)),
         ]
 
     def lines(self, width: int = 0) -> list[str]:
@@ -277,15 +278,11 @@ def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
         assumed=tuple(dict.fromkeys(text for _, one in given for text in one.assumed)),
         faults=tuple(faults),
     )
-    commands = next((one.next for _, one in given if one.next), None)
+    commands = next((one.commands for _, one in given if one.commands), None)
     if "cage_slip" not in best and commands is None:
         return answer
     answer = judged(answer)
-    by_verdict: Any = commands or {}
-    least = best.get("minimum_load")
-    load = least.value if least is not None else math.nan
-    filled = {"scene": scene, "load": rounded_up(load, least.text.split()[-1]) if least and load > 0.0 else ""}
-    texts = [text.format(**filled) for text in by_verdict.get(answer.verdict, ()) if "{load}" not in text or load > 0.0]
+    texts = [text.replace("{scene}", scene) for text in (commands or {}).get(answer.verdict, ())]
     return attrs.evolve(answer, next=tuple(texts) if scene else ())
 
 
@@ -299,7 +296,10 @@ def judged(answer: Answer) -> Answer:
             open_ones.append(rule)
         if state:
             break
-    words = rule.words.format(acceptable=f"{plain(100.0 * answer.acceptable)} %")
+    limits = {
+        name: f"{plain(factor * answer.acceptable)} %" for name, factor in (("acceptable", 100.0), ("twice", 200.0))
+    }
+    words = rule.words.format(**limits)
     verdict, code, key = rule.verdict, rule.code, rule.row
     if rule.verdict != UNKNOWN:
         worse = [one for one in open_ones if VERDICTS.index(one.verdict) > VERDICTS.index(rule.verdict)]
@@ -309,7 +309,7 @@ def judged(answer: Answer) -> Answer:
             words = f"whether it {worse[0].verdict.lower()} is not known: no {lacks}" if lacks else (
                 f"whether it is {worse[0].words} is not known"
             )  # fmt: skip
-            words = words.format(acceptable=f"{plain(100.0 * answer.acceptable)} %")
+            words = words.format(**limits)
             key = key if any(row.key == key for row in answer.rows) else "cage_slip"
     rows = tuple(
         attrs.evolve(row, note="; ".join(filter(None, (row.note, words)))) if row.key == key else row
@@ -390,7 +390,7 @@ def _quantity(one: Mapping[str, Any]) -> str:
     *_, table, name = one["key"].split(".")
     ends = one["ends"]
     if name.endswith("factor"):
-        called = table if name == "factor" else name.removesuffix("_factor").replace("_", " ")
+        called = f"drag {table}" if name == "factor" else name.removesuffix("_factor").replace("_", " ")
         return f"{called} x {two(ends[0])} to {two(ends[1])}"
     unit = shown_unit(max(map(abs, ends)), one["unit"])
     if not unit or abs(min(ends)) < 1e-6:

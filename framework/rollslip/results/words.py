@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AT_REST", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted", "estimated",
-    "first_line", "force", "force_unit", "percent", "plain", "rounded_up", "runs_at", "runs_away", "span", "two",
-    "warned",
+    "first_line", "force", "force_unit", "percent", "plain", "power", "rounded_up", "runs_at", "runs_away", "span",
+    "two", "warned",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -164,6 +164,11 @@ def force(load: float, like: float, *, unit: bool = True) -> str:
     """Return a force in N, or in kN where one that it stands beside is 500 N or more: one unit for a printout."""
     name, factor = force_unit(like)
     return f"{two(load * factor)}{f' {name}' * unit}"
+
+
+def power(watts: float) -> str:
+    """Return a power in two digits, in W or kW."""
+    return f"{two(watts)} W" if watts < 999.5 else f"{two(1e-3 * watts)} kW"
 
 
 def force_unit(load: float) -> tuple[str, float]:

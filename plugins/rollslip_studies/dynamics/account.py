@@ -34,7 +34,7 @@ class DynamicsAccount(Account):
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the slip at the end, along a history the largest, and measures of damage on the way."""
         row = history_findings.row(dataset) if history_findings.along(dataset) else findings.row(dataset)
-        return Answer(rows=(row, *damage.rows(dataset)), next=NEXT_OF_OTHERS)
+        return Answer(rows=(row, *damage.rows(dataset)), commands=NEXT_OF_OTHERS)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

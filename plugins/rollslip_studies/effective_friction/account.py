@@ -54,13 +54,13 @@ class EffectiveFrictionAccount(PlainAccount):
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return slip and reserve of drag, which a study of steady slips knows better."""
         if "steady_cage_slip" not in dataset:
-            return Answer(next=NEXT_OF_OTHERS)
+            return Answer(commands=NEXT_OF_OTHERS)
         slip, status = dataset["steady_cage_slip"].item(), dataset["steady_status"].item()
         rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN)]
         if "drag_reserve" in dataset:
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
             rows.append(reserve_row(*reserve, known=1, within=_WITHIN))
-        return Answer(rows=tuple(rows), assumed=assumed_of(dataset), next=NEXT_OF_OTHERS)
+        return Answer(rows=tuple(rows), assumed=assumed_of(dataset), commands=NEXT_OF_OTHERS)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

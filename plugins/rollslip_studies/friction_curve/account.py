@@ -25,7 +25,7 @@ class FrictionCurveAccount(PlainAccount):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the curves, and that another study knows the slip of the cage."""
-        return attrs.evolve(PlainAccount.answer(dataset), next=NEXT_OF_OTHERS)
+        return attrs.evolve(PlainAccount.answer(dataset), commands=NEXT_OF_OTHERS)
 
     drawn = "rollslip_studies.friction_curve.figures:figures"
 

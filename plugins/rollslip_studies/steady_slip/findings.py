@@ -180,7 +180,7 @@ def doubted(dataset: "xr.Dataset") -> str:
     """Say that the friction torque is far from makers' formulas; nothing where it is not."""
     ratio = _over_formulas(dataset)
     far = not _slow(dataset) and (ratio < 1.0 / _FAR or ratio > _FAR)
-    return f"{ratio:.2g} times what makers' formulas give" if far else ""
+    return f"{ratio:.2g} x makers' formulas" if far else ""
 
 
 def _judged(dataset: "xr.Dataset") -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
-from rollslip.results.words import AT_REST, force, force_unit, percent, plain, span, two
+from rollslip.results.words import AT_REST, force, force_unit, percent, plain, power, rounded_up, span, two
 from rollslip_studies.steady_slip.findings import doubted, has_steady
 from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 __all__ = ["NEXT", "NEXT_OF_OTHERS", "answer", "reserve_row", "slip_row"]
 
-#: Commands that help, by verdict.
-NEXT: Final = {
+#: Commands that help, by verdict; those of a load where one is known that may.
+NEXT: Final[dict[str, tuple[str, ...]]] = {
     "OK": ("rollslip run {scene} --report",),
-    "SLIPS": ("rollslip run {scene} --set operation.radial_load='{load}'", "rollslip uncertainty {scene}"),
-    "SKIDS": ("rollslip run {scene} --set operation.radial_load='{load}'", "rollslip uncertainty {scene}"),
+    "SLIPS": ("rollslip uncertainty {scene}",),
+    "SKIDS": ("rollslip uncertainty {scene}",),
     "UNKNOWN": ("rollslip uncertainty {scene}",),
 }
 #: And where only an estimate of the slip is known.
@@ -34,7 +34,18 @@ def answer(dataset: "xr.Dataset") -> Answer:
     """Return what has to be known first of steady slips: slip, loads, reserve, torque, film and clearance."""
     acceptable = float(dataset.attrs.get("acceptable_slip", ACCEPTABLE))
     rows = tuple(row for row in _rows(dataset, acceptable) if row is not None)
-    return Answer(rows=rows, acceptable=acceptable, assumed=assumed_of(dataset), next=NEXT)
+    return Answer(rows=rows, acceptable=acceptable, assumed=assumed_of(dataset), commands=_next(dataset, rows))
+
+
+def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, ...]]:
+    """Return commands by verdict: of the minimum load, or where that is carried, of the high end of its band."""
+    load = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("operation", {}).get("radial_load", math.nan)
+    least = next((row for row in rows if row.key == "minimum_load"), None)
+    ends = () if least is None else (least.value, (least.band or (math.nan,))[-1])
+    if more := [end for end in ends if load < end < math.inf]:
+        run = f"rollslip run {{scene}} --set operation.radial_load='{rounded_up(more[0], force_unit(load)[0])}'"
+        return NEXT | {verdict: (run, *NEXT[verdict]) for verdict in ("SLIPS", "SKIDS")}
+    return NEXT
 
 
 def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
@@ -55,7 +66,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
         yield reserve_row(*reserve, known=_KNOWN, within=0.02)
     if "loss" in one and math.isfinite(torque := float(one["friction_torque"])):
         size, unit = (1e3 * torque, "mN m") if torque < 0.1 else (torque, "N m")
-        heat = "; ".join(filter(None, [f"{two(float(one['loss'].sum()))} W of heat", doubted(dataset)]))
+        heat = "; ".join(filter(None, [f"{power(float(one['loss'].sum()))} of heat", doubted(dataset)]))
         yield Row(key="friction_torque", label="friction torque", value=torque, unit="N m", text=f"{two(size)} {unit}",
                   note=heat, known=_KNOWN)  # fmt: skip
     yield _film(dataset, one)

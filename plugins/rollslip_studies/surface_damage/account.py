@@ -20,7 +20,7 @@ class SurfaceDamageAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the slip, which another study knows better, and the worst of every measure."""
-        return attrs.evolve(findings.answer(dataset), next=NEXT_OF_OTHERS)
+        return attrs.evolve(findings.answer(dataset), commands=NEXT_OF_OTHERS)
 
     topics = staticmethod(findings.topics)
 
