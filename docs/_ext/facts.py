@@ -374,17 +374,9 @@ def sentences():
 
 def verdicts():
     """The rules of the verdict, in the order in which they are asked."""
-
-    def said(fact, sign, limit):
-        factor, other = limit if isinstance(limit, tuple) else (limit, "")
-        if sign == "none":
-            return f"{fact} is not known"
-        return f"{fact} {sign} {factor:g}" if not other else f"{fact} {sign} {f'{factor:g} x ' * (factor != 1)}{other}"
-
-    rows = [
-        (one.code, one.verdict, " and ".join(said(*each) for each in one.when) or "else", one.source) for one in RULES
-    ]
-    return table(("rule", "verdict", "where", "rests on"), rows)
+    return table(
+        ("rule", "verdict", "where", "rests on"), [(one.code, one.verdict, one.condition, one.source) for one in RULES]
+    )
 
 
 PARTS = {

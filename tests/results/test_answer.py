@@ -10,9 +10,11 @@ from click.testing import CliRunner
 import rollslip
 import ten_scenes
 from rollslip.cli.main import cli
+from rollslip.errors import UnknownNameError
 from rollslip.results.account import answer as answer_of
 from rollslip.results.answer import MOST_LINES, RULES, UNKNOWN, VERDICTS, Answer, Note, Row, holds, judged, merged
 from rollslip.results.words import percent, rounded_up
+from rollslip_plugins.traction.heating import MEAN_PRESSURE
 
 SAFE = {"slip": 0.01, "band": (0.004, 0.03), "reserve": (8.0, 8.0)}
 
@@ -256,3 +258,38 @@ def test_ten_answers_are_short_narrow_and_begin_with_the_verdict(ten):
         assert max(len(line) for line in lines if "rollslip " not in line) <= 80, name
         assert not re.search(r"\de[+-]?\d", text), name
         assert len({unit for unit in ("kN", "N") if re.search(rf"\d {unit}\b(?! m)", text)}) == 1, name
+
+
+@pytest.mark.parametrize("code", [*(f"W{k:02d}" for k in range(1, 24)), *(rule.code for rule in RULES)])
+def test_every_code_is_explained(code):
+    done = CliRunner().invoke(cli, ["explain", code.lower()])
+    assert done.exit_code == 0, done.stderr
+    first, *rows = done.stdout.splitlines()
+    assert first == code
+    assert "remedy" in done.stdout if code[0] == "W" else "rests on" in done.stdout
+    assert all(line.startswith("  ") for line in rows)
+
+
+def test_a_code_is_explained_by_what_its_bound_says_and_one_that_is_not_there_is_refused():
+    said = json.loads(CliRunner().invoke(cli, ["explain", "W11", "--json"]).stdout)
+    assert said["valid for"] == MEAN_PRESSURE.bound.join(("pressure exponent ln(eta/eta0) ", ""))
+    assert said["remedy"] == MEAN_PRESSURE.remedy
+    assert "traction maxwell-eyring" in said["laws"]
+    refused = CliRunner().invoke(cli, ["explain", "W111"])
+    assert isinstance(refused.exception, UnknownNameError)
+    assert "did you mean W11" in str(refused.exception)
+
+
+def test_a_note_is_left_out_by_its_code(ran):
+    folder, said, datasets = ran
+    codes = [note["code"] for note in said["answer"]["notes"]]
+    assert len(codes) == len({*codes}) > 1, "each once"
+    weights = [note["weight"] for note in said["answer"]["notes"]]
+    assert weights == sorted(weights, reverse=True)
+    assert "W11" in codes
+    given = ["run", str(folder / "my.toml"), "--study", "steady-slip", "--no-plots", "--overwrite", "-v"]
+    done = CliRunner().invoke(cli, [*given, "--out", str(folder / "once"), "--ignore", "W11"])
+    assert done.exit_code == 0
+    assert "W11" not in done.stdout
+    assert "pressure exponent" not in done.stderr
+    assert "W11" in str(answer_of(*datasets.values()))

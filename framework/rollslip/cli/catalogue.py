@@ -1,6 +1,7 @@
 """Commands about what there is: models, packages, keys of a scene, results, citations, this installation."""
 
 import shlex
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -30,6 +31,23 @@ def models(what: str | None, as_json: bool) -> None:
         print_json(models_as_dict(what))
     else:
         print_models(what)
+
+
+@click.command()
+@click.argument("code")
+@json_option
+def explain(code: str, as_json: bool) -> None:
+    """Say what the CODE of a note stands for, such as W11, or of a rule of the verdict, such as V6."""
+    from rollslip.cli.models import explained
+    from rollslip.results.answer import aligned
+
+    rows = explained(code.strip().upper())
+    if as_json:
+        print_json({"code": code.strip().upper()} | rows)
+    else:
+        click.echo(
+            "\n".join([code.strip().upper(), *aligned([*rows.items()], shutil.get_terminal_size((100, 24)).columns)])
+        )
 
 
 @click.command()

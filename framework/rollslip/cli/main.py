@@ -17,9 +17,9 @@ from typing import Any, Final, NoReturn
 import click
 
 from rollslip.cli.app import BAD_PLUGIN, BAD_SCENE, INTERRUPTED, NOT_CONVERGED, OK
-from rollslip.cli.catalogue import cite, doctor, export, info, models, plugins, schema
+from rollslip.cli.catalogue import cite, doctor, explain, export, info, models, plugins, schema
 from rollslip.cli.run import new, plan, report, run
-from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError, wants_memory
+from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError, in_words, wants_memory
 from rollslip.planning.campaign import campaign, campaigns, help_of
 
 __all__ = ["cli", "main"]
@@ -93,7 +93,7 @@ def cli(context: click.Context, level: str | None) -> None:
     logger.setLevel(level.upper())
 
 
-for _command in (cite, doctor, export, info, models, new, plan, plugins, report, run, schema):
+for _command in (cite, doctor, explain, export, info, models, new, plan, plugins, report, run, schema):
     cli.add_command(_command)
 
 

@@ -12,13 +12,14 @@ from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, UnknownNameError, nearest
 from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
+from rollslip.results.answer import RULES
 from rollslip.scene.schema import shown_range
 from rollslip.scene.values import resolved
 from rollslip.structure import fields_of
-from rollslip.studies.validity import bound_of
+from rollslip.studies.validity import APPROXIMATION, bound_of
 from rollslip.units import format_quantity
 
-__all__ = ["kinds_of", "models_as_dict", "print_models"]
+__all__ = ["explained", "kinds_of", "models_as_dict", "print_models"]
 
 #: What people say of a kind.
 _KINDS = {
@@ -60,6 +61,35 @@ def models_as_dict(what: str | None) -> Any:
     if what in offered_kinds():
         return {offer.name: _model_as_dict(what, offer.name) for offer in _every(what)}
     return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
+
+
+def explained(code: str) -> dict[str, str]:
+    """Return what a code of a note, or of a rule of the verdict, stands for: each part by what it is called.
+
+    Raises
+    ------
+    UnknownNameError
+        If nothing has the code.
+    """
+    found = {
+        one.code: {"verdict": one.verdict, "where": one.condition, "rests on": one.source} for one in RULES
+    } | {APPROXIMATION: {"note": "a law that approximates another is off it by as much as the note says",
+                         "remedy": "the law that it approximates, which the note names"}}  # fmt: skip
+    for kind in offered_kinds() if code not in found else ():
+        for name, offer in available(kind).items():
+            about = _model_as_dict(kind, name) if offer.state == "ok" and not get_kind(kind).data else {}
+            for one in about.get("made_for", ()):
+                row = found.setdefault(one["code"], {"laws": ""})
+                row["laws"] = ", ".join(filter(None, (row["laws"], f"{kind} {name}")))
+                row |= {"valid for": one["bound"], "outside": one["outside"], "remedy": one["remedy"],
+                        "rests on": one["source"]}  # fmt: skip
+    if code not in found:
+        known = nearest(code, found, cutoff=0.4)
+        hint = (
+            f"did you mean {' or '.join(known)}?" if known else "notes are W01, W02 ..., rules of a verdict V1, V2 ..."
+        )
+        raise UnknownNameError(f"no note and no rule has the code {code!r}; {hint}")
+    return found[code]
 
 
 def kinds_of(name: str) -> list[str]:

@@ -104,6 +104,9 @@ def new(file: Path, **given: str | None) -> None:
     type=click.Choice(("slips", "skids", "unknown")),
     help="End with exit code 6 at this verdict; slips means skids too; may be repeated.",
 )
+@click.option(
+    "--ignore", "ignored", metavar="CODE", multiple=True, help="Leave out a note, such as W11; may be repeated."
+)
 @verbose_option("All that was found, with notes, errors and times.")
 @json_option
 def run(
@@ -112,6 +115,7 @@ def run(
     changes: Sequence[str],
     verify: bool,
     failing: Sequence[str],
+    ignored: Sequence[str],
     verbose: bool,
     results: Results,
 ) -> None:
@@ -156,7 +160,7 @@ def run(
     outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
     if "interrupted" not in outcomes:
         forget(kept)
-    found = answer(*datasets.values(), scene=shlex.join(changed))
+    found = answer(*datasets.values(), scene=shlex.join(changed), ignored=ignored)
     if results.as_json:
         print_json(console.run_as_dict(made, datasets, found) | results.as_dict())
     else:
@@ -164,7 +168,7 @@ def run(
         if verbose:
             click.echo(f"confidence: {confidence(datasets.values())}")
         console.print_results(datasets.values(), whole=verbose)
-        results.tell(*datasets.values(), whole=verbose)
+        results.tell(*datasets.values(), whole=verbose, ignored=ignored)
     if "interrupted" in outcomes:
         click.echo(go_on, err=True)
         sys.exit(INTERRUPTED)

@@ -11,7 +11,7 @@
 
 import json
 import math
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Collection, Hashable, Iterator, Mapping
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
@@ -204,7 +204,7 @@ class PlainAccount(Account):
         ]
 
 
-def answer(*results: "xr.Dataset", scene: str = "") -> Answer:
+def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = ()) -> Answer:
     """Return what has to be known first of results of one scene: verdict, rows with bands, assumptions, notes.
 
     Parameters
@@ -213,6 +213,8 @@ def answer(*results: "xr.Dataset", scene: str = "") -> Answer:
         Results of studies, as `rollslip.run` or `rollslip.open_result` give them.
     scene : str
         What the commands of the answer are to take, with options; by default the source of the results.
+    ignored : collection of str
+        Codes of notes that are left out.
 
     Returns
     -------
@@ -236,7 +238,7 @@ def answer(*results: "xr.Dataset", scene: str = "") -> Answer:
     return attrs.evolve(
         found,
         case=next(filter(None, map(case_of, results)), ()),
-        notes=notes_of(results),
+        notes=tuple(note for note in notes_of(results) if note.code not in ignored),
         assumed=tuple(dict.fromkeys(filter(None, told))),
     )
 

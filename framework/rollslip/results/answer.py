@@ -24,7 +24,19 @@ from rollslip.units import format_quantity, shown_unit
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ACCEPTABLE", "RULES", "Answer", "Note", "Row", "Rule", "assumed_of", "case_of", "merged", "notes_of"]
+__all__ = [
+    "ACCEPTABLE",
+    "RULES",
+    "Answer",
+    "Note",
+    "Row",
+    "Rule",
+    "aligned",
+    "assumed_of",
+    "case_of",
+    "merged",
+    "notes_of",
+]
 
 #: Verdicts, what is worse later; UNKNOWN is none of them.
 VERDICTS: Final = ("OK", "SLIPS", "SKIDS")
@@ -111,6 +123,16 @@ class Rule:
     when: tuple[tuple[str, str, float | tuple[float, str]], ...]
     words: str
     source: str
+
+    @property
+    def condition(self) -> str:
+        """All conditions in words; "else" where there is none."""
+        said = []
+        for fact, sign, limit in self.when:
+            factor, other = limit if isinstance(limit, tuple) else (limit, "")
+            number = " x ".join(filter(None, (f"{factor:g}" if factor != 1.0 or not other else "", other)))
+            said.append(f"{fact} is not known" if sign == "none" else f"{fact} {sign} {number}")
+        return " and ".join(said) or "else"
 
 
 _CHOICE: Final = "a choice"
@@ -206,8 +228,8 @@ class Answer:
         rows, groups = [(row.label, row.text, row.note) for row in self.shown()], self.groups()
         while True:
             below = [line for name, texts in groups for line in
-                     _aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
-            parts = [part for part in (_wrapped(head, width), _aligned(rows, width), below) if part]
+                     aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
+            parts = [part for part in (_wrapped(head, width), aligned(rows, width), below) if part]
             lines = [line for k, part in enumerate(parts) for line in ([""] * (k > 0) + part)]
             longer = next((texts for _, texts in reversed(groups) if len(texts) > 1), rows)
             if len(lines) <= MOST_LINES or len(longer) <= 1:
@@ -431,8 +453,8 @@ def _wrapped(lines: Iterable[str], width: int) -> list[str]:
     return [line for text in lines for line in textwrap.wrap(text, width, break_on_hyphens=False)]
 
 
-def _aligned(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
-    """Rows of texts below one another; the last text wraps in its column."""
+def aligned(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
+    """Return lines with the texts of rows below one another; the last text wraps in its column."""
     if not rows:
         return []
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]) - 1)]
