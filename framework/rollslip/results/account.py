@@ -135,8 +135,8 @@ class PlainAccount(Account):
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return every single value, and the slip at the largest traction of each curve."""
         known = [
-            Row(key=f"critical_slip_{c.name}", label=f"{c.name}, slip at largest traction", value=c.critical_slip,
-                text=percent(c.critical_slip), note=c.rests_on)
+            Row(key=f"critical_slip_{c.name}", label=c.name, value=c.critical_slip, text=percent(c.critical_slip),
+                note=f"slip at largest traction {c.rests_on}".rstrip())
             for c in curves(dataset) if c.has_critical
         ]  # fmt: skip
         return Answer(

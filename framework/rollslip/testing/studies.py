@@ -228,6 +228,10 @@ def check_its_result_is_told(study: Study) -> None:
         wrong = {"nan", "inf", "None"} & set(re.findall(r"[\w.]+", sentence))
         refuse_unless(not wrong, f"its account says {sentence!r}")
     json.dumps(account.record(result), allow_nan=False)
+    for row in (answer := account.answer(result)).rows:
+        wrong = {"nan", "inf", "None"} & set(re.findall(r"[\w.]+", f"{row.text} {row.note}"))
+        refuse_unless(bool(row.label) and not wrong, f"its answer says {row.label!r}: {row.text!r}, {row.note!r}")
+    json.dumps(answer.as_dict(), allow_nan=False)
 
 
 # Campaigns -----------------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
-from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS, reserve_row, slip_row
+from rollslip_studies.steady_slip.rows import LOAD_OF_OTHERS, NEXT_OF_OTHERS, reserve_row, slip_row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,7 +56,7 @@ class EffectiveFrictionAccount(PlainAccount):
         if "steady_cage_slip" not in dataset:
             return Answer(commands=NEXT_OF_OTHERS)
         slip, status = dataset["steady_cage_slip"].item(), dataset["steady_status"].item()
-        rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN)]
+        rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN), LOAD_OF_OTHERS]
         if "drag_reserve" in dataset:
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
             rows.append(reserve_row(*reserve, known=1, within=_WITHIN))

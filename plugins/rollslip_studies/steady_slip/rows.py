@@ -15,7 +15,7 @@ from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["NEXT", "NEXT_OF_OTHERS", "answer", "reserve_row", "slip_row"]
+__all__ = ["LOAD_OF_OTHERS", "NEXT", "NEXT_OF_OTHERS", "answer", "reserve_row", "slip_row"]
 
 #: Commands that help, by verdict; those of a load where one is known that may.
 NEXT: Final[dict[str, tuple[str, ...]]] = {
@@ -26,6 +26,9 @@ NEXT: Final[dict[str, tuple[str, ...]]] = {
 }
 #: And where only an estimate of the slip is known.
 NEXT_OF_OTHERS: Final = dict.fromkeys(NEXT, ("rollslip run {scene} --study steady-slip",))
+#: What they say of the load.
+LOAD_OF_OTHERS: Final = Row(key="minimum_load", label="minimum load", unit="N", text="not computed", known=-1,
+                            note="--study steady-slip computes it")  # fmt: skip
 #: How well this study knows slip, load and reserve: of those of one operation best.
 _KNOWN: Final = 2
 
