@@ -7,7 +7,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer
 from rollslip_studies.dynamics import findings, history_findings
-from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
 from rollslip_studies.surface_damage import findings as damage
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
-from rollslip_studies.steady_slip.rows import LOAD_OF_OTHERS, NEXT_OF_OTHERS, reserve_row, slip_row
+from rollslip_studies.steady_slip.account import LOAD_OF_OTHERS, NEXT_OF_OTHERS, reserve_row, slip_row
 
 if TYPE_CHECKING:
     import xarray as xr

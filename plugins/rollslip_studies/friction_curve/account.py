@@ -8,7 +8,7 @@ import attrs
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, PlainAccount
 from rollslip.results.answer import Answer
-from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,12 +1,181 @@
-"""The account of steady slips."""
+"""The account of steady slips, with the rows of its answer, each with the value that its result holds."""
 
-from collections.abc import Mapping
-from typing import ClassVar
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import numpy as np
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
+from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
+from rollslip.results.words import AT_REST, force, force_unit, percent, plain, power, rounded_up, span, two
 from rollslip_studies.steady_slip import findings
-from rollslip_studies.steady_slip.rows import answer
+from rollslip_studies.steady_slip.findings import doubted, has_steady
+from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["LOAD_OF_OTHERS", "NEXT", "NEXT_OF_OTHERS", "answer", "reserve_row", "slip_row"]
+
+#: Commands that help, by verdict; those of a load where one is known that may.
+NEXT: Final[dict[str, tuple[str, ...]]] = {
+    "OK": ("rollslip run {scene} --report",),
+    "SLIPS": ("rollslip uncertainty {scene}",),
+    "SKIDS": ("rollslip uncertainty {scene}",),
+    "UNKNOWN": ("rollslip uncertainty {scene}",),
+}
+#: And where only an estimate of the slip is known.
+NEXT_OF_OTHERS: Final = dict.fromkeys(NEXT, ("rollslip run {scene} --study steady-slip",))
+#: What they say of the load.
+LOAD_OF_OTHERS: Final = Row(key="minimum_load", label="minimum load", unit="N", text="not computed", known=-1,
+                            note="--study steady-slip computes it")  # fmt: skip
+#: How well this study knows slip, load and reserve: of those of one operation best.
+_KNOWN: Final = 2
+
+
+def answer(dataset: "xr.Dataset") -> Answer:
+    """Return what has to be known first of steady slips: slip, loads, reserve, torque, film and clearance."""
+    acceptable = float(dataset.attrs.get("acceptable_slip", ACCEPTABLE))
+    rows = tuple(row for row in _rows(dataset, acceptable) if row is not None)
+    return Answer(rows=rows, acceptable=acceptable, assumed=assumed_of(dataset), commands=_next(dataset, rows))
+
+
+def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, ...]]:
+    """Return commands by verdict: of the minimum load, or where that is carried, of the high end of its band."""
+    load = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("operation", {}).get("radial_load", math.nan)
+    least = next((row for row in rows if row.key == "minimum_load"), None)
+    ends = () if least is None else (least.value, (least.band or (math.nan,))[-1])
+    if more := [end for end in ends if load < end < math.inf]:
+        run = f"rollslip run {{scene}} --set operation.radial_load='{rounded_up(more[0], force_unit(load)[0])}'"
+        return NEXT | {verdict: (run, *NEXT[verdict]) for verdict in ("SLIPS", "SKIDS")}
+    return NEXT
+
+
+def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
+    lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
+    one = dataset.isel(steady=int(lasting[0]) if lasting.size else 0)
+    scene: dict[str, Any] = json.loads(dataset.attrs.get("scene_resolved", "{}"))
+    load, bearing = scene.get("operation", {}).get("radial_load", math.nan), scene.get("bearing", {})
+    found = float(one["steady_slip"]) if has_steady(dataset) else math.nan
+    status = str(dataset["status"].item())
+    yield slip_row(dataset, found, status, known=_KNOWN, within=0.02)
+    preload = bearing.get("radial_clearance", 0.0) < 0.0
+    if "least_load" in dataset:
+        yield _minimum_load(dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0)
+        yield None if preload else _makers(dataset, load)
+        yield _to_acceptable(dataset, acceptable)
+    if "drag_reserve" in dataset:
+        reserve = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
+        yield reserve_row(*reserve, known=_KNOWN, within=0.02)
+    if "loss" in one and math.isfinite(torque := float(one["friction_torque"])):
+        size, unit = (1e3 * torque, "mN m") if torque < 0.1 else (torque, "N m")
+        heat = "; ".join(filter(None, [f"{power(float(one['loss'].sum()))} of heat", doubted(dataset)]))
+        yield Row(key="friction_torque", label="friction torque", value=torque, unit="N m", text=f"{two(size)} {unit}",
+                  note=heat, known=_KNOWN)  # fmt: skip
+    yield _film(dataset, one)
+    if (clearance := bearing.get("radial_clearance")) is not None:
+        made = json.loads(dataset.attrs.get("clearance", "{}")).get("text", "").partition(" = ")[0]
+        yield Row(key="clearance", label="operating clearance", value=clearance, unit="m",
+                  text=f"{two(1e6 * clearance)} µm", note=made.replace("um", "µm"))  # fmt: skip
+
+
+def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, within: float) -> Row:
+    """Return the row of the cage slip, with its band where the result has one."""
+    if math.isnan(slip):
+        return Row(key="cage_slip", label="cage slip", text="not found", note=status, known=known)
+    band, one = None, json.loads(dataset.attrs.get("band", "{}")).get("steady_slip")
+    if one is not None:
+        band = one["low"], math.inf if one["high"] is None else one["high"]
+    return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), band=band,
+               note=span(*band) if band else "", known=known, within=within)  # fmt: skip
+
+
+def reserve_row(reserve: float, status: str, *, known: int, within: float) -> Row:
+    """Return the row of the drag reserve to skidding: the largest drag over that of the scene."""
+    row: Any = {
+        "key": "drag_reserve",
+        "label": "reserve to skidding",
+        "value": reserve,
+        "known": known,
+        "within": within,
+    }
+    if math.isnan(reserve):
+        return Row(**row, text="not found", note=status)
+    least = status.startswith("at least")
+    if math.isinf(reserve):
+        return Row(**row, text="no limit", note="no drag acts on the cage itself")
+    band = (reserve, math.inf) if least else (reserve, reserve)
+    return Row(**row, text=f"{'at least ' * least}{two(reserve)}", band=band)
+
+
+def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload: float) -> Row:
+    least, status = float(dataset["least_load"]), str(dataset["least_load_status"].item())
+    row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
+    below = f"for a slip below {plain(100.0 * acceptable)} %"
+    if preload > 0.0 and not least > 0.0:
+        return Row(**row, text="none", note=f"preloaded by {two(1e6 * preload)} µm")
+    if math.isnan(least):
+        none = status.startswith(ANY_LOAD)
+        why = (
+            f"any load serves, {below}"
+            if none
+            else f"no load serves, {below}"
+            if status.startswith(NO_LOAD)
+            else status
+        )
+        return Row(**row, text="none" if none else "not found", note=why)
+    one = json.loads(dataset.attrs.get("band", "{}")).get("least_load")
+    if one is None or one["high"] is None:
+        return Row(**row, value=least, text=force(least, load), note=below)
+    band = one["low"], one["high"]
+    ends = f"{force(band[0], load, unit=False)} to {force(band[1], load)}"
+    return Row(**row, value=least, text=force(least, load), band=band, note=f"{ends}, {below}")
+
+
+def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
+    """Return what makers ask for, the least first, and whether the load is that."""
+    given = zip(dataset["maker"].to_numpy(), dataset["makers_least_load"].to_numpy(),
+                dataset["makers_status"].to_numpy(), strict=True)  # fmt: skip
+    asked = sorted((float(least), str(maker), str(status)) for maker, least, status in given if least > 0.0)
+    if not asked:
+        return None
+    met = [load >= least for least, *_ in asked]
+    text = "met" if all(met) else "met in part" if any(met) else "not met"
+    named = ", ".join(
+        f"{maker}{' at rest' if status.startswith(AT_REST) else ''} {force(least, load, unit=False)}"
+        for least, maker, status in asked
+    )
+    named += f" {force_unit(load)[0]}"
+    return Row(key="makers_minimum_load", label="makers' minimum", value=asked[0][0], unit="N", text=text, note=named)
+
+
+def _to_acceptable(dataset: "xr.Dataset", acceptable: float) -> Row | None:
+    reserve = float(dataset.get("acceptable_reserve", math.nan))
+    if math.isnan(reserve):
+        return None
+    note = f"to a slip of {plain(100.0 * acceptable)} %"
+    if reserve <= 0.0:
+        return Row(key="acceptable_reserve", label="drag reserve", value=reserve, text="none", note=note)
+    return Row(key="acceptable_reserve", label="drag reserve", value=reserve, text=two(reserve), note=note)
+
+
+def _film(dataset: "xr.Dataset", one: "xr.Dataset") -> Row | None:
+    """Return the thinnest film over the roughness, with kappa and the regime in a word."""
+    if "film_parameter" not in one or not np.isfinite(one["film_parameter"]).any():
+        return None
+    thinnest = float(one["film_parameter"].min())
+    limits = json.loads(dataset.attrs.get("film_limits", "{}"))
+    kappa = float(dataset.get("viscosity_ratio", math.nan))
+    words = [f"kappa {two(kappa)}"] if kappa > 0.0 else []
+    if "mixed" in limits:
+        regime = "full film" if thinnest >= limits["mixed"] else "mixed friction"
+        words.append("boundary friction" if thinnest <= limits.get("boundary", 0.0) else regime)
+    return Row(
+        key="film_parameter", label="oil film", value=thinnest, text=f"Lambda {two(thinnest)}", note=", ".join(words)
+    )
 
 
 class SteadySlipAccount(Account):

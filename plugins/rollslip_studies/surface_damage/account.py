@@ -7,7 +7,7 @@ import attrs
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer
-from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
 from rollslip_studies.surface_damage import findings
 
 if TYPE_CHECKING:
