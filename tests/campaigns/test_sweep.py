@@ -29,6 +29,7 @@ from rollslip.cli.main import cli
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.models import TractionModel
+from rollslip.results.account import account_of
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import resolved, scene_hash
 from rollslip.studies import study as studies
@@ -939,3 +940,18 @@ def test_names_tell_apart_keys_that_end_alike_and_what_a_study_gives():
         "cage_mass",
     ]
     assert plain_names(["title", "a.title"], {"a_title"}) == {"title": "title_", "a.title": "a_title_"}
+
+
+def test_few_points_are_told_one_by_one():
+    over = {"load": ["1 kN", "2 kN"], "oil": ["iso-vg-68", "iso-vg-220"]}
+    found = rollslip.sweep("gearbox", over, study="steady-slip", output="slip")
+    (told,) = account_of(found).tables(found)
+    assert told.head == ("operation.radial_load [kN]", "lubricant.name", "steady_slip [%]")
+    assert [row[:2] for row in told.rows] == [
+        ["1", "iso-vg-68"],
+        ["1", "iso-vg-220"],
+        ["2", "iso-vg-68"],
+        ["2", "iso-vg-220"],
+    ]
+    slips = 100.0 * found["steady_slip"].to_numpy().ravel()
+    assert [float(row[2]) for row in told.rows] == pytest.approx(slips, rel=0.05)

@@ -372,7 +372,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         words = [word for cell in (head, *cells) for word in cell.split()]
         widest = max(map(len, words), default=0)
         needed += widest + 3  # with what stands between columns
-        table.add_column(head, min_width=widest)
+        table.add_column(head.replace("[", "\\["), min_width=widest)
     for row in rows:
         table.add_row(*(cell.replace("[", "\\[") for cell in row))
     width = max(shutil.get_terminal_size((120, 24)).columns, needed)

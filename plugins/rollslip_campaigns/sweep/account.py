@@ -3,15 +3,21 @@
 from typing import TYPE_CHECKING
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account
+from rollslip.results.account import Account, Table
+from rollslip.results.table import table
+from rollslip.results.words import plain, two
 from rollslip_campaigns.sweep import findings
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
+#: Points and columns that are told one by one, at most.
+_POINTS, _COLUMNS = 24, 10
+
+
 class SweepAccount(Account):
-    """How a sweep is told: by the range of every output."""
+    """How a sweep is told: point by point where these are few, and by the range of every output."""
 
     topics = staticmethod(findings.topics)
     record = staticmethod(findings.record)
@@ -20,6 +26,26 @@ class SweepAccount(Account):
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return all that is said."""
         return findings.sentences(dataset)
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return a row for each point, if there are not too many to read."""
+        if dataset["status"].size > _POINTS:
+            return []
+        head, rows = table(dataset)
+        words = {"status", "message", "seconds"}
+        kept = [
+            k for k, name in enumerate(head) if not name.endswith("status") and name.partition(" [")[0] not in words
+        ]
+        varied = set(findings.axes(dataset).values())
+        if not len(varied) < len(kept) <= _COLUMNS:
+            return []
+
+        def told(value: object, name: str) -> str:
+            if not isinstance(value, float):
+                return "-" if value is None else str(value)
+            return plain(value) if name.partition(" [")[0] in varied else two(value)
+
+        return [Table("", tuple(head[k] for k in kept), [[told(row[k], head[k]) for k in kept] for row in rows])]
 
 
 @hookimpl

@@ -152,6 +152,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
 
 def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
     """Write the dataset of a sweep and say what is in it."""
+    from rollslip.cli import console
     from rollslip.results.account import account_of
     from rollslip_campaigns.sweep.folder import RESULT, finish
 
@@ -166,7 +167,7 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
             | {"folder": str(folder), "files": files}
         )
     else:
-        click.echo("\n".join(f"  {line}" for line in account.lines(dataset)))
+        console.print_found(dataset, "  ")
         click.echo(f"written to {folder}: {', '.join(files)}")
     warn(json.loads(dataset.attrs["left"]))
     if found["counts"]["ok"] < sum(found["counts"].values()):
