@@ -15,6 +15,7 @@ from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
 from rollslip_plugins.bibliography import HARRIS_ESSENTIAL_2007, ISO_16281, JOHNSON_1985, LUNDBERG_1939
+from rollslip_plugins.symbols import explained
 
 MPA = 1e6  # Pa, the unit of the published coefficients, N/mm2
 
@@ -153,16 +154,15 @@ class _HertzLine(ContactModel):
 
 
 @attrs.frozen
+@explained
 class Palmgren(_HertzLine):
     """Hertz line contact with Palmgren's deflection delta[mm] = 3.84e-5 Q^0.9/l^0.8 of each steel contact.
 
     Symbols:
 
-    - b: half width of the contact [m]
+    - b
     - p: mean pressure [Pa]
-    - w: load per length [N/m]
-    - R: equivalent radius [m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - w, R, E'
     - delta: approach of the two bodies, in the stage of deflection [m]
     - Q: normal force, there in N [N]
     - l: length of the contact, there in mm [m]
@@ -194,6 +194,7 @@ class Palmgren(_HertzLine):
 
 
 @attrs.frozen
+@explained
 class Iso16281(_HertzLine):
     """Hertz line contact with the stiffness of ISO/TS 16281, c_L = 35948 l^(8/9) for both contacts in series.
 
@@ -201,11 +202,9 @@ class Iso16281(_HertzLine):
 
     Symbols:
 
-    - b: half width of the contact [m]
+    - b
     - p: mean pressure [Pa]
-    - w: load per length [N/m]
-    - R: equivalent radius [m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - w, R, E'
     - delta: approach of the two bodies, in the stage of deflection [m]
     - Q: normal force, there in N [N]
     - l: length of the contact, there in mm [m]
@@ -237,18 +236,17 @@ class Iso16281(_HertzLine):
 
 
 @attrs.frozen
+@explained
 class Lundberg(_HertzLine):
     """Hertz line contact with Lundberg's deflection of a contact of finite length, any elastic material.
 
     Symbols:
 
-    - b: half width of the contact [m]
+    - b
     - p: mean pressure [Pa]
-    - w: load per length [N/m]
-    - R: equivalent radius [m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - w, R, E'
     - delta: approach of the two bodies, (4 w/(pi E')) [1/2 + ln(2 l/b)] in the stage of deflection [m]
-    - l: length of the contact [m]
+    - l
 
     Range: b << l, elastic bodies large against b.
 

@@ -144,7 +144,7 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
         fresh=True,
     )
     assert listed == []
-    first = [f"rollslip_plugins{name}" for name in ("", ".bibliography", ".film", ".film.formulas")]
+    first = [f"rollslip_plugins{name}" for name in ("", ".bibliography", ".film", ".film.formulas", ".symbols")]
     assert film == again == first
     assert traction == [*first, "rollslip_plugins.traction", "rollslip_plugins.traction.boundary"]
 

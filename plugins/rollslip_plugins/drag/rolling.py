@@ -16,6 +16,7 @@ from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.bibliography import GOKSEM_1978, GREENWOOD_1961, JOHNSON_1985, MARTIN_1916, MURCH_1975
 from rollslip_plugins.drag.factor import scattering_factor
 from rollslip_plugins.film.corrections import LAWS, heated_inlet, in_full, starved, thermal_load
+from rollslip_plugins.symbols import explained
 
 #: F = RIGID sqrt(eta u w): int h dp/2 of the half-open parabolic gap that Reynolds's condition ends.
 RIGID: Final = 2.0796226511
@@ -44,6 +45,7 @@ def _compared(quantity: str, low: float, high: float) -> Validity:
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class RollingResistance(ResistanceModel):
     """Resistance of the oil's pressure to rolling, between the rigid and the elastic limit.
 
@@ -56,25 +58,17 @@ class RollingResistance(ResistanceModel):
     Symbols:
 
     - F: force on each surface for a unit of length, int h dp/2 over the film [N/m]
-    - f: factor for calibration and scatter (``factor``), 1 by default [1]
+    - f
     - a, b: its rigid and its elastic limit [N/m]
     - C_T: reduction by shear heating of the inlet (``inlet_heating``), that of film 'inlet-correction' [1]
     - C_S: reduction by starvation (``starvation``), which the supply of oil gives; 1 outside of a scene [1]
     - C_E: what the film behind the inlet adds (``extent``) [1]
     - Lt: thermal load eta0 beta0 u^2/K_f [1]
     - beta0: fall of the viscosity with temperature -dln(eta0)/dT [1/K]
-    - K_f: conductivity of the oil [W/(m K)]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
+    - K_f, eta0, u, w
     - M: load parameter W/sqrt(2 U) [1]
     - L: lubricant parameter G (2 U)^(1/4) [1]
-    - R: equivalent radius [m]
-    - alpha: pressure-viscosity coefficient [1/Pa]
-    - G: material parameter alpha E' [1]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - W: load parameter w/(E' R) [1]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - R, alpha, G, U, W, E'
 
     Range: isothermal, against a numerical solution (Barus) -36 to 0 % at M from 0.2 to 20 and L from 5 to 15, of
     which -15 to 0 % up to M = 1 and L = 10. b counts the inlet alone, which the law

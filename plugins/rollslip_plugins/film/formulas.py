@@ -31,6 +31,7 @@ from rollslip_plugins.bibliography import (
     PAN_1989,
     WEBER_1954,
 )
+from rollslip_plugins.symbols import explained
 
 #: Where the piezoviscous fits are defined: without pressure viscosity they would give no film at all.
 PIEZOVISCOUS = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})
@@ -66,19 +67,14 @@ class _PowerLaw(FilmModel):
 
 
 @attrs.frozen
+@explained
 class Martin(_PowerLaw):
     """Rigid, isoviscous minimum film after Martin: h = 4.89497 eta0 u R/w.
 
     Symbols:
 
     - h: minimum film thickness [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - R, U, W, eta0, u, w, E'
 
     Range: exact for rigid surfaces, constant viscosity and Reynolds's condition at the exit; g_V = W^1.5 G/U^0.5 below
     5.035 and g_E = W/U^0.5 below 1.770.
@@ -101,21 +97,14 @@ class Martin(_PowerLaw):
 
 
 @attrs.frozen
+@explained
 class Blok(_PowerLaw):
     """Rigid, piezoviscous minimum film after Weber and Saalfeld and Blok: h = 1.66630 R (G U)^(2/3).
 
     Symbols:
 
     - h: minimum film thickness [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - G: material parameter alpha E' [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
-    - alpha: pressure-viscosity coefficient [1/Pa]
+    - R, U, G, W, eta0, u, w, E', alpha
 
     Range: limit of g_V = W^1.5 G/U^0.5 towards its largest value; a rigid contact with a Barus oil has no solution
     beyond g_V = 17.602.
@@ -152,19 +141,14 @@ class Blok(_PowerLaw):
 
 
 @attrs.frozen
+@explained
 class Herrebrugh(_PowerLaw):
     """Elastic, isoviscous minimum film after Herrebrugh: h = 3.10 R U^0.6 W^-0.2.
 
     Symbols:
 
     - h: minimum film thickness [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - R, U, W, eta0, u, w, E'
 
     Range: soft or heavily loaded surfaces and an oil that pressure does not thicken, g_E = W/U^0.5 above 1.770 and g_V
     below 1.337 g_E^1.3704.
@@ -187,21 +171,14 @@ class Herrebrugh(_PowerLaw):
 
 
 @attrs.frozen
+@explained
 class DowsonHigginson(_PowerLaw):
     """Elastic, piezoviscous minimum film after Dowson and Higginson: h = 1.6 R G^0.6 U^0.7 W^-0.13 (grade B).
 
     Symbols:
 
     - h: minimum film thickness [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - G: material parameter alpha E' [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
-    - alpha: pressure-viscosity coefficient [1/Pa]
+    - R, U, G, W, eta0, u, w, E', alpha
 
     Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
     g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
@@ -225,21 +202,14 @@ class DowsonHigginson(_PowerLaw):
 
 
 @attrs.frozen
+@explained
 class Dowson1968(_PowerLaw):
     """Elastic, piezoviscous minimum film after Dowson: h = 2.65 R U^0.7 G^0.54 W^-0.13.
 
     Symbols:
 
     - h: minimum film thickness [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - G: material parameter alpha E' [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
-    - alpha: pressure-viscosity coefficient [1/Pa]
+    - R, U, G, W, eta0, u, w, E', alpha
 
     Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
     g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
@@ -264,21 +234,14 @@ class Dowson1968(_PowerLaw):
 
 
 @attrs.frozen
+@explained
 class DowsonToyoda(_PowerLaw):
     """Elastic, piezoviscous central film after Dowson and Toyoda: h = 3.06 R U^0.69 G^0.56 W^-0.10.
 
     Symbols:
 
     - h: central film thickness [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - G: material parameter alpha E' [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
-    - alpha: pressure-viscosity coefficient [1/Pa]
+    - R, U, G, W, eta0, u, w, E', alpha
 
     Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
     g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
@@ -302,6 +265,7 @@ class DowsonToyoda(_PowerLaw):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class PanHamrock(FilmModel):
     """Elastic, piezoviscous film after Pan and Hamrock, at the middle of the contact or at its minimum.
 
@@ -310,15 +274,7 @@ class PanHamrock(FilmModel):
     Symbols:
 
     - h: minimum or central (``thickness``) film thickness [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - G: material parameter alpha E' [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
-    - alpha: pressure-viscosity coefficient [1/Pa]
+    - R, U, G, W, eta0, u, w, E', alpha
 
     Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
     g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
@@ -361,6 +317,7 @@ class PanHamrock(FilmModel):
 
 
 @attrs.frozen
+@explained
 class Moes(FilmModel):
     """Composite film over all regimes after Moes, where dp/dx = 0.
 
@@ -377,15 +334,7 @@ class Moes(FilmModel):
     - M: load parameter W/Us^0.5 [1]
     - L: lubricant parameter G Us^0.25 [1]
     - Us: speed parameter of the sum of speeds, 2 U [1]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - G: material parameter alpha E' [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
-    - alpha: pressure-viscosity coefficient [1/Pa]
+    - R, U, G, W, eta0, u, w, E', alpha
 
     Range: all regimes. Against `reynolds-line` its error is mapped in
     the documentation; for M below 2 the pressure itself is far from that of Hertz.
@@ -429,6 +378,7 @@ class Moes(FilmModel):
 
 
 @attrs.frozen
+@explained
 class Regime(FilmModel):
     """Minimum film by the formula of the regime that the contact is in, which it also reports.
 
@@ -443,15 +393,7 @@ class Regime(FilmModel):
     - h_VR: rigid, piezoviscous film, 1.66630 R (G U)^(2/3) [m]
     - h_IE: elastic, isoviscous film, 3.10 R U^0.6 W^-0.2 [m]
     - h_VE: elastic, piezoviscous film, 2.65 R U^0.7 G^0.54 W^-0.13 [m]
-    - R: equivalent radius [m]
-    - U: speed parameter eta0 u/(E' R) [1]
-    - G: material parameter alpha E' [1]
-    - W: load parameter w/(E' R) [1]
-    - eta0: viscosity at ambient pressure [Pa s]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
-    - alpha: pressure-viscosity coefficient [1/Pa]
+    - R, U, G, W, eta0, u, w, E', alpha
 
     Range: all regimes, each formula up to where it meets the next, without a transition between them.
 

@@ -18,6 +18,7 @@ from rollslip.references import Reference
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 from rollslip_plugins.bibliography import DOWSON_HIGGINSON_1966, HAIRER_1996, MOES_1992
 from rollslip_plugins.film.line_contact import ACCURACIES, LOCATIONS, solve_line_contact
+from rollslip_plugins.symbols import explained
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,7 @@ _UNUSED: Final = frozenset({"pressure", "thermoviscosity", "pressure_thermovisco
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class ReynoldsLine(FilmModel):
     """Film of the numerically solved line contact: the reference of the formulas, and slow.
 
@@ -41,10 +43,7 @@ class ReynoldsLine(FilmModel):
     - p: pressure [Pa]
     - eta: viscosity at the local pressure [Pa s]
     - rho: density over the ambient one, 1 or 1 + 0.6 p/(1 + 1.7 p) with p in GPa (``compressible``) [1]
-    - u: mean of the two surface speeds [m/s]
-    - w: load per length [N/m]
-    - R: equivalent radius [m]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - u, w, R, E'
 
     Range: M = W/sqrt(2 U) from 1e-6 to 200; L = alpha E' (2 U)^(1/4) to 25 and, where M is small, far beyond. A contact
     that is not solved to the relative error allowed (``accuracy``) is refused. With Barus's law the pressure spike has

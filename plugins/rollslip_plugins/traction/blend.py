@@ -33,6 +33,7 @@ from rollslip_plugins.bibliography import (
     WINGERTSZAHN_2023,
     ZHOU_1991,
 )
+from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.boundary import Kragelsky
 from rollslip_plugins.traction.eyring import MaxwellEyring
 
@@ -152,6 +153,7 @@ class _BetweenLimits(_Blend):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class LambdaBlend(_BetweenLimits):
     """Blend by the film parameter Lambda after Sakaguchi and Ueno.
 
@@ -161,10 +163,7 @@ class LambdaBlend(_BetweenLimits):
 
     Symbols:
 
-    - mu: friction coefficient, with the sign of V [1]
-    - mu_bd: that of boundary friction (``boundary``) [1]
-    - mu_hd: that of the full film (``hydrodynamic``) [1]
-    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
+    - mu, mu_bd, mu_hd, Lambda
     - Lambda_bd: boundary friction alone up to here (``boundary_limit``) [1]
     - Lambda_hd: full film from here on (``hydrodynamic_limit``) [1]
     - m: power of the blend (``exponent``) [1]
@@ -204,6 +203,7 @@ class LambdaBlend(_BetweenLimits):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class LinearBlend(_BetweenLimits):
     """Straight line over the film parameter between two limits, the plainest of all blends.
 
@@ -213,10 +213,7 @@ class LinearBlend(_BetweenLimits):
 
     Symbols:
 
-    - mu: friction coefficient, with the sign of V [1]
-    - mu_bd: that of boundary friction (``boundary``) [1]
-    - mu_hd: that of the full film (``hydrodynamic``) [1]
-    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
+    - mu, mu_bd, mu_hd, Lambda
     - Lambda_bd: boundary friction alone up to here (``boundary_limit``) [1]
     - Lambda_hd: full film from here on (``hydrodynamic_limit``) [1]
 
@@ -247,6 +244,7 @@ class LinearBlend(_BetweenLimits):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class ZhouHoeprich(_Blend):
     """Asperities carry the share exp(-B Lambda^C) of the load, the film the rest, after Zhou and Hoeprich.
 
@@ -256,11 +254,9 @@ class ZhouHoeprich(_Blend):
 
     Symbols:
 
-    - mu: friction coefficient, with the sign of V [1]
-    - mu_bd: that of boundary friction (``boundary``) [1]
-    - mu_hd: that of the full film (``hydrodynamic``) [1]
+    - mu, mu_bd, mu_hd
     - share: part of the load that asperities carry [1]
-    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
+    - Lambda
     - B: factor of the exponent, of the profiles of the two surfaces (``factor``) [1]
     - C: power of Lambda, likewise (``exponent``) [1]
 
@@ -359,6 +355,7 @@ def asperity_integral(separation: Array) -> Array:
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class GreenwoodTripp(_Blend):
     """Asperities carry their pressure over the mean pressure, after Greenwood and Tripp; the film carries the rest.
 
@@ -368,13 +365,9 @@ class GreenwoodTripp(_Blend):
 
     Symbols:
 
-    - mu: friction coefficient, with the sign of V [1]
-    - mu_bd: that of boundary friction (``boundary``) [1]
-    - mu_hd: that of the full film (``hydrodynamic``) [1]
+    - mu, mu_bd, mu_hd
     - share: part of the load that asperities carry [1]
-    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
-    - p: mean pressure of the contact [Pa]
-    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - Lambda, p, E'
     - sigma: composite rms roughness; sigma beta eta is one parameter (``roughness_parameter``) [m]
     - beta: radius of the tips; sigma/beta is the other one (``slope_parameter``) [m]
     - eta: number of tips per area [1/m2]

@@ -20,6 +20,7 @@ from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import EYRING_1936, JOHNSON_TEVAARWERK_1977, MURAKI_1987, MURAKI_1992
+from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.heating import (
     HEATED,
     MEAN_PRESSURE,
@@ -98,6 +99,7 @@ class _EyringFluid(TractionModel, abc.ABC):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class Muraki(_EyringFluid):
     """Closed form of Muraki: linear elastic ramp, then an Eyring plateau with mean-stress heating.
 
@@ -109,23 +111,13 @@ class Muraki(_EyringFluid):
 
     - mu: traction coefficient, with the sign of V [1]
     - S: mean shear stress over tau0 [1]
-    - sigma: strain rate eta V/(tau0 h) [1]
+    - sigma
     - D: Deborah number eta u/(Gamma b) [1]
-    - Phi: heating beta zeta tau0^2 h/eta [1]
+    - Phi
     - y: plateau of the stress over tau0 [1]
-    - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - tau0: Eyring stress of the oil, with its rise to p (``eyring_stress_slope``) [Pa]
+    - zeta, tau0
     - Gamma: shear modulus of the oil, with its rise to p (``shear_modulus_slope``) [Pa]
-    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
-    - p: mean pressure of the contact [Pa]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
-    - flash: factor of the mean flash temperature (``flash``) [1]
-    - K_f: conductivity of the oil [W/(m K)]
-    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+    - eta, beta, p, V, u, h, b, flash, K_f, K
 
     Range: sigma exp(-Phi sigma S) >> 1. For Phi <= 1 heated films come out 3 % low at Phi sigma = 0.03, 8 % at 0.1 and
     14 to 41 % beyond 0.3; for Phi > 1 the form has no Newtonian limit, and its largest S is 36, 57, 84 and 95 % low at
@@ -208,6 +200,7 @@ class Muraki(_EyringFluid):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class MaxwellEyring(_EyringFluid):
     """Exact solution of the Maxwell-Eyring equation with mean-stress heating, which the closed forms approximate.
 
@@ -218,24 +211,14 @@ class MaxwellEyring(_EyringFluid):
 
     - mu: traction coefficient, with the sign of V [1]
     - S: local shear stress over tau0; its mean Sbar makes mu [1]
-    - sigma: strain rate eta V/(tau0 h) [1]
+    - sigma
     - D: Deborah number eta u/(Gamma b) [1]
-    - Phi: heating beta zeta tau0^2 h/eta [1]
+    - Phi
     - X: place along the contact over b, from 0 to 2 [1]
     - tau: local shear stress [Pa]
-    - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - tau0: Eyring stress of the oil, with its rise to p (``eyring_stress_slope``) [Pa]
+    - zeta, tau0
     - Gamma: shear modulus of the oil, with its rise to p (``shear_modulus_slope``) [Pa]
-    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
-    - p: mean pressure of the contact [Pa]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
-    - flash: factor of the mean flash temperature (``flash``) [1]
-    - K_f: conductivity of the oil [W/(m K)]
-    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+    - eta, beta, p, V, u, h, b, flash, K_f, K
 
     Range: any sigma, D and Phi; heating by the mean stress instead of the local one costs 0 to 4.5 %. ``accuracy`` is
     deprecated: it has no effect.
@@ -280,6 +263,7 @@ def _left_by_elasticity(deborah: float) -> float:
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class Eyring(_EyringFluid):
     """Eyring stress with mean-stress heating and without elasticity: S = asinh(sigma exp(-Phi sigma S)).
 
@@ -289,20 +273,7 @@ class Eyring(_EyringFluid):
 
     - mu: traction coefficient, with the sign of V [1]
     - S: mean shear stress over tau0 [1]
-    - sigma: strain rate eta V/(tau0 h) [1]
-    - Phi: heating beta zeta tau0^2 h/eta [1]
-    - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - tau0: Eyring stress of the oil, with its rise to p (``eyring_stress_slope``) [Pa]
-    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
-    - p: mean pressure of the contact [Pa]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
-    - flash: factor of the mean flash temperature (``flash``) [1]
-    - K_f: conductivity of the oil [W/(m K)]
-    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+    - sigma, Phi, zeta, tau0, eta, beta, p, V, u, h, b, flash, K_f, K
 
     Range: D = eta u/(Gamma b) << 1; in an elastic oil it is too high, by 1/[1 - (D/2) (1 - exp(-2/D))] at small sigma.
 

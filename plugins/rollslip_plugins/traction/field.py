@@ -35,6 +35,7 @@ from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_plugins.bibliography import CARSLAW_1959, JOHNSON_TEVAARWERK_1977
 from rollslip_plugins.pressure_viscosity import Barus
+from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.conduction import (
     Cells,
     ConductedHeat,
@@ -444,6 +445,7 @@ def _refuse_unsettled(name: str, error: Array, accuracy: float, first: int = 0) 
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class MaxwellEyringField(TractionModel):
     """Maxwell-Eyring oil, integrated over Hertz's pressure, the film's and the surfaces' temperatures.
 
@@ -468,14 +470,10 @@ class MaxwellEyringField(TractionModel):
     - x, z: places along the contact and across the film [m]
     - p: Hertz's pressure at x, in mu its mean [Pa]
     - eta: viscosity at the local pressure and temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
+    - beta
     - theta: temperature above the inlet [K]
     - rho_f, c_f: density and heat capacity of the oil, by volume (``heat_capacity``) [J/(m3 K)]
-    - K_f: conductivity of the oil [W/(m K)]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
+    - K_f, V, u, h, b
 
     Range: sliding slow against rolling. Film and both surfaces move with u here; surfaces at u + V/2 and u - V/2 would
     have a mean flash temperature larger by the factor 1 + (3/32) (V/u)^2. Conduction along the film, heat of

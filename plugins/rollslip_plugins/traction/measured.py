@@ -28,6 +28,7 @@ from rollslip.units import as_written, format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import GUPTA_1984
+from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.boundary import COEFFICIENT, DECAY, TRANSITION
 
 Array = NDArray[np.float64]
@@ -146,6 +147,7 @@ KRAGELSKY: Final = "kragelsky"
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class Tabulated(TractionModel):
     """Friction interpolated in a measured table, mu(s) or mu(s, p, u, T) with s = |V|/u.
 
@@ -158,11 +160,9 @@ class Tabulated(TractionModel):
 
     Symbols:
 
-    - mu: friction coefficient, with the sign of V [1]
+    - mu
     - table: friction of the file (``file``) between its rows [1]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - p: mean pressure of the contact [Pa]
+    - V, u, p
     - T: temperature of the oil at the inlet [K]
 
     Range: the table. What lies outside is refused and never extrapolated, and what the table does not vary is

@@ -13,6 +13,7 @@ from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import shear_thinning as compiled
 from rollslip_plugins.bibliography import BAIR_2002, BAIR_2019, BAIR_WINER_1979, CARREAU_1972
+from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.heating import (
     HEATED,
     MAX_STEPS,
@@ -31,6 +32,7 @@ PLACE, WEIGHT = (1 + ROOTS) / 2, WEIGHTS / 2  # of Gauss's rule from 0 to 1
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class Carreau(HeatedFilm):
     """Shear thinning after Carreau in Bair's form, heated by the mean stress.
 
@@ -46,17 +48,7 @@ class Carreau(HeatedFilm):
     - eta_N: viscosity of the heated film without thinning [Pa s]
     - G: stress at which thinning begins (``critical_stress``) [Pa]
     - n: exponent of the thinning (``exponent``) [1]
-    - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
-    - p: mean pressure of the contact [Pa]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
-    - flash: factor of the mean flash temperature (``flash``) [1]
-    - K_f: conductivity of the oil [W/(m K)]
-    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+    - zeta, eta, beta, p, V, u, h, b, flash, K_f, K
 
     Range: that of the oil's flow curve; G and n are an oil's own. The defaults are those given for squalane at 40 degC,
     G = 6.9 MPa and n = 0.463 (grade C: recalled, the tables of the source were not at hand); no measured flow curve has
@@ -114,6 +106,7 @@ class Carreau(HeatedFilm):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class LimitingShear(HeatedFilm):
     """Maxwell fluid with a limiting stress in proportion to the pressure after Bair and Winer, heated by the mean.
 
@@ -132,17 +125,7 @@ class LimitingShear(HeatedFilm):
     - Gamma: shear modulus of the oil [Pa]
     - t: time since the entry into the contact [s]
     - eta_N: viscosity of the heated film [Pa s]
-    - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
-    - p: mean pressure of the contact [Pa]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
-    - flash: factor of the mean flash temperature (``flash``) [1]
-    - K_f: conductivity of the oil [W/(m K)]
-    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+    - zeta, eta, beta, p, V, u, h, b, flash, K_f, K
 
     Range: lambda is some 0.05 to 0.1 for bearing oils and falls with temperature (grade C); the default 0.08 is not
     that of a named oil (grade D). The source's own tables were not at hand, and no measured curve has been compared.

@@ -22,6 +22,7 @@ from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import thermal_couette as compiled
 from rollslip_plugins.bibliography import CROOK_1961, JOHNSON_GREENWOOD_1980, NAHME_1940
+from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.heating import (
     HEATED,
     NO_EFFECT,
@@ -34,6 +35,7 @@ from rollslip_plugins.traction.heating import (
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class NewtonianThermal(HeatedFilm):
     """Newtonian film with exact conduction across it after Crook, between surfaces at their flash temperature.
 
@@ -47,16 +49,7 @@ class NewtonianThermal(HeatedFilm):
     - x: root of an eighth of the Nahme number [1]
     - eta_s: viscosity at the temperature of the surfaces [Pa s]
     - T_s: temperature of both surfaces above the inlet [K]
-    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
-    - p: mean pressure of the contact [Pa]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
-    - flash: factor of the mean flash temperature (``flash``) [1]
-    - K_f: conductivity of the oil [W/(m K)]
-    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+    - eta, beta, p, V, u, h, b, flash, K_f, K
 
     Range: steady conduction across the film only, a viscosity exponential in temperature. Without shear thinning the
     stress at high pressure is one that no oil bears.
@@ -99,6 +92,7 @@ class NewtonianThermal(HeatedFilm):
 
 
 @attrs.frozen(kw_only=True)
+@explained
 class EyringThermal(HeatedFilm):
     """Eyring film with exact conduction across it after Johnson and Greenwood, between surfaces at flash temperature.
 
@@ -114,16 +108,7 @@ class EyringThermal(HeatedFilm):
     - x: root of an eighth of the Nahme number of eta_e [1]
     - eta_e: effective viscosity at the temperature of the surfaces [Pa s]
     - T_s: temperature of both surfaces above the inlet [K]
-    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
-    - beta: its fall with temperature -dln(eta)/dT [1/K]
-    - p: mean pressure of the contact [Pa]
-    - V: sliding speed [m/s]
-    - u: mean of the two surface speeds [m/s]
-    - h: film thickness [m]
-    - b: half width of the contact [m]
-    - flash: factor of the mean flash temperature (``flash``) [1]
-    - K_f: conductivity of the oil [W/(m K)]
-    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+    - eta, beta, p, V, u, h, b, flash, K_f, K
 
     Range: no elasticity; steady conduction across the film only, a viscosity exponential in temperature. The numbers of
     the source were not at hand; it is checked against the energy equation.

@@ -1,0 +1,60 @@
+"""Symbols that many laws share, each written once: what a docstring lists by its name alone is put in here."""
+
+import re
+import textwrap
+from typing import Final, TypeVar
+
+__all__ = ["explained"]
+
+_T = TypeVar("_T", bound=type)
+
+_SHARED: Final = {
+    re.split("[:,]", one, maxsplit=1)[0]: one
+    for one in (
+        "alpha: pressure-viscosity coefficient [1/Pa]",
+        "b: half width of the contact [m]",
+        "beta: its fall with temperature -dln(eta)/dT [1/K]",
+        "E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]",
+        "eta0: viscosity at ambient pressure [Pa s]",
+        "eta: viscosity at the mean pressure and inlet temperature [Pa s]",
+        "f: factor for calibration and scatter (``factor``), 1 by default [1]",
+        "F_r: radial load [N]",
+        "flash: factor of the mean flash temperature (``flash``) [1]",
+        "G: material parameter alpha E' [1]",
+        "h: film thickness [m]",
+        "K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity "
+        "[J/(m2 K s^0.5)]",
+        "K_f: conductivity of the oil [W/(m K)]",
+        "l: length of the contact [m]",
+        "Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]",
+        "mu: friction coefficient, with the sign of V [1]",
+        "mu_bd: that of boundary friction (``boundary``) [1]",
+        "mu_hd: that of the full film (``hydrodynamic``) [1]",
+        "p: mean pressure of the contact [Pa]",
+        "Phi: heating beta zeta tau0^2 h/eta [1]",
+        "R: equivalent radius [m]",
+        "sigma: strain rate eta V/(tau0 h) [1]",
+        "T: torque on the cage [N m]",
+        "tau0: Eyring stress of the oil, with its rise to p (``eyring_stress_slope``) [Pa]",
+        "u: mean of the two surface speeds [m/s]",
+        "U: speed parameter eta0 u/(E' R) [1]",
+        "V: sliding speed [m/s]",
+        "W: load parameter w/(E' R) [1]",
+        "w: load per length [N/m]",
+        "w_c: speed of the cage [rad/s]",
+        "zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]",
+    )
+}
+
+
+def explained(cls: _T) -> _T:
+    """Put meaning and unit to the symbols that the docstring of a class lists by name: "- R, U" among others."""
+    if cls.__doc__:
+        cls.__doc__ = re.sub(r"^( *)- ([^:\n]+(?:\n\1  [^:\n]+)*)$", _items, cls.__doc__, flags=re.MULTILINE)
+    return cls
+
+
+def _items(found: re.Match[str]) -> str:
+    names = " ".join(found[2].split()).split(", ")
+    items = (textwrap.wrap(f"- {_SHARED[name]}", 116, subsequent_indent="  ") for name in names)
+    return "\n".join(f"{found[1]}{line}" for item in items for line in item)
