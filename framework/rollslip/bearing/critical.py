@@ -93,25 +93,15 @@ Evaluate: TypeAlias = Callable[[list[tuple[int, Array]]], Sequence[Array]]
 
 @attrs.frozen(eq=False)
 class Curve:
-    """A curve whose largest friction is looked for.
+    """A curve whose largest friction is looked for."""
 
-    Attributes
-    ----------
-    slip, friction : ndarray
-        The curve on a grid, slip ascending, (n,).
-    allow : str
-        Key of the setting that widens the range, as it is typed, for the status; empty if there is none.
-    exact : bool
-        Whether the friction is exact; where it is rough few slips are chosen by it, or all where these leave a doubt.
-    most : float
-        Largest slip to look for: of a cage one that still turns.
-    """
-
+    #: slip, friction: The curve on a grid, slip ascending, (n,).
     slip: Array
     friction: Array
-    allow: str
+    allow: str  # key of the setting that widens the range, as it is typed, for the status; empty if there is none
+    #: Whether the friction is exact; where it is rough few slips are chosen by it, or all where these leave a doubt.
     exact: bool = True
-    most: float = MOST_CAGE_SLIP
+    most: float = MOST_CAGE_SLIP  # largest slip to look for: of a cage one that still turns
 
 
 def locate(

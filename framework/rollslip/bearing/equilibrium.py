@@ -154,51 +154,31 @@ class LoadCase:
 
 @attrs.frozen(eq=False)
 class LoadDistribution:
-    """Loads and position of every roller at every instant.
+    """Loads and position of every roller at every instant."""
 
-    Attributes
-    ----------
-    psi : ndarray
-        Angular positions [rad], shape (instants, Z).
-    position : ndarray
-        Places of the slices, from the roller's middle [m], shape (n,).
-    inner_load, outer_load : ndarray
-        Load per length of the contacts with inner and outer ring [N/m], shape (instants, Z, n).
-    inner_force, outer_force : ndarray
-        Force of the contacts [N], shape (instants, Z).
-    displacement : ndarray
-        Displacement of the inner ring along and across the line of load [m], shape (instants, 2). Across it is not
-        unique while a single roller in the line of load carries it, along it is not while none does.
-    roller_shift : ndarray
-        Radial position of the roller, 0 where a straight one touches the outer ring [m], shape (instants, Z). Not
-        unique for a roller free between the rings.
-    roller_tilt : ndarray
-        Tilt of the roller, in the sense of the misalignment at psi = 0 [rad], shape (instants, Z).
-    moment : ndarray
-        Moment that holds the inner ring in its misalignment, sum of w x cos(psi) dx [N m], shape (instants,); the
-        rollers react with the opposite one.
-    force_residual : float
-        Largest unbalanced force of a roller or the ring, relative to the largest of F_r, F_c and the contact forces; if
-        neither F_r nor F_c acts, also of the contact forces the iteration set out from.
-    moment_residual : float
-        Largest unbalanced moment of a roller, relative to that force times the roller length.
-    iterations : int
-        Evaluations of the contact law at states of the bearing, of the slowest instant.
-    """
-
-    psi: Floats
-    position: Floats
+    psi: Floats  # angular positions [rad], shape (instants, Z)
+    position: Floats  # places of the slices, from the roller's middle [m], shape (n,)
+    #: inner_load, outer_load: Load per length of the contacts with inner and outer ring [N/m], shape (instants, Z, n).
     inner_load: Floats
     outer_load: Floats
+    #: inner_force, outer_force: Force of the contacts [N], shape (instants, Z).
     inner_force: Floats
     outer_force: Floats
+    #: Displacement of the inner ring along and across the line of load [m], shape (instants, 2). Across it is not
+    #: unique while a single roller in the line of load carries it, along it is not while none does.
     displacement: Floats
+    #: Radial position of the roller, 0 where a straight one touches the outer ring [m], shape (instants, Z). Not unique
+    #: for a roller free between the rings.
     roller_shift: Floats
-    roller_tilt: Floats
+    roller_tilt: Floats  # tilt of the roller, in the sense of the misalignment at psi = 0 [rad], shape (instants, Z)
+    #: Moment that holds the inner ring in its misalignment, sum of w x cos(psi) dx [N m], shape (instants,); the
+    #: rollers react with the opposite one.
     moment: Floats
+    #: Largest unbalanced force of a roller or the ring, relative to the largest of F_r, F_c and the contact forces; if
+    #: neither F_r nor F_c acts, also of the contact forces the iteration set out from.
     force_residual: float
-    moment_residual: float
-    iterations: int
+    moment_residual: float  # largest unbalanced moment of a roller, relative to that force times the roller length
+    iterations: int  # evaluations of the contact law at states of the bearing, of the slowest instant
 
 
 def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> LoadDistribution:

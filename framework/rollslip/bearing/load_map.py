@@ -47,20 +47,11 @@ _KEPT = 24
 
 @attrs.frozen(eq=False)
 class LoadMap:
-    """Loads over orbital position and centrifugal force, worked out where they are asked for.
+    """Loads over orbital position and centrifugal force, worked out where they are asked for."""
 
-    Attributes
-    ----------
-    orbits : Orbits
-        The equilibria that it is made of.
-    widths : ndarray
-        What turns loads into forces: widths of the slices [m], 1 in a map of forces, shape (n,).
-    channels_of : callable, optional
-        What the map holds of the loads of a node, (2, K, n); by default these.
-    """
-
-    orbits: "Orbits"
-    widths: Array
+    orbits: "Orbits"  # the equilibria that it is made of
+    widths: Array  # what turns loads into forces: widths of the slices [m], 1 in a map of forces, shape (n,)
+    #: What the map holds of the loads of a node, (2, K, n); by default these.
     channels_of: Callable[[Array], Array] | None = None
     _tables: dict[float, Array] = attrs.field(factory=dict, init=False, repr=False)
 

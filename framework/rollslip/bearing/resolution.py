@@ -43,46 +43,30 @@ _FINER: Final = 4
 
 @attrs.frozen(kw_only=True)
 class Resolution:
-    """All numerical choices of a run.
+    """All numerical choices of a run."""
 
-    Attributes
-    ----------
-    slices : int
-        Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
-    quadrature : {"equal", "gauss"}
-        Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
-    instants : int or None
-        Instants of a roller pitch; None to double them until the results stand still.
-    traction : str
-        "named" for the scene's hydrodynamic law, or the name of a law that serves in its place.
-    boundary : bool
-        Whether boundary friction takes part; False for the law of the full film alone.
-    inlet_heating : bool
-        Whether the heat of its inlet thins the film, if the film model knows it.
-    light_contacts : bool
-        Whether the film has a pressure of its own, if the scene names a model of it; False for that of the contact.
-    table_tolerance : float
-        Error of tables: loads over the orbit, effective friction, the slip-drag curve.
-    integrator, integrator_tolerance
-        Name of the integrator and relative tolerance of its steps; None for what the study says.
-    friction, level
-        Friction and level of detail of a bearing in motion; None for what the study says.
-    compiled : bool
-        Whether stages run compiled where they can, else in NumPy.
-    """
-
+    #: Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
     slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 20_000))
+    #: Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
     quadrature: str = parameter(default="equal", doc="where slices lie", validator=one_of("equal", "gauss"))
+    #: Instants of a roller pitch; None to double them until the results stand still.
     instants: int | None = parameter(
         default=None, doc="instants of a roller pitch", validator=attrs.validators.optional(at_least(1))
     )
+    #: "named" for the scene's hydrodynamic law, or the name of a law that serves in its place.
     traction: str = parameter(default="named", doc="hydrodynamic law")
+    #: Whether boundary friction takes part; False for the law of the full film alone.
     boundary: bool = parameter(default=True, doc="whether boundary friction takes part")
+    #: Whether the heat of its inlet thins the film, if the film model knows it.
     inlet_heating: bool = parameter(default=True, doc="whether the heat of its inlet thins the film")
+    #: Whether the film has a pressure of its own, if the scene names a model of it; False for that of the contact.
     light_contacts: bool = parameter(default=True, doc="whether the film has a pressure of its own")
+    #: Error of tables: loads over the orbit, effective friction, the slip-drag curve.
     table_tolerance: float = parameter(
         default=1e-3, unit="1", doc="error of tables", validator=in_range(0, 1, open=True)
     )
+    #: integrator, integrator_tolerance: Name of the integrator and relative tolerance of its steps; None for what the
+    #: study says.
     integrator: str | None = parameter(default=None, doc="integrator")
     integrator_tolerance: float | None = parameter(
         default=None,
@@ -90,8 +74,10 @@ class Resolution:
         doc="relative tolerance of a step",
         validator=attrs.validators.optional(in_range(0, 0.1, open=True)),
     )
+    #: friction, level: Friction and level of detail of a bearing in motion; None for what the study says.
     friction: str | None = parameter(default=None, doc="friction of the raceways in motion")
     level: str | None = parameter(default=None, doc="level of detail of motion")
+    #: Whether stages run compiled where they can, else in NumPy.
     compiled: bool = parameter(default=True, doc="whether stages run compiled")
 
     @classmethod

@@ -23,51 +23,21 @@ HIGHEST_INDEX: Final = 400.0
 
 @attrs.frozen(kw_only=True)
 class BaseOil:
-    """What oils of one kind have in common.
+    """What oils of one kind have in common."""
 
-    Attributes
-    ----------
-    called : str
-        What it is, in words.
-    density : tuple of float
-        At 15 and 100 degC [kg/m3].
-    density_scatter : float
-        Its relative half width [1].
-    viscosity_index : float
-        Of an oil of which only the grade is known [1].
-    conductivity : float
-        [W/(m K)].
-    eyring_stress : float
-        [Pa].
-    shear_modulus : float
-        [Pa].
-    alpha_share : float
-        Its pressure-viscosity coefficient over that of Wu, Klaus and Duda [1].
-    alpha_scatter : float
-        Relative half width of that [1].
-    alpha_source : str
-        What that rests on.
-    exponent : float
-        Standard deviation of ln(eta/eta0) at 0.3 to 0.6 GPa by Roelands's law [1].
-    grades : mapping of str to str
-        Property -> letter.
-    sources : str
-        Where the numbers come from.
-    """
-
-    called: str
-    density: tuple[float, float]
-    density_scatter: float
-    viscosity_index: float
-    conductivity: float
-    eyring_stress: float
-    shear_modulus: float = 0.3e9
-    alpha_share: float = 1.0
-    alpha_scatter: float
-    alpha_source: str
-    exponent: float
-    grades: Mapping[str, str]
-    sources: str
+    called: str  # what it is, in words
+    density: tuple[float, float]  # at 15 and 100 degC [kg/m3]
+    density_scatter: float  # its relative half width [1]
+    viscosity_index: float  # of an oil of which only the grade is known [1]
+    conductivity: float  # [W/(m K)]
+    eyring_stress: float  # [Pa]
+    shear_modulus: float = 0.3e9  # [Pa]
+    alpha_share: float = 1.0  # its pressure-viscosity coefficient over that of Wu, Klaus and Duda [1]
+    alpha_scatter: float  # relative half width of that [1]
+    alpha_source: str  # what that rests on
+    exponent: float  # standard deviation of ln(eta/eta0) at 0.3 to 0.6 GPa by Roelands's law [1]
+    grades: Mapping[str, str]  # property -> letter
+    sources: str  # where the numbers come from
 
     def coefficient(self, kinematic: Walther) -> TemperatureLaw:
         """Return the pressure-viscosity coefficient alpha(T), the tangent at no pressure, of a viscosity [m2/s]."""

@@ -21,21 +21,11 @@ _NUMBERS = ("last_t", "last_step", "steps", "rejected", "evaluations", "jacobian
 
 @attrs.frozen
 class Checkpoints:
-    """Parts of one run.
+    """Parts of one run."""
 
-    Parameters
-    ----------
-    folder : Path
-        Where they are; made when the first is written.
-    scene_hash : str
-        Of the scene that is run.
-    study : str
-        Its study.
-    """
-
-    folder: Path
-    scene_hash: str
-    study: str
+    folder: Path  # where they are; made when the first is written
+    scene_hash: str  # of the scene that is run
+    study: str  # its study
 
     def parts(self) -> list[Path]:
         """Return the files that are there, in order."""

@@ -73,41 +73,23 @@ Law = Callable[[Array], Array]
 
 @attrs.frozen(eq=False)
 class EffectiveTable:
-    """A table as ``rollslip_kernels.motion.raceway.effective`` takes it.
+    """A table as ``rollslip_kernels.motion.raceway.effective`` takes it."""
 
-    Attributes
-    ----------
-    nodes : ndarray
-        (N, 2) over the sliding speed, (M, N, 4) over rolling and sliding speed.
-    limits : tuple of float
-        V/(|V| + V_s) of the first and the last node.
-    sliding_scale, sliding_ratio : float
-        V_s = sliding_scale + sliding_ratio u [m/s].
-    row_limits : tuple of float
-        u/(u + u_s) of the first and the last row.
-    rolling_scale : float
-        u_s [m/s].
-    error : float
-        Largest error at the quarters of the cells, relative to the largest friction at that rolling speed, and what
-        the classes add.
-    slope_error : float
-        Error of the slope at no slip, relative to it, at the epicyclic rolling speed.
-    critical_speed : float
-        Sliding speed V > 0 of the largest friction at the epicyclic rolling speed [m/s]; NaN if there is none below
-        half the largest sliding speed.
-    critical_error : float
-        Error of ``critical_speed`` or of the friction there, the larger one, relative to it; NaN without one.
-    """
-
-    nodes: Array
-    limits: tuple[float, float]
+    nodes: Array  # (N, 2) over the sliding speed, (M, N, 4) over rolling and sliding speed
+    limits: tuple[float, float]  # V/(|V| + V_s) of the first and the last node
+    #: sliding_scale, sliding_ratio: V_s = sliding_scale + sliding_ratio u [m/s].
     sliding_scale: float = 0.0
     sliding_ratio: float = 0.0
-    row_limits: tuple[float, float] = (0.0, 1.0)
-    rolling_scale: float = 1.0
+    row_limits: tuple[float, float] = (0.0, 1.0)  # u/(u + u_s) of the first and the last row
+    rolling_scale: float = 1.0  # u_s [m/s]
+    #: Largest error at the quarters of the cells, relative to the largest friction at that rolling speed, and what the
+    #: classes add.
     error: float = 0.0
-    slope_error: float = 0.0
+    slope_error: float = 0.0  # error of the slope at no slip, relative to it, at the epicyclic rolling speed
+    #: Sliding speed V > 0 of the largest friction at the epicyclic rolling speed [m/s]; NaN if there is none below half
+    #: the largest sliding speed.
     critical_speed: float = math.nan
+    #: Error of ``critical_speed`` or of the friction there, the larger one, relative to it; NaN without one.
     critical_error: float = math.nan
 
     @property

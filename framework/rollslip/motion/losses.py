@@ -27,40 +27,22 @@ __all__ = ["Loss", "PowerBalance", "power_balance"]
 
 @attrs.frozen
 class Loss:
-    """Power that is lost to friction.
+    """Power that is lost to friction."""
 
-    Attributes
-    ----------
-    source : str
-        What loses it: "sliding, inner raceway", or the name of a drag.
-    place : str
-        Where its heat is made: "inner contact", "outer contact", "pocket"; of a torque on the cage "inner land",
-        "outer land", or "oil" where what stands still bears the reaction.
-    power : float
-        [W]; below zero where a drag puts power in, as nothing of the box does.
-    """
-
-    source: str
+    source: str  # what loses it: "sliding, inner raceway", or the name of a drag
+    #: Where its heat is made: "inner contact", "outer contact", "pocket"; of a torque on the cage "inner land", "outer
+    #: land", or "oil" where what stands still bears the reaction.
     place: str
-    power: float
+    power: float  # [W]; below zero where a drag puts power in, as nothing of the box does
 
 
 @attrs.frozen(kw_only=True)
 class PowerBalance:
-    """Losses of a bearing and what pays for them.
+    """Losses of a bearing and what pays for them."""
 
-    Attributes
-    ----------
-    losses : tuple of Loss
-        By source, in one order for all states of a scene.
-    rings : tuple of float
-        Power that inner and outer ring put in [W]; below zero where a ring gives power off.
-    stored : float
-        Power that speeds up cage and rollers [W]: none at a steady slip, but for rounding and positions of the orbit.
-    """
-
-    losses: tuple[Loss, ...]
-    rings: tuple[float, float]
+    losses: tuple[Loss, ...]  # by source, in one order for all states of a scene
+    rings: tuple[float, float]  # power that inner and outer ring put in [W]; below zero where a ring gives power off
+    #: Power that speeds up cage and rollers [W]: none at a steady slip, but for rounding and positions of the orbit.
     stored: float
 
     @property

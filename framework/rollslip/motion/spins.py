@@ -131,34 +131,19 @@ def slip_of(place: float) -> float:
 
 @attrs.frozen(eq=False)
 class Motion:
-    """A motion of the rollers at a steady cage slip.
+    """A motion of the rollers at a steady cage slip."""
 
-    Attributes
-    ----------
-    slip, torque : float
-        Cage slip, and mean torque of all rollers on the cage [N m], positive where it drives.
-    share : ndarray
-        Roller slips along the orbit over ``unit``, which goes with the cage slip, (K,).
-    unit : float
-        Roller slip of share one.
-    sure : bool
-        Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
-        error.
-    error : float
-        What it leaves of the torque, relative, where it is of first order only.
-    linked : bool
-        Whether it goes on from the motion at the slip below.
-    multiplier : float
-        What an orbit leaves of a disturbance of the spin: the rollers hold the motion if it is below 1 in size.
-    """
-
+    #: slip, torque: Cage slip, and mean torque of all rollers on the cage [N m], positive where it drives.
     slip: float
     torque: float
-    share: Array
-    unit: float
+    share: Array  # roller slips along the orbit over ``unit``, which goes with the cage slip, (K,)
+    unit: float  # roller slip of share one
+    #: Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
+    #: error.
     sure: bool
-    error: float = 0.0
-    linked: bool = True
+    error: float = 0.0  # what it leaves of the torque, relative, where it is of first order only
+    linked: bool = True  # whether it goes on from the motion at the slip below
+    #: What an orbit leaves of a disturbance of the spin: the rollers hold the motion if it is below 1 in size.
     multiplier: float = 0.0
 
     @property

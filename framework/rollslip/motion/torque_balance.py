@@ -77,27 +77,17 @@ class EffectiveCurve:
 
 @attrs.frozen(eq=False, kw_only=True)
 class Orbit:
-    """What one roller does over an orbit at a steady cage slip, and what all of them do to the cage.
+    """What one roller does over an orbit at a steady cage slip, and what all of them do to the cage."""
 
-    Attributes
-    ----------
-    cage_slip : float
-        S_c [-].
-    torque : float
-        Mean torque of all rollers on the cage [N m], positive where it drives it on in the sense of its orbit.
-    roller_slip : ndarray
-        S_r at the positions of the orbit, in its sense, (K,).
-    force, traction : ndarray
-        Normal force and traction of inner and outer contact [N], (2, K); traction positive where it drives.
-    multiplier : float
-        What an orbit leaves of a disturbance of the spin: the rollers hold this motion if it is below 1 in size.
-    """
-
-    cage_slip: float
+    cage_slip: float  # S_c [-]
+    #: Mean torque of all rollers on the cage [N m], positive where it drives it on in the sense of its orbit.
     torque: float
-    roller_slip: Array
+    roller_slip: Array  # S_r at the positions of the orbit, in its sense, (K,)
+    #: force, traction: Normal force and traction of inner and outer contact [N], (2, K); traction positive where it
+    #: drives.
     force: Array
     traction: Array
+    #: What an orbit leaves of a disturbance of the spin: the rollers hold this motion if it is below 1 in size.
     multiplier: float
 
 

@@ -52,29 +52,17 @@ _NUDGE: Final = 1e-4
 
 @attrs.frozen
 class Jump:
-    """A maximum of the torque on the way up, from which the slip jumps.
+    """A maximum of the torque on the way up, from which the slip jumps."""
 
-    Attributes
-    ----------
-    slip, drag : float
-        Cage slip, and the drag [N m]: with more of it the slip jumps.
-    to : float
-        Slip to which it jumps, NaN if none in the range carries the drag.
-    low, high : float
-        Slips between which the torque is within a thousandth of the drag.
-    error : float
-        Of the drag, relative: what slips, positions and loads of a roller leave.
-    corner : bool
-        Whether a motion of the rollers begins or ends there.
-    """
-
+    #: slip, drag: Cage slip, and the drag [N m]: with more of it the slip jumps.
     slip: float
     drag: float
-    to: float
+    to: float  # slip to which it jumps, NaN if none in the range carries the drag
+    #: low, high: Slips between which the torque is within a thousandth of the drag.
     low: float
     high: float
-    error: float
-    corner: bool
+    error: float  # of the drag, relative: what slips, positions and loads of a roller leave
+    corner: bool  # whether a motion of the rollers begins or ends there
 
     @property
     def away(self) -> bool:
@@ -97,25 +85,13 @@ class Steady:
 
 @attrs.frozen(eq=False)
 class WayUp:
-    """The motions that rollers take while the drag is raised slowly from none; `way_up` finds them.
-
-    Attributes
-    ----------
-    path : list of Motion
-        By growing slip, from a small one to the end of the range.
-    others : list of Motion
-        Motions beside it, that only a cage from larger slips has.
-    at_rest : float
-        Torque of the rollers on a cage that does not slip [N m].
-    refusal : str
-        Why the range ends early, empty if it does not.
-    """
+    """The motions that rollers take while the drag is raised slowly from none; `way_up` finds them."""
 
     _search: "_Search" = attrs.field(repr=False)
-    path: list[Motion]
-    others: list[Motion]
-    at_rest: float
-    refusal: str = ""
+    path: list[Motion]  # by growing slip, from a small one to the end of the range
+    others: list[Motion]  # motions beside it, that only a cage from larger slips has
+    at_rest: float  # torque of the rollers on a cage that does not slip [N m]
+    refusal: str = ""  # why the range ends early, empty if it does not
 
     @property
     def exact(self) -> Motions:

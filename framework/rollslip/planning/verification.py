@@ -38,17 +38,10 @@ _AIM, _MOST_TIMES = 0.35, 4.0
 
 @attrs.frozen(kw_only=True)
 class Judgement:
-    """What a run leaves, measured afterwards.
+    """What a run leaves, measured afterwards."""
 
-    Attributes
-    ----------
-    errors : mapping
-        Part -> key of [accuracy] -> relative error.
-    orders : mapping
-        Key of [accuracy] -> order with which the error was seen to fall with the instants; only where it is needed.
-    """
-
-    errors: Mapping[str, Errors]
+    errors: Mapping[str, Errors]  # part -> key of [accuracy] -> relative error
+    #: Key of [accuracy] -> order with which the error was seen to fall with the instants; only where it is needed.
     orders: Mapping[str, float] = attrs.field(factory=dict)
 
 

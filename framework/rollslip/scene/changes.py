@@ -34,33 +34,15 @@ _NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "op
 
 @attrs.frozen(eq=False)
 class Quantity:
-    """One value of a scene.
+    """One value of a scene."""
 
-    Attributes
-    ----------
-    key : str
-        Its dotted key.
-    unit : str or None
-        SI unit of a number; None for whole numbers, texts, choices and models.
-    doc : str
-        What it means.
-    value : object
-        What it is in the scene; None if the scene gives none.
-    whole : bool
-        Whether it is a whole number.
-    attribute : attrs.Attribute
-        Its field, with the validator.
-    model : str
-        Kind of model that it names, empty if it is none.
-    """
-
-    key: str
-    unit: str | None
-    doc: str
-    value: object
-    whole: bool
-    attribute: "attrs.Attribute[Any]"
-    model: str = ""
+    key: str  # its dotted key
+    unit: str | None  # SI unit of a number; None for whole numbers, texts, choices and models
+    doc: str  # what it means
+    value: object  # what it is in the scene; None if the scene gives none
+    whole: bool  # whether it is a whole number
+    attribute: "attrs.Attribute[Any]"  # its field, with the validator
+    model: str = ""  # kind of model that it names, empty if it is none
 
     def read(self, raw: object, given: str | None = None) -> object:
         """Return a value as the scene takes it, checked as far as one value on its own can be."""

@@ -47,34 +47,19 @@ _SPEED_FACTOR: Final = "mm/min"
 
 @attrs.frozen
 class Relation:
-    """A value of a scene that has to fit others.
+    """A value of a scene that has to fit others."""
 
-    Attributes
-    ----------
-    table, field : str
-        The value that is blamed: ``operation.radial_load``.
-    of : callable
-        Returns what it amounts to in a scene, in `unit`; NaN where that cannot be said.
-    unit : str
-        SI unit of it.
-    words : str
-        What it amounts to, in words: "of the roller diameter".
-    usual, possible : tuple of float
-        Least and largest of it that are usual, and that are possible.
-    source : str
-        What the ranges rest on.
-    bare : tuple of float, optional
-        What is usual where a whole number without a unit is written, which may be meant in another unit than SI.
-    """
-
+    #: table, field: The value that is blamed: ``operation.radial_load``.
     table: str
     field: str
-    of: Callable[[Scene], float]
-    unit: str
-    words: str
+    of: Callable[[Scene], float]  # returns what it amounts to in a scene, in `unit`; NaN where that cannot be said
+    unit: str  # SI unit of it
+    words: str  # what it amounts to, in words: "of the roller diameter"
+    #: usual, possible: Least and largest of it that are usual, and that are possible.
     usual: Span
     possible: Span
-    source: str
+    source: str  # what the ranges rest on
+    #: What is usual where a whole number without a unit is written, which may be meant in another unit than SI.
     bare: Span | None = None
 
     def span(self, which: str, written: object) -> Span:

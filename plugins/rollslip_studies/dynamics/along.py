@@ -85,23 +85,14 @@ def reasons(history: History | None, settings: Mapping[str, Any], level: str) ->
 
 @attrs.frozen(eq=False)
 class Along:
-    """Slips and drag at which the cage would run away at some instants, NaN where that is not known.
+    """Slips and drag at which the cage would run away at some instants, NaN where that is not known."""
 
-    Attributes
-    ----------
-    runaway_slip, runaway_drag, critical_slip : ndarray
-        At the instants; drag [N m].
-    operations : int
-        How many were worked out.
-    status : str
-        What they rest on, or why none is known.
-    """
-
+    #: runaway_slip, runaway_drag, critical_slip: At the instants; drag [N m].
     runaway_slip: Array
     runaway_drag: Array
     critical_slip: Array
-    operations: int
-    status: str
+    operations: int  # how many were worked out
+    status: str  # what they rest on, or why none is known
 
 
 def along(study: EffectiveFriction, assembly: Assembly, history: History, times: Array) -> Along:

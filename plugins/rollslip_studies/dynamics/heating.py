@@ -73,39 +73,18 @@ class Warming(Movable, Protocol):
 
 @attrs.frozen(eq=False, kw_only=True)
 class Heating:
-    """What a motion does to temperatures, and at which it was computed.
+    """What a motion does to temperatures, and at which it was computed."""
 
-    Attributes
-    ----------
-    assembly : Assembly
-        The bearing at the temperatures from which it starts.
-    history : History or None
-        Its operation with the temperatures at which the motion was computed; None if nothing changes.
-    model : ThermalModel
-        With all that it takes from the bearing.
-    times : ndarray
-        [s], (m,).
-    temperatures : ndarray
-        That the losses of the motion give the nodes [K], (m, n).
-    heat : mapping
-        Heat made since the start by place [J], (m,).
-    carried : ndarray
-        Heat carried away since the start [J], (m,).
-    passes : int
-        Motions that were computed.
-    change : float
-        Largest difference of `temperatures` to those at which the motion was computed [K].
-    """
-
-    assembly: Assembly
+    assembly: Assembly  # the bearing at the temperatures from which it starts
+    #: Its operation with the temperatures at which the motion was computed; None if nothing changes.
     history: History | None
-    model: ThermalModel
-    times: Array
-    temperatures: Array
-    heat: Mapping[str, Array]
-    carried: Array
-    passes: int
-    change: float
+    model: ThermalModel  # with all that it takes from the bearing
+    times: Array  # [s], (m,)
+    temperatures: Array  # that the losses of the motion give the nodes [K], (m, n)
+    heat: Mapping[str, Array]  # heat made since the start by place [J], (m,)
+    carried: Array  # heat carried away since the start [J], (m,)
+    passes: int  # motions that were computed
+    change: float  # largest difference of `temperatures` to those at which the motion was computed [K]
 
 
 def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -28,25 +28,14 @@ _NUDGE = 1e-5
 
 @attrs.frozen(eq=False)
 class Branch:
-    """Steady slips against a parameter, in order along the branch.
+    """Steady slips against a parameter, in order along the branch."""
 
-    Attributes
-    ----------
-    slip, parameter : ndarray
-        (n,).
-    stable : ndarray of bool
-        Whether the cage holds the slip, (n,); not at a fold.
-    folds : tuple of int
-        Numbers of the points at which the parameter turns.
-    start : int
-        Number of the point from which it was followed.
-    """
-
+    #: slip, parameter: (n,).
     slip: Array
     parameter: Array
-    stable: NDArray[np.bool_]
-    folds: tuple[int, ...]
-    start: int
+    stable: NDArray[np.bool_]  # whether the cage holds the slip, (n,); not at a fold
+    folds: tuple[int, ...]  # numbers of the points at which the parameter turns
+    start: int  # number of the point from which it was followed
 
     def passes(self, slip: float, parameter: float) -> bool:
         """Whether the branch goes through a point, to a hundredth of its size."""

@@ -57,30 +57,14 @@ _SECANTS, _FAR = 12, 0.5
 
 @attrs.frozen(eq=False)
 class State:
-    """A bearing at given bulk temperatures, with its steady slip and losses; or why it has none.
+    """A bearing at given bulk temperatures, with its steady slip and losses; or why it has none."""
 
-    Attributes
-    ----------
-    slip : float
-        Least steady cage slip that the cage holds; NaN if there is none.
-    power : PowerBalance or None
-        Losses there.
-    refusal : str
-        Why there is no slip or no film, in words; empty if there are.
-    by_film : bool
-        Whether it is the cage that runs away, and not an oil beyond its data.
-    lost : bool
-        Whether a search came to no end, which says nothing of the bearing.
-    slope : float
-        How the excess torque rises with the slip there [N m]; NaN where it was not needed.
-    """
-
-    slip: float
-    power: PowerBalance | None = None
-    refusal: str = ""
-    by_film: bool = False
-    lost: bool = False
-    slope: float = np.nan
+    slip: float  # least steady cage slip that the cage holds; NaN if there is none
+    power: PowerBalance | None = None  # losses there
+    refusal: str = ""  # why there is no slip or no film, in words; empty if there are
+    by_film: bool = False  # whether it is the cage that runs away, and not an oil beyond its data
+    lost: bool = False  # whether a search came to no end, which says nothing of the bearing
+    slope: float = np.nan  # how the excess torque rises with the slip there [N m]; NaN where it was not needed
 
     @property
     def heat(self) -> dict[str, float]:

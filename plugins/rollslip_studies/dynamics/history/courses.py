@@ -44,21 +44,11 @@ _MOST_PERIODS: Final = 10_000
 
 @attrs.frozen(eq=False)
 class Course:
-    """A value over time.
+    """A value over time."""
 
-    Attributes
-    ----------
-    begin : ndarray
-        Times at which the pieces begin [s], ascending; of two at the same time the later one counts, (n,).
-    powers : ndarray
-        Coefficients of the powers 0 to 3 of the time since then, (n, 4); the last piece is constant.
-    breaks : tuple of float
-        Times of jumps and kinks [s].
-    """
-
-    begin: Array
-    powers: Array
-    breaks: tuple[float, ...] = ()
+    begin: Array  # times at which the pieces begin [s], ascending; of two at the same time the later one counts, (n,)
+    powers: Array  # coefficients of the powers 0 to 3 of the time since then, (n, 4); the last piece is constant
+    breaks: tuple[float, ...] = ()  # times of jumps and kinks [s]
 
     def at(self, t: Any) -> Array:
         """Return the values at times [s], of any shape."""

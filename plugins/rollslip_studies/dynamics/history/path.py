@@ -26,24 +26,13 @@ CLEARANCE: Final = "bearing.radial_clearance"
 
 @attrs.frozen(eq=False)
 class ThermalPath:
-    """A line through what changes of a scene with its temperatures.
+    """A line through what changes of a scene with its temperatures."""
 
-    Attributes
-    ----------
-    name : str
-        What tells places of it apart: "temperature", the first of them, or "radial_clearance" where that changes too.
-    along : Course
-        Place on the line over time, from 0 to 1 and never back.
-    courses : mapping
-        What changes, by its key in the scene: its course over time, in SI units.
-    error : float
-        What the temperatures are known to [K].
-    """
-
+    #: What tells places of it apart: "temperature", the first of them, or "radial_clearance" where that changes too.
     name: str
-    along: Course
-    courses: Mapping[str, Course]
-    error: float
+    along: Course  # place on the line over time, from 0 to 1 and never back
+    courses: Mapping[str, Course]  # what changes, by its key in the scene: its course over time, in SI units
+    error: float  # what the temperatures are known to [K]
 
     @classmethod
     def through(cls, times: Array, values: Mapping[str, Array], error: float) -> "ThermalPath":

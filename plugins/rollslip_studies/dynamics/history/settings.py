@@ -302,27 +302,15 @@ def _quickly(text: str, source: str) -> tuple[dict[str, Array], Array] | None:
 
 @attrs.frozen(eq=False, kw_only=True)
 class History:
-    """How the operation goes over time.
+    """How the operation goes over time."""
 
-    Attributes
-    ----------
-    courses : mapping
-        Of each of `VARYING` [rad/s, N, rad, K], constant where nothing was given; of `OF_PARTS` where it was.
-    given : tuple of str
-        Those that were.
-    end : float
-        Length of the run [s].
-    sha256 : str
-        Of the file; empty without one.
-    path : ThermalPath or None
-        What the bearing is put together along, where temperatures follow from its losses: tables then have one axis
-        for all of them.
-    """
-
+    #: Of each of `VARYING` [rad/s, N, rad, K], constant where nothing was given; of `OF_PARTS` where it was.
     courses: Mapping[str, Course]
-    given: tuple[str, ...]
-    end: float
-    sha256: str = ""
+    given: tuple[str, ...]  # those that were
+    end: float  # length of the run [s]
+    sha256: str = ""  # of the file; empty without one
+    #: What the bearing is put together along, where temperatures follow from its losses: tables then have one axis for
+    #: all of them.
     path: ThermalPath | None = None
 
     def at(self, t: Any) -> dict[str, Array]:

@@ -104,39 +104,17 @@ class Axis:
 
 @attrs.frozen(eq=False, kw_only=True)
 class Stations:
-    """Bearings in motion by their place on the axes.
+    """Bearings in motion by their place on the axes."""
 
-    Attributes
-    ----------
-    assembly : Assembly
-        The bearing as the scene states it.
-    speeds : tuple of float
-        Speeds of inner and outer ring where they turn fastest against each other [rad/s].
-    top_speed : float
-        Largest speed of a ring [rad/s], up to which loads are worked out.
-    axes : tuple of Axis
-        What varies.
-    friction : FrictionSettings
-        Friction of the raceways.
-    level : str
-        Level of the motion.
-    planar : PlanarSettings, optional
-        What level planar needs.
-    tolerance : float
-        Largest error of the rates between nodes, over all axes, relative to their largest.
-    speeds_vary : bool
-        Whether the rings turn slower at times.
-    """
-
-    assembly: Assembly
-    speeds: tuple[float, float]
-    top_speed: float
-    axes: tuple[Axis, ...]
-    friction: FrictionSettings
-    level: str
-    planar: PlanarSettings | None
-    tolerance: float
-    speeds_vary: bool
+    assembly: Assembly  # the bearing as the scene states it
+    speeds: tuple[float, float]  # speeds of inner and outer ring where they turn fastest against each other [rad/s]
+    top_speed: float  # largest speed of a ring [rad/s], up to which loads are worked out
+    axes: tuple[Axis, ...]  # what varies
+    friction: FrictionSettings  # friction of the raceways
+    level: str  # level of the motion
+    planar: PlanarSettings | None  # what level planar needs
+    tolerance: float  # largest error of the rates between nodes, over all axes, relative to their largest
+    speeds_vary: bool  # whether the rings turn slower at times
     _made: dict[Place, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
     _kept: dict[str, Array] = attrs.field(factory=dict, init=False, repr=False)
     #: Errors of the intervals that were looked at, by axis and ends: shared by all motions of the bearing through this

@@ -68,21 +68,11 @@ class PathStations(Stations):
 
 @attrs.frozen(eq=False, kw_only=True)
 class VaryingMotion(MovingBearing):
-    """The motion of a bearing along a history.
+    """The motion of a bearing along a history."""
 
-    Attributes
-    ----------
-    history : History
-        How the operation goes over time.
-    stations : Stations
-        Bearings between which its rates are interpolated.
-    base : MovingBearing
-        One of them.
-    """
-
-    history: History
-    stations: Stations
-    base: MovingBearing
+    history: History  # how the operation goes over time
+    stations: Stations  # bearings between which its rates are interpolated
+    base: MovingBearing  # one of them
 
     @property
     def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:

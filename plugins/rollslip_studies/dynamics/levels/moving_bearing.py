@@ -23,22 +23,13 @@ _SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
 
 @attrs.frozen(eq=False, kw_only=True)
 class MovingBearing(abc.ABC):
-    """The motion of one bearing; it belongs to one thread.
+    """The motion of one bearing; it belongs to one thread."""
 
-    Attributes
-    ----------
-    assembly : Assembly
-        The bearing, with its resistance to rolling.
-    friction : RacewayFriction
-        Friction of inner and outer raceway.
-    system : System
-        Its rates, Jacobian and watched values: cage slip less the critical one, film parameter less its limit, and at
-        level planar the largest approach at the inner ring, below zero where no roller carries it. Its owner, the
-        compiled motion, counts ``contacts_evaluated``.
-    """
-
-    assembly: Assembly
-    friction: RacewayFriction
+    assembly: Assembly  # the bearing, with its resistance to rolling
+    friction: RacewayFriction  # friction of inner and outer raceway
+    #: Its rates, Jacobian and watched values: cage slip less the critical one, film parameter less its limit, and at
+    #: level planar the largest approach at the inner ring, below zero where no roller carries it. Its owner, the
+    #: compiled motion, counts ``contacts_evaluated``.
     system: System
 
     @property

@@ -115,24 +115,13 @@ class PlanarSettings:
 
 @attrs.frozen(eq=False, kw_only=True)
 class ForceTable:
-    """Force of a roller on a raceway by its gap, the approach from first touch on: cubic on cells equal in its root.
+    """Force of a roller on a raceway by its gap, the approach from first touch on: cubic on cells equal in its root."""
 
-    Attributes
-    ----------
-    deepest : float
-        Largest gap [m].
-    coefficients : ndarray
-        (cells, 4): of the powers of the place in a cell, 0 to 1 [N].
-    error : float
-        Largest error against all slices, half-way between nodes, relative to the force or to a light one [1].
-    light : float
-        Force below which the error is relative to it: a hundredth of a roller's share of load and centrifugal force
-        [N].
-    """
-
-    deepest: float
-    coefficients: Array
+    deepest: float  # largest gap [m]
+    coefficients: Array  # (cells, 4): of the powers of the place in a cell, 0 to 1 [N]
+    #: Largest error against all slices, half-way between nodes, relative to the force or to a light one [1].
     error: float
+    #: Force below which the error is relative to it: a hundredth of a roller's share of load and centrifugal force [N].
     light: float
 
     @property
@@ -143,23 +132,12 @@ class ForceTable:
 
 @attrs.frozen(eq=False, kw_only=True)
 class PlanarMotion(MovingBearing):
-    """The plane motion of a bearing.
+    """The plane motion of a bearing."""
 
-    Attributes
-    ----------
-    settings : PlanarSettings
-        Masses, damping and gravity.
-    contacts : tuple of Slices
-        Tables of inner and outer raceway that the deflection law works in.
-    planar : Planar
-        The compiled system; ``deflections_evaluated`` counts.
-    forces : tuple of ForceTable
-        Forces of a roller on both raceways by its gap; none where they come from the slices.
-    """
-
-    settings: PlanarSettings
-    contacts: tuple[Slices, ...]
-    planar: Planar
+    settings: PlanarSettings  # masses, damping and gravity
+    contacts: tuple[Slices, ...]  # tables of inner and outer raceway that the deflection law works in
+    planar: Planar  # the compiled system; ``deflections_evaluated`` counts
+    #: Forces of a roller on both raceways by its gap; none where they come from the slices.
     forces: tuple[ForceTable, ...] = ()
 
     @property

@@ -106,37 +106,19 @@ class FrictionSettings:
 
 @attrs.frozen(eq=False, kw_only=True)
 class FrictionTable:
-    """Conventional friction of a roller over force, sliding and rolling speed, as `compiled.with_table` takes it.
+    """Conventional friction of a roller over force, sliding and rolling speed, as `compiled.with_table` takes it."""
 
-    Attributes
-    ----------
-    values : ndarray
-        F/sqrt(Q) [N^0.5] and, if there is any, the same of the rolling resistance, over rolling speed, force and
-        sliding speed.
-    sliding_scale : float
-        V_s [m/s] of V/(|V| + V_s).
-    sliding_end : float
-        Its last node.
-    root_scale : float
-        r_s [N^0.5] of r/(r + r_s), r = sqrt(Q).
-    root_ends : tuple of float
-        Its first and last node.
-    speed_scale : float
-        u_s [m/s] of u/(u + u_s).
-    speed_ends : tuple of float
-        Its first and last node.
-    error : float
-        Largest error at random contacts: of traction relative to the largest friction coefficient times the force, or
-        a light one, of rolling resistance relative to the largest [1].
-    """
-
+    #: F/sqrt(Q) [N^0.5] and, if there is any, the same of the rolling resistance, over rolling speed, force and sliding
+    #: speed.
     values: Array
-    sliding_scale: float
-    sliding_end: float
-    root_scale: float
-    root_ends: tuple[float, float]
-    speed_scale: float
-    speed_ends: tuple[float, float]
+    sliding_scale: float  # V_s [m/s] of V/(|V| + V_s)
+    sliding_end: float  # its last node
+    root_scale: float  # r_s [N^0.5] of r/(r + r_s), r = sqrt(Q)
+    root_ends: tuple[float, float]  # its first and last node
+    speed_scale: float  # u_s [m/s] of u/(u + u_s)
+    speed_ends: tuple[float, float]  # its first and last node
+    #: Largest error at random contacts: of traction relative to the largest friction coefficient times the force, or a
+    #: light one, of rolling resistance relative to the largest [1].
     error: float = math.nan
 
     def of(self, raceway: object) -> object:
@@ -161,30 +143,15 @@ class FrictionTable:
 
 @attrs.frozen(eq=False)
 class RacewayFriction:
-    """Friction of inner and outer raceway.
+    """Friction of inner and outer raceway."""
 
-    Attributes
-    ----------
-    settings : FrictionSettings
-        Which friction it is.
-    capsules : tuple of two capsules
-        Of `rollslip_kernels.motion.raceway`.
-    slices : tuple of Slices
-        Tables that conventional friction works in.
-    tables : tuple of EffectiveTable
-        What effective friction is taken from.
-    by_force : tuple of FrictionTable
-        What conventional friction is taken from without tilt; none where it comes from the slices.
-    way : str
-        Which way conventional friction is evaluated, in words.
-    """
-
-    settings: FrictionSettings
-    capsules: tuple[object, object]
-    slices: tuple[Slices, ...] = ()
-    tables: tuple[EffectiveTable, ...] = ()
+    settings: FrictionSettings  # which friction it is
+    capsules: tuple[object, object]  # of `rollslip_kernels.motion.raceway`
+    slices: tuple[Slices, ...] = ()  # tables that conventional friction works in
+    tables: tuple[EffectiveTable, ...] = ()  # what effective friction is taken from
+    #: What conventional friction is taken from without tilt; none where it comes from the slices.
     by_force: tuple[FrictionTable, ...] = ()
-    way: str = ""
+    way: str = ""  # which way conventional friction is evaluated, in words
 
     @property
     def by_slices(self) -> bool:
