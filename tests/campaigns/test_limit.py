@@ -320,6 +320,14 @@ def _swept(over):
     return rollslip.sweep("1032930-70C", 0 if over is None else over)  # which none is a sweep of the scene's own table
 
 
+@pytest.mark.parametrize(("name", "wrong"), [("keep", None), ("keep", 5), ("within", "1 %"), ("study", 3)])
+def test_a_setting_of_another_type_is_one_sentence(name, wrong):
+    with pytest.raises(
+        SceneError, match=rf"^{name}: a (text|number) is expected, not {wrong!r}; rollslip limit --help"
+    ):
+        rollslip.limit(**{"scene": "1032930-70C", "over": LENGTHS, "keep": "half_width >= 60 um"} | {name: wrong})
+
+
 def test_what_moves_may_be_said_as_on_the_command_line():
     over = {"bearing.roller_length": "5 mm:40 mm:5"}
     one, other = (LimitSettings("1032930-70C", given, "half_width >= 60 um", **CURVE).plan() for given in (

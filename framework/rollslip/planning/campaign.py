@@ -215,14 +215,14 @@ def options_of(cls: type[Campaign], *, arguments: bool = False) -> "list[attrs.A
 
 
 def _fault(one: "attrs.Attribute[Any]", value: Any) -> str:
-    """Say what is wrong with a number; nothing where it is right, or none."""
+    """Say what is wrong with a number or a text; nothing where it is right, or left out."""
     of, least = one.metadata["of"], one.metadata["least"]
-    if value is None or of not in (int, float):
+    if (value is None and one.default is None) or not (one.type in (str, str | None) or of in (int, float)):
         return ""
-    number = isinstance(value, Integral if of is int else Real) and not isinstance(value, bool)
-    if number and (least is None or value >= least):
+    right = isinstance(value, {int: Integral, float: Real}.get(of, str)) and not isinstance(value, bool)
+    if right and (least is None or value >= least):
         return ""
-    wanted = "a whole number" if of is int else "a number"
+    wanted = {int: "a whole number", float: "a number"}.get(of, "a text")
     return f"{one.name}: {wanted}{'' if least is None else f', {least} or more,'} is expected, not {value!r}"
 
 

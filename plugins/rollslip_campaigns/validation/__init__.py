@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rollslip.planning.progress import Shown
     from rollslip_campaigns.validation.validate import Validation
 
+Names = Sequence[str] | str
 _PREDICTIONS = "What another program gives for one data set; may be repeated."
 _DATA = "Names, folders, or data sets that are read: `rollslip.measurement.Measurement`."
 
@@ -44,9 +45,13 @@ class ValidationSettings(Campaign):
     result = "validation"
 
     data: Any = setting("", default=(), argument="[DATA]...", many=True, first=True, more=_DATA)
-    traction: str = setting("Traction models beside those of the data sets' scenes.", default="", metavar="A,B")
-    film: str = setting("Film models beside those of the data sets' scenes.", default="", metavar="A,B")
-    contact: str = setting("Contact models beside those of the data sets' scenes.", default="", metavar="A,B")
+    traction: Names = setting(
+        "Traction models beside those of the data sets' scenes.", default="", metavar="A,B"
+    )
+    film: Names = setting("Film models beside those of the data sets' scenes.", default="", metavar="A,B")
+    contact: Names = setting(
+        "Contact models beside those of the data sets' scenes.", default="", metavar="A,B"
+    )
     predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
     form: Path | None = setting("Write a file for such predictions.", of=Path, metavar="FILE.csv")
     samples: int = setting("Of what scatters.", of=int, default=128, least=0, metavar="N", shown=True)
@@ -94,10 +99,10 @@ class RankingSettings(Campaign):
     samples = 0
 
     data: Any = setting("", default=attrs.NOTHING, argument="DATA...", many=True, first=True, more=_DATA)
-    traction: str = setting("Traction laws.", default="", metavar="A,B")
-    film: str = setting("Film laws; all combinations are ranked.", default="", metavar="A,B")
-    contact: str = setting("Contact laws.", default="", metavar="A,B")
-    parameters: str = setting("What is fitted to friction of rigs.", default="", metavar="NAME,NAME")
+    traction: Names = setting("Traction laws.", default="", metavar="A,B")
+    film: Names = setting("Film laws; all combinations are ranked.", default="", metavar="A,B")
+    contact: Names = setting("Contact laws.", default="", metavar="A,B")
+    parameters: Names = setting("What is fitted to friction of rigs.", default="", metavar="NAME,NAME")
     predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
     seed: int = setting("Seed of what is drawn.", of=int, default=0, least=0, metavar="N")
 
