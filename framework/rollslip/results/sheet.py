@@ -12,13 +12,14 @@ __all__ = ["Sheet"]
 
 
 class Sheet:
-    """A figure that is being drawn: ``axes`` as Matplotlib's ``subplots`` gives them, ``handles`` of its legend."""
+    """A figure that is being drawn: ``axes`` as Matplotlib gives them for panels, ``handles`` of its legend."""
 
-    def __init__(self, size: tuple[float, float] = ONE_COLUMN, *panels: int, **options: Any) -> None:
+    def __init__(self, size: tuple[float, float] = ONE_COLUMN, *panels: Any, **options: Any) -> None:
         from matplotlib.figure import Figure
 
         self.figure = Figure(figsize=size, layout="constrained")
-        self.axes: Any = self.figure.subplots(*panels, **options)
+        place: Any = self.figure.subplot_mosaic if isinstance(next(iter(panels), 1), list) else self.figure.subplots
+        self.axes: Any = place(*panels, **options)
         self.handles: list[Artist] = []
 
     def line(self, x: Any, y: Any, label: str, axes: Any = None, **style: Any) -> None:

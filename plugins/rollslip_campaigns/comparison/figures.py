@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.curves import curve_names, curves
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ROW, TWO_COLUMNS, axis_label
+from rollslip.results.sheet import Sheet
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, TWO_COLUMNS, axis_label
 from rollslip_campaigns.comparison.findings import captioned, curves_of, members
 
 if TYPE_CHECKING:
@@ -35,25 +36,22 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     """Curves of all combinations with their critical slips, their differences, and difference against cost."""
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
     from matplotlib.ticker import LogLocator, NullFormatter
 
-    figure = Figure(layout="constrained")
-    layout: list[Any] = [["curves", "costs"], ["differences", "costs"]]
-    panels = figure.subplot_mosaic(layout, width_ratios=(3, 2), height_ratios=(3, 2))
+    layout = [["curves", "costs"], ["differences", "costs"]]
+    sheet = Sheet((TWO_COLUMNS[0], 100 * MM), layout, width_ratios=(3, 2), height_ratios=(3, 2))
+    panels = sheet.axes
     of = curves_of(dataset)
     one = dataset.isel({of.over: position})
     reference = dataset.attrs["reference"]
     difference, error, cost = (one[name].to_numpy() for name in ("difference", "rms_error", "cost"))
-    handles: list[Line2D] = []
     for k, ((label, member), style) in enumerate(zip(members(dataset), _styles(dataset), strict=True)):
         curve, name = curves(member)[position], f"{k + 1}  {label}"
         if np.isnan(curve.friction).all():
-            handles.append(Line2D([], [], linestyle="none", label=f"{name}: failed"))
+            sheet.key(f"{name}: failed", linestyle="none")
             continue
         x, y, begin, _ = curve.branches()
-        handles += panels["curves"].plot(100 * x, y, label=name + ": reference" * (label == reference), **style)
+        sheet.line(100 * x, y, name + ": reference" * (label == reference), panels["curves"], **style)
         if curve.has_critical:
             panels["curves"].plot(100 * x[begin], y[begin], color=style["color"], zorder=4, **MARKER)
         panels["differences"].plot(100 * curve.slip, 100 * difference[k], **style)
@@ -90,10 +88,8 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
         axis.set_minor_formatter(NullFormatter())
     panels["costs"].set_xlabel("Time for a slice over that of the fastest [–]")
     panels["costs"].set_ylabel("Relative difference, root mean square [%]")
-    columns = max(1, min(4, int(140 / (6 + max(len(str(handle.get_label())) for handle in handles)))))
-    figure.legend(handles=handles, loc="outside upper left", ncols=columns)
-    figure.set_size_inches(TWO_COLUMNS[0], 100 * MM + ROW * -(-len(handles) // columns))
-    return figure
+    longest = max(len(str(handle.get_label())) for handle in sheet.handles)
+    return sheet.done(columns=max(1, min(4, int(140 / (6 + longest)))))
 
 
 def _styles(dataset: "xr.Dataset") -> list[dict[str, Any]]:

@@ -45,13 +45,9 @@ class ValidationSettings(Campaign):
     result = "validation"
 
     data: Any = setting("", default=(), argument="[DATA]...", many=True, first=True, more=_DATA)
-    traction: Names = setting(
-        "Traction models beside those of the data sets' scenes.", default="", metavar="A,B"
-    )
+    traction: Names = setting("Traction models beside those of the data sets' scenes.", default="", metavar="A,B")
     film: Names = setting("Film models beside those of the data sets' scenes.", default="", metavar="A,B")
-    contact: Names = setting(
-        "Contact models beside those of the data sets' scenes.", default="", metavar="A,B"
-    )
+    contact: Names = setting("Contact models beside those of the data sets' scenes.", default="", metavar="A,B")
     predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
     form: Path | None = setting("Write a file for such predictions.", of=Path, metavar="FILE.csv")
     samples: int = setting("Of what scatters.", of=int, default=128, least=0, metavar="N", shown=True)
