@@ -39,6 +39,7 @@ _SHALLOW: Final = 0.02
 #: How many times the positions a maximum is looked at, and loads of a roller there.
 _FINER, _FEW = 4, 8
 #: Least and largest half width of that look, in places; slips between which a corner is looked for, and how often.
+_SAME = 1e-7  # distance of places at which torques are alike but for rounding
 _NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
 #: How often a look goes on, twice as far, where the torque still rises at its end.
 _FURTHER: Final = 5
@@ -307,9 +308,9 @@ class _Search:
         known, error = {motion.place: motion for motion in around}, math.inf
         while len(known) < _MOST and error > _FOUND:
             at, height = _vertex(sorted(known), [known[x].torque for x in sorted(known)])
-            if at in known:
-                break
             near = min(known.values(), key=lambda motion: abs(motion.place - at))
+            if abs(near.place - at) < _SAME:
+                break
             new = motions.at(np.array([slip_of(at)]), near.share[:1])[0][0]
             if not new.sure:
                 break
@@ -401,7 +402,13 @@ def _vertex(x: list[float], y: list[float]) -> tuple[float, float]:
     if not 0 < best < len(x) - 1:
         return x[best], y[best]
     at, width = np.array(x[first : first + 5]) - x[best], x[best + 1] - x[best - 1]
-    curve = np.polynomial.Polynomial(np.polyfit(at / width, y[first : first + 5], at.size - 1)[::-1])
+    t, curve = at / width, np.polynomial.Polynomial((0.0,))
+    near = np.argsort(np.abs(t))  # Newton's differences, far points last: a fit would take near ones for the same
+    t, terms = t[near], np.array(y[first : first + 5])[near]
+    for k in range(1, t.size):
+        terms[k:] = np.diff(terms[k - 1 :]) / (t[k:] - t[:-k])
+    for root, term in zip(t[::-1], terms[::-1], strict=True):
+        curve = curve * np.polynomial.Polynomial((-root, 1.0)) + term
     turns = curve.deriv().roots()
     turns = turns.real[np.abs(turns.imag) < 1e-9]
     inside = [t for t in turns.tolist() if x[best - 1] < x[best] + width * t < x[best + 1]]
