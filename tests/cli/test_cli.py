@@ -303,7 +303,9 @@ def test_a_folder_that_cannot_be_written_is_said(tmp_path):
 
 
 @pytest.mark.faults
-@pytest.mark.parametrize(("how", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("how", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGQUIT, 131)]
+)
 def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
     process = subprocess.Popen(
         [sys.executable, "-c", "from rollslip.cli import main; main()", "run", "1032930-70C", "--out", "o",

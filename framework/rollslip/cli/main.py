@@ -97,8 +97,8 @@ for _command in (cite, doctor, explain, export, info, models, new, plan, plugins
     cli.add_command(_command)
 
 
-def _terminated(*_: object) -> NoReturn:
-    raise SystemExit(128 + signal.SIGTERM)
+def _terminated(number: int, *_: object) -> NoReturn:
+    raise SystemExit(128 + number)
 
 
 def _heard(into: ExitStack) -> None:
@@ -196,7 +196,9 @@ def _program(arguments: Sequence[str] | None) -> Any:
             os.fstat(descriptor)
         except OSError:  # closed by the shell: the next file that is opened must not take its place
             os.open(os.devnull, os.O_RDWR)
-    signal.signal(signal.SIGTERM, _terminated)  # so that half-written results are removed
+    for number in (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP", "SIGQUIT")):
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores the second
+            signal.signal(number, _terminated)  # so that half-written results are removed
     with ExitStack() as stack:
         output, sink = _patient(sys.stdout, stack)
         errors, _ = _patient(sys.stderr, stack)
