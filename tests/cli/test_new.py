@@ -153,6 +153,7 @@ def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
         (["--bearing", "NU2299"], 2, "no bearing is called 'NU2299'; did you mean 'NU22"),
         (["--oil", "olive"], 2, "no lubricant is called 'olive'"),
         (["--speed", "3000"], 2, "speed: '3000' has no unit"),
+        (["--load", "0N"], 2, "load: '0N' loads no roller; give more, such as '2 kN'"),
         (["--load", "3 rpm"], 2, "load: '3 rpm' is a rotational speed, here a force is expected"),
         (["--temperature", "300 degC"], 2, "operation.temperature: iso-vg-68 at 300 degC: its data hold from"),
         (["--cage", "wood"], 2, "cage: there are cages of brass, steel, polyamide"),

@@ -156,6 +156,13 @@ def test_shipped_scenes_are_usual(name: str) -> None:
     assert implausible(load_scene(name)) == []
 
 
+def test_a_load_below_the_weight_of_the_rollers_is_told() -> None:
+    mass = 28 * 7800 * math.pi / 4 * 0.015**3
+    for load, many in ((0.9 * 9.81 * mass, 1), (1.1 * 9.81 * mass, 0), (0.0, 0)):
+        told = " ".join(implausible(evolve(SCENE, {"operation.radial_load": load})))
+        assert told.count("of the weight of the rollers, which is left out, at least 100 % is usual") == many
+
+
 #: Classes of the tables of a scene.
 TABLES = [Scene, OilTable, OilPoint, OverTemperature, Cage, PlanarSettings, *map(study_class, available("study"))]
 

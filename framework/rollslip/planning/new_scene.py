@@ -22,7 +22,7 @@ from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
-from rollslip.units import UnitError, format_quantity, quantity
+from rollslip.units import UnitError, as_written, format_quantity, quantity
 
 __all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "completed", "new", "new_scene"]
 
@@ -80,7 +80,8 @@ def checked(option: str, value: str) -> str:
     if option in _UNITS:
         value = value.replace(",", ".") if _COMMA.match(value) else value
         try:
-            quantity(value, _UNITS[option])
+            if quantity(value, _UNITS[option]) <= 0.0 and option == "load":
+                raise UnitError(f"{as_written(value)} loads no roller; give more, such as '2 kN'")
         except UnitError as error:
             raise SceneError([Location({}, (option,)).says(str(error))]) from None
     else:

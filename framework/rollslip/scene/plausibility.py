@@ -196,6 +196,12 @@ def skf_least_load(bearing: Any, speed: float) -> float:
     return float(1e3 * given.minimum_load_factor * (6.0 + 4.0 * share) * (10.0 * pitch) ** 2)
 
 
+def _rollers(scene: Scene) -> float:
+    """Mass of all rollers [kg]."""
+    b = scene.bearing
+    return float(b.rollers * b.material.density * math.pi / 4.0 * b.roller_diameter**2 * b.roller_length)
+
+
 def _over_least_load(scene: Scene) -> float:
     operation = scene.operation
     speed = operation.inner_speed - operation.outer_speed
@@ -264,6 +270,16 @@ RELATIONS: Final = (
         (-math.inf, math.inf),
         "SKF, general catalogue 17000, page 509: F = k_r (6 + 4 n/n_r) (d_m/100)^2 kN; makers' rules differ by a "
         "factor of 4 to 5",
+    ),
+    Relation(
+        "operation",
+        "radial_load",
+        lambda scene: scene.operation.radial_load / (9.81 * _rollers(scene)) or math.nan,
+        "1",
+        "of the weight of the rollers, which is left out",
+        (1, math.inf),
+        (-math.inf, math.inf),
+        "from there on weight decides which rollers are loaded; without load clearance does",
     ),
     Relation(
         "lubrication",
