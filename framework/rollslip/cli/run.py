@@ -152,7 +152,7 @@ def run(
                     datasets[name] = verified(made, name, datasets[name])
             if datasets[name].attrs.get("outcome") == "interrupted":
                 break
-        for name in {row.by for row in answer(*datasets.values()).rows if row.key == "cage_slip"}:
+        for name in {row.by for row in answer(*datasets.values()).rows if row.key == "cage_slip" and row.by}:
             datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
         for name, dataset in datasets.items():
             save(dataset, folder / f"{name}.nc")

@@ -237,7 +237,7 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     told = (*first, *found.assumed, *(oil.get("caution", "") for oil in oils))
     return attrs.evolve(
         found,
-        case=next(filter(None, map(case_of, results)), ()),
+        case=max(map(case_of, results), key=len, default=()),
         notes=tuple(note for note in notes_of(results) if note.code not in ignored),
         assumed=tuple(dict.fromkeys(filter(None, told))),
     )

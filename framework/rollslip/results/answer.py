@@ -208,10 +208,10 @@ class Answer:
         kept = sorted(self.rows, key=lambda row: not row.alarm)[:MOST_ROWS]
         return [row for row in self.rows if row in kept]
 
-    def groups(self) -> list[tuple[str, list[str]]]:
-        """Return what stands below the rows, by its heading."""
+    def groups(self, more: str = "-v") -> list[tuple[str, list[str]]]:
+        """Return what stands below the rows, by its heading; ``more`` is where notes are told in full."""
         codes = list(dict.fromkeys(note.code or note.short for note in self.notes))
-        counted = f"{len(codes)} on laws outside their range: {' '.join(codes)} (-v)" if codes else ""
+        counted = f"{len(codes)} on laws outside their range: {' '.join(codes)} ({more})" if codes else ""
         return [
             ("assumed", list(self.assumed)),
             ("notes", [*self.faults, *filter(None, [counted])]),
@@ -224,7 +224,7 @@ class Answer:
         Commands are not wrapped: as one line they can be pasted.
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, 40)
-        head = [f"{self.verdict}   {', '.join(self.case)}"] if self.verdict else []
+        head = ["   ".join(filter(None, (self.verdict, ", ".join(self.case))))]
         rows, groups = [(row.label, row.text, row.note) for row in self.shown()], self.groups()
         while True:
             below = [line for name, texts in groups for line in
@@ -269,7 +269,8 @@ class Answer:
             for row in self.shown()
         )
         below = "".join(f"<p>{name}: {'<br/>'.join(map(escape, texts))}</p>" for name, texts in self.groups() if texts)
-        head = f"<p><strong>{self.verdict}</strong> {escape(', '.join(self.case))}</p>" if self.verdict else ""
+        verdict = f"<strong>{self.verdict}</strong> " if self.verdict else ""
+        head = f"<p>{verdict}{escape(', '.join(self.case))}</p>"
         titles = "".join(f'<th scope="col">{title}</th>' for title in ("quantity", "value", "band, remarks"))
         table = f"<table><thead><tr>{titles}</tr></thead><tbody>{rows}</tbody></table>"
         return f'<div class="answer {self.verdict.lower()}">{head}{table}{below}</div>'
@@ -311,33 +312,26 @@ def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
 def judged(answer: Answer) -> Answer:
     """Return an answer with its verdict, and words beside the row that decided."""
     facts = facts_of(answer)
-    open_ones = list[Rule]()
-    for rule in RULES:
-        state = holds(rule, facts)
-        if state is None and rule.verdict != UNKNOWN:
-            open_ones.append(rule)
-        if state:
-            break
-    limits = {
-        name: f"{plain(factor * answer.acceptable)} %" for name, factor in (("acceptable", 100.0), ("twice", 200.0))
-    }
-    words = rule.words.format(**limits)
-    verdict, code, key = rule.verdict, rule.code, rule.row
-    if rule.verdict != UNKNOWN:
-        worse = [one for one in open_ones if VERDICTS.index(one.verdict) > VERDICTS.index(rule.verdict)]
-        if worse:
-            verdict, code, key = UNKNOWN, worse[0].code, worse[0].row
-            lacks = " and ".join(dict.fromkeys(fact for fact, *_ in worse[0].when if not _known(facts.get(fact))))
-            words = f"whether it {worse[0].verdict.lower()} is not known: no {lacks}" if lacks else (
-                f"whether it is {worse[0].words} is not known"
-            )  # fmt: skip
-            words = words.format(**limits)
-            key = key if any(row.key == key for row in answer.rows) else "cage_slip"
+    states = [(rule, holds(rule, facts)) for rule in RULES]
+    rule = next(one for one, state in states if state)
+    verdict, words, rank = rule.verdict, rule.words, {name: k for k, name in enumerate((*VERDICTS, UNKNOWN))}
+    open_ = [one for one, state in states if state is None and rank[verdict] < rank[one.verdict] < rank[UNKNOWN]]
+    if open_:
+        rule, verdict = open_[0], UNKNOWN
+        lacks = " and ".join(dict.fromkeys(fact for fact, *_ in rule.when if not _known(facts.get(fact))))
+        words = f"whether it {rule.verdict.lower()} is not known: no {lacks}"
+        words = words if lacks else f"whether it is {rule.words} is not known"
+    per_cent = {"acceptable": 100.0 * answer.acceptable, "twice": 200.0 * answer.acceptable}
+    words = words.format(**{name: f"{plain(value)} %" for name, value in per_cent.items()})
+    rows = answer.rows
+    if not any(row.key == "cage_slip" for row in rows):
+        rows = (Row(key="cage_slip", label="cage slip", text="not computed"), *rows)
+    key = rule.row if any(row.key == rule.row for row in rows) else "cage_slip"
     rows = tuple(
-        attrs.evolve(row, note="; ".join(filter(None, (row.note, words)))) if row.key == key else row
-        for row in answer.rows
+        attrs.evolve(row, note="; ".join(filter(None, (row.note, words)))) if row.key == key else row for row in rows
     )
-    return attrs.evolve(answer, rows=rows, verdict=verdict, rule=code, marked=key if verdict != "OK" else "")
+    marked = key if verdict != "OK" else ""
+    return attrs.evolve(answer, rows=rows, verdict=verdict, rule=rule.code, marked=marked)
 
 
 def facts_of(answer: Answer) -> dict[str, _Interval]:

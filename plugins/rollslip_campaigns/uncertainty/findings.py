@@ -131,7 +131,7 @@ def answer(dataset: "xr.Dataset") -> Answer:
         if not math.isnan(slip) else Row(key="cage_slip", label="cage slip", text="not found", note=_steady(dataset)),
         Row(key="drag_reserve", label="reserve to skidding", value=sure, band=(sure, math.inf), known=_KNOWN,
             within=math.inf, text="not found" if math.isnan(sure) else f"at least {two(sure)}",
-            note=f"with probability {p:g}; {percent(skids)} of the samples skid"),
+            note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid"),
     ]  # fmt: skip
     if LOAD in every and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
         below = f"for a slip below {plain(100.0 * float(dataset.attrs['acceptable_slip']))} %"

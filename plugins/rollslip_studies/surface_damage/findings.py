@@ -89,9 +89,10 @@ def _limit(one: "xr.Dataset") -> str:
 
 def answer(dataset: "xr.Dataset") -> Answer:
     """Return the slip, and the worst of every measure."""
-    slip, status = (float(dataset["slip"]), "") if "slip" in dataset else (math.nan, str(dataset["status"].item()))
-    own = Row(key="cage_slip", label="cage slip", value=slip, known=1,
-              text="not found" if math.isnan(slip) else percent(slip), note=status)  # fmt: skip
+    slip = float(dataset["slip"]) if "slip" in dataset else math.nan
+    status = str(dataset["status"].item()) if math.isnan(slip) else ""
+    own = Row(key="cage_slip", label="cage slip", value=slip, known=1, text="not found" if status else percent(slip),
+              note=status)  # fmt: skip
     return Answer(rows=(own, *rows(dataset)))
 
 

@@ -1,11 +1,18 @@
 """The account of a thermal balance."""
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+import attrs
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
+from rollslip.results.answer import Answer
+from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
 from rollslip_studies.thermal_balance import findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class ThermalBalanceAccount(Account):
@@ -16,7 +23,11 @@ class ThermalBalanceAccount(Account):
         "evaluated_temperatures": ("temperatures at which a steady slip was sought", ""),
     }
 
-    answer = staticmethod(findings.answer)
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return temperatures and slip in balance; the slip at those of the scene another study knows."""
+        return attrs.evolve(findings.answer(dataset), commands=NEXT_OF_OTHERS)
+
     topics = staticmethod(findings.topics)
 
     record = staticmethod(findings.record)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import estimated, percent
+from rollslip.results.words import estimated, percent, power
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ def answer(dataset: "xr.Dataset") -> Answer:
     """Return the temperatures and the slip in balance, or the heat that has to be carried away to hold those given."""
     if not solved(dataset):
         loss = float(dataset["given_loss"])
-        text, note = (_watt(loss), "at the temperatures of the scene")
+        text, note = power(loss), "at the temperatures of the scene"
         if math.isnan(loss):
             text, note = "not found", str(dataset["given_status"].item())
         return Answer(
@@ -150,10 +150,10 @@ def answer(dataset: "xr.Dataset") -> Answer:
     one = balances[0]
     names, values = one["node"].to_numpy(), one["temperature"].to_numpy()
     slip = float(one["steady_slip"])
-    first = float(values[0])
+    shown = [f"{value - 273.15:.0f} °C" for value in values]
     rows = (
-        Row(key="temperature", label="bulk temperature", value=first, unit="K", text=celsius(first),
-            note=_temperatures(names, values)),
+        Row(key="temperature", label=f"temperature, {names[0]}", value=float(values[0]), unit="K", text=shown[0],
+            note=", ".join(f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True))),
         Row(key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)),
     )  # fmt: skip
     return Answer(rows=rows, assumed=tuple(filter(None, [estimated(dataset)])))
