@@ -72,16 +72,15 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
         r"\n  with the drags of the scene the cage runs at a slip of 0\.766 %, and could .* the drag", done.stdout
     )
     assert "confidence: 'muraki' is 13 % (rms) off" in done.stdout
-    warned = [line.removeprefix("warning: ") for line in done.stderr.splitlines() if line.startswith("warning: ")]
-    assert [line.split("; ")[0] for line in warned[1:]] == [
-        "'barus' was made for pressure <= 100 MPa",
-        "traction 'muraki' was made for pressure exponent ln(eta/eta0) <= 1",
-        "4 more bounds of laws are left, with less consequence or one that nobody knows: film 'moes' (thermal load Lt "
-        "<= 0.1",
+    notes = done.stdout.partition("\nnotes:\n")[2].splitlines()[:7]
+    assert [line.split("; ")[0] for line in notes[:3]] == [
+        "  W20 'barus' was made for pressure <= 100 MPa",
+        "  W11 traction 'muraki' was made for pressure exponent ln(eta/eta0) <= 1",
+        "  W01 film 'moes' was made for thermal load Lt <= 0.1",
     ]
-    assert warned[0].startswith("the friction of 'muraki' is")
+    assert notes[4].startswith("  W23 the friction of 'muraki' is")
+    assert all("; remedy: " in line for line in notes)
     folder = "1032930-70C-results"
-    assert warned[-1].endswith(f"rollslip info of the .nc files in {folder} tells of each")
     told = command("info", f"{folder}/effective-friction.nc", cwd=tmp_path).stdout
     assert "pressure 'hertz' was made for load parameter M >= 2; " in told
     assert "film 'moes' was made for film parameter Lambda >= 3; " in told.split("bounds left with less consequence")[1]
@@ -242,7 +241,7 @@ def test_a_formula_outside_its_regime_warns(tmp_path):
         "next     rollslip run 1032930-70C --set=models.film=herrebrugh --study steady-slip"
     )
     whole = command("run", *changed, "-v", "--out", "p", cwd=tmp_path)
-    assert "warning: film 'herrebrugh' was made for the elastic-isoviscous regime; " in whole.stderr
+    assert "\n  W09 film 'herrebrugh' was made for the elastic-isoviscous regime; " in whole.stdout
     stored = rollslip.open_result(tmp_path / "o" / "friction-curve.nc")
     assert "herrebrugh" in stored.attrs["warnings"]
 

@@ -10,7 +10,7 @@ import shlex
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -299,14 +299,14 @@ class Results:
         """Return where everything was written to, as plain values."""
         return {"folder": str(self.target), "files": self._files}
 
-    def tell(self, *datasets: "xr.Dataset", whole: bool = True, ignored: Collection[str] = ()) -> None:
+    def tell(self, *datasets: "xr.Dataset", laws: bool = True) -> None:
         """Print the warnings of results, those of most consequence, and where everything was written to.
 
-        Unless it is the whole, laws that were left are not told: an answer has them as notes.
+        Without ``laws`` those of laws outside their range are not among them: an answer has them as notes.
         """
         from rollslip.results.words import counted, warned
 
-        first, more = warned(datasets, laws=whole, ignored=ignored)
+        first, more = warned(datasets, laws=laws)
         warn(first)
         if more:
             warn([f"{counted(more)}; rollslip info of the .nc files in {self.target} tells of each"])

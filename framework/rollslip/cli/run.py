@@ -166,9 +166,10 @@ def run(
     else:
         console.print_answer(found)
         if verbose:
-            click.echo(f"confidence: {confidence(datasets.values())}")
+            notes = "".join(f"\n  {note.code} {note.text}" for note in found.notes)
+            click.echo(f"confidence: {confidence(datasets.values())}\nnotes:{notes or ' none'}")
         console.print_results(datasets.values(), whole=verbose)
-        results.tell(*datasets.values(), whole=verbose, ignored=ignored)
+        results.tell(*datasets.values(), laws=False)
     if "interrupted" in outcomes:
         click.echo(go_on, err=True)
         sys.exit(INTERRUPTED)

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.results.curves import percent as three_digits
@@ -76,13 +76,11 @@ def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     return f"{said}, and could carry {'at least ' * bound}{reserve:.3g} times the drag"
 
 
-def warned(
-    datasets: "Iterable[xr.Dataset]", *, laws: bool = True, ignored: Collection[str] = ()
-) -> tuple[list[str], list[str]]:
+def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list[str], list[str]]:
     """Return the warnings of results that are told at once, and the bounds of laws that are told where asked for.
 
     What several results warn of alike is told once, where its consequence is largest; without ``laws`` no bounds
-    are, nor those of ``ignored`` codes. No full stops.
+    are. No full stops.
     """
     others, bounds = dict[str, None](), dict[tuple[str, str], dict[str, Any]]()
     for dataset in datasets:
@@ -90,7 +88,7 @@ def warned(
         texts = {one["text"] for one in said}
         warnings = json.loads(dataset.attrs.get("warnings", "[]"))
         others |= dict.fromkeys(text for text in warnings if text not in texts and not text.startswith(REST))
-        for one in (one for one in said if one.get("code") not in ignored):
+        for one in said:
             known = bounds.setdefault((one["law"], one["made_for"]), one)
             if (one["warned"], one["weight"]) > (known["warned"], known["weight"]):
                 bounds[one["law"], one["made_for"]] = one
