@@ -15,7 +15,7 @@ import way_up_scenes as scenes
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.motion.spins import place_of, slip_of
-from rollslip.motion.torque_balance import RANGE, TorqueBalance, rollers
+from rollslip.motion.torque_balance import RANGE, rollers
 from rollslip.motion.way_up import _vertex
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
