@@ -38,6 +38,8 @@ _SLICES, _INSTANTS, _LAST = 12, 1, 0.95
 _FOUND, _LONGEST, _MOST = 0.03, 1.0, 12
 #: Step of a logarithm from which secants begin.
 _FIRST: Final = 0.05
+#: Slip that counts as none, and one from which on it is looked first whether there is more.
+_NONE, _LITTLE = 1e-5, 1e-3
 
 
 @attrs.frozen
@@ -63,20 +65,23 @@ class Band:
 def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -> "xr.Dataset":
     """Return a result of steady slips with the bands of the least one and of the least load, in attribute ``band``.
 
-    Beside them stands what each quantity does on its own, what moves a value most first. Without a steady slip above
-    0, or where nothing scatters, it is the result as it was. ``slip`` is the variable that the slip is in.
+    Beside them stands what each quantity does on its own, what moves a value most first. Without a steady slip, or
+    where nothing scatters, it is the result as it was. ``slip`` is the variable that the slip is in. A slip below 1e-5,
+    as of a cage that is driven, counts as that.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
-    if not (slips.size and slips[0] > 0.0):
+    if not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0:  # which is one without any drag
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "least_load" in dataset else None
-    values = {"steady_slip": float(slips[0])}
+    values = {"steady_slip": max(float(slips[0]), _NONE)}
     if acceptable is not None and math.isfinite(float(dataset["least_load"])):
         values["least_load"] = float(dataset["least_load"])
     found = bands(scene, values["steady_slip"], float(acceptable) if "least_load" in values else None)  # type: ignore[arg-type]
     told = {
         name: {
-            "low": values[name] * one.low,
+            "low": min(
+                values[name] * one.low, float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0])
+            ),
             "high": _finite(values[name] * one.high),
             "most": one.most,
             "moved": [
@@ -135,6 +140,8 @@ def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
         nonlocal slope, beside
         balance = rollers(assembly, _INSTANTS, inertia=False, beside=beside)
         beside = beside or balance
+        if near < math.log(_LITTLE) and balance.excess(_NONE) >= 0.0:
+            return math.log(_NONE)
         found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST), slope)
         if rises > 0.0:
             slope = slope or rises
@@ -142,9 +149,9 @@ def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
         way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
         steady = next(iter(way.steady(balance.drag)), None)
         if steady is not None:
-            return math.log(steady.slip) if steady.slip > 0.0 else -math.inf
+            return math.log(max(steady.slip, _NONE))
         if way.at_rest + balance.drag(0.0) > 0.0:  # what acts on the cage drives it
-            return -math.inf
+            return math.log(_NONE)
         return math.nan if way.refusal else math.inf
 
     begin = of(nominal, math.log(slip))
