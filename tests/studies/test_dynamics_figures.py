@@ -447,7 +447,7 @@ def test_drag_film_and_cage_in_words():
 
 def test_the_console_says_it_and_a_stored_result_too(tmp_path):
     dataset = motion(points=61)
-    assert console.findings(dataset) == account_of(dataset).sentences(dataset)
+    assert account_of(dataset).lines(dataset) == account_of(dataset).sentences(dataset)
     stored = dataset.assign_attrs(
         scene_hash="01" * 32, source="s.toml", created="", evaluations=1, wall_time=1.0, packages="{}"
     )
