@@ -5,6 +5,7 @@ import math
 import re
 
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 
 import rollslip
@@ -12,7 +13,19 @@ import ten_scenes
 from rollslip.cli.main import cli
 from rollslip.errors import UnknownNameError
 from rollslip.results.account import answer as answer_of
-from rollslip.results.answer import MOST_LINES, RULES, UNKNOWN, VERDICTS, Answer, Note, Row, holds, judged, merged
+from rollslip.results.answer import (
+    MOST_LINES,
+    RULES,
+    UNKNOWN,
+    VERDICTS,
+    Answer,
+    Note,
+    Row,
+    assumed_of,
+    holds,
+    judged,
+    merged,
+)
 from rollslip.results.words import percent, rounded_up
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 
@@ -104,6 +117,38 @@ def test_a_quantity_is_told_once_by_the_study_that_knows_it_best_and_a_contradic
     )
     small = Answer(rows=(row(0.0009, known=1),)), Answer(rows=(row(0.0001, known=2),))
     assert merged(zip("ab", small, strict=True)).faults == ()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("key", "unit", "ends", "values", "said"),
+    [
+        ("lubricant.shear_modulus", "Pa", [58e6, 1.2e9], [0.3, 0.1], "shear modulus 0.058 to 1.2 GPa: slip 30 to 10 %"),
+        ("lubricant.eyring_stress", "Pa", [1.1e6, 8.9e6], [0.1, None],
+         "eyring stress 1.1 to 8.9 MPa: slip 10 % to skidding"),
+        ("cage.drag.churning.factor", "1", [0.34, 2.9], [0.0004, 0.02],
+         "drag churning x 0.34 to 2.9: slip below 0.1 to 2.0 %"),
+        ("operation.temperature", "K", [338.15, 348.15], [0.1, 0.2], "temperature 65 to 75 degC: slip 10 to 20 %"),
+        ("bearing.mounting.clearance_deviation", "m", [-15e-6, 15e-6], [0.1, 0.2],
+         "clearance deviation -15 to 15 um: slip 10 to 20 %"),
+        ("lubrication.starvation_constant", "1", [1e-8, 9e-8], [0.1, 0.2], "starvation constant: slip 10 to 20 %"),
+        ("lubricant.viscosity_factor", "1", [0.9, 1.1], [0.1, 0.11], None),
+        ("lubricant.viscosity_factor", "1", [0.5, 2.0], [0.001, 0.004], None),
+    ],
+)  # fmt: skip
+def test_what_nobody_gave_is_told_with_the_slips_that_it_leads_to(key, unit, ends, values, said):
+    band = {"steady_slip": {"moved": [{"key": key, "unit": unit, "ends": ends, "values": values}]}}
+    told = assumed_of(xr.Dataset(attrs={"band": json.dumps(band)}))
+    assert told == (() if said is None else (said,))
+
+
+@pytest.mark.quick
+def test_values_that_a_new_scene_assumed_are_named_with_its_cage():
+    lines = 'inner_speed = "1500 rpm" # ASSUMED, write yours', 'radial_load = "1 kN"', 'supply = "bath" # oil; ASSUMED'
+    own = "the cage is the bearing's own, brass, 457 g, guided by the outer ring; cage.make says so"
+    assert assumed_of(xr.Dataset(attrs={"scene": "\n".join(lines), "own_cage": own})) == (
+        "inner speed, supply as rollslip new has it; cage brass, 457 g, guided by the outer ring",
+    )
 
 
 @pytest.mark.quick

@@ -19,24 +19,13 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 
 from rollslip.results.words import force_unit, percent, plain, two
-from rollslip.units import format_quantity, shown_unit
+from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "ACCEPTABLE",
-    "RULES",
-    "Answer",
-    "Note",
-    "Row",
-    "Rule",
-    "aligned",
-    "assumed_of",
-    "case_of",
-    "merged",
-    "notes_of",
-]
+__all__ = ["ACCEPTABLE", "RULES", "Answer", "Note", "Row", "Rule", "aligned", "assumed_of", "case_of", "merged",
+           "notes_of"]  # fmt: skip
 
 #: Verdicts, what is worse later; UNKNOWN is none of them.
 VERDICTS: Final = ("OK", "SLIPS", "SKIDS")
@@ -408,12 +397,9 @@ def _quantity(one: Mapping[str, Any]) -> str:
     if name.endswith("factor"):
         called = f"drag {table}" if name == "factor" else name.removesuffix("_factor").replace("_", " ")
         return f"{called} x {two(ends[0])} to {two(ends[1])}"
-    unit = shown_unit(max(map(abs, ends)), one["unit"])
-    if not unit or abs(min(ends)) < 1e-6:
-        low, high = (format_quantity(end, one["unit"], 2) for end in ends)
-        return f"{name.replace('_', ' ')} {low} to {high}" if "e" not in low + high else f"{name.replace('_', ' ')}"
-    low, high = (format_quantity(end, one["unit"], 2).partition(" ")[0] for end in ends)
-    return f"{name.replace('_', ' ')} {low} to {high} {unit}"
+    called, unit = name.replace("_", " "), shown_unit(max(map(abs, ends)), one["unit"] or "1")
+    low, high = (converted(end, one["unit"], unit) for end in ends)
+    return f"{called} {two(low)} to {two(high)} {unit}".rstrip() if max(abs(low), abs(high)) > 1e-3 else called
 
 
 def _ends(low: float, high: float) -> str:
