@@ -1,15 +1,20 @@
 """The answer: a verdict by rules that are data, rows whose numbers are those of the file, and lines that fit."""
 
+import io
 import json
 import math
 import re
+import sys
 
+import attrs
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from rich.console import Console
 
 import rollslip
 import ten_scenes
+from rollslip.cli import console
 from rollslip.cli.main import cli
 from rollslip.errors import UnknownNameError
 from rollslip.results.account import answer as answer_of
@@ -339,3 +344,21 @@ def test_a_note_is_left_out_by_its_code(ran):
     assert "ln(eta/eta0) <=" not in done.output
     assert "\nnotes:\n  W" in done.stdout
     assert "W11" in str(answer_of(*datasets.values()))
+
+
+@pytest.mark.quick
+def test_verdict_and_the_row_that_decided_stand_out_on_a_terminal_and_nowhere_else(monkeypatch, capsys):
+    answer = attrs.evolve(answered(slip=0.06, band=(0.05, 0.07)), case=("NU 2312",))
+    console.print_answer(answer)
+    assert capsys.readouterr().out == f"{answer}\n"
+    shown = io.StringIO()
+    screen = Console(file=shown, force_terminal=True, color_system="standard", width=80, highlight=False)
+    monkeypatch.setattr(console, "terminal", lambda: screen)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    console.print_answer(answer)
+    first, blank, slip, reserve = shown.getvalue().splitlines()
+    assert (first, blank) == ("\x1b[1;30;43mSLIPS\x1b[0m   NU 2312", "")
+    assert slip.startswith("\x1b[1m  cage slip ")
+    assert reserve.startswith("  reserve to skidding")
+    plain = re.sub(r"\x1b\[[\d;]*m", "", shown.getvalue())
+    assert plain == f"{answer}\n", "colour says nothing that words do not"
