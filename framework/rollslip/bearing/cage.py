@@ -31,28 +31,16 @@ _optional = attrs.validators.optional(positive)
 
 
 class Make(NamedTuple):
-    """What cages of one make are like (D).
+    """What cages of one make are like (D)."""
 
-    Attributes
-    ----------
-    words : str
-        What it is.
-    density : float
-        [kg/m3].
-    thickness, pocket_clearance : float
-        Of its bars, and of a roller in its pocket along the orbit, over the diameter of a roller.
-    pocket_stiffness : float
-        [N/m].
-    guidance : str
-        What guides it.
-    """
-
-    words: str
-    density: float
+    words: str  # what it is
+    density: float  # [kg/m3]
+    #: thickness, pocket_clearance: Of its bars, and of a roller in its pocket along the orbit, over the diameter of a
+    #: roller.
     thickness: float
     pocket_clearance: float
-    pocket_stiffness: float
-    guidance: str
+    pocket_stiffness: float  # [N/m]
+    guidance: str  # what guides it
 
 
 #: Makes of cages by what they are of.

@@ -183,32 +183,18 @@ def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least:
 
 
 class Orbits:
-    """Equilibria by centrifugal force at the positions of a map.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The bearing.
-    per_square : float
-        Centrifugal force of a roller over the square of the speed that it is carried round with [N s2].
-    instants : int
-        Instants of a pitch.
-    roots : tuple of float
-        Centrifugal forces [N] between which intervals are halved, ascending from 0.
-    tolerance : float
-        Largest share of the load at the wrong place, half-way between positions and half-way between forces.
-    least : float
-        Mean force of a roller on a ring [N] that this is a share of at least.
-    """
+    """Equilibria by centrifugal force at the positions of a map."""
 
     def __init__(
         self,
-        assembly: Assembly,
+        assembly: Assembly,  # the bearing
+        # Centrifugal force of a roller over the square of the speed that it is carried round with [N s2].
         per_square: float,
-        instants: int,
-        roots: tuple[float, ...],
+        instants: int,  # instants of a pitch
+        roots: tuple[float, ...],  # centrifugal forces [N] between which intervals are halved, ascending from 0
+        # Largest share of the load at the wrong place, half-way between positions and half-way between forces.
         tolerance: float,
-        least: float,
+        least: float,  # mean force of a roller on a ring [N] that this is a share of at least
     ) -> None:
         self.assembly, self.per_square, self.instants = assembly, per_square, instants
         self.roots, self.tolerance, self.least = roots, tolerance, least

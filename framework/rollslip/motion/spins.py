@@ -158,32 +158,18 @@ class Motion:
 
 
 class Spins:
-    """Compiled torques of rollers at some positions: what finds their balances, and motions that repeat.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-        The bearing's.
-    positions : int
-        How many.
-    contacts : sequence of LoadedContacts or Curved
-        Loaded contacts of inner and outer ring at the positions, or their friction curves.
-    slow : float
-        Speed that the film never falls below [m/s], 0 for none.
-    pocket : float
-        Coefficient of friction in the pockets.
-    tables : dict, optional
-        Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
-    """
+    """Compiled torques of rollers at some positions: what finds their balances, and motions that repeat."""
 
     def __init__(
         self,
-        kinematics: Kinematics,
-        positions: int,
+        kinematics: Kinematics,  # the bearing's
+        positions: int,  # how many
+        # Loaded contacts of inner and outer ring at the positions, or their friction curves.
         contacts: Sequence[LoadedContacts | Curved],
         *,
-        slow: float = 0.0,
-        pocket: float = 0.0,
+        slow: float = 0.0,  # speed that the film never falls below [m/s], 0 for none
+        pocket: float = 0.0,  # coefficient of friction in the pockets
+        # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
         k, tables = kinematics, {} if tables is None else tables
@@ -210,35 +196,19 @@ class Spins:
 
 
 class Motions:
-    """Motions of the rollers of one bearing at many cage slips at once.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The bearing, with its resistance to rolling.
-    instants : int
-        Instants of a roller pitch; the orbit has Z times as many positions.
-    pocket : float
-        Coefficient of friction of the rollers in their pockets.
-    effective : tuple of Curve, optional
-        Friction curves of inner and outer raceway in place of the whole chain.
-    inertia : bool
-        False for rollers without inertia of their spin.
-    few : int
-        Loads that stand for the slices of a roller, 0 for all of these.
-    beside : Motions, optional
-        Others of the same bearing, or one nearly alike, which know what its rollers slip without slip of the cage.
-    """
+    """Motions of the rollers of one bearing at many cage slips at once."""
 
     def __init__(
         self,
-        assembly: Assembly,
-        instants: int,
+        assembly: Assembly,  # the bearing, with its resistance to rolling
+        instants: int,  # instants of a roller pitch; the orbit has Z times as many positions
         *,
-        pocket: float = 0.0,
+        pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
+        # Friction curves of inner and outer raceway in place of the whole chain.
         effective: tuple[Curve, Curve] | None = None,
-        inertia: bool = True,
-        few: int = 0,
+        inertia: bool = True,  # False for rollers without inertia of their spin
+        few: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
+        # Others of the same bearing, or one nearly alike, which know what its rollers slip without slip of the cage.
         beside: "Motions | None" = None,
     ) -> None:
         self.assembly, self.instants, self.effective, self.inertia = assembly, instants, effective, inertia

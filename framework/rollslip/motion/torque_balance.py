@@ -92,32 +92,21 @@ class Orbit:
 
 
 class TorqueBalance:
-    """Torques of rollers and drag on the cage of one bearing against its slip.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The bearing.
-    drags : Drags
-        What resists the cage, and rollers in their pockets; resistance to rolling is a stage of the bearing's chains.
-    instants : int
-        Instants of a roller pitch; the orbit has Z times as many positions.
-    effective : tuple of EffectiveCurve, optional
-        Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
-    inertia : bool
-        False for rollers without inertia of their spin, whose contacts balance at every position.
-    beside : TorqueBalance, optional
-        That of a bearing nearly alike, whose rollers slip about as much without slip of the cage.
-    """
+    """Torques of rollers and drag on the cage of one bearing against its slip."""
 
     def __init__(
         self,
-        assembly: Assembly,
+        assembly: Assembly,  # the bearing
+        # What resists the cage, and rollers in their pockets; resistance to rolling is a stage of the bearing's
+        # chains.
         drags: Drags,
         *,
-        instants: int,
+        instants: int,  # instants of a roller pitch; the orbit has Z times as many positions
+        # Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
         effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
+        # False for rollers without inertia of their spin, whose contacts balance at every position.
         inertia: bool = True,
+        # That of a bearing nearly alike, whose rollers slip about as much without slip of the cage.
         beside: "TorqueBalance | None" = None,
     ) -> None:
         self.assembly, self.drags, self.instants, self._beside = assembly, drags, instants, beside

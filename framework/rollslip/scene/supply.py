@@ -31,33 +31,15 @@ _KZ = 5.1
 
 
 class Supply(NamedTuple):
-    """What a kind of supply makes of the oil in a bearing.
+    """What a kind of supply makes of the oil in a bearing."""
 
-    Attributes
-    ----------
-    words : str
-        What it is.
-    level : float
-        Oil level that is assumed, over the diameter of a roller; 0 where there is none.
-    times : float
-        How many times the oil of such a bath the rollers plough through.
-    fraction : float
-        Share phi of oil in the volume between the rings where there is no level.
-    starvation : float
-        SKF's replenishment constant K_rs.
-    land : float
-        Share of the land of a ring-guided cage that oil fills.
-    source : str
-        What the numbers rest on, with their grades.
-    """
-
-    words: str
-    level: float
-    times: float
-    fraction: float
-    starvation: float
-    land: float
-    source: str
+    words: str  # what it is
+    level: float  # oil level that is assumed, over the diameter of a roller; 0 where there is none
+    times: float  # how many times the oil of such a bath the rollers plough through
+    fraction: float  # share phi of oil in the volume between the rings where there is no level
+    starvation: float  # SKF's replenishment constant K_rs
+    land: float  # share of the land of a ring-guided cage that oil fills
+    source: str  # what the numbers rest on, with their grades
 
 
 _SKF = "SKF, general catalogue 6000 (2006), friction: K_rs (A)"
@@ -148,24 +130,12 @@ class Lubrication:
 
 
 class Supplied(NamedTuple):
-    """What the supply of a bearing comes to.
+    """What the supply of a bearing comes to."""
 
-    Attributes
-    ----------
-    oil_fraction : float
-        Share phi of oil in the volume between the rings [1].
-    starvation : float
-        Factor phi_rs of film and rolling resistance [1].
-    land : float
-        Share of the land of the cage that oil fills [1].
-    starvation_constant : float
-        K_rs that it comes from [1].
-    """
-
-    oil_fraction: float
-    starvation: float
-    land: float
-    starvation_constant: float
+    oil_fraction: float  # share phi of oil in the volume between the rings [1]
+    starvation: float  # factor phi_rs of film and rolling resistance [1]
+    land: float  # share of the land of the cage that oil fills [1]
+    starvation_constant: float  # K_rs that it comes from [1]
 
     @classmethod
     def of(

@@ -59,39 +59,22 @@ _SIZES: Final = {
 
 
 class Rule(NamedTuple):
-    """How the inside of a series follows from bore d, outside diameter Da and width B.
+    """How the inside of a series follows from bore d, outside diameter Da and width B."""
 
-    Attributes
-    ----------
-    diameter : float
-        Of a roller over Da - d.
-    pitch : float
-        Pitch diameter over (d + Da)/2.
-    spacing, bar : float
-        From one roller to the next on the pitch circle: spacing times D, and a bar [mm].
-    length, ends : float
-        Effective length of a roller: length times B, less the ends [mm]; length is not a number for rollers as long as
-        thick, less the chamfers.
-    scatter : float
-        Relative standard deviation of rollers times length, about zero, of the bearings that the rule was read off.
-    bores : tuple of float
-        From which to which bore [mm] makers list them.
-    minimum_load : float
-        k_r of SKF's least load.
-    large : tuple of float
-        From which bore [mm] on rollers are what over Da - d.
-    """
-
-    diameter: float
-    pitch: float
+    diameter: float  # of a roller over Da - d
+    pitch: float  # pitch diameter over (d + Da)/2
+    #: spacing, bar: From one roller to the next on the pitch circle: spacing times D, and a bar [mm].
     spacing: float
     bar: float
+    #: length, ends: Effective length of a roller: length times B, less the ends [mm]; length is not a number for
+    #: rollers as long as thick, less the chamfers.
     length: float
     ends: float
+    #: Relative standard deviation of rollers times length, about zero, of the bearings that the rule was read off.
     scatter: float
-    bores: tuple[float, float]
-    minimum_load: float
-    large: tuple[float, float] = (math.inf, 0.0)
+    bores: tuple[float, float]  # from which to which bore [mm] makers list them
+    minimum_load: float  # k_r of SKF's least load
+    large: tuple[float, float] = (math.inf, 0.0)  # from which bore [mm] on rollers are what over Da - d
 
 
 #: Series of widths and diameters, E for the reinforced type -> rule.

@@ -56,27 +56,17 @@ _NUMBER: Final = re.compile(r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P
 
 
 class Designation(NamedTuple):
-    """What a designation says of a cylindrical roller bearing.
+    """What a designation says of a cylindrical roller bearing."""
 
-    Attributes
-    ----------
-    type, series, code : str
-        "NU", "22", "10" of an NU 2210 ECP/C3.
-    reinforced, old : bool
-        Whether it is said to be of the reinforced type E, or of the one before it.
-    cage : OwnCage or None
-        What its letters say of the cage.
-    group : str or None
-        Group of clearance, as "C3" or "CNL", where one is said.
-    """
-
+    #: type, series, code: "NU", "22", "10" of an NU 2210 ECP/C3.
     type: str
     series: str
     code: str
+    #: reinforced, old: Whether it is said to be of the reinforced type E, or of the one before it.
     reinforced: bool
     old: bool
-    cage: OwnCage | None
-    group: str | None
+    cage: OwnCage | None  # what its letters say of the cage
+    group: str | None  # group of clearance, as "C3" or "CNL", where one is said
 
 
 def _bare(written: str) -> str:
