@@ -14,10 +14,10 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.scene.changes import evolve
 from rollslip.studies.outputs import named_outputs
-from rollslip.studies.raceways import agree_together, critical_together, evaluated_together
 from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.sweep.point import _TOGETHER, _Task, compute
 from rollslip_campaigns.uncertainty import UncertaintySettings
+from rollslip_studies.effective_friction.raceways import agree_together, critical_together, evaluated_together
 from rollslip_studies.effective_friction.study import _held_at
 
 SCENE, SAMPLES = "1032930-70C", 320

@@ -81,7 +81,7 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
     from rollslip.results.dataset import save
     from rollslip.results.figures import save_plots
     from rollslip.results.report import write_report
-    from rollslip.studies.raceways import LoadedRaceways
+    from rollslip_studies.effective_friction.raceways import LoadedRaceways
 
     for owner, method, part in (
         (Assembly, "load_distribution", "load distributions"),

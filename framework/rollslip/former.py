@@ -26,6 +26,7 @@ _RENAMED: Final = {
         for name in ("carried", "moving_bearing", "planar", "raceway_friction")
     },
     "rollslip.pressure_viscosity": "rollslip.lubricant.pressure",
+    "rollslip.studies.raceways": "rollslip_studies.effective_friction.raceways",
 }
 #: Folders that became roots; all in them kept its name.
 _ROOTS: Final = {

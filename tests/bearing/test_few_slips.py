@@ -14,7 +14,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import Curve, searched, slip_grid
 from rollslip.bearing.raceway import gauss_rule
 from rollslip.bearing.resolution import Resolution
-from rollslip.studies.raceways import friction_together
+from rollslip_studies.effective_friction.raceways import friction_together
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 LARGEST, POINTS, FINE = 0.4, 101, 100

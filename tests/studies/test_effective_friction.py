@@ -21,8 +21,8 @@ from rollslip.results.account import account_of
 from rollslip.results.curves import percent
 from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene
-from rollslip.studies.raceways import LoadedRaceways
 from rollslip_kernels.slices import Slices
+from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.friction_curve.study import FrictionCurve, balanced_load
 

@@ -35,7 +35,8 @@ CAMPAIGNS = {
 }  # fmt: skip
 #: Modules of studies that other studies and campaigns may import.
 SHARED = {
-    "rollslip_studies.effective_friction.study", "rollslip_studies.friction_curve.study",
+    "rollslip_studies.effective_friction.raceways", "rollslip_studies.effective_friction.study",
+    "rollslip_studies.friction_curve.study",
     "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.shared",
     "rollslip_studies.steady_slip.minimum_load", "rollslip_studies.steady_slip.band",
     "rollslip_studies.steady_slip.account", "rollslip_studies.surface_damage.over_motion",

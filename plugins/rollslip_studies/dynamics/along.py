@@ -23,7 +23,6 @@ from rollslip.motion.torque_balance import Runaway
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.estimates import slices_and_instants
-from rollslip.studies.raceways import LoadedRaceways
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history.courses import Course, table
 from rollslip_studies.dynamics.history.path import CLEARANCE, changed
@@ -32,6 +31,7 @@ from rollslip_studies.dynamics.history.stations import operated, shown
 from rollslip_studies.dynamics.history.varying import STILL, VaryingMotion, epicyclic
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.outputs import OUTPUTS
+from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
 from rollslip.motion.time_integration import Trajectory
 from rollslip.studies.answers import Evaluated
-from rollslip.studies.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from types import MappingProxyType
 from typing import Final
 
 from rollslip.studies.answers import Output
-from rollslip.studies.raceways import REGIMES
+from rollslip_studies.effective_friction.raceways import REGIMES
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 
 _CONTACT, _ROLLER = "ring time roller", "time roller"

@@ -32,7 +32,9 @@ from rollslip.motion.torque_balance import Runaway, TorqueBalance, look_along, r
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
-from rollslip.studies.raceways import (
+from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
+from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
+from rollslip_studies.effective_friction.raceways import (
     REGIMES,
     LoadedRaceways,
     agree_together,
@@ -41,8 +43,6 @@ from rollslip.studies.raceways import (
     largest_change,
     regime_variables,
 )
-from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
-from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -5,8 +5,8 @@ from types import MappingProxyType
 from typing import Final
 
 from rollslip.studies.answers import Measurable, Output
-from rollslip.studies.raceways import REGIMES
 from rollslip.studies.steady_slip.torque import BY_FORMULA
+from rollslip_studies.effective_friction.raceways import REGIMES
 
 #: What the status says of a cage that is driven.
 FASTER: Final = "it runs at more than twice its epicyclic speed"
