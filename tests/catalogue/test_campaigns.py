@@ -45,8 +45,7 @@ class MeanFriction(OfScene):
         import rollslip
         scene = rollslip.evolve(self.given, {"study.friction-curve.points": self.points})
         study = {"study": "friction-curve", "output": ["friction"], "engine": "serial"}
-        found = rollslip.sweep(scene, made, **study)
-        return found.assign_attrs(scene_hash="", evaluations=1, wall_time=0.0)
+        return rollslip.sweep(scene, made, **study)
 
 @hookimpl
 def campaigns():

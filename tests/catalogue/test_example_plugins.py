@@ -163,7 +163,8 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
         ("film", "ertel-grubin", "rollslip-plain-c-film"),
         ("lubricant", "example-oil", "rollslip-example-oil"),
     }
-    assert offered >= {(kind, name.removeprefix("rollslip-"), name) for name, kind, _ in SCAFFOLDED}
+    listed = [(kind, name) for name, kind, _ in SCAFFOLDED if kind != "campaign"]  # which is a command itself
+    assert offered >= {(kind, name.removeprefix("rollslip-"), name) for kind, name in listed}
     for kind, name, compiled in [
         ("traction", "cross", False),
         ("traction", "circular", True),

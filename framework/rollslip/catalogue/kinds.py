@@ -192,8 +192,8 @@ def usable_kinds() -> tuple[Kind, ...]:
 
 
 def offered_kinds() -> list[str]:
-    """Return the kinds that a scene or a command can name something of: those that packages are written for."""
-    return [kind.name for kind in usable_kinds() if kind.template is not None]
+    """Return the kinds that a scene or a command names something of; what waits for a user is a command itself."""
+    return [kind.name for kind in usable_kinds() if kind.template is not None and not kind.waits]
 
 
 def kind_of(thing: object) -> Kind | None:

@@ -231,8 +231,7 @@ def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
         "scene_hash": a["scene_hash"],
         **account_of(dataset).record(dataset),
         "warnings": json.loads(a["warnings"]),
-        "evaluations": int(a["evaluations"]),
-        "wall_time": float(a["wall_time"]),
+        **{name: of(a[name]) for name, of in (("evaluations", int), ("wall_time", float)) if name in a},
     }
 
 

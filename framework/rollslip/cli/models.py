@@ -7,7 +7,7 @@ import attrs
 import click
 
 from rollslip.catalogue.discovery import Offer, available, catalogue, families, find, get_class, is_another, load
-from rollslip.catalogue.kinds import get_kind, offered_kinds
+from rollslip.catalogue.kinds import get_kind, offered_kinds, usable_kinds
 from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, UnknownNameError, nearest
 from rollslip.lubricant.oil import GRADES, legend
@@ -94,7 +94,8 @@ def explained(code: str) -> dict[str, str]:
 
 def kinds_of(name: str) -> list[str]:
     """Return the kinds in which something of this name is offered."""
-    offering = [kind for kind in offered_kinds() if name in available(kind)] or [
+    named = [kind.name for kind in usable_kinds() if kind.template]  # with what waits for a user
+    offering = [kind for kind in named if name in available(kind)] or [
         kind for kind in offered_kinds() if get_kind(kind).data and _is_called(kind, name)
     ]
     if not offering:

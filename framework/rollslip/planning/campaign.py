@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, ParamSpec
 
 import attrs
 
-from rollslip.catalogue.kinds import Kind, entry_points
+from rollslip.catalogue.kinds import Kind, Template, entry_points
 from rollslip.errors import PluginError, SceneError, in_words
 
 if TYPE_CHECKING:
@@ -309,4 +309,15 @@ def campaign(name: str) -> type[Campaign]:
     return found
 
 
-CAMPAIGN: Final = Kind(name="campaign", hook="campaigns", base=Campaign, waits=True)
+CAMPAIGN: Final = Kind(
+    name="campaign",
+    hook="campaigns",
+    base=Campaign,
+    waits=True,
+    template=Template(
+        summary="A campaign",
+        contents="the settings, of which command and function are made, and what they run",
+        use="rollslip ${model} 1032930-70C",
+        classes=("Campaign", "OfScene"),
+    ),
+)
