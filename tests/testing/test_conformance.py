@@ -113,7 +113,7 @@ class TestTorque(Conformance):
     models = (*box("torque"), get_model("torque", "skf", series="23", drag="2006"))
 
 
-DATA = [kind for kind in kinds() if get_kind(kind).data]
+DATA = [kind for kind in kinds() if get_kind(kind).data or get_kind(kind).waits]
 
 
 class TestData(Conformance):
