@@ -157,8 +157,8 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "W/(m K)": ("a thermal conductivity", "46 W/(m K)", ("W/(m K)",)),
 }
 
-#: The least number that people write before a unit.
-_WRITTEN_LEAST = 1e-3
+#: The least number that people write before a unit, and the largest without an exponent.
+_WRITTEN_LEAST, _WRITTEN_MOST = 1e-3, 1e6
 #: SI unit, or one that was given -> units in which the same number is likely meant, the likeliest first.
 _MEANT: Mapping[str, tuple[str, ...]] = {
     "1": ("%",),
@@ -514,17 +514,23 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
         size, zero = _scale(given, unit)
         told = given.translate(_SPELLINGS) if zero else given
         number = float((Fraction(value) - zero) / size) if math.isfinite(value) else value
-        return f"{number:.{digits}g} {told}"
+        return f"{_shown(number, digits)} {told}"
     if unit == "1":
         return f"{value:.{digits}g}"
     if unit == "K":
-        return f"{value - float(_CELSIUS_ZERO):.{digits}g} degC"
+        return f"{_shown(value - float(_CELSIUS_ZERO), digits)} degC"
     shown, factor, magnitude = unit, 1.0, abs(value) or 1.0
     for position, candidate in enumerate(_QUANTITIES.get(unit, ("", "", (unit,)))[2]):
         scale = float(_unit(candidate)[0])
         if position == 0 or magnitude >= scale:
             shown, factor = candidate, scale
-    return f"{value / factor:.{digits}g} {shown}"
+    return f"{_shown(value / factor, digits)} {shown}"
+
+
+def _shown(number: float, digits: int) -> str:
+    """A rounded number as people write it before a unit: 22040, where Python would write 2.204e+04."""
+    text = f"{number:.{digits}g}"
+    return f"{float(text):.0f}" if "e+0" in text and abs(number) < _WRITTEN_MOST else text
 
 
 def shown_unit(value: float, unit: str) -> str:

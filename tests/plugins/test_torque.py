@@ -313,7 +313,7 @@ def test_a_torque_far_from_the_formulas_is_told_and_one_near_them_is_not():
 
 def test_a_slow_bearing_is_not_judged():
     slow = sentences(named("NU210E", **{"cage.drag": ["churning"], "operation.inner_speed": "1500 rpm"}))
-    assert "n d_m is 1.05e+05 mm/min: below 3e+05 makers' formulas are no measure" in slow
+    assert "at n d_m of 105000 mm/min, below 300000, makers' formulas are no measure" in slow
     assert "beyond a factor of 2" not in slow
 
 

@@ -235,6 +235,8 @@ def test_what_is_shown_can_be_read_again(unit: str, size: float, sign: int, digi
         (0.1, "1", "0.1"),
         (3.0, "kg/s", "3 kg/s"),
         (math.inf, "m", "inf m"),
+        (123456.0, "kg", "123456 kg"),
+        (1.234567e9, "N", "1.23457e+06 kN"),
     ],
 )
 def test_people_are_shown_the_unit_in_use(value: float, unit: str, shown: str) -> None:
@@ -255,6 +257,7 @@ def test_people_are_shown_the_unit_in_use(value: float, unit: str, shown: str) -
         ("70 C", "K", "C", "70 C"),
         ("158 degF", "K", "degF", "158 degF"),
         ("5 Nm", "N m", "Nm", "5 Nm"),
+        ("22040.001 N", "N", "N", "22040 N"),
         ("6371 min-1", "rad/s", "min-1", "6371 min-1"),
         ("4 arcmin", "rad", "arcmin", "4 arcmin"),
         (0.015, "m", "m", "0.015 m"),

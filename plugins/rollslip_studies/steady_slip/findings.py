@@ -189,10 +189,10 @@ def _judged(dataset: "xr.Dataset") -> list[str]:
     if math.isnan(ratio) or "formula_basis" not in dataset:
         return []
     if _slow(dataset):
-        n_dm = 6e4 * float(dataset["formula_speed"])
+        n_dm = format_quantity(float(dataset["formula_speed"]), "m/s", 3, "mm/min")
         return [
-            f"n d_m is {n_dm:.3g} mm/min: below {6e4 * _JUDGED_FROM:.2g} makers' formulas are no measure of the torque "
-            "here, which has no weight of the rollers and little of mixed friction"
+            f"at n d_m of {n_dm}, below {6e4 * _JUDGED_FROM:.0f}, makers' formulas are no measure of the torque here, "
+            "which has no weight of the rollers and little of mixed friction"
         ]
     if not doubted(dataset):
         return []
