@@ -96,17 +96,19 @@ def structure(
     values: dict[str, object] = {}
     others: dict[str, object] = {}
     kinds = types_of(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
+    advice: Mapping[str, str] = getattr(cls, "advice", {})
     for key, value in raw.items():
         attribute = by_key.get(key)
         if attribute is not None and known is not None and key in known:
             values[attribute.name] = known[key]
         elif attribute is not None:
             values[attribute.name] = _checked(kinds[attribute.name], value, attribute, where.at(key), faults, own)
+            if values[attribute.name] is MISSING and key in advice:
+                faults[-1] += f"; {advice[key]}"
         elif rest is not None:
             others[key] = value
         else:
-            advice: str | None = getattr(cls, "advice", {}).get(key)
-            faults.append(where.at(key).says(advice or _unknown(key, by_key)))
+            faults.append(where.at(key).says(advice.get(key) or _unknown(key, by_key)))
     if rest is not None:
         values[rest.name] = _frozen(others, where, faults)
     for key, attribute in by_key.items():
@@ -245,10 +247,9 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         try:
             return quantity(raw, unit)
         except UnitError as error:
-            if isinstance(raw, list | tuple) and raw:
-                of = "the resultant of components, or " * (unit == "N")
-                error = UnitError(f"{error}; give {of}one value: sweep takes several, --over {_dotted(where.path)}=A,B")
-            faults.append(where.says(str(error)))
+            of = "the resultant of components, or " * (unit == "N")
+            one = f"; give {of}one value: sweep takes several, --over {_dotted(where.path)}=A,B"
+            faults.append(where.says(f"{error}{one * isinstance(raw, list | tuple)}"))
             return MISSING
     elif kind is int:
         if isinstance(raw, Integral) and not isinstance(raw, bool) and _storable(raw):

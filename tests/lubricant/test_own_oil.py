@@ -133,10 +133,14 @@ def test_the_estimate_of_alpha_is_within_its_scatter_of_oils_that_were_fitted_or
         ({"base_oil": "mineral", "iso_grade": "VG 70"}, "lubricant.iso_grade: 'VG 70' is no grade of ISO 3448"),
         ({"base_oil": "mineral", "points": [point(40, 68)]}, "does not say how it falls .* or viscosity_index"),
         ({"base_oil": "mineral", "points": [point(60, 68)]}, "does not say how it falls .* at another temperature$"),
-        ({"base_oil": "mineral"}, "lubricant.name: missing; name a shipped oil, or .*points, or iso_grade"),
+        ({"base_oil": "mineral"}, "lubricant.name: missing; name a shipped oil, or .*points .*, or iso_grade"),
         ({"base_oil": "snake", "iso_grade": 68}, "lubricant.base_oil: must be one of 'mineral', 'pao'"),
         ({"points": [point(40, 68), point(100, 9)]}, "lubricant.viscosity_law: missing; .* or base_oil"),
         ({"viscosity_index": 95, "viscosity": "0.05 Pa s", "thermoviscosity": "0.03 1/K"}, "index: goes with"),
+        ({"base_oil": "mineral", "viscosity": "68 mm2/s"}, "here a dynamic .*; points take it: .*kinematic_v"),
+        ({"base_oil": "mineral", "kinematic_viscosity": "68 mm2/s"}, "unknown key; points take it: "),
+        ({"points": [{"temperature": 313.0, "viscosity": "68 mm2/s"}]}, "; kinematic_viscosity takes a kinematic one"),
+        ({"points": [{"temperature": 313.0, "nu": "68 mm2/s"}]}, "nu: unknown key; write kinematic_viscosity"),
     ],
 )  # fmt: skip
 def test_what_is_missing_of_a_data_sheet_is_named(table, says):
@@ -151,9 +155,11 @@ def test_one_viscosity_at_40_degrees_and_an_index_are_two_viscosities():
 
 def test_viscosities_that_no_oil_has_are_questioned():
     raw = {key: value for key, value in load_scene("1032930-70C").raw.items() if key != "lubricant"}
-    table = {"base_oil": "mineral", "points": [point(40, 20), point(100, 15)]}
-    told = implausible(from_raw({**raw, "lubricant": table}, "a test's"))
-    assert any("lubricant.points: the viscosities make a viscosity index of" in one for one in told)
+    table = {"base_oil": "mineral"}
+    for hot, cold in ((15, 20), (3, 68)):
+        table["points"] = [point(40, cold), point(100, hot)]
+        told = implausible(from_raw({**raw, "lubricant": table}, "a test's"))
+        assert any("lubricant.points: the viscosities make a viscosity index of" in one for one in told)
     table["points"] = [point(40, 68), point(100, 8.5)]
     assert not any("viscosity index" in one for one in implausible(from_raw({**raw, "lubricant": table}, "a test's")))
 

@@ -17,8 +17,9 @@ __all__ = ["BASE_OILS", "ISO_GRADES", "BaseOil", "falling_density", "viscosity_i
 
 #: Grades of ISO 3448: mid kinematic viscosity at 40 degC [mm2/s], which may be 10 % off.
 ISO_GRADES: Final = (2, 3, 5, 7, 10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680, 1000, 1500, 2200, 3200)
-#: A viscosity index above this is questioned: of oils in use the highest are about 300 (C), of silicones about 400.
-HIGHEST_INDEX: Final = 400.0
+#: Viscosity indices beyond these are questioned: of oils in use the highest are about 300 (C), of silicones about 400,
+#: and the lowest, of naphthenic and traction oils, about -50 (C).
+LOWEST_INDEX, HIGHEST_INDEX = -100.0, 400.0
 
 
 @attrs.frozen(kw_only=True)

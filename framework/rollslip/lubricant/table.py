@@ -5,7 +5,7 @@ import re
 import warnings
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Any, Final, TypeAlias
+from typing import Any, ClassVar, Final, TypeAlias
 
 from attrs import Attribute, evolve, fields_dict, frozen
 from attrs import field as attrib
@@ -52,10 +52,18 @@ _FACTOR: Final[Ranges] = {"usual": (0.1, 10), "possible": (1e-9, 1e9)}
 _VISCOSITY: Final[Ranges] = {"usual": (5e-4, 3.0), "possible": (1e-5, 1e6)}
 _PROPERTIES = {*_SLOPES, *_SLOPES.values(), "density", "conductivity", "eyring_stress", "shear_modulus"}
 
+_IN_POINTS: Final = "points take it: [{ temperature = '40 degC', kinematic_viscosity = '68 mm2/s' }, ...]"
+
 
 @frozen(kw_only=True)
 class OilPoint:
     """A measured viscosity of an own oil."""
+
+    #: Keys that are met -> what to do about them.
+    advice: ClassVar[Mapping[str, str]] = {
+        "viscosity": "kinematic_viscosity takes a kinematic one",
+        "nu": "unknown key; write kinematic_viscosity",
+    }
 
     temperature: float = positive_field("K", "temperature", **_TEMPERATURE)
     viscosity: float | None = positive_field("Pa s", "dynamic viscosity", None, **_VISCOSITY)
@@ -118,6 +126,8 @@ ReadLaw: TypeAlias = Callable[[object, Location, list[str]], Any]
 @frozen(kw_only=True)
 class OilTable:
     """The ``[lubricant]`` table of a scene as written: what it leaves out is None; see `lubricant_from_table`."""
+
+    advice: ClassVar[Mapping[str, str]] = {"viscosity": _IN_POINTS, "kinematic_viscosity": f"unknown key; {_IN_POINTS}"}
 
     name: str | None = field(default=None, doc="a shipped oil, whose data the other keys override")
     description: str | None = field(default=None, doc="what the oil is")
@@ -221,8 +231,8 @@ class OilTable:
         if own and not self.points and self.viscosity is None and self.iso_grade is None:
             raise FieldError(
                 "name",
-                "missing; name a shipped oil, or give viscosity, or points, or iso_grade, with base_oil for what a "
-                "data sheet does not say",
+                "missing; name a shipped oil, or give viscosity, or points with kinematic_viscosity, or iso_grade, "
+                "with base_oil for what a data sheet does not say",
             )
         if self.points and self.viscosity is not None:
             raise FieldError("viscosity", "not beside points, which are the viscosity; leave one of them out")

@@ -4,13 +4,14 @@ Where a key takes many values, as in a sweep, that is said once for all of them.
 """
 
 import contextlib
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rollslip.bearing.cage import Cage, doubts
 from rollslip.errors import RollslipError
 from rollslip.fields import unusual
-from rollslip.lubricant.base_oil import HIGHEST_INDEX
+from rollslip.lubricant.base_oil import HIGHEST_INDEX, LOWEST_INDEX
 from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused
@@ -50,7 +51,7 @@ def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tupl
     now = raw.get("lubricant")
     now = {"name": now} if isinstance(now, str) else now if isinstance(now, Mapping) else {}
     index = index_of(now)
-    if index > HIGHEST_INDEX:
+    if not (math.isnan(index) or LOWEST_INDEX <= index <= HIGHEST_INDEX):
         yield (
             where.at("points"),
             f"the viscosities make a viscosity index of {index:.0f}, oils have -50 to 300; check them",

@@ -75,10 +75,8 @@ def _temperature(of: str, default: object = _follow_temperature) -> Any:
 class Operation:
     """What the bearing is doing."""
 
-    #: Keys that others have -> what to do about them.
-    advice: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("axial_load", "axial_force", "thrust_load"),
-        "axial loads, which ribs carry, are not modelled; leave it out, and count friction on ribs besides",
+    advice: ClassVar[Mapping[str, str]] = dict.fromkeys(  # on keys that others have
+        ("axial_load", "axial_force", "thrust_load"), "axial loads, which ribs carry, are not modelled; leave it out"
     )
 
     inner_speed: float = _speed("inner")
