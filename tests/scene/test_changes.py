@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError, RollslipError, SceneError
+from rollslip.planning.provenance import scene_told
 from rollslip.planning.quantities import quantities
 from rollslip.scene import FrozenTable, ModelChoice, Scene, resolved, scene_hash
 from rollslip.scene.changes import SHORT, evolve, parse_set
@@ -76,6 +77,15 @@ def test_a_person_s_word_stands_for_its_key(word: str, key: str) -> None:
     assert changed == evolve(base, {word: value if known[key].unit is None else value * 1.5})  # type: ignore[operator]
     assert known[word] is known[key] is known.get(word)
     assert word in known
+
+
+def test_the_title_of_a_result_follows_what_was_changed() -> None:
+    scene = parse_scene(SCENE, "scene.toml")
+    changed = evolve(scene, {"operation.temperature": "60 degC", "accuracy.slices": 5, "models.film.model": "moes"})
+    said = f"{scene.title}; changed: operation.temperature = 60 degC, models.film.model = moes"
+    assert [scene_told(one)["title"] for one in (scene, changed)] == [scene.title, said]
+    assert scene_told(changed, scene)["title"] == scene.title
+    assert scene_told(evolve(changed, {"title": "mine"}))["title"] == "mine"
 
 
 def test_changes_add_up() -> None:

@@ -11,7 +11,9 @@ import json
 import math
 import sys
 from collections.abc import Iterable, Mapping
+from functools import reduce
 from numbers import Number
+from operator import getitem
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -22,6 +24,7 @@ from rollslip.models import SliceModel
 from rollslip.planning.plan import Plan, own_cage, part_as_dict
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
 from rollslip.results.dataset import CITED
+from rollslip.scene.changes import CHANGES, NOTED
 from rollslip.scene.values import Scene, resolved, scene_hash
 
 if TYPE_CHECKING:
@@ -88,13 +91,22 @@ def scene_told(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
     """Return title, text and hash of a scene; `given` is the scene as it was written, where a campaign changes it."""
     given, mounted = given or scene, scene.bearing.mounted
     return {
-        "title": scene.title,
+        "title": _title(given),
         "source": given.source,
         "scene": given.text,
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
         **({} if mounted is None else {"clearance": {"text": str(mounted), "terms": mounted.terms}}),
     }
+
+
+def _title(scene: Scene) -> str:
+    """Title of a scene, and what was changed of what it was written for."""
+    paths = [path for path, place in scene.origins.items() if place == CHANGES and path and path[0] in NOTED]
+    last = [path for path in paths if not any(path == other[: len(path)] != other for other in paths)]
+    told = (f"{'.'.join(map(str, path))} = {reduce(getitem, path, scene.raw)}" for path in last)  # type: ignore[arg-type]
+    speaks = scene.title and last and scene.origins.get(("title",)) != CHANGES
+    return f"{scene.title}; changed: {', '.join(told)}" if speaks else scene.title
 
 
 def packages_of(offers: Iterable[Offer]) -> dict[str, str]:

@@ -15,7 +15,7 @@ from rollslip.structure import bare_key, fields_of, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, loads, split_key
 from rollslip.units import as_written, quantity, typed, unit_given
 
-__all__ = ["SHORT", "Known", "Quantity", "evolve", "full_key", "parse_set", "unknown"]
+__all__ = ["CHANGES", "NOTED", "SHORT", "Known", "Quantity", "evolve", "full_key", "parse_set", "unknown"]
 
 #: A person's word for a key -> the key.
 SHORT: Final[Mapping[str, str]] = MappingProxyType(
@@ -27,9 +27,9 @@ SHORT: Final[Mapping[str, str]] = MappingProxyType(
         "oil": "lubricant.name",
     }
 )
-_CHANGES: Final = "changes"
+CHANGES: Final = "changes"
 #: Tables of what a scene's note speaks of.
-_NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
+NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
 
 
 @attrs.frozen(eq=False)
@@ -133,17 +133,17 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
             before, path = _set(raw, asked, thawed(value))
         except (ValueError, RecursionError) as error:
             reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
-            problems.append(f"{_CHANGES}: {as_written(key)} {reason}")
+            problems.append(f"{CHANGES}: {as_written(key)} {reason}")
             continue
         if isinstance(before, dict | list):
             for below in [known for known in origins if known[: len(path)] == path]:
                 del origins[below]
         for opened in range(1, min(len(path), DEEPEST)):
-            origins.setdefault(path[:opened], _CHANGES)
-        origins[path] = _CHANGES
+            origins.setdefault(path[:opened], CHANGES)
+        origins[path] = CHANGES
     if problems:
         raise SceneError(problems)
-    if changed & _NOTED and "note" not in changed:  # what it says of the scene holds no more
+    if changed & NOTED and "note" not in changed:  # what it says of the scene holds no more
         raw.pop("note", None)
         origins.pop(("note",), None)
     follows = {"cage"} if "bearing" in changed else set()  # it comes from the bearing's name where it says nothing
