@@ -8,7 +8,7 @@ import attrs
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer
-from rollslip_studies.steady_slip.rows import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
 from rollslip_studies.thermal_balance import findings
 
 if TYPE_CHECKING:
