@@ -117,7 +117,7 @@ def execute(
     }
     warned, judged = warnings(plan, study, dataset)
     dataset.attrs["validity"] = json.dumps(judged)
-    said = [*taken_back, *told(plan, study, judgement), *warned]
+    said = [*told(plan, study, judgement), *warned]
     dataset.attrs |= run_origin(plan, study, said, evaluated, time.perf_counter() - begin)
     return dataset
 

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+#: Factor of a starved inlet from which on it is as good as full.
+_NEARLY_FULL: Final = 0.9
 #: Share of the thinner of film and layer in the other, below which the other does not matter to the last bit.
 _LEAST_SHARE: Final = 1e-30
 
@@ -232,8 +234,8 @@ class InletCorrection(FilmModel):
 
     @property
     def inlet_starvation(self) -> str:
-        """Factor and layer of the starved inlet, in words."""
-        told = [f"a factor of {self.starvation:.3g}"] if self.starvation < 1 else []
+        """Factor and layer of the starved inlet, in words; of a factor near one nobody has to know."""
+        told = [f"a factor of {self.starvation:.3g}"] if self.starvation < _NEARLY_FULL else []
         told += [f"an oil layer of {format_quantity(self.oil_layer, 'm', 3)}"] if self.oil_layer is not None else []
         return " and ".join(told)
 

@@ -32,6 +32,10 @@ NEXT_OF_OTHERS: Final = dict.fromkeys(NEXT, ("rollslip run {scene} --study stead
 #: What they say of the load.
 LOAD_OF_OTHERS: Final = Row(key="minimum_load", label="minimum load", unit="N", text="not computed", known=-1,
                             note="--study steady-slip computes it")  # fmt: skip
+#: Reserve above which it matters to nobody how large it is.
+_PLENTY: Final = 1000.0
+#: Share of the load below which a minimum load has a unit of its own.
+_READABLE: Final = 0.005
 #: How well this study knows slip, load and reserve: of those of one operation best.
 _KNOWN: Final = 2
 
@@ -108,7 +112,7 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float) -> Ro
     if math.isinf(reserve):
         return Row(**row, text="no limit", note="no drag acts on the cage itself")
     band = (reserve, math.inf) if least else (reserve, reserve)
-    return Row(**row, text=f"{'at least ' * least}{two(reserve)}", band=band)
+    return Row(**row, text=_times(reserve, least), band=band)
 
 
 def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload: float) -> Row:
@@ -128,11 +132,16 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
         )
         return Row(**row, text="none" if none else "not found", note=why)
     one = json.loads(dataset.attrs.get("band", "{}")).get("least_load")
+    load = load if least >= _READABLE * load else least  # in the unit of the load, if that leaves digits to read
     if one is None or one["high"] is None:
         return Row(**row, value=least, text=force(least, load), note=below)
     band = one["low"], one["high"]
     ends = f"{force(band[0], load, unit=False)} to {force(band[1], load)}"
     return Row(**row, value=least, text=force(least, load), band=band, note=f"{ends}, {below}")
+
+
+def _times(reserve: float, least: bool = False) -> str:
+    return f"over {_PLENTY:g}" if reserve > _PLENTY else f"{'at least ' * least}{two(reserve)}"
 
 
 def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
@@ -159,7 +168,7 @@ def _to_acceptable(dataset: "xr.Dataset", acceptable: float) -> Row | None:
     note = f"to a slip of {plain(100.0 * acceptable)} %"
     if reserve <= 0.0:
         return Row(key="acceptable_reserve", label="drag reserve", value=reserve, text="none", note=note)
-    return Row(key="acceptable_reserve", label="drag reserve", value=reserve, text=two(reserve), note=note)
+    return Row(key="acceptable_reserve", label="drag reserve", value=reserve, text=_times(reserve), note=note)
 
 
 def _film(dataset: "xr.Dataset", one: "xr.Dataset") -> Row | None:
