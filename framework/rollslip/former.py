@@ -20,6 +20,7 @@ _RENAMED: Final = {
     "rollslip.campaigns.sweep.distributions": "rollslip.scene.distributions",
     "rollslip.campaigns.uncertainty.band": "rollslip_studies.steady_slip.band",
     "rollslip.campaigns.uncertainty.scatter": "rollslip.planning.scatter",
+    "rollslip.bearing.load_map": "rollslip_studies.dynamics.levels.load_map",
     "rollslip.motion.continuation": "rollslip_studies.steady_slip.branches",
     **{
         f"rollslip.motion.{name}": f"rollslip_studies.dynamics.levels.{name}"

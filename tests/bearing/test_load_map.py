@@ -8,12 +8,12 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from rollslip import evolve, load_scene
-from rollslip.bearing import load_map
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
-from rollslip.bearing.load_map import build_load_map, fastest, resistances
 from rollslip.errors import ConvergenceError
 from rollslip_plugins.drag.rolling import RollingResistance
+from rollslip_studies.dynamics.levels import load_map
+from rollslip_studies.dynamics.levels.load_map import build_load_map, fastest, resistances
 
 pytestmark = pytest.mark.quick
 

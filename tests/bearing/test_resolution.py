@@ -7,10 +7,10 @@ from scipy.integrate import quad
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.load_map import build_load_map
 from rollslip.bearing.resolution import Resolution, as_stated, finest
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
+from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.friction_curve.study import FrictionCurve

@@ -12,7 +12,6 @@ from scipy.interpolate import CubicHermiteSpline
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
-from rollslip.bearing.load_map import build_load_map
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.time_integration import InitialValueProblem, integrate
@@ -26,6 +25,7 @@ from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels import raceway_friction as friction_module
 from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 from strategies import NumpyForm
 

@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
-from rollslip.bearing.load_map import build_load_map
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.motion import time_integration
@@ -25,6 +24,7 @@ from rollslip_studies.dynamics import along, history_findings
 from rollslip_studies.dynamics.account import DynamicsAccount
 from rollslip_studies.dynamics.history.settings import OF_PARTS, HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
+from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction

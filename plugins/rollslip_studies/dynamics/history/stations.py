@@ -21,12 +21,12 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble, conditions_read
-from rollslip.bearing.load_map import build_load_map
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
 from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings

@@ -13,12 +13,12 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.load_map import LoadMap, build_load_map, resistances
 from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip.units import format_quantity
 from rollslip_kernels.motion.carried import LEDGER, Carried
 from rollslip_kernels.motion.system import System
+from rollslip_studies.dynamics.levels.load_map import LoadMap, build_load_map, resistances
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 

@@ -22,7 +22,6 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.cage import Cage
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
-from rollslip.bearing.load_map import resistances
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import field, non_negative, positive
@@ -31,6 +30,7 @@ from rollslip.motion.effective_table import table_records
 from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
+from rollslip_studies.dynamics.levels.load_map import resistances
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact
 from rollslip_studies.dynamics.levels.raceway_friction import DEEP, FrictionSettings, raceway_friction, usual_force
 
