@@ -38,6 +38,20 @@ def test_a_vertex_among_places_however_near_is_that_of_their_polynomial(apart, r
     assert not recwarn.list
 
 
+def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_boundary_friction():
+    slips = np.array([0.744, 0.748, 0.752])
+    off, steps = [], []
+    for traction in ({}, {"models.traction": "muraki"}):
+        one = balance("1032930-70C", instants=1, inertia=False, **{"operation.temperature": "100 degC"}, **traction)
+        motions = [found[0] for found in one.motions.at(slips, np.zeros(3))]
+        off.append([float(at - one.roller_slip.flat[0]) for at, one in zip(slips, motions, strict=True)])
+        steps.append(np.diff([motion.torque for motion in motions]) / motions[0].torque)
+    assert off[0][2] < 2e-3 < 0.02 < off[0][1]  # rolling on the outer ring a roller slips as the cage
+    assert steps[0][1] > 2.0 * steps[0][0]
+    assert off[1][2] > 0.1
+    assert steps[1][1] == pytest.approx(steps[1][0], rel=0.05)
+
+
 # A plain march -------------------------------------------------------------------------------------------------------
 
 
