@@ -391,6 +391,13 @@ def test_maxima_between_the_nodes_of_a_map_cost_no_order():
     assert table.nodes.shape[1] <= 257
 
 
+def test_a_law_that_bends_far_from_where_it_rises_gets_the_cells_that_it_takes():
+    law = lambda V: np.tanh(V / 1e-7) + np.tanh(V / 1e-2)  # noqa: E731
+    table, V = curve_table(law, 10.0, 1e-4), np.geomspace(1e-9, 1.0, 997)
+    assert table.nodes.shape[0] > 4097
+    assert np.abs(friction_of(table, V) - law(V)).max() < 2e-4
+
+
 def test_a_law_that_jumps_is_said_to_be_too_much():
     with pytest.raises(ConvergenceError, match=r"relative error of .* with the most nodes.*raise accuracy\.tolerance"):
         curve_table(np.sign, ROLLING, 1e-3)

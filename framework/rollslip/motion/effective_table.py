@@ -49,6 +49,8 @@ _PROBES: Final = 129
 #: A speed that is to be a node is at one of these shares of the way to the largest one, the last for steep rises.
 _SHARES: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
 _FIRST_CELLS, _MOST_CELLS = 64, 4096
+#: To what a curve goes on that misses its tolerance with the most: a fast roller bends far from where friction rises.
+_LAST_CELLS: Final = 32768
 #: Where the first cells err more than this, more of them are needed to tell which mapping is best.
 _UNCLEAR, _CLEARER, _CLEAR_CELLS = 0.01, 256, 1024
 _FIRST_ROWS, _MOST_ROWS = 8, 256
@@ -199,7 +201,7 @@ def curve_table(friction: Law, rolling: float, tolerance: float, aim: float | No
         enough = error <= (tolerance if aim is None else aim) and _rises(limit, slopes, scale * shape.slope)
         if enough or (cells >= _MOST_CELLS and error <= tolerance):
             break
-        if cells >= _MOST_CELLS:
+        if cells >= _LAST_CELLS:
             raise _too_coarse(error, tolerance)
         both = np.empty(8 * cells + 1)
         both[::2], both[1::2] = fine, at(_halves(limit, 8 * cells)[1::2])
