@@ -30,6 +30,14 @@ settings.register_profile("thorough", max_examples=1000, deadline=None, derandom
 settings.load_profile("short")
 
 
+@pytest.fixture(autouse=True)
+def _hears_interrupts():
+    """A command that has written its results ignores interrupts from then on: its process ends."""
+    heard = signal.getsignal(signal.SIGINT)
+    yield
+    signal.signal(signal.SIGINT, heard)
+
+
 @pytest.hookimpl(trylast=True)  # after hypothesis has read which profile was asked for
 def pytest_configure(config):
     """Give a short run the same examples whatever was imported before a test."""
