@@ -11,12 +11,15 @@ import time
 from importlib.resources import files
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from pybtex.database import parse_string
 
 import rollslip
 import warm
+from rollslip.cli.main import cli
 from rollslip.results.dataset import VOLATILE
 from rollslip.results.words import LOWER_BOUNDS
 
@@ -404,3 +407,13 @@ def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_ha
     report = (tmp_path / "o" / "report.html").read_text(encoding="utf-8")
     told = "density (B), conductivity (C), pressure viscosity kind (C), viscosity (B)"
     assert f"Grades: {told}. (B) from a standard reference" in report
+
+
+def test_help_lists_every_command_once_in_a_group_with_an_example_and_whole_sentences():
+    text = CliRunner().invoke(cli, ["--help"]).output
+    names = re.findall(r"^  ([a-z]+)  ", text.partition("\n\nWill it skid")[2], re.MULTILINE)
+    assert sorted(names) == cli.list_commands(click.Context(cli))
+    assert "..." not in text.partition("\n\n")[2]
+    groups = re.findall(r"^([A-Z][\w ,]+):\n  \$ rollslip (\w+)", text, re.MULTILINE)
+    assert len(groups) == 5
+    assert all(command in names for _, command in groups)

@@ -25,6 +25,18 @@ from rollslip.planning.campaign import campaign, campaigns, help_of
 __all__ = ["cli", "main"]
 
 
+#: Commands as people look for them: what for, an example, names.
+_GROUPS: Final = (
+    ("Will it skid", "rollslip run gearbox", ("new", "run", "info", "plan")),
+    ("What is better, and how far it may go", "rollslip compare gearbox --oil iso-vg-68,iso-vg-220",
+     ("compare", "limit", "uncertainty", "sweep", "explore", "pareto")),
+    ("Measurements", "rollslip validate published-slip", ("validate", "fit", "rank")),
+    ("What stands behind it", "rollslip explain W11", ("explain", "models", "schema", "cite", "plugins", "doctor")),
+    ("Files", "rollslip report results/*.nc", ("report", "export")),
+)  # fmt: skip
+_GROUPED: Final = [names for *_, names in _GROUPS]
+
+
 class _Log(logging.Handler):
     """Writes the log to standard error, above a bar that is drawn there."""
 
@@ -57,8 +69,13 @@ class _Commands(click.Group):
         return super().resolve_command(ctx, args) if known else self._listed().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List all commands."""
-        self._listed().format_commands(ctx, formatter)
+        """List all commands in groups, each with an example, and whole sentences."""
+        listed, left = self._listed().commands, set(self._listed().commands)
+        for title, example, names in (*_GROUPS, ("Of other packages", "", sorted(left.difference(*_GROUPED)))):
+            if known := [name for name in names if name in listed]:
+                with formatter.section(title):
+                    formatter.write_text(f"$ {example}" if example else "")
+                    formatter.write_dl([(name, _first_sentence(listed[name].help or "")) for name in known])
 
     def _listed(self) -> click.Group:
         """All commands, those of campaigns by what they say of themselves."""
@@ -70,6 +87,10 @@ class _Commands(click.Group):
                 summary = str(error)
             listed.setdefault(name, click.Command(name, help=summary))
         return click.Group(commands=listed)
+
+
+def _first_sentence(help: str) -> str:
+    return " ".join(help.partition("\n\n")[0].split()).partition(". ")[0].rstrip(".")
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
