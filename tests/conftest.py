@@ -21,10 +21,14 @@ from hypothesis import settings
 from hypothesis.internal.conjecture.providers import HypothesisProvider
 from hypothesis.internal.constants_ast import Constants
 
-# a shell starts its jobs in the background with SIGINT ignored, and what tests start would ignore it too
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
 
+def _hear_interrupts():
+    """A shell starts its jobs in the background with SIGINT ignored, and a command ignores it when all is written."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+_hear_interrupts()
 settings.register_profile("short", max_examples=25, deadline=None, derandomize=True)
 settings.register_profile("thorough", max_examples=1000, deadline=None, derandomize=False)
 settings.load_profile("short")
@@ -32,10 +36,7 @@ settings.load_profile("short")
 
 @pytest.fixture(autouse=True)
 def _hears_interrupts():
-    """A command that has written its results ignores interrupts from then on: its process ends."""
-    heard = signal.getsignal(signal.SIGINT)
-    yield
-    signal.signal(signal.SIGINT, heard)
+    _hear_interrupts()  # whatever the test before has run
 
 
 @pytest.hookimpl(trylast=True)  # after hypothesis has read which profile was asked for
