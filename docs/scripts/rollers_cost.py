@@ -15,7 +15,7 @@ from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, read_table, save_
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings

@@ -23,7 +23,7 @@ from rollslip.errors import PluginError
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import python_system
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})

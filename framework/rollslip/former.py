@@ -24,8 +24,26 @@ _RENAMED: Final = {
     "rollslip.motion.continuation": "rollslip_studies.steady_slip.branches",
     **{
         f"rollslip.motion.{name}": f"rollslip_studies.dynamics.levels.{name}"
-        for name in ("carried", "moving_bearing", "planar", "raceway_friction")
+        for name in ("moving_bearing", "planar", "raceway_friction")
     },
+    "rollslip.motion.carried": "rollslip_studies.dynamics.levels.cage_and_rollers",
+    **{
+        f"rollslip.motion.history.{old}": f"rollslip_studies.dynamics.history.{new}"
+        for old, new in (
+            ("courses", "time_functions"),
+            ("stations", "interpolated_rates"),
+            ("path", "temperature_path"),
+        )
+    },
+    **{
+        f"rollslip.studies.{old}": f"rollslip_studies.{new}"
+        for old, new in (
+            ("dynamics.along", "dynamics.over_time"),
+            ("dynamics.ending", "dynamics.termination"),
+            ("steady_slip.shared", "steady_slip.evaluated"),
+        )
+    },
+    "rollslip.campaigns.validation.judging": "rollslip_campaigns.validation.residuals",
     "rollslip.pressure_viscosity": "rollslip.lubricant.pressure",
     "rollslip.studies.raceways": "rollslip_studies.effective_friction.raceways",
 }

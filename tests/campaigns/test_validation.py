@@ -16,9 +16,9 @@ from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.structure import FrozenTable
 from rollslip_campaigns.validation import ValidationSettings
-from rollslip_campaigns.validation.judging import Value, held, verdict_on
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import form, read_predictions
+from rollslip_campaigns.validation.residuals import Value, held, verdict_on
 from rollslip_campaigns.validation.validate import run_validation
 
 

@@ -149,7 +149,7 @@ import sys
 import numpy as np
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_kernels.stages import simd

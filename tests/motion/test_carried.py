@@ -24,7 +24,7 @@ from rollslip_kernels.stages import drag
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels import raceway_friction as friction_module
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 from strategies import NumpyForm

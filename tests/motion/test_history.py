@@ -9,11 +9,11 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
 from rollslip.structure import Location, structure
-from rollslip_studies.dynamics.history.courses import Course, constant, table
+from rollslip_studies.dynamics.history.interpolated_rates import Axis, off, rates_of, sizes_of
 from rollslip_studies.dynamics.history.settings import HistorySettings
-from rollslip_studies.dynamics.history.stations import Axis, off, rates_of, sizes_of
+from rollslip_studies.dynamics.history.time_functions import Course, constant, table
 from rollslip_studies.dynamics.history.varying import varying_motion
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-50C"), {"accuracy.slices": 5})

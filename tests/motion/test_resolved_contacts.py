@@ -12,7 +12,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.motion.leapfrog import Leapfrog
 from rollslip_kernels.motion.rosenbrock import DormandPrince
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 

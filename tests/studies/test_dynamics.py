@@ -14,10 +14,10 @@ from rollslip.fields import FieldError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.results.dataset import open_result, save
-from rollslip_studies.dynamics.ending import steady_slip_of
 from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.dynamics.termination import steady_slip_of
 from rollslip_studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")

@@ -19,7 +19,7 @@ from rollslip.results.style import save_figures
 from rollslip.studies.answers import Keep
 from rollslip_studies.dynamics import heating
 from rollslip_studies.dynamics.figures import motion_figures
-from rollslip_studies.dynamics.history.path import ThermalPath
+from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.study import Dynamics
 
 LINKS = ("oil_inner_ring", "oil_rollers", "oil_outer_ring")

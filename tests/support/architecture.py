@@ -37,7 +37,7 @@ CAMPAIGNS = {
 SHARED = {
     "rollslip_studies.effective_friction.raceways", "rollslip_studies.effective_friction.study",
     "rollslip_studies.friction_curve.study",
-    "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.shared",
+    "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.evaluated",
     "rollslip_studies.steady_slip.minimum_load", "rollslip_studies.steady_slip.band",
     "rollslip_studies.steady_slip.account", "rollslip_studies.surface_damage.over_motion",
     "rollslip_studies.surface_damage.findings", "rollslip_studies.surface_damage.figures",

@@ -13,7 +13,7 @@ import numpy as np
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip_kernels.motion.rosenbrock import DormandPrince
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 

@@ -21,7 +21,7 @@ from rollslip.studies.study import Study, study_class
 from rollslip_campaigns.sweep.definition import SweepWork
 from rollslip_campaigns.sweep.journal import Row as PointRow
 from rollslip_campaigns.sweep.point import compute, unpacked
-from rollslip_campaigns.validation.judging import Value
+from rollslip_campaigns.validation.residuals import Value
 
 __all__ = ["observe"]
 

@@ -24,7 +24,7 @@ from rollslip.files import content_of, decoded, readable, whole_file
 from rollslip.measurement import Measurement, load_measurement
 from rollslip.measurement.values import Series
 from rollslip.units import as_written
-from rollslip_campaigns.validation.judging import Value
+from rollslip_campaigns.validation.residuals import Value
 
 __all__ = [
     "Predictions", "data_set_of", "form", "measurement_named", "predictions_of", "read_predictions", "write_form",

@@ -44,9 +44,9 @@ from rollslip_campaigns.comparison.choices import KINDS, read_choice, refuse
 from rollslip_campaigns.fit.problem import RigProblem, rig_problem
 from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_campaigns.validation.findings import shown
-from rollslip_campaigns.validation.judging import UNTOLD, Group, Judged, Said, Value, held, verdict_on
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
+from rollslip_campaigns.validation.residuals import UNTOLD, Group, Judged, Said, Value, held, verdict_on
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -31,11 +31,11 @@ from rollslip.studies.answers import Part
 from rollslip.studies.thermal_balance.model import ThermalModel, from_bearing, thermal_model
 from rollslip.studies.timing import timed
 from rollslip_studies.dynamics.choice import Movable
-from rollslip_studies.dynamics.ending import explained
-from rollslip_studies.dynamics.history.courses import constant
-from rollslip_studies.dynamics.history.path import CLEARANCE, ThermalPath, changed
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History
+from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, ThermalPath, changed
+from rollslip_studies.dynamics.history.time_functions import constant
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.dynamics.termination import explained
 
 #: Single values of a motion that heats its bearing.
 VALUES: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")

@@ -35,10 +35,18 @@ from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
-from rollslip_studies.dynamics import along, heating
+from rollslip_studies.dynamics import heating, over_time
 from rollslip_studies.dynamics.choice import adds_up, choose_motion, with_few_slices
 from rollslip_studies.dynamics.cost import costs_of
-from rollslip_studies.dynamics.ending import (
+from rollslip_studies.dynamics.history.settings import History, HistorySettings
+from rollslip_studies.dynamics.history.time_functions import Course
+from rollslip_studies.dynamics.history.varying import varying_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
+from rollslip_studies.dynamics.outputs import OUTPUTS
+from rollslip_studies.dynamics.termination import (
     explained,
     failed_by,
     last_slices,
@@ -47,14 +55,6 @@ from rollslip_studies.dynamics.ending import (
     steady_slip_of,
     stored,
 )
-from rollslip_studies.dynamics.history.courses import Course
-from rollslip_studies.dynamics.history.settings import History, HistorySettings
-from rollslip_studies.dynamics.history.varying import varying_motion
-from rollslip_studies.dynamics.levels.carried import carried_motion
-from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
-from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
-from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
-from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.surface_damage.over_motion import over_motion
 
@@ -192,7 +192,7 @@ class Dynamics(Study):
         averaged = self.curved(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(estimates.exactly(averaged, assembly), assembly)
-        estimated, _ = along.at_the_ends(averaged, assembly, self.course(assembly), _SHARE)
+        estimated, _ = over_time.at_the_ends(averaged, assembly, self.course(assembly), _SHARE)
         estimated = self._with_choice(estimates.with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
@@ -201,13 +201,13 @@ class Dynamics(Study):
     def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Friction, level and integrator, where the scene does not name them."""
         named = [*assembly.scene.study.get(self.name, {})]
-        settings, named = along.left_open(self.course(assembly), named, self.level)
+        settings, named = over_time.left_open(self.course(assembly), named, self.level)
         choice = choose_motion(self.evolved(**settings), assembly.at(estimated.resolution), named)
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, **settings, **choice.settings),
             errors={**estimated.errors, **choice.errors},
-            reasons={**choice.reasons, **along.reasons(self.course(assembly), settings, self.level)},
+            reasons={**choice.reasons, **over_time.reasons(self.course(assembly), settings, self.level)},
         )
 
     def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
@@ -240,10 +240,10 @@ class Dynamics(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of tables and motion, from its beginning, and of the slip of running away."""
-        at = attrs.evolve(assembly.resolution, instants=assembly.resolution.instants or along.INSTANTS)
+        at = attrs.evolve(assembly.resolution, instants=assembly.resolution.instants or over_time.INSTANTS)
         told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
         away, history = sum(told.values()), self.course(assembly)
-        along_it = along.cost(history, lambda: self.moving(assembly), self.curved(assembly))
+        along_it = over_time.cost(history, lambda: self.moving(assembly), self.curved(assembly))
         motion = costs_of(self, assembly)
         return {"running away": away, **along_it, **motion, **heating.cost(self, assembly, motion["motion"])}
 
@@ -266,7 +266,7 @@ class Dynamics(Study):
         )
         return [
             *([steps] if "steps" in errors else []),
-            *along.parts(self.course(assembly), lambda: self.moving(assembly), self.name, costs),
+            *over_time.parts(self.course(assembly), lambda: self.moving(assembly), self.name, costs),
             *heating.part(self, assembly, costs),
             *parts(assembly.scene),
             Part(
@@ -327,7 +327,7 @@ class Dynamics(Study):
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices of the rollers at the last stored instant."""
-        then = along.at_the_end(assembly, dataset)
+        then = over_time.at_the_end(assembly, dataset)
         return [] if then is None else last_slices(then, dataset)
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
@@ -353,8 +353,8 @@ class Dynamics(Study):
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """
-        dataset = along.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
-        damage, measures = over_motion(assembly, dataset, partial(along.at_temperatures, assembly, dataset))
+        dataset = over_time.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
+        damage, measures = over_motion(assembly, dataset, partial(over_time.at_temperatures, assembly, dataset))
         return dataset.assign_coords(measures).assign(self.variables(**damage))
 
     def _run(self, assembly: Assembly, kept: Keep) -> "xr.Dataset":
@@ -364,9 +364,9 @@ class Dynamics(Study):
         heat = heating.heated(self, assembly, kept.progress)
         assembly, history = (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
         settings, store = self.curved(assembly), kept.store
-        raceways = settings.loaded(assembly, assembly.resolution.instants or along.INSTANTS)
-        critical, away = along.critical_of(settings, raceways), along.away_of(settings, raceways)
-        limit = along.limit_of(settings, assembly, history)
+        raceways = settings.loaded(assembly, assembly.resolution.instants or over_time.INSTANTS)
+        critical, away = over_time.critical_of(settings, raceways), over_time.away_of(settings, raceways)
+        limit = over_time.limit_of(settings, assembly, history)
         moving = self.moving_along(history, assembly, critical_slip=away.slip, limit=limit)
         times, watch = np.linspace(0.0, self.duration, self.points), moving.system.watch
         before = None if store is None else store.load(times, moving.system.n)
@@ -451,7 +451,7 @@ class Dynamics(Study):
 
     def course(self, assembly: Assembly) -> History | None:
         """Return how the operation goes over time; None where it does not change."""
-        return along.history_of(self.history, assembly, self.duration, self.table)
+        return over_time.history_of(self.history, assembly, self.duration, self.table)
 
     def moving(self, assembly: Assembly) -> MovingBearing:
         """Return the bearing in motion at the temperatures of its scene."""
@@ -532,7 +532,7 @@ class Dynamics(Study):
         variables = self.variables(**stored(moving, found, outputs))
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip, works = variables["cage_slip"][1], moving.works(found.y)
-        at_instants, of_history = along.with_history(
+        at_instants, of_history = over_time.with_history(
             self.curved(assembly), moving, t, variables["sliding_speed"][1], variables["traction_force"][1]
         )
         variables |= self.variables(**at_instants)
@@ -545,7 +545,7 @@ class Dynamics(Study):
             lambda seconds: f"; run longer with --set {self.table}.duration={seconds:.2g}s" if ended else "",
             f"; store more with --set {self.table}.points={4 * self.points}",
         )
-        steady, steady_status = along.settled(moving, t, (steady, steady_status))
+        steady, steady_status = over_time.settled(moving, t, (steady, steady_status))
         return xr.Dataset(
             variables,
             {

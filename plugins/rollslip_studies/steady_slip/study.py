@@ -52,10 +52,10 @@ from rollslip.studies.timing import timed
 from rollslip_studies.effective_friction.raceways import regime_variables, unloaded
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
+from rollslip_studies.steady_slip.evaluated import evaluated_slices
 from rollslip_studies.steady_slip.losses import acceptable_reserve, losses
 from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
-from rollslip_studies.steady_slip.shared import evaluated_slices
 from rollslip_studies.steady_slip.slip_drag import slip_drag
 from rollslip_studies.steady_slip.statuses import no_fold, stability_of, status_of
 

@@ -33,7 +33,7 @@ from rollslip.studies.surface_damage.model import (
     values_of,
 )
 from rollslip.studies.timing import timed
-from rollslip_studies.steady_slip.shared import estimate_torques, evaluated_slices
+from rollslip_studies.steady_slip.evaluated import estimate_torques, evaluated_slices
 from rollslip_studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from rollslip.results.dataset import about
 from rollslip.studies.answers import Compared, Estimated, Keep, Output
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.model import ROLES, from_bearing, thermal_model
-from rollslip_studies.steady_slip.shared import estimate_torques
+from rollslip_studies.steady_slip.evaluated import estimate_torques
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 

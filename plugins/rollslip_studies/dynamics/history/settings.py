@@ -22,7 +22,8 @@ from rollslip.files import content_of, decoded, read_columns
 from rollslip.scene.values import Operation, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity, quantity
-from rollslip_studies.dynamics.history.courses import (
+from rollslip_studies.dynamics.history.temperature_path import ThermalPath
+from rollslip_studies.dynamics.history.time_functions import (
     OF_DIRECTION,
     OF_SPEEDS,
     Array,
@@ -32,7 +33,6 @@ from rollslip_studies.dynamics.history.courses import (
     table,
     unordered,
 )
-from rollslip_studies.dynamics.history.path import ThermalPath
 
 #: Temperatures that follow that of the operation where nothing else is said.
 OF_PARTS: Final = ("inner_ring_temperature", "roller_temperature", "outer_ring_temperature")

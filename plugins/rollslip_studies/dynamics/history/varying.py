@@ -12,10 +12,10 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import MOST_AXES, Varying
-from rollslip_studies.dynamics.history.courses import Course, constant
-from rollslip_studies.dynamics.history.path import ThermalPath
+from rollslip_studies.dynamics.history.interpolated_rates import Axis, Stations, operated
 from rollslip_studies.dynamics.history.settings import History
-from rollslip_studies.dynamics.history.stations import Axis, Stations, operated
+from rollslip_studies.dynamics.history.temperature_path import ThermalPath
+from rollslip_studies.dynamics.history.time_functions import Course, constant
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings

@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import resolved
-from rollslip_studies.dynamics.history.courses import Course, through
+from rollslip_studies.dynamics.history.time_functions import Course, through
 
 __all__ = ["CLEARANCE", "ThermalPath", "changed"]
 

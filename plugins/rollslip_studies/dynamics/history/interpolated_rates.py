@@ -25,7 +25,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
 from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
-from rollslip_studies.dynamics.levels.carried import carried_motion
+from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion

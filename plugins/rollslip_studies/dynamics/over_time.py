@@ -24,10 +24,10 @@ from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.estimates import slices_and_instants
 from rollslip_studies.dynamics import history_findings
-from rollslip_studies.dynamics.history.courses import Course, table
-from rollslip_studies.dynamics.history.path import CLEARANCE, changed
+from rollslip_studies.dynamics.history.interpolated_rates import operated, shown
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings
-from rollslip_studies.dynamics.history.stations import operated, shown
+from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, changed
+from rollslip_studies.dynamics.history.time_functions import Course, table
 from rollslip_studies.dynamics.history.varying import STILL, VaryingMotion, epicyclic
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.outputs import OUTPUTS
