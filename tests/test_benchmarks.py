@@ -1,10 +1,14 @@
-"""The benchmarks compare like with like: peers that are here do the same work, and one that does not is left out."""
+"""The benchmarks compare like with like: peers that are here do the same work, and one that does not is left out.
+
+And faults that are planted to try the tests stand in the files of today.
+"""
 
 import numpy as np
 import pytest
 
 import bench_chain
 import contacts
+import plant
 
 NUMPY = {"NumPy, textbook", "NumPy, in place"}
 
@@ -48,3 +52,11 @@ def test_a_peer_that_cannot_be_had_is_said_with_the_reason():
     peers = bench_chain.Peers(only={"Numba, SVML"})
     assert set(peers.ready) == {bench_chain.OURS}
     assert "Numba, SVML" in peers.missing
+
+
+def test_faults_to_be_planted_stand_in_their_files_once_and_their_tests_are_there():
+    for fault in plant.faults():
+        plant.line_of(fault, (plant.TREE / fault.file).read_text(encoding="utf-8"))
+        for test in fault.tests:
+            path, _, name = test.partition("::")
+            assert f"def {name}" in (plant.TREE / path).read_text(encoding="utf-8"), (fault.file, test)
