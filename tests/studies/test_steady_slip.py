@@ -398,7 +398,7 @@ def test_more_load_less_slip(load, factor):
     assert many < few
 
 
-@given(speed=st.floats(2e3, 15e3), factor=st.floats(1.2, 2.0))
+@given(speed=st.floats(2e3, 9e3), factor=st.floats(1.2, 2.0))  # above 19000 rpm it is beyond 95 %, where none is sought
 @settings(max_examples=3)
 def test_more_speed_more_slip(speed, factor):
     """With a drag that grows with speed as churning does; at constant drag thicker films can win below 12000 rpm."""
