@@ -124,7 +124,7 @@ def test_names_may_have_commas_between_them():
 def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
     code, said, _ = rollslip("--help", path=stranger)
     assert code == 0
-    assert "  mean-friction  Tell the mean friction of SCENE at several loads.\n" in said
+    assert "  mean-friction  Tell the mean friction of SCENE at several loads\n" in said
     assert "  limit  " in said
     code, said, _ = rollslip("plugins", "list", path=stranger)
     assert "rollslip-mean-friction 1.0: ok\n  campaign    mean-friction\n" in f"{said}\n"

@@ -20,7 +20,7 @@ from rollslip.structure import Location, structure
 from rollslip.studies.answers import Keep
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_studies.dynamics import along, history_findings
+from rollslip_studies.dynamics import history_findings, over_time
 from rollslip_studies.dynamics.account import DynamicsAccount
 from rollslip_studies.dynamics.history.settings import OF_PARTS, HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
@@ -419,7 +419,7 @@ def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_ther
         load = f"{float(dropped.radial_load[k])!r} N"
         held = assemble(scene({"operation.radial_load": load}))
         study = EffectiveFriction.of(held.scene)
-        away = along.away_of(study, study.loaded(held, along.INSTANTS))
+        away = over_time.away_of(study, study.loaded(held, over_time.INSTANTS))
         assert float(dropped.runaway_slip_along[k]) == pytest.approx(away.slip, abs=2e-3)
         assert float(dropped.runaway_drag_along[k]) == pytest.approx(away.drag, rel=2e-3)
 
