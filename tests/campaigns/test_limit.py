@@ -103,6 +103,18 @@ def test_a_limit_is_asked_for_in_a_person_s_words(study):
     assert asked.output == {"steady-slip": "steady_slip", "effective-friction": "steady_cage_slip"}[study]
 
 
+@pytest.mark.parametrize("keep", ["slip < 5", "slip < 500 %", "slip < -5 %"])
+def test_a_slip_beyond_none_and_all_is_refused(keep):
+    with pytest.raises(SceneError, match="a slip from 0 to 100 % is expected"):
+        read_requirement(keep, get_class("study", "steady-slip"))
+
+
+def test_a_cage_that_runs_ahead_slips_as_much():
+    asked = read_requirement("slip < 5 %", get_class("study", "steady-slip"))
+    assert asked.slack(-0.34) < 0.0 < asked.slack(-0.01)
+    assert asked.worst([0.02, -0.34]) == -0.34
+
+
 def test_a_word_searches_what_its_key_does():
     words, keys = (
         ({"load": "0.5 kN:2 kN:3"}, "slip < 5 %"),

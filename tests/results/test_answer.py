@@ -83,12 +83,13 @@ def test_every_rule_has_a_threshold_above_and_a_source():
     ("facts", "verdict", "words"),
     [
         ({"band": None}, "UNKNOWN", "whether it slips is not known: no high end of the band"),
-        ({"reserve": None}, "UNKNOWN", "whether it skids is not known: no drag reserve"),
+        ({"reserve": None}, "UNKNOWN", "whether it skids is not known: no reserve to skidding"),
         ({"reserve": (1.2, math.inf)}, "UNKNOWN", "whether it is below 1.5 is not known"),
         ({"reserve": (2.0, math.inf)}, "OK", ""),
         ({"slip": 0.5, "band": (0.4, math.inf), "reserve": (1.0, math.inf)}, "SKIDS", "above 20 %"),
         ({"slip": 0.06, "band": (0.05, 0.07), "reserve": (1.6, math.inf)}, "SLIPS", "above the acceptable 5 %"),
         ({"slip": 0.5, "band": None, "reserve": None}, "SKIDS", "above 20 %"),
+        ({"slip": -0.7, "band": None}, "SKIDS", "above 20 %"),
     ],
 )
 def test_a_rule_for_something_worse_that_cannot_be_decided_makes_the_verdict_unknown_and_says_why(
@@ -102,7 +103,11 @@ def test_a_rule_for_something_worse_that_cannot_be_decided_makes_the_verdict_unk
 @pytest.mark.quick
 def test_a_condition_is_left_open_where_the_ends_of_a_fact_differ():
     (rule,) = (one for one in RULES if one.code == "V8")
-    assert [holds(rule, {"drag reserve": ends}) for ends in ((1.0, 1.9), (1.0, 2.1), (2.0, 3.0))] == [True, None, False]
+    assert [holds(rule, {"reserve to skidding": ends}) for ends in ((1.0, 1.9), (1.0, 2.1), (2.0, 3.0))] == [
+        True,
+        None,
+        False,
+    ]
     assert holds(rule, {}) is None
 
 

@@ -150,6 +150,8 @@ def new(bearing: str, **given: str) -> Scene:
     """
     if unknown := given.keys() - MEANING.keys():
         raise SceneError([f"new: there is no {', '.join(sorted(unknown))}; there are {', '.join(MEANING)}"])
+    if wrong := [name for name, text in {"bearing": bearing, **given}.items() if not isinstance(text, str)]:
+        raise SceneError([f"new: {name}: a text is expected, with a unit where it has one: '2 kN'" for name in wrong])
     values, missing = completed({"bearing": bearing, **given})
     return parse_scene(new_scene("new scene", frozenset(missing), **values), "new scene")
 

@@ -19,6 +19,7 @@ import attrs
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import available, get_class
+from rollslip.errors import SceneError
 from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
 from rollslip.results.curves import Curves, critical_rows, curves
 from rollslip.results.words import LOWER_BOUNDS, percent
@@ -227,6 +228,9 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     >>> rollslip.answer(rollslip.run("gearbox", "steady-slip"))["cage_slip"].text
     '1.5 %'
     """
+    scenes = {str(one.attrs["scene_hash"]) for one in results if one.attrs.get("scene_hash")}
+    if len(scenes) > 1:
+        raise SceneError([f"answer: results of one scene are expected, not of {len(scenes)}; ask for each on its own"])
     found = merged(
         ((str(one.attrs.get("study", "")), account_of(one).answer(one)) for one in results),
         scene or next((str(one.attrs["source"]) for one in results if one.attrs.get("source")), ""),

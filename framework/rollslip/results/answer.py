@@ -126,13 +126,13 @@ class Rule:
 
 _CHOICE: Final = "a choice"
 RULES: Final = (
-    Rule(code="V1", verdict="SKIDS", row="drag_reserve", when=(("drag reserve", "<", 1.0),),
+    Rule(code="V1", verdict="SKIDS", row="drag_reserve", when=(("reserve to skidding", "<", 1.0),),
          words="the drags are larger than what the rollers carry", source="balance of torques"),
     Rule(code="V2", verdict=UNKNOWN, row="cage_slip", when=(("cage slip", "none", 0.0),), words="",
          source="nothing can be said"),
     Rule(code="V3", verdict="SKIDS", row="cage_slip", when=(("cage slip", ">", 0.2),), words="above 20 %",
          source=_CHOICE),
-    Rule(code="V4", verdict="SKIDS", row="drag_reserve", when=(("drag reserve", "<", 1.5),), words="below 1.5",
+    Rule(code="V4", verdict="SKIDS", row="drag_reserve", when=(("reserve to skidding", "<", 1.5),), words="below 1.5",
          source=_CHOICE),
     Rule(code="V5", verdict=UNKNOWN, row="cage_slip",
          when=(("low end of the band", "<", (1.0, "acceptable slip")), ("high end of the band", ">", 0.2),
@@ -142,7 +142,7 @@ RULES: Final = (
          words="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
     Rule(code="V7", verdict="SLIPS", row="cage_slip", when=(("high end of the band", ">", (2.0, "acceptable slip")),),
          words="may be above {twice}", source=_CHOICE),
-    Rule(code="V8", verdict="SLIPS", row="drag_reserve", when=(("drag reserve", "<", 2.0),), words="below 2",
+    Rule(code="V8", verdict="SLIPS", row="drag_reserve", when=(("reserve to skidding", "<", 2.0),), words="below 2",
          source=_CHOICE),
     Rule(code="V9", verdict="OK", row="cage_slip", when=(), words="", source="else"),
 )  # fmt: skip
@@ -190,7 +190,10 @@ class Answer:
 
     def __getitem__(self, key: str) -> Row:
         """Return a row by its key."""
-        return next(row for row in self.rows if row.key == key)
+        found = next((row for row in self.rows if row.key == key), None)
+        if found is None:
+            raise KeyError(f"{key}; there are {', '.join(row.key for row in self.rows)}")
+        return found
 
     def shown(self) -> list[Row]:
         """Return the rows that people see, `MOST_ROWS` at most: those with an alarm, and the first others."""
@@ -328,14 +331,14 @@ def facts_of(answer: Answer) -> dict[str, _Interval]:
     rows = {row.key: row for row in answer.rows}
     facts = {"acceptable slip": (answer.acceptable, answer.acceptable)}
     if (slip := rows.get("cage_slip")) is not None and not math.isnan(slip.value):
-        facts["cage slip"] = (slip.value, slip.value)
+        facts["cage slip"] = (abs(slip.value), abs(slip.value))  # a cage that runs ahead slides as much
         if slip.band is not None:
             facts |= {
                 name: (end, end)
                 for name, end in zip(("low end of the band", "high end of the band"), slip.band, strict=True)
             }
     if (reserve := rows.get("drag_reserve")) is not None and not math.isnan(reserve.value):
-        facts["drag reserve"] = reserve.band or (reserve.value, reserve.value)
+        facts["reserve to skidding"] = reserve.band or (reserve.value, reserve.value)
     return facts
 
 

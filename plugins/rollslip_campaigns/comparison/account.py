@@ -54,9 +54,13 @@ class ComparisonAccount(Account):
 
 #: Row of an answer -> head of its column.
 _HEADS = {
-    "cage_slip": "cage slip", "minimum_load": "minimum load", "acceptable_reserve": "drag reserve",
+    "cage_slip": "cage slip", "minimum_load": "minimum load", "acceptable_reserve": "reserve to slipping",
     "friction_torque": "friction torque", "film_parameter": "film",
 }  # fmt: skip
+
+
+#: Slip that is as good as none, and ratio of slips from which on one of them is told to be more.
+_SMALL, _CLEAR = 1e-3, 1.05
 
 
 class AlternativesAccount(Account):
@@ -65,14 +69,14 @@ class AlternativesAccount(Account):
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each, best first."""
         rows, ratios = json.loads(dataset.attrs["rows"]), json.loads(dataset.attrs["surer"])
-        head = ("alternative", "verdict", *_HEADS.values(), "slip over that of the first, 5 to 95 %")
+        head = ("alternative", "verdict", *_HEADS.values(), "ratio")
         body = []
         for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
             if label not in rows:
                 body.append([label, "failed", *[""] * len(_HEADS), ""])
                 continue
             low, high = ratios[k]
-            ratio = "" if k == 0 or math.isnan(low) else f"{two(low)} to {two(high)}"
+            ratio = "" if k == 0 or math.isnan(low) else f"{two(low)}\u00a0to\u00a0{two(high)}"
             body.append(
                 [label, str(dataset["verdict"][k].item()), *(rows[label].get(key, "") for key in _HEADS), ratio]
             )
@@ -84,22 +88,27 @@ class AlternativesAccount(Account):
         failed = [
             f"{label}: {why}" for label, why in zip(labels, dataset["message"].to_numpy().tolist(), strict=True) if why
         ]
-        close = [label for label, (low, high) in zip(labels[1:], ratios[1:], strict=False) if not low > 1.0]
-        unknown = [label for label, (low, _) in zip(labels[1:], ratios[1:], strict=False) if math.isnan(low)]
         if len(ratios) < 2:
             return failed
-        slips = dataset["cage_slip"].to_numpy()
-        if unknown:
-            said = f"{labels[0]} is best; how surely it slips less than {', '.join(unknown)} is not known"
-        elif close:
-            said = (
-                f"no clear winner between {labels[0]} and {', '.join(close)}: where data scatter either may slip less"
-            )
-        else:
-            times = two(float(np.nanmin(slips[1 : len(ratios)])) / float(slips[0])) if slips[0] > 0.0 else ""
-            said = f"{labels[0]} slips least, with more than 95 %" + (
-                f"; the next slips {times} times as much" * bool(times)
-            )
+        slips, first = np.abs(dataset["cage_slip"].to_numpy()), labels[0]
+        others = [(label, *ends) for label, ends in zip(labels[1:], ratios[1:], strict=False)]
+        small = [label for k, (label, *_) in enumerate(others, 1) if max(slips[0], slips[k]) < _SMALL]
+        same = [label for label, low, high in others if label not in small and low == high == 1.0]
+        unknown = [label for label, low, _ in others if label not in small and math.isnan(low)]
+        close = [label for label, low, _ in others if label not in (*small, *same) and low <= _CLEAR]
+        worse = [label for label, low, _ in others if label not in small and low > _CLEAR]
+        told = [
+            f"{first} and {', '.join(small)} slip less than 0.1 %" * bool(small),
+            f"{first} and {', '.join(same)} are the same here" * bool(same),
+            f"no clear winner between {first} and {', '.join(close)}: where data scatter either may slip less"
+            * bool(close),
+            f"{first} slips less than {', '.join(worse)}, with more than 95 %" * bool(worse),
+            f"{first} stands first by verdict and slip; how sure that is beside {', '.join(unknown)} is not known"
+            * bool(unknown),
+        ]
+        said = "; ".join(filter(None, told))
+        if close or worse:
+            said += "; ratio: slip over that of the first, 5 to 95 %"
         return [said, *failed]
 
     @staticmethod

@@ -147,7 +147,7 @@ def _rank(of: Any) -> tuple[int, float]:
     """The better verdict first, then the smaller slip."""
     slip = next((row.value for row in of.rows if row.key == "cage_slip"), math.nan)
     worst = _WORST_FIRST.index(of.verdict) if of.verdict in _WORST_FIRST else 0
-    return -worst, math.inf if math.isnan(slip) else slip
+    return -worst, math.inf if math.isnan(slip) else abs(slip)
 
 
 def _surer(order: list[str], done: "Mapping[str, xr.Dataset]", keys: Iterable[str]) -> list[list[float]]:
@@ -190,6 +190,8 @@ def _moves(of: "xr.Dataset") -> dict[str, tuple[float, ...]]:
     """By how much the logarithm of the slip moves with each quantity, low and high; nothing where that is not known."""
     band = json.loads(of.attrs.get("band", "{}")).get("steady_slip", {})
     slip, found = float(np.ravel(of["steady_slip"])[0]), dict[str, tuple[float, ...]]()
+    if not slip > 0.0:
+        return {}
     for row in band.get("moved", ()):
         if any(value is None or not value > 0.0 for value in row["values"]):
             return {}

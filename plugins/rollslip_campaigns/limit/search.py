@@ -39,6 +39,8 @@ class Requirement:
         The limit, in SI units.
     given : str
         The unit in which it was given.
+    without_sign : bool
+        Whether the size of the result counts, as of a slip: a cage that runs ahead slides as much.
     """
 
     output: str
@@ -46,6 +48,7 @@ class Requirement:
     sense: str
     limit: float
     given: str
+    without_sign: bool = False
 
     @property
     def told(self) -> str:
@@ -55,10 +58,13 @@ class Requirement:
     def worst(self, values: Collection[float]) -> float:
         """Return of several values, of both rings for example, the one that keeps it least; NaN if none is known."""
         known = [value for value in values if not math.isnan(value)]
+        if self.without_sign:
+            return (max if self.sense == "<=" else min)(known, key=abs, default=math.nan)
         return (max if self.sense == "<=" else min)(known, default=math.nan)
 
     def slack(self, value: float) -> float:
         """Return how far a value is within the limit, negative beyond it."""
+        value = abs(value) if self.without_sign else value
         return self.limit - value if self.sense == "<=" else value - self.limit
 
 
@@ -78,7 +84,11 @@ def read_requirement(text: str, study: type[Study]) -> Requirement:
         raise tells_in_words(name)
     unit = study.outputs[name].unit
     try:
-        return Requirement(name, unit, sense, quantity(value, unit), unit_given(value, unit))
+        limit = quantity(value, unit)
+        if (share := "slip" in name.split("_")) and not 0.0 <= limit <= 1.0:
+            hint = f"; did you mean {limit:g} %?" if 1.0 < limit <= 100.0 and unit_given(value, unit) != "%" else ""
+            raise SceneError([f"keep: {name}: a slip from 0 to 100 % is expected, not {value}{hint}"])
+        return Requirement(name, unit, sense, limit, unit_given(value, unit), share)
     except UnitError as error:
         raise SceneError([f"keep: {name}: {error}"]) from error
 

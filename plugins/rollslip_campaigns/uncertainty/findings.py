@@ -192,7 +192,7 @@ def _steady(dataset: "xr.Dataset") -> str:
     if acceptable == "":
         return said
     slips = dataset["value"].sel(quantity=STEADY).to_numpy()
-    above = float(np.mean(slips[~np.isnan(slips)] > float(acceptable)))
+    above = float(np.mean(np.abs(slips[~np.isnan(slips)]) > float(acceptable)))
     return f"{said}; the acceptable {_percent(float(acceptable))} is passed in {_percent(above)} of the samples"
 
 
@@ -320,7 +320,7 @@ def _torque(value: float) -> str:
 
 
 def _times(value: float) -> str:
-    return f"{value:.3g} times" if math.isfinite(value) else "any times"
+    return f"{value:.3g} times" if math.isfinite(value) else "without limit"
 
 
 def _force(value: float) -> str:

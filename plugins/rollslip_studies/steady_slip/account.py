@@ -32,6 +32,8 @@ NEXT_OF_OTHERS: Final = dict.fromkeys(NEXT, ("rollslip run {scene} --study stead
 #: What they say of the load.
 LOAD_OF_OTHERS: Final = Row(key="minimum_load", label="minimum load", unit="N", text="not computed", known=-1,
                             note="--study steady-slip computes it")  # fmt: skip
+#: Slip of a driven cage, without sign, from which on it is told.
+_AHEAD: Final = 1e-3
 #: Reserve above which it matters to nobody how large it is.
 _PLENTY: Final = 1000.0
 #: Share of the load below which a minimum load has a unit of its own.
@@ -68,7 +70,11 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     yield slip_row(dataset, found, status, known=_KNOWN, within=0.02)
     preload = bearing.get("radial_clearance", 0.0) < 0.0
     if "least_load" in dataset:
-        yield _minimum_load(dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0)
+        if found < -acceptable:
+            yield Row(key="minimum_load", label="minimum load", unit="N", text="not found", known=_KNOWN,
+                      note="it is for a cage that lags")  # fmt: skip
+        else:
+            yield _minimum_load(dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0)
         yield None if preload else _makers(dataset, load)
         yield _to_acceptable(dataset, acceptable)
     if "drag_reserve" in dataset:
@@ -93,8 +99,9 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
     band, one = None, json.loads(dataset.attrs.get("band", "{}")).get("steady_slip")
     if one is not None:
         band = one["low"], math.inf if one["high"] is None else one["high"]
-    return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), band=band,
-               note=span(*band) if band else "", known=known, within=within)  # fmt: skip
+    note = span(*band) if band else "driven: it runs ahead of pure rolling" if slip < -_AHEAD else ""
+    return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), band=band, note=note, known=known,
+               within=within)  # fmt: skip
 
 
 def reserve_row(reserve: float, status: str, *, known: int, within: float) -> Row:
@@ -110,7 +117,7 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float) -> Ro
         return Row(**row, text="not found", note=status)
     least = status.startswith("at least")
     if math.isinf(reserve):
-        return Row(**row, text="no limit", note="no drag acts on the cage itself")
+        return Row(**row, text="no limit", note="no drag brakes the cage")
     band = (reserve, math.inf) if least else (reserve, reserve)
     return Row(**row, text=_times(reserve, least), band=band)
 
@@ -167,8 +174,8 @@ def _to_acceptable(dataset: "xr.Dataset", acceptable: float) -> Row | None:
         return None
     note = f"to a slip of {plain(100.0 * acceptable)} %"
     if reserve <= 0.0:
-        return Row(key="acceptable_reserve", label="drag reserve", value=reserve, text="none", note=note)
-    return Row(key="acceptable_reserve", label="drag reserve", value=reserve, text=_times(reserve), note=note)
+        return Row(key="acceptable_reserve", label="reserve to slipping", value=reserve, text="none", note=note)
+    return Row(key="acceptable_reserve", label="reserve to slipping", value=reserve, text=_times(reserve), note=note)
 
 
 def _film(dataset: "xr.Dataset", one: "xr.Dataset") -> Row | None:

@@ -70,7 +70,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     as of a cage that is driven, counts as that.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
-    if not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0:  # which is one without any drag
+    if not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0 or slips[0] < -_LITTLE:  # without drag, or driven
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "least_load" in dataset else None
     values = {"steady_slip": max(float(slips[0]), _NONE)}

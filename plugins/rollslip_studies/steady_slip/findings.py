@@ -257,7 +257,8 @@ def _jump(dataset: "xr.Dataset") -> str:
         return ""
     low, high, to = (float(dataset[name]) for name in ("largest_drag_low", "largest_drag_high", "jump_slip"))
     said = f", or anywhere between {_percent(low)} and {_percent(high)}, where it is within a thousandth of that"
-    said += f" (right to {_percent(float(dataset['largest_drag_error']))})"
+    error = float(dataset["largest_drag_error"])
+    said += f" (right to {_percent(error)})" if math.isfinite(error) else " (how exactly is not known)"
     if math.isnan(to):
         return f"{said}; nothing in the range carries more"
     most, at = (float(dataset[name]) for name in ("most_torque", "most_torque_slip"))
