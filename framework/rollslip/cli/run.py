@@ -105,7 +105,7 @@ def new(file: Path, **given: str | None) -> None:
     help="End with exit code 6 at this verdict; slips means skids too; may be repeated.",
 )
 @click.option(
-    "--ignore", "ignored", metavar="CODE", multiple=True, help="Leave out a note, such as W11; may be repeated."
+    "--ignore", "ignored", metavar="CODE", multiple=True, help="Leave out notes, such as W11,W17; may be repeated."
 )
 @verbose_option("All that was found, with notes, errors and times.")
 @json_option
@@ -160,7 +160,8 @@ def run(
     outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
     if "interrupted" not in outcomes:
         forget(kept)
-    found = answer(*datasets.values(), scene=shlex.join(changed), ignored=ignored)
+    codes = [code.strip().upper() for text in ignored for code in text.split(",")]
+    found = answer(*datasets.values(), scene=shlex.join(changed), ignored=codes)
     if results.as_json:
         print_json(console.run_as_dict(made, datasets, found) | results.as_dict())
     else:

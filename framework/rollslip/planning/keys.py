@@ -11,6 +11,7 @@ from rollslip.bearing.cage import Cage
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.lubricant.table import OilTable
+from rollslip.scene.changes import full_key
 from rollslip.scene.schema import SchemaRow, rows_of, schema
 from rollslip.units import expectation
 
@@ -57,7 +58,7 @@ def _of_class(kind: str, name: str, prefix: str) -> Iterator[SchemaRow]:
 
 def keys_of(what: str) -> list[SchemaRow]:
     """Return the keys that a word means: a key, a table, a study, or the last part of a key."""
-    word = _TABLES.get(what.strip(), what.strip())
+    word = _TABLES.get(what.strip()) or full_key(what.strip())
     every = keys(models=word.startswith("models"))
     if found := [row for row in every if row.key == word or row.key.startswith(f"{word}.")]:
         return found

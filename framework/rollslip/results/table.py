@@ -96,7 +96,7 @@ def _of_points(dataset: "xr.Dataset") -> _Table:
 def _unit(name: str, values: Iterable[float], unit: str) -> str:
     """The unit in which people read some values: that of the largest; percent of shares."""
     if unit == "1":
-        return "%" if not _SHARES.isdisjoint(name.split("_")) else ""
+        return "%" if "ratio" not in name and not _SHARES.isdisjoint(name.split("_")) else ""
     return shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
 
 

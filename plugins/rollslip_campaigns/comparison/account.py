@@ -114,14 +114,11 @@ class AlternativesAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the rows, best first."""
-        ratios, found = json.loads(dataset.attrs["surer"]), []
+        found = []
         for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
             at = dataset.isel(alternative=k)
             values = {str(name): _plain(one.item()) for name, one in at.data_vars.items()}
-            low, high = ratios[k] if k < len(ratios) else (math.nan, math.nan)
-            found.append(
-                {"alternative": label, **values, "slip_ratio_low": _plain(low), "slip_ratio_high": _plain(high)}
-            )
+            found.append({"alternative": label, **values})
         return {"alternatives": found}
 
 
