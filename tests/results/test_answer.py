@@ -16,7 +16,7 @@ import rollslip
 import ten_scenes
 from rollslip.cli import console
 from rollslip.cli.main import cli
-from rollslip.errors import UnknownNameError
+from rollslip.errors import SceneError, UnknownNameError
 from rollslip.results.account import answer as answer_of
 from rollslip.results.answer import (
     MOST_LINES,
@@ -367,3 +367,11 @@ def test_verdict_and_the_row_that_decided_stand_out_on_a_terminal_and_nowhere_el
     assert reserve.startswith("  reserve to skidding")
     plain = re.sub(r"\x1b\[[\d;]*m", "", shown.getvalue())
     assert plain == f"{answer}\n", "colour says nothing that words do not"
+
+
+def test_results_of_two_cases_have_no_answer_together(ran):
+    one = ran[2]["steady-slip"]
+    scene = json.loads(one.attrs["scene_resolved"])
+    scene["operation"]["radial_load"] *= 2.0
+    with pytest.raises(SceneError, match="results of one case are expected, not of 2"):
+        answer_of(one, one.assign_attrs(scene_resolved=json.dumps(scene)))

@@ -228,9 +228,8 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     >>> rollslip.answer(rollslip.run("gearbox", "steady-slip"))["cage_slip"].text
     '1.5 %'
     """
-    scenes = {str(one.attrs["scene_hash"]) for one in results if one.attrs.get("scene_hash")}
-    if len(scenes) > 1:
-        raise SceneError([f"answer: results of one scene are expected, not of {len(scenes)}; ask for each on its own"])
+    if len(cases := {case for one in results if (case := case_of(one))}) > 1:
+        raise SceneError([f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"])
     found = merged(
         ((str(one.attrs.get("study", "")), account_of(one).answer(one)) for one in results),
         scene or next((str(one.attrs["source"]) for one in results if one.attrs.get("source")), ""),

@@ -34,7 +34,7 @@ from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
 from rollslip.results.account import Table, account_of, answer, capital
-from rollslip.results.answer import Answer
+from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
@@ -68,8 +68,8 @@ _WIDE: Final = 300.0
 
 def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path) -> None:
     """Write one self-contained HTML file about the results of a run."""
-    scenes = {one.attrs.get("scene_hash") for one in datasets.values()}
-    first = answer(*datasets.values()) if len(scenes) == 1 else Answer()
+    cases = {case for one in datasets.values() if (case := case_of(one))}
+    first = answer(*datasets.values()) if len(cases) < 2 else Answer()
     drawings, colours = _figures(figures)
     shown = [
         section
