@@ -364,7 +364,7 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
     density = None if lubricant.density is None else lubricant.density(scene.operation.temperature)
     values = {
         "viscosity": _viscosity(scene, lubricant),
-        "density": DENSITY if density is None and "drag" not in (scene.cage or {}) else density,
+        "density": DENSITY if density is None else density,
         "oil_fraction": oil.oil_fraction,
         "starvation": oil.starvation,
         "rollers": float(b.rollers),
