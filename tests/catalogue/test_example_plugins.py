@@ -309,7 +309,7 @@ def test_a_whole_run_finishes_with_models_of_all_packages(place: Place) -> None:
     folder.mkdir()
     (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
     with timed("a run with plots and report"):
-        printed = place.run("rollslip", "run", "scene.toml", "--report", "--out", "out", cwd=folder)
+        printed = place.run("rollslip", "run", "scene.toml", "-v", "--report", "--out", "out", cwd=folder)
     assert "film ertel-grubin (rollslip-plain-c-film 0.1.0)" in printed
     assert (folder / "out" / "report.html").stat().st_size > 1000
     effective = open_result(folder / "out" / "effective-friction.nc")
