@@ -27,22 +27,12 @@ _RENAMED: Final = {
         for name in ("moving_bearing", "planar", "raceway_friction")
     },
     "rollslip.motion.carried": "rollslip_studies.dynamics.levels.cage_and_rollers",
-    **{
-        f"rollslip.motion.history.{old}": f"rollslip_studies.dynamics.history.{new}"
-        for old, new in (
-            ("courses", "time_functions"),
-            ("stations", "interpolated_rates"),
-            ("path", "temperature_path"),
-        )
-    },
-    **{
-        f"rollslip.studies.{old}": f"rollslip_studies.{new}"
-        for old, new in (
-            ("dynamics.along", "dynamics.over_time"),
-            ("dynamics.ending", "dynamics.termination"),
-            ("steady_slip.shared", "steady_slip.evaluated"),
-        )
-    },
+    "rollslip.motion.history.courses": "rollslip_studies.dynamics.history.time_functions",
+    "rollslip.motion.history.path": "rollslip_studies.dynamics.history.temperature_path",
+    "rollslip.motion.history.stations": "rollslip_studies.dynamics.history.interpolated_rates",
+    "rollslip.studies.dynamics.along": "rollslip_studies.dynamics.over_time",
+    "rollslip.studies.dynamics.ending": "rollslip_studies.dynamics.termination",
+    "rollslip.studies.steady_slip.shared": "rollslip_studies.steady_slip.evaluated",
     "rollslip.campaigns.validation.judging": "rollslip_campaigns.validation.residuals",
     "rollslip.pressure_viscosity": "rollslip.lubricant.pressure",
     "rollslip.studies.raceways": "rollslip_studies.effective_friction.raceways",

@@ -58,12 +58,39 @@ def test_what_moves_both_alike_does_not_blur_their_ratio():
     assert np.isnan(ratio_band(one, xr.Dataset({"steady_slip": ("steady", [0.02])}))).all()
 
 
-def test_a_clear_winner_is_told():
-    found = rollslip.compare("gearbox", clearance_class=["CN", "C5"])
-    (low, high) = json.loads(found.attrs["surer"])[1]
-    assert low <= float(found.cage_slip[1] / found.cage_slip[0]) <= high
-    said = account_of(found).sentences(found)[0]
-    assert said.startswith("no clear winner" if low <= 1.05 else f"{found.alternative.values[0]} slips less than")
+@pytest.mark.parametrize(
+    ("slip", "ratio", "said"),
+    [
+        ((0.02, 0.03), (1.2, 1.9), "A slips less than B, with more than 95 %; ratio: "),
+        ((0.02, 0.03), (0.8, 1.9), "no clear winner between A and B: where data scatter either may slip less; ratio: "),
+        ((0.02, 0.03), (1.04, 1.9), "no clear winner between A and B"),
+        ((0.02, 0.02), (1.0, 1.0), "A and B are the same here"),
+        ((1e-4, 9e-4), (0.1, 90.0), "A and B slip less than 0.1 %"),
+        (
+            (0.4, 0.5),
+            (math.nan, math.nan),
+            "A stands first by verdict and slip",
+        ),
+        (
+            (-0.4, 0.5),
+            (math.nan, math.nan),
+            "A stands first by verdict and slip",
+        ),
+    ],
+)
+def test_a_winner_is_told_only_where_data_that_scatter_leave_one(slip, ratio, said):
+    told = xr.Dataset(
+        {
+            "cage_slip": ("alternative", list(slip)),
+            "ratio_low": ("alternative", [1.0, ratio[0]]),
+            "ratio_high": ("alternative", [1.0, ratio[1]]),
+            "status": ("alternative", ["done", "done"]),
+            "message": ("alternative", ["", ""]),
+        },
+        {"alternative": ["A", "B"]},
+        {"study": "alternatives"},
+    )
+    assert account_of(told).sentences(told)[0].startswith(said)
 
 
 @pytest.mark.parametrize(

@@ -43,7 +43,7 @@ NARROW, LIMIT = 1.5e-3, 9.0
 #: Drags that have to be held and to run away, over the predicted one and its error; parts of what the end carries.
 BELOW, ABOVE, PARTS = 0.99, 1e-3, (0.5, 0.9, 0.98)
 #: How many times as heavy the cage is, once it has slipped, in turn, until time agrees; what does not is off by more.
-CAGES, MISSED = (1.0, 5.0), 0.1
+CAGES, MISSED = (1.0, 5.0), 0.02
 
 
 #: Kind, numbers and whether rolling is resisted, hard ones first: of the 3,000 of way_up_many.csv those of which only

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
+from rollslip.results.curves import or_none
 from rollslip.results.words import force_unit, percent, plain, two
 from rollslip.units import converted, shown_unit
 
@@ -237,9 +238,9 @@ class Answer:
             "rows": {
                 row.key: {
                     "label": row.label,
-                    "value": _finite(row.value),
+                    "value": or_none(row.value),
                     "unit": row.unit,
-                    "band": None if row.band is None else [_finite(end) for end in row.band],
+                    "band": None if row.band is None else [or_none(end) for end in row.band],
                     "text": row.text,
                     "note": row.note,
                     "study": row.by,
@@ -352,10 +353,6 @@ def _differ(one: Row, other: Row) -> bool:
         return False
     least = 1e-3 if one.key == "cage_slip" else 0.0
     return abs(one.value - other.value) > max(abs(one.value), abs(other.value)) * (one.within + other.within) + least
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 # What a result says of itself -----------------------------------------------------------------------------------------

@@ -17,6 +17,7 @@ import numpy as np
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
 from rollslip.results.account import answer
+from rollslip.results.words import in_percent
 from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ __all__ = ["FORMATS", "save_tables", "table"]
 
 #: Values of one variable at a point that have a column each, at most; more are curves, which stay in the .nc file.
 _COLUMNS: Final = 12
-#: What is told in percent: names with one of these words.
-_SHARES: Final = frozenset({"slip", "probability", "chance"})
 _Table = tuple[list[str], list[list[Any]]]
 
 
@@ -96,7 +95,7 @@ def _of_points(dataset: "xr.Dataset") -> _Table:
 def _unit(name: str, values: Iterable[float], unit: str) -> str:
     """The unit in which people read some values: that of the largest; percent of shares."""
     if unit == "1":
-        return "%" if "ratio" not in name and not _SHARES.isdisjoint(name.split("_")) else ""
+        return "%" if in_percent(name, unit) else ""
     return shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
 
 

@@ -127,6 +127,11 @@ def confidence(datasets: "Iterable[xr.Dataset]") -> str:
 # How people read values -----------------------------------------------------------------------------------------------
 
 
+def in_percent(name: str, unit: str) -> bool:
+    """Whether a result is told, drawn and limited in percent: slips are."""
+    return unit == "1" and "slip" in name
+
+
 def two(value: float) -> str:
     """Return a number in two digits, without an exponent.
 

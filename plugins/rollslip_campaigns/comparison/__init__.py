@@ -76,9 +76,14 @@ class ComparisonSettings(OfScene):
     cage: Sequence[str] | str = setting("What the cage may be of.", default=(), metavar="A,B", many=True)
     clearance_class: Sequence[str] | str = setting("Clearances to choose from.", default=(), metavar="C3,C4", many=True)
 
+    @property
+    def _of_scenes(self) -> bool:
+        """Whether scenes are compared by their answers, not laws by their curves."""
+        return bool(self.oil or self.bearing or self.cage or self.clearance_class)
+
     def plan(self) -> "Comparison | Alternatives":
         """Check all names and plan every combination."""
-        if self.oil or self.bearing or self.cage or self.clearance_class:
+        if self._of_scenes:
             from rollslip_campaigns.comparison.alternatives import plan_alternatives
 
             return plan_alternatives(self)
@@ -88,7 +93,7 @@ class ComparisonSettings(OfScene):
 
     def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
         """Run the combinations."""
-        if type(made).__name__ == "Alternatives":
+        if self._of_scenes:
             from rollslip_campaigns.comparison.alternatives import run_alternatives
 
             return run_alternatives(made, show)

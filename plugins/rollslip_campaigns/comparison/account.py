@@ -8,7 +8,7 @@ import numpy as np
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Story, Table, account_of
-from rollslip.results.curves import curve_names
+from rollslip.results.curves import curve_names, or_none
 from rollslip.results.words import two
 from rollslip_campaigns.comparison import findings
 
@@ -68,7 +68,7 @@ class AlternativesAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each, best first."""
-        rows, ratios = json.loads(dataset.attrs["rows"]), json.loads(dataset.attrs["surer"])
+        rows, ratios = json.loads(dataset.attrs["rows"]), _ratios(dataset)
         head = ("alternative", "verdict", *_HEADS.values(), "ratio")
         body = []
         for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
@@ -84,7 +84,8 @@ class AlternativesAccount(Account):
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Say which is best, how surely, and what failed."""
-        labels, ratios = dataset["alternative"].to_numpy().tolist(), json.loads(dataset.attrs["surer"])
+        labels = dataset["alternative"].to_numpy().tolist()
+        ratios = _ratios(dataset)[: int((dataset["status"] == "done").sum())]
         failed = [
             f"{label}: {why}" for label, why in zip(labels, dataset["message"].to_numpy().tolist(), strict=True) if why
         ]
@@ -117,13 +118,17 @@ class AlternativesAccount(Account):
         found = []
         for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
             at = dataset.isel(alternative=k)
-            values = {str(name): _plain(one.item()) for name, one in at.data_vars.items()}
+            values = {
+                str(name): or_none(one.item()) if one.dtype.kind == "f" else one.item()
+                for name, one in at.data_vars.items()
+            }
             found.append({"alternative": label, **values})
         return {"alternatives": found}
 
 
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def _ratios(dataset: "xr.Dataset") -> list[tuple[float, float]]:
+    """Between what the slip of each is, over that of the first, 5 and 95 %."""
+    return list(zip(*(dataset[f"ratio_{end}"].to_numpy().tolist() for end in ("low", "high")), strict=True))
 
 
 @hookimpl

@@ -121,7 +121,7 @@ def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
     for k, end in enumerate(("low", "high")):
         ratio = [*(pair[k] for pair in surer), *(math.nan for _ in failed)]
         told = f"slip over that of the first, {(5, 95)[k]} % where data scatter"
-        variables[f"slip_ratio_{end}"] = over, np.array(ratio), about("1", told)
+        variables[f"ratio_{end}"] = over, np.array(ratio), about("1", told)
     verdicts = [answers[label].verdict for label in order] + ["" for _ in failed]
     variables["verdict"] = over, np.array(verdicts), about("1", "verdict")
     variables["status"] = over, np.array(["done"] * len(order) + ["failed"] * len(failed)), about("1", "done or failed")
@@ -136,7 +136,6 @@ def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
             title=made.scene.title,
             differ=list(made.keys),
             rows={label: {row.key: row.text for row in answers[label].rows} for label in order},
-            surer=surer,
             scene_resolved=resolved(made.scene),
             scene_hash=scene_hash(made.scene),
             packages={name: number for one in runs for name, number in json.loads(one["packages"]).items()},

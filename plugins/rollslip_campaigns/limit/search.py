@@ -16,6 +16,7 @@ from typing import Final
 import attrs
 
 from rollslip.errors import SceneError
+from rollslip.results.words import in_percent
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import Study
 from rollslip.units import UnitError, format_quantity, quantity, unit_given
@@ -85,7 +86,7 @@ def read_requirement(text: str, study: type[Study]) -> Requirement:
     unit = study.outputs[name].unit
     try:
         limit = quantity(value, unit)
-        if (share := "slip" in name.split("_")) and not 0.0 <= limit <= 1.0:
+        if (share := in_percent(name, unit)) and not 0.0 <= limit <= 1.0:
             hint = f"; did you mean {limit:g} %?" if 1.0 < limit <= 100.0 and unit_given(value, unit) != "%" else ""
             raise SceneError([f"keep: {name}: a slip from 0 to 100 % is expected, not {value}{hint}"])
         return Requirement(name, unit, sense, limit, unit_given(value, unit), share)

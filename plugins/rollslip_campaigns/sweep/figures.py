@@ -26,9 +26,10 @@ from rollslip.results.style import (
     seamless,
     unit_label,
 )
+from rollslip.results.words import in_percent
 from rollslip.units import UnitError, converted, shown_unit
 from rollslip_campaigns.sweep.findings import axes as axes_of
-from rollslip_campaigns.sweep.findings import by_name, in_percent, named_dims, resting
+from rollslip_campaigns.sweep.findings import by_name, named_dims, resting
 
 if TYPE_CHECKING:
     import xarray as xr

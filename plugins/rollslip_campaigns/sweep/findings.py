@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from rollslip.results.account import with_unit
 from rollslip.results.dataset import TOLD_BY, UNITS
+from rollslip.results.words import in_percent
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["axes", "by_name", "in_percent", "named_dims", "record", "sentences", "topics"]
+__all__ = ["axes", "by_name", "named_dims", "record", "sentences", "topics"]
 
 
 def axes(dataset: "xr.Dataset") -> dict[str, str]:
@@ -44,11 +45,6 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
 
 def _shown(value: float, name: str, unit: str) -> str:
     return f"{100.0 * value:.4g} %" if in_percent(name, unit) else with_unit(value, unit)
-
-
-def in_percent(name: str, unit: str) -> bool:
-    """Whether a result is told and drawn in percent: slips are."""
-    return unit == "1" and "slip" in name
 
 
 def resting(dataset: "xr.Dataset") -> str:

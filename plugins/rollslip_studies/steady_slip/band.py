@@ -20,6 +20,7 @@ from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.motion.torque_balance import TorqueBalance, rollers
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import with_scatter
+from rollslip.results.curves import or_none
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.values import Scene
@@ -82,21 +83,17 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
             "low": min(
                 values[name] * one.low, float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0])
             ),
-            "high": _finite(values[name] * one.high),
+            "high": or_none(values[name] * one.high),
             "most": one.most,
             "moved": [
                 attrs.asdict(by, filter=attrs.filters.exclude("factors"))
-                | {"values": [_finite(values[name] * factor) for factor in by.factors]}
+                | {"values": [or_none(values[name] * factor) for factor in by.factors]}
                 for by in one.moved
             ],
         }
         for name, one in found.items()
     }
     return dataset.assign_attrs(band=json.dumps(told)) if told else dataset
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[str, Band]:
