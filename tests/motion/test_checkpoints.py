@@ -448,9 +448,9 @@ def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
 @pytest.mark.parametrize(
     ("fault", "code", "says"),
     [
-        ({"FAIL": "700"}, 5, "RuntimeError at t = .*: the drag broke; raised by torque\\(\\) of drag 'slow'"),
+        ({"FAIL": "160"}, 5, "RuntimeError at t = .*: the drag broke; raised by torque\\(\\) of drag 'slow'"),
         pytest.param(
-            {"NAN": "700"},
+            {"NAN": "160"},
             2,
             "drag 'slow' gives a torque of nan at cage, inner and outer speed",
             marks=pytest.mark.slow,
