@@ -270,9 +270,11 @@ class SliceModel(abc.ABC):
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Relative difference allowed between the compiled and the NumPy form.
     tolerance: ClassVar[float] = 1e-12
+    #: Quantities of its own that results give beside its columns: name -> (SI unit, meaning), as `quantities` has them.
+    outputs: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
 
     def quantities(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
-        """Return dimensionless quantities of evaluated slices that the law's own `validity` is stated in."""
+        """Return quantities of evaluated slices: those that its `validity` is stated in, and its `outputs`."""
         return {}
 
     @abc.abstractmethod

@@ -10,7 +10,7 @@ import importlib.metadata
 import inspect
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from types import MappingProxyType
@@ -79,6 +79,8 @@ class Kind:
         Whether a class is taken as it is, since its fields wait for what a user asks.
     template : Template or None
         How a new package of it is written; None if there is no such package.
+    check : callable
+        Says what else is wrong with a class of it; an empty string for nothing.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Kind:
     data: bool = False
     waits: bool = False
     template: Template | None = None
+    check: Callable[[Any], str] = lambda _: ""
 
     def holds(self, thing: object) -> bool:
         """Return whether a class or a named value is of this kind."""
@@ -110,7 +113,7 @@ class Kind:
         declared = [name for cls in ours for name in inspect.get_annotations(cls)]
         if missing := [name for name in declared if not hasattr(thing, name)]:
             return f"class {thing.__name__} does not define {', '.join(missing)}"
-        return ""
+        return self.check(thing)
 
 
 def canonical(name: str) -> str:

@@ -8,17 +8,33 @@ from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel
+from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 _ATTRS: Final = ("attrs>=24.2",)
 _SCENE: Final = "rollslip run 1032930-70C --set {}=${{model}}"
 _PYTHON: Final = "python -c \"import rollslip; print(rollslip.get_model('{}', '${{model}}'))\""
 
 
+def _columns_fault(law: Any) -> str:
+    """Say which column a class of laws reads, fills or adds that it cannot; an empty string if there is none."""
+    known = {*COLUMNS, *CONDITIONS}
+    for what in ("reads", "writes"):
+        names = getattr(law, what, ())
+        if isinstance(names, frozenset) and (unknown := sorted(names - known)):
+            return (
+                f"class {law.__name__}: {what} has {unknown[0]!r}, which is no column of slices; what a law gives "
+                "beside these stands in outputs, and quantities() returns it"
+            )
+    if taken := sorted(known & {*getattr(law, "outputs", ())}):
+        return f"class {law.__name__}: outputs has {taken[0]!r}, which is a column of all slices; give it another name"
+    return ""
+
+
 def _law(name: str, base: Any, hook: str, summary: str, key: str, *classes: str) -> Kind:
     """Return a kind of laws with a compiled form, which a scene names by a key."""
     contents, use = "the law in NumPy, what it reads and where it is defined", _SCENE.format(key)
     template = Template(summary=summary, contents=contents, use=use, classes=(base.__name__, *classes), compiled=True)
-    return Kind(name=name, hook=hook, base=base, template=template)
+    return Kind(name=name, hook=hook, base=base, template=template, check=_columns_fault)
 
 
 def _data(name: str, base: Any, summary: str, contents: str, use: str, whose: str = "its data") -> Kind:
@@ -38,7 +54,7 @@ PRESSURE_VISCOSITY: Final = _law(
     "lubricant.pressure_viscosity_law",
 )  # fmt: skip
 DRAG: Final = Kind(
-    name="drag", hook="drag_models", base=Drag,
+    name="drag", hook="drag_models", base=Drag, check=_columns_fault,
     template=Template(
         summary="A drag model", contents="the law", use=_PYTHON.format("drag"), classes=("DragModel",), needs=_ATTRS,
         compiled=True,

@@ -16,7 +16,7 @@ from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
-from rollslip.results.account import account_of
+from rollslip.results.account import account_of, of_laws
 from rollslip.results.answer import COLOURS, Answer
 from rollslip.results.words import confidence, first_line
 from rollslip.scene.values import EXACT, Scene, scene_hash
@@ -152,7 +152,7 @@ def print_answer(answer: Answer) -> None:
 def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
     """Print of each study all that it found with errors and times, or only which errors are more than asked for."""
     for dataset in datasets:
-        lines = [*account_of(dataset).lines(dataset), accuracy_and_time(dataset)] if whole else []
+        lines = [*account_of(dataset).lines(dataset), *of_laws(dataset), accuracy_and_time(dataset)] if whole else []
         lines += [accuracy_and_time(dataset)] if not whole and missed_errors(dataset) else []
         if lines:
             click.echo("\n  ".join((f"{dataset.attrs['study']}:", *lines)))

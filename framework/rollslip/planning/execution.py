@@ -25,6 +25,7 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies import validity
 from rollslip.studies.answers import Keep, total
+from rollslip.studies.law_outputs import law_outputs
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,6 +108,7 @@ def execute(
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
         plan = plan.again(study, finer)
+    dataset = dataset.assign(law_outputs(running, unwatched, dataset))
     cost = {"estimated": plan.seconds_of(study), "actual": spent}
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items()}
     dataset.attrs |= {

@@ -16,12 +16,14 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
+import numpy as np
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import SceneError
 from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
 from rollslip.results.curves import Curves, critical_rows, curves
+from rollslip.results.dataset import LAW
 from rollslip.results.words import LOWER_BOUNDS, percent
 from rollslip.units import UnitError, format_quantity
 
@@ -253,6 +255,27 @@ def account_of(dataset: "xr.Dataset") -> Account:
         return PlainAccount(name)
     account: Account = get_class("account", name)
     return account
+
+
+def of_laws(dataset: "xr.Dataset") -> list[str]:
+    """Say what laws give beside their columns (`rollslip.models.SliceModel.outputs`), a sentence for each and curve."""
+    said = list[str]()
+    for variable in dataset.data_vars.values():
+        if LAW not in variable.attrs:
+            continue
+        (dim, *_), unit = variable.dims, dataset[variable.dims[0]].attrs.get("units", "1")
+        for at, values in zip(dataset[dim].to_numpy().tolist(), variable.to_numpy(), strict=True):
+            known = values[np.isfinite(values)]
+            ends = (
+                (with_unit(float(end), variable.attrs["units"]) for end in (known.min(), known.max()))
+                if known.size
+                else ("no value",)
+            )
+            label = f"{at} {dim}" if isinstance(at, str) else with_unit(at, unit)
+            said.append(
+                f"{variable.attrs['long_name']} by {variable.attrs[LAW]!r}, {label}: {' to '.join(dict.fromkeys(ends))}"
+            )
+    return said
 
 
 def capital(text: str) -> str:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.curves import Curve, Curves, curves, digits, percent
+from rollslip.results.curves import Curve, Curves, curve_names, curves, digits, percent
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, lay_out, light_to_dark
 
 if TYPE_CHECKING:
@@ -64,6 +65,19 @@ def plain_curves(dataset: "xr.Dataset") -> "Figure":
     axes.set_ylabel(axis_label(dataset[of.variable], "", "–"))
     finish(figure, axes, shown, lines)
     return figure
+
+
+def over_slip(dataset: "xr.Dataset", name: str) -> "Figure":
+    """Draw a variable of the points of all curves over slip, those of small numbers lighter."""
+    of, sheet = Curves.of(dataset), Sheet()
+    assert of is not None
+    names = curve_names(dataset)
+    for k, label in enumerate(names):
+        slip, colour = 100.0 * dataset[of.slip], light_to_dark()(1.0 - k / max(len(names) - 1, 1))
+        sheet.line(slip, dataset[name][k], label, color=colour)
+    return sheet.done(
+        axis_label(dataset[of.slip], "", "%"), axis_label(dataset[name], "", dataset[name].attrs["units"])
+    )
 
 
 # What they share ----------------------------------------------------------------------------------------------------

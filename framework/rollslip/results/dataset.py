@@ -59,6 +59,8 @@ _SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z
 UNITS: Final = "units_by_name"
 #: Attribute of a variable: which other one says in words why it has no value.
 TOLD_BY: Final = "told_by"
+#: Attribute of a variable: the law that gives it beside its columns.
+LAW: Final = "law"
 
 
 def about(unit: str, long_name: str) -> dict[str, Any]:

@@ -1,12 +1,14 @@
 """Figures of a result for publication, as the account of its study draws them."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rollslip.results.account import account_of
+from rollslip.results.account import account_of, capital
+from rollslip.results.curves import Curves
+from rollslip.results.dataset import LAW
 from rollslip.results.style import as_svg, save_figures, styled
 
 if TYPE_CHECKING:
@@ -70,7 +72,7 @@ def plot(result: "xr.Dataset") -> Figures:
     """
     figures = Figures()
     with styled():
-        for name, caption, figure in account_of(result).figures(result):
+        for name, caption, figure in _drawn(result):
             figures[name], figures.captions[name] = figure, caption
     return figures
 
@@ -98,5 +100,18 @@ def save_plots(result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("sv
     OutputError
         If a file cannot be written; then nothing is left of it.
     """
+    return save_figures(_drawn(result), account_of(result).paragraph(result), folder, formats)
+
+
+def _drawn(result: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw what the account of a result draws, then what laws give beside their columns, over the curves."""
     account = account_of(result)
-    return save_figures(account.figures(result), account.paragraph(result), folder, formats)
+    yield from account.figures(result)
+    if Curves.of(result) is not None:
+        for name, variable in result.data_vars.items():
+            if LAW in variable.attrs:
+                from rollslip.results.curve_figures import over_slip
+
+                about = variable.attrs
+                caption = f"{about['long_name']} over slip, by {about[LAW]!r}."
+                yield f"{account.name}-{name}".replace("_", "-"), capital(caption), over_slip(result, str(name))

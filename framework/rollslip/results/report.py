@@ -33,7 +33,7 @@ from rollslip.files import whole_file
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
-from rollslip.results.account import Table, account_of, answer, capital
+from rollslip.results.account import Table, account_of, answer, capital, of_laws
 from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
@@ -143,7 +143,7 @@ def _warnings(datasets: "Datasets") -> str:
 def _findings(datasets: "Datasets") -> str:
     body = ""
     for name, dataset in datasets.items():
-        if told := "".join(_told(part) for part in account_of(dataset).story(dataset) if part):
+        if told := "".join(_told(part) for part in (*account_of(dataset).story(dataset), of_laws(dataset)) if part):
             body += _tag("h3", name) + told
     sure = confidence(datasets.values())
     return body + (_tag("p", f"Confidence: {sure}.") if sure and body else "")
