@@ -45,7 +45,7 @@ from rollslip_campaigns.fit.oil import write_oil
 from rollslip_campaigns.fit.problem import parameters_named, rig_problem, with_values
 
 ROOT = Path(__file__).parents[2]
-REFERENCES = ROOT / "tests" / "references"
+REFERENCES = ROOT / "tests" / "tools" / "references"
 #: The law of the reference, fit_muraki.py.
 OIL = LubricantTable(name="mil-prf-7808", data={"pressure_viscosity_law": "barus"})
 RIG = Rig(
@@ -386,7 +386,7 @@ def test_parameters_of_the_rig_file_hold_for_the_model_of_that_name():
 
 @pytest.mark.parametrize("uncertainties", ["estimated", "given"])
 def test_the_fit_is_that_of_30_digit_arithmetic(uncertainties):
-    """Values, errors, correlation and both intervals, against tests/references/fit_muraki.py, physics included."""
+    """Values, errors, correlation and both intervals, against references/fit_muraki.py, physics included."""
     with (REFERENCES / "fit_muraki_expected.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["uncertainties"] == uncertainties]
     want = {row["name"]: float(row["value"]) for row in rows}

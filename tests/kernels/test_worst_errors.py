@@ -1,6 +1,6 @@
 """The worst error of every compiled law stays what it was, on the slices where a search has found it.
 
-tests/references/worst_errors.py has searched them; exact values are those of fifty_digits.py, computed anew here.
+tests/tools/references/worst_errors.py has searched them; exact values are those of fifty_digits.py, computed anew here.
 """
 
 import csv
@@ -15,7 +15,9 @@ from hard_cases import EPS, condition
 from rollslip_kernels.stages import simd
 from worst_slices import by_set, error_of, laws
 
-with (Path(__file__).parents[1] / "references" / "worst_errors.csv").open(newline="", encoding="utf-8") as _file:
+with (Path(__file__).parents[1] / "tools" / "references" / "worst_errors.csv").open(
+    newline="", encoding="utf-8"
+) as _file:
     ROWS = [row | {"members": json.loads(row["members"])} for row in csv.DictReader(_file)]
 #: Half of the last digit of the table.
 ROUNDED = 1.0006

@@ -50,7 +50,7 @@ LAWS = [
 # Reference numbers
 
 
-with (Path(__file__).parents[1] / "references" / "viscosity.csv").open() as file:
+with (Path(__file__).parents[1] / "tools" / "references" / "viscosity.csv").open() as file:
     REFERENCE = list(csv.DictReader(file))
 
 

@@ -43,7 +43,7 @@ FIVE_RINGS = Yasutomi(**ETHER | {"glass_temperature": 273.15 - 28.2})
 LAWS = [Barus(), Roelands(), FIVE_RINGS]
 every_law = pytest.mark.parametrize("law", forms(LAWS))
 
-with (Path(__file__).parents[1] / "references" / "pressure_viscosity.csv").open() as file:
+with (Path(__file__).parents[1] / "tools" / "references" / "pressure_viscosity.csv").open() as file:
     REFERENCES = [
         (row["law"], *(float(row[key]) for key in ("temperature", "pressure", "viscosity", "thermoviscosity")))
         for row in csv.DictReader(file)

@@ -748,7 +748,7 @@ def test_three_rollers_move_as_in_an_independent_program():
     # references/planar_exudyn.py: full geometry, bodies in space. What is left are small displacements against the
     # radii, 1e-4, and another smoothing of Coulomb's law at rest; they show most where the third roller parts from the
     # inner ring and floats.
-    with (Path(__file__).parents[1] / "references" / "planar_exudyn.csv").open() as file:
+    with (Path(__file__).parents[1] / "tools" / "references" / "planar_exudyn.csv").open() as file:
         rows = list(csv.DictReader(file))
     expected = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
     scene = scene_of(3, cage=(("pocket_clearance", 1.0),), more=(("bearing.profile", "none"),))

@@ -23,7 +23,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
 
-REFERENCE = Path(__file__).parents[1] / "references" / "runaway.csv"
+REFERENCE = Path(__file__).parents[1] / "tools" / "references" / "runaway.csv"
 
 
 def bearing(name="1032930-50C", slices=15, instants=4, **changes):
@@ -42,7 +42,7 @@ with REFERENCE.open(newline="", encoding="utf-8") as file:
 
 @pytest.mark.parametrize("row", ROWS, ids=[f"{row['scene']} {row['profile']}" for row in ROWS])
 def test_it_is_where_rollers_integrated_in_time_drive_the_cage_most(row):
-    """tests/references/runaway.py: Radau's method over orbits, laws in NumPy; its slips are 2 and 0.5 points apart."""
+    """references/runaway.py: Radau's method over orbits, laws in NumPy; its slips are 2 and 0.5 points apart."""
     away = found(bearing(row["scene"], **{"bearing.profile": row["profile"]}))
     assert away.status == "found"
     assert away.drag == pytest.approx(float(row["drag [N m]"]), rel=5e-4)

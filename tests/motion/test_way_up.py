@@ -20,7 +20,7 @@ from rollslip.motion.way_up import _vertex
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 
-REFERENCES = Path(__file__).parents[1] / "references"
+REFERENCES = Path(__file__).parents[1] / "tools" / "references"
 
 
 def balance(name="1032930-50C", *, instants=2, inertia=True, effective=False, slices=6, **changes):
@@ -300,7 +300,7 @@ with (REFERENCES / "way_up_in_time.csv").open(newline="", encoding="utf-8") as f
 
 @pytest.fixture
 def in_time(monkeypatch):
-    """tests/references/way_up_in_time.py: cage and rollers against a drag that is raised."""
+    """tests/tools/references/way_up_in_time.py: cage and rollers against a drag that is raised."""
     monkeypatch.syspath_prepend(REFERENCES)
     return __import__("way_up_in_time")
 

@@ -18,7 +18,7 @@ from rollslip.scene.reading import parse_scene
 from rollslip_plugins.data.cylindrical import CATALOGUE, RULES
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "bearing_catalogue.csv"
-REFERENCES = Path(__file__).parents[1] / "references"
+REFERENCES = Path(__file__).parents[1] / "tools" / "references"
 sys.path.insert(0, str(REFERENCES))
 from catalogue_ratings import ratios  # noqa: E402
 

@@ -28,7 +28,7 @@ from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from strategies import NumpyForm, decades, evaluated, films, forms, law_of
 
-REFERENCE = Path(__file__).parents[1] / "references" / "greenwood_tripp.csv"
+REFERENCE = Path(__file__).parents[1] / "tools" / "references" / "greenwood_tripp.csv"
 WITH_INTEGRAL = [
     {key: float(value) for key, value in row.items()} for row in csv.DictReader(REFERENCE.read_text().splitlines())
 ]
@@ -69,7 +69,7 @@ def share_of(model, film_parameter, pressure=4e8, modulus=STEEL, children=NOT_YE
 
 
 def test_the_asperity_integral_is_that_of_the_definition():
-    """Forty digits of the parabolic cylinder function and of the integral itself, see tests/references."""
+    """Forty digits of the parabolic cylinder function and of the integral itself, see tests/tools/references."""
     x = np.array([row["separation"] for row in WITH_INTEGRAL])
     np.testing.assert_allclose(asperity_integral(x), [row["integral"] for row in WITH_INTEGRAL], rtol=1e-14)
 

@@ -22,7 +22,7 @@ from rollslip_plugins.damage.sliding import FilmParameter, PassEnergy, PowerDens
 
 pytestmark = pytest.mark.quick
 
-WRITTEN = (Path(__file__).parents[1] / "references" / "flash_temperature.csv").read_text(encoding="utf-8")
+WRITTEN = (Path(__file__).parents[1] / "tools" / "references" / "flash_temperature.csv").read_text(encoding="utf-8")
 ROWS = list(csv.DictReader(WRITTEN.splitlines()))
 STEEL = Material()
 EFFUSIVITY = (STEEL.thermal_conductivity * STEEL.density * STEEL.specific_heat) ** 0.5

@@ -34,7 +34,9 @@ STEEL = Conditions(
 FILMS = [
     {name: float(value) for name, value in row.items()}
     for row in csv.DictReader(
-        (Path(__file__).parents[1] / "references" / "rolling_resistance.csv").read_text(encoding="utf-8").splitlines()
+        (Path(__file__).parents[1] / "tools" / "references" / "rolling_resistance.csv")
+        .read_text(encoding="utf-8")
+        .splitlines()
     )
 ]
 #: The law alone, in an inlet that is cold and full.

@@ -23,7 +23,7 @@ from rollslip_plugins.film.corrections import InletCorrection
 from rollslip_plugins.film.formulas import Moes, PanHamrock, Regime
 from strategies import NumpyForm, decades, forms, law_of, or_zero
 
-REFERENCE = Path(__file__).parents[1] / "references" / "film_corrections.csv"
+REFERENCE = Path(__file__).parents[1] / "tools" / "references" / "film_corrections.csv"
 INLET = [
     {key: float(value) for key, value in row.items()} for row in csv.DictReader(REFERENCE.read_text().splitlines())
 ]

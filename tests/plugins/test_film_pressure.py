@@ -18,7 +18,7 @@ from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.film_pressure import LOADS, LUBRICANTS, SOLVED
 from scene_samples import scene_with
 
-REFERENCES = Path(__file__).parents[1] / "references"
+REFERENCES = Path(__file__).parents[1] / "tools" / "references"
 STEEL = {"radius": 0.01, "modulus": 2e11, "viscosity": 0.01}
 SPEED = 20.0
 Us = 2 * 0.01 * SPEED / (2e11 * 0.01)

@@ -12,7 +12,7 @@ from rollslip.datasets import FitData
 from rollslip.errors import UnknownNameError
 from rollslip_plugins.data.fits import FITS, GRADES, deviations
 
-with (Path(__file__).parents[1] / "references" / "iso_286.csv").open(newline="") as file:
+with (Path(__file__).parents[1] / "tools" / "references" / "iso_286.csv").open(newline="") as file:
     PRINTED = [(r["class"], int(r["to_mm"]), float(r["lower_um"]), float(r["upper_um"])) for r in csv.DictReader(file)]
 STEPS = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000)
 

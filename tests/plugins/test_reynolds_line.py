@@ -42,10 +42,10 @@ def dimensional(M, L):
 
 
 @pytest.mark.parametrize(
-    "row", rows(HERE / "references" / "reynolds_line.csv"), ids=lambda row: f"{row['M']}-{row['L']}"
+    "row", rows(HERE / "tools" / "references" / "reynolds_line.csv"), ids=lambda row: f"{row['M']}-{row['L']}"
 )
 def test_films_are_those_of_finite_volumes(row):
-    """tests/references/reynolds_line.py: fixed grid, complementarity, constant pressure in each cell."""
+    """tests/tools/references/reynolds_line.py: fixed grid, complementarity, constant pressure in each cell."""
     contact = solve_line_contact(float(row["M"]), float(row["L"]), accuracy=2e-5)
     for place, name in zip(LOCATIONS, ("minimum", "central", "zero_gradient"), strict=True):
         # the inlets of both start at a finite distance, which is worth some 1e-6
@@ -54,7 +54,7 @@ def test_films_are_those_of_finite_volumes(row):
 
 
 @pytest.mark.parametrize(
-    "row", rows(HERE / "references" / "reynolds_line_rigid.csv")[:-1], ids=lambda row: row["share_of_limit"]
+    "row", rows(HERE / "tools" / "references" / "reynolds_line_rigid.csv")[:-1], ids=lambda row: row["share_of_limit"]
 )
 def test_a_light_load_makes_it_a_rigid_contact(row):
     """Elasticity is worth M^2 here, 1e-8, as long as the pressure is away from its logarithmic peak."""
@@ -67,7 +67,7 @@ def test_a_light_load_makes_it_a_rigid_contact(row):
 
 def test_the_rigid_limits_are_those_of_martin_and_blok():
     """hhat = 4.89497, H M = 3, and hhat = 1.66630 gV^(2/3) where the reduced pressure reaches 1/alpha."""
-    first, *_, last = rows(HERE / "references" / "reynolds_line_rigid.csv")
+    first, *_, last = rows(HERE / "tools" / "references" / "reynolds_line_rigid.csv")
     assert float(first["hhat_minimum"]) == pytest.approx(4.89497, abs=5e-6)
     assert float(first["hhat_zero_gradient"]) / 2 == pytest.approx(3.0, abs=1e-8)
     assert float(last["hhat_minimum"]) / float(last["gV"]) ** (2 / 3) == pytest.approx(1.66630, abs=5e-6)

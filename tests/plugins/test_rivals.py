@@ -50,7 +50,7 @@ class TestOtherParameters(Conformance):
 
 ETA, H, P, U, B, BETA = 2.0, 4e-7, 5e8, 20.0, 1e-4, 0.05
 
-with (Path(__file__).parents[1] / "references" / "rivals.csv").open() as file:
+with (Path(__file__).parents[1] / "tools" / "references" / "rivals.csv").open() as file:
     ROWS = list(csv.DictReader(file))
 
 

@@ -25,7 +25,7 @@ from rollslip_plugins.traction.field import (
 )
 from rollslip_plugins.traction.stress import maxwell_eyring_stress
 
-REFERENCES = Path(__file__).parents[1] / "references"
+REFERENCES = Path(__file__).parents[1] / "tools" / "references"
 DOCS = Path(__file__).parents[2] / "docs"
 
 # A contact of a fast roller bearing at 30 degC.

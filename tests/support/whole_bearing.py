@@ -1,7 +1,7 @@
 """Two whole bearings at levels pocket and planar over 20 ms, and what an independent program has of the same.
 
-For tests/motion/test_whole_bearing.py and docs/scripts/whole_bearing.py; tests/references/whole_bearing_exudyn.py has
-the same numbers again.
+For tests/motion/test_whole_bearing.py and docs/scripts/whole_bearing.py; tests/tools/references/whole_bearing_exudyn.py
+has the same numbers again.
 """
 
 import csv
@@ -86,7 +86,7 @@ def left_out(name):
 @functools.cache
 def reference(name, level):
     """Columns of the reference, (rows,) or by roller (rows, shown)."""
-    with (Path(__file__).parents[1] / "references" / "whole_bearing_exudyn.csv").open(newline="") as file:
+    with (Path(__file__).parents[1] / "tools" / "references" / "whole_bearing_exudyn.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if (row["bearing"], row["level"]) == (name, level)]
     columns = {}
     for key in rows[0]:
