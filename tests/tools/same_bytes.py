@@ -2,7 +2,9 @@
 
 ``python tests/tools/same_bytes.py record DIR`` runs small cases of the commands, each in a folder of its own, and keeps
 in DIR what they print and write; ``... compare DIR DIR`` names what differs, line by line, and fails where anything
-does. Times, dates, versions and paths of a run are masked; of netCDF variables and attributes are compared.
+does. Times, dates, versions and paths of a run are masked; of netCDF variables and attributes are compared. Beside
+the cases stand the help of every command, all figures of the gallery and the answers of ten scenes; a command that has
+no case is named.
 """
 
 import argparse
@@ -57,8 +59,51 @@ CASES = {
     "rank": "rank film-limits --json --traction muraki,maxwell-eyring --out {out}",
     "explore": f"explore {SCENE} --over operation.radial_load=2kN:6kN:3 --checks 1 --out {{out}}.html",
     "fault": f"limit {SCENE} --over operation.radial_loads=1kN:2kN --keep friction<=1",
+    "alternatives": "compare gearbox --oil iso-vg-68,iso-vg-220 --json --out {out}",
+    "answer": "run turbine --study steady-slip --json --out {out}",
+    "cite-text": f"cite {SCENE}",
+    "doctor": "doctor --json",
+    "explain": "explain W11 --json",
+    "export": f"export {SCENE}",
+    "info-json": "info turbine --json",
+    "json-schema": "schema --json-schema",
+    "new": "new own.toml --bearing NU2210 --oil iso-vg-68",
+    "plugins": "plugins list --json",
+    "rules": "explain V6",
     "unknown": "limits",
 }
+#: What no case runs, and why.
+WITHOUT = {
+    "report": "run --report writes it",
+    "sweep status": "of a sweep that goes on",
+    "sweep resume": "as sweep run",
+    "sweep retry": "as sweep run",
+    "plugins check": "says of a stranger's package",
+    "plugins new": "writes code",
+}
+#: Draws what a script of the gallery shows, from that script's folder as the gallery does.
+GALLERY = """
+import os, runpy, sys
+place, (docs, script) = os.getcwd(), sys.argv[1:]
+sys.path.insert(0, f"{docs}/_ext")
+import matplotlib
+matplotlib.use("svg")
+import pictures
+import matplotlib.pyplot as plt
+pictures.reset(None, None)
+plt.rcParams["svg.hashsalt"] = "one"
+os.chdir(os.path.dirname(script))
+runpy.run_path(script)
+for number in plt.get_fignums():
+    plt.figure(number).savefig(f"{place}/figure-{number}.svg", metadata={"Date": None})
+"""
+ANSWERS = f"""
+import sys
+sys.path.insert(0, {str(ROOT / "tests" / "support")!r})
+import ten_scenes
+print(ten_scenes.answers())
+"""
+PROGRAM = "from rollslip.cli import main; main()"
 #: What is of one run alone.
 MASKED = (
     (r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d)?(\.\d+)?(\+\d\d:\d\d|Z)?", "DATE"),
@@ -127,15 +172,21 @@ def record(folder: Path, only: list[str]) -> None:
     from rollslip.cli.main import cli
 
     shutil.rmtree(folder, ignore_errors=True)
-    cases = {f"help-{'-'.join(words)}": [*words, "--help"] for words in helps(cli, ())}
-    cases |= {name: line.split() for name, line in CASES.items()}
+    commands = helps(cli, ())
+    cases = {f"help-{'-'.join(words)}": [PROGRAM, *words, "--help"] for words in commands}
+    cases |= {name: [PROGRAM, *line.split()] for name, line in CASES.items()}
+    scripts = sorted((ROOT / "docs" / "questions").glob("*/*.py"))
+    cases |= {f"gallery-{path.parent.name}-{path.stem}": [GALLERY, str(ROOT / "docs"), str(path)] for path in scripts}
+    cases["ten-answers"] = [ANSWERS]
+    begun = {" ".join(line.split()[:length]) for line in CASES.values() for length in (1, 2)}
+    leaves = {" ".join(words) for words in commands} - {" ".join(words[:1]) for words in commands if len(words) > 1}
+    print(f"no case of: {', '.join(sorted(leaves - begun - WITHOUT.keys() - {''})) or 'nothing'}", flush=True)
     for name, words in cases.items():
-        if only and name not in only:
+        if only and not any(name.startswith(word) for word in only):
             continue
         place = folder / name / "place"
         place.mkdir(parents=True)
-        command = [sys.executable, "-c", "from rollslip.cli import main; main()"]
-        command += [word.replace("{out}", "o") for word in words]
+        command = [sys.executable, "-c", *(word.replace("{out}", "o") for word in words)]
         environment = {**os.environ, "COLUMNS": "120", "SOURCE_DATE_EPOCH": "0"}
         done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False, env=environment)
         said = {"out": done.stdout, "err": done.stderr, "code": str(done.returncode)}
