@@ -16,8 +16,8 @@ from rollslip.bearing.resolution import BoundBrokenError, Resolution, finest
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import changed, plan
 from rollslip.planning.verification import verify
+from rollslip.studies.accuracy import Bound, difference
 from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts
-from rollslip.studies.estimates import Bound, difference
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 BASE = evolve(

@@ -16,7 +16,7 @@ from rollslip import evolve, load_scene
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import Judgement, again, told, verify
-from rollslip.studies.estimates import errors_between
+from rollslip.studies.accuracy import errors_between
 
 #: Few large rollers on smooth raceways: each has two balances from a slip of 0.25 to 0.75, and jumps at its own slip.
 JUMPS = evolve(

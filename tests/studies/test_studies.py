@@ -105,7 +105,7 @@ class _Unsettled:
 def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
     scene = evolve(load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"})
     with pytest.raises(ConvergenceError) as refused:
-        by_doubling(_Unsettled(), assemble(scene))
+        by_doubling(_Unsettled().run, _Unsettled.judged, _Unsettled.acts, assemble(scene))
     assert re.fullmatch(
         r"the last doubling up to \d+ slices still changes friction by \S+ and whether critical slip has a value; "
         "raise accuracy.friction and accuracy.critical_slip",

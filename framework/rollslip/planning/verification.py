@@ -3,16 +3,18 @@
 import json
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.resolution import finest
+from rollslip.bearing.resolution import Resolution, finest
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT
-from rollslip.studies.answers import Errors, Estimated, total
-from rollslip.studies.estimates import FEW, SOME, Probe, difference, errors_between
+from rollslip.studies.accuracy import Errors, Probe, apart, difference, errors_between
+from rollslip.studies.answers import Estimated, total
+from rollslip.studies.estimates import FEW, SOME, few_slices
 from rollslip.studies.study import Study
 
 if TYPE_CHECKING:
@@ -64,7 +66,7 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
     if resolution.instants is None or curved is None:
         return Judgement(errors={})
-    m, few = resolution.instants, assembly.at(attrs.evolve(resolution, slices=FEW, quadrature="equal"))
+    m, few = resolution.instants, few_slices(assembly)
     few = assembly if curved.followed or few.slices >= assembly.slices else few
     errors, orders = dict[str, Errors](), dict[str, float]()
 
@@ -73,18 +75,19 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
 
     def of_slices(instants: int) -> Errors:
         many = attrs.evolve(resolution, slices=_FINER_SLICES * resolution.slices, quadrature="gauss")
-        probe, both = Probe(curved, few), (assembly, assembly.at(many))
-        moved: Errors = difference(*(probe.measure(one, (instants,))[0] for one in both))
+        probe, both = Probe(partial(curved.curves, few), curved.slip_range), (assembly, assembly.at(many))
+        moved: Errors = difference(*(probe.measure(partial(curved.curves, one), (instants,))[0] for one in both))
         if over(_CLEAR, moved):
             own, finer = (_seen(study, curved, one, instants) for one in both)
             moved = moved if own is None or finer is None else errors_between(curved.judged, own, finer)
-        return {name: error / (1.0 - _FINER_SLICES**-2) for name, error in moved.items()}
+        return {name: error / apart(1, _FINER_SLICES) for name, error in moved.items()}
 
     def of_instants(at: Assembly) -> Errors:
         off = _off(study, curved, at, dataset if at is assembly else None, m)
         found = off(m)
         if curved.followed:
-            found = _worst(found, off(m + 1))
+            other = off(m + 1)
+            found = {name: max(found.get(name, 0.0), other.get(name, 0.0)) for name in (*found, *other)}
         least = _OF_JUMPS if curved.followed else _LEAST_ORDER
         left = {name: _of_order(error, least, m) for name, error in found.items()}
         if not over(_CLEAR, left):
@@ -108,26 +111,21 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     return Judgement(errors=errors, orders=orders)
 
 
-def _off(
-    study: Study, curved: Study, at: Assembly, own: "xr.Dataset | None", m: int
-) -> Callable[[int], Mapping[str, float]]:
+def _off(study: Study, curved: Study, at: Assembly, own: "xr.Dataset | None", m: int) -> Callable[[int], Errors]:
     """Return what says how far curves on some instants are off a witness of 2 m + 1; `own` are those of m, if known.
 
     Curves and their maxima are what the study itself finds, if it has a short way to them.
     """
     witness = _seen(study, curved, at, 2 * m + 1, _DENSER if curved.followed else 1)
     if witness is None:
-        probe = Probe(curved, at)
-        (apart,) = probe.measure(at, (2 * m + 1,))
-        return lambda instants: difference(probe.measure(at, (instants,))[0], apart)
-    known = {m: own} if curved is study and own is not None else {}
+        probe = Probe(curves := partial(curved.curves, at), curved.slip_range)
+        (finer,) = probe.measure(curves, (2 * m + 1,))
+        return lambda instants: difference(probe.measure(curves, (instants,))[0], finer)
 
-    def off(instants: int) -> Mapping[str, float]:
-        some = known.get(instants)
-        some = _seen(study, curved, at, instants) if some is None else some
-        if some is None:
-            return {}
-        return errors_between(curved.judged, some, witness)
+    def off(instants: int) -> Errors:
+        known = own if instants == m and curved is study else None
+        some = _seen(study, curved, at, instants) if known is None else known
+        return {} if some is None else errors_between(curved.judged, some, witness)
 
     return off
 
@@ -145,10 +143,6 @@ def _seen(study: Study, curved: Study, at: Assembly, instants: int, times: int =
     return xr.Dataset(*some[0]).isel({made.curves_of.slip: slice(None, None, times if points else 1)})
 
 
-def _worst(some: Errors, others: Errors) -> dict[str, float]:
-    return {name: max(some.get(name, 0.0), others.get(name, 0.0)) for name in (*some, *others)}
-
-
 def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Judgement) -> Estimated | None:
     """Return the resolution with which a run is made again that was seen to be off; None if that would not help.
 
@@ -160,18 +154,14 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     off = {name: error for name, error in total(judgement.errors).items() if error > accuracy.of(name)}
     if accuracy.exact or estimated.seen or not off or study.curved(assembly) is not study:
         return None
-    numbers = {"slices": resolution.slices, "instants": resolution.instants or 1}
-    most = {"slices": best.slices, "instants": best.instants or 1}
+    numbers, most = _numbers(resolution), _numbers(best)
     numbers_then, left = dict(numbers), dict[str, Errors]()
+    least = _OF_JUMPS if study.followed else -math.inf
     for part, errors in judgement.errors.items():
-        orders = {
-            name: min(judgement.orders.get(name, 1.0), _MOST_ORDER) if part == "instants" else _MOST_ORDER
-            for name in errors
-        }
-        if not study.followed and any(name in off and order < _LEAST_ORDER for name, order in orders.items()):
+        seen = judgement.orders if part == "instants" else dict.fromkeys(errors, _MOST_ORDER)
+        orders = {name: max(min(seen.get(name, 1.0), _MOST_ORDER), least) for name in errors}
+        if any(name in off and order < _LEAST_ORDER for name, order in orders.items()):
             return None
-        if study.followed:
-            orders = {name: max(order, _OF_JUMPS) for name, order in orders.items()}
         wanted = [(errors[name] / (_AIM * accuracy.of(name))) ** (1.0 / orders[name]) for name in errors if name in off]
         times = min(max(1.0, *wanted), _MOST_TIMES) if wanted else 1.0
         numbers_then[part] = max(min(math.ceil(times * numbers[part]), most[part]), numbers[part])
@@ -188,6 +178,10 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     )
 
 
+def _numbers(of: Resolution) -> dict[str, int]:
+    return {"slices": of.slices, "instants": of.instants or 1}
+
+
 def _order(few: int, many: int, before: float, after: float) -> float:
     """Order with which an error falls from few to many; 1 where nothing can be told of it."""
     if few == many or not (before > 0.0 and after > 0.0) or math.isinf(before) or math.isinf(after):
@@ -197,16 +191,14 @@ def _order(few: int, many: int, before: float, after: float) -> float:
 
 def _of_order(moved: float, order: float, m: int) -> float:
     """Error of m instants that differ from 2 m + 1 others, which err too."""
-    return moved / (1.0 - math.pow(m / (2 * m + 1), min(max(order, _LEAST_ORDER), _MOST_ORDER)))
+    return moved / apart(m, 2 * m + 1, min(max(order, _LEAST_ORDER), _MOST_ORDER))
 
 
 def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
     """Tell where a run is off by more than its tolerance, or cannot claim to be within it, with what to type."""
     accuracy, estimated, said = plan.scene.accuracy, plan.estimated[study], list[str]()
-    best = finest(plan.scene)
-    resolution = estimated.resolution
-    numbers = {"slices": (resolution.slices, best.slices), "instants": (resolution.instants or 1, best.instants or 1)}
-    most = all(numbers[part][0] >= numbers[part][1] for part in judgement.errors)
+    numbers, best = _numbers(estimated.resolution), _numbers(finest(plan.scene))
+    most = all(numbers[part] >= best[part] for part in judgement.errors)
     for result, error in total(judgement.errors).items():
         tolerance, name = accuracy.of(result), result.replace("_", " ")
         order = judgement.orders.get(result, _MOST_ORDER)

@@ -9,9 +9,8 @@ from rollslip.bearing.raceway import Array, Ring
 from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.results.dataset import about
+from rollslip.studies.accuracy import Errors
 
-#: Key of [accuracy] -> relative error.
-Errors: TypeAlias = Mapping[str, float]
 #: Name -> dimensions, values and attributes.
 Variables: TypeAlias = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
 #: Some variables of a result, and the coordinates of their dimensions.

@@ -6,7 +6,8 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.studies.answers import Errors, Estimated, Part
+from rollslip.studies.accuracy import Errors
+from rollslip.studies.answers import Estimated, Part
 
 
 def share_of(assembly: Assembly, estimated: Estimated) -> str:

@@ -242,7 +242,7 @@ class Study(abc.ABC):
         """
         curved = self.curved(assembly)
         if curved is None:
-            return estimates.by_doubling(self, assembly)
+            return estimates.by_doubling(self.run, self.judged, self.acts, assembly)
         return estimates.by_curves(curved, assembly, cheaper_laws=cheaper_laws)
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:

@@ -200,21 +200,19 @@ def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
     return raceways.critical(slip, raceways.curve(slip))[0]
 
 
-def at_the_ends(
-    study: EffectiveFriction, assembly: Assembly, history: History | None, share: float
-) -> tuple[Estimated, Assembly]:
+def at_the_ends(study: EffectiveFriction, assembly: Assembly, history: History | None, share: float) -> Estimated:
     """Slices and instants as the operation needs them, and the least and the largest load and temperature."""
-    estimated = slices_and_instants(study, assembly, share)
+    estimated, *_ = slices_and_instants(study, assembly, share)
     if history is None:
         return estimated
     for end in (0, 1):
         spans = {name: history.spans[name][end] for name in history.conditions}
         try:
-            other = slices_and_instants(study, operated(assembly, spans), share)
+            other, *_ = slices_and_instants(study, operated(assembly, spans), share)
         except RollslipError:  # the motion tells what cannot be put together
             continue
-        if (other[0].resolution.slices or 0) > (estimated[0].resolution.slices or 0):
-            estimated = other[0], estimated[1]
+        if (other.resolution.slices or 0) > (estimated.resolution.slices or 0):
+            estimated = other
     return estimated
 
 

@@ -192,7 +192,7 @@ class Dynamics(Study):
         averaged = self.curved(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(estimates.exactly(averaged, assembly), assembly)
-        estimated, _ = over_time.at_the_ends(averaged, assembly, self.course(assembly), _SHARE)
+        estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _SHARE)
         estimated = self._with_choice(estimates.with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
