@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "answer", "capital",
+    "ACCOUNT", "Account", "Contact", "PlainAccount", "Sheet", "Story", "Table", "account_of", "answer", "capital",
     "with_unit",
 ]  # fmt: skip
 
@@ -59,6 +59,8 @@ class Contact:
 _FEW: Final = 8
 #: What was found, in the order of a report: texts, lists of sentences without their full stops, tables.
 Story: TypeAlias = list[str | list[str] | Table]
+#: Head and rows of a spreadsheet: numbers and texts; None where there is no value.
+Sheet: TypeAlias = tuple[list[str], list[list[Any]]]
 #: Name, caption and figure of all that a result has something to show for.
 Figures: TypeAlias = "Iterator[tuple[str, str, Figure]]"
 
@@ -113,6 +115,10 @@ class Account:
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return what is told in tables."""
         return []
+
+    def sheets(self, dataset: "xr.Dataset") -> dict[str, Sheet]:
+        """Return head and rows of what a spreadsheet gets, by name; nothing for rows of an answer or of each point."""
+        return {}
 
     def story(self, dataset: "xr.Dataset") -> Story:
         """Return what a report says was found."""

@@ -16,21 +16,20 @@ import numpy as np
 
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
-from rollslip.results.account import answer
+from rollslip.results.account import Sheet, account_of, answer
 from rollslip.results.words import in_percent
 from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FORMATS", "save_tables", "table"]
+__all__ = ["FORMATS", "in_people_s_unit", "of_points", "save_tables", "table"]
 
 #: Values of one variable at a point that have a column each, at most; more are curves, which stay in the .nc file.
 _COLUMNS: Final = 12
-_Table = tuple[list[str], list[list[Any]]]
 
 
-def table(*results: "xr.Dataset") -> _Table:
+def table(*results: "xr.Dataset") -> Sheet:
     """Return head and rows of results: of a run those of its answer, of many points a row each.
 
     Examples
@@ -41,15 +40,17 @@ def table(*results: "xr.Dataset") -> _Table:
     (['quantity', 'value', 'unit'], 'cage slip', '%')
     """
     (first, *_) = results
-    return _of_points(first) if "status" in first and first["status"].dims else _of_answer(results)
+    for sheet in account_of(first).sheets(first).values():
+        return sheet
+    return of_points(first) if _has_points(first) else _of_answer(results)
 
 
 def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iterable[str]) -> list[Path]:
     """Write tables into a folder and return the files: ``answer`` of a run, and NAME of what has many points."""
-    many = {name: one for name, one in results.items() if "status" in one and one["status"].dims}
-    found = {name: table(one) for name, one in many.items()} or {"answer": table(*results.values())}
+    found = {f"{name}{more}": of for name, one in results.items() for more, of in account_of(one).sheets(one).items()}
+    found |= {name: of_points(one) for name, one in results.items() if _has_points(one) and name not in found}
     written = []
-    for name, of in found.items():
+    for name, of in (found or {"answer": table(*results.values())}).items():
         for ending in formats:
             path = folder / f"{name}.{ending}"
             with whole_file(path) as partial:
@@ -58,17 +59,28 @@ def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iter
     return written
 
 
-def _of_answer(results: Sequence["xr.Dataset"]) -> _Table:
+def in_people_s_unit(name: str, values: Iterable[float], unit: str) -> tuple[str, list[float | None]]:
+    """Return some values of a quantity in the unit in which people read the largest, and it; None where none is."""
+    values = list(values)
+    shown = _unit(name, values, unit)
+    return shown, [_told(value, unit, shown) for value in values]
+
+
+def _has_points(dataset: "xr.Dataset") -> bool:
+    return "status" in dataset and bool(dataset["status"].dims)
+
+
+def _of_answer(results: Sequence["xr.Dataset"]) -> Sheet:
     rows = []
     for row in answer(*results).rows:
-        unit = _unit(row.key, [row.value, *(row.band or ())], row.unit)
-        low, high = row.band or (math.nan, math.nan)
-        values = [_told(value, row.unit, unit) for value in (row.value, low, high)]
-        rows.append([row.label, values[0], unit, *values[1:], row.text, row.note])
+        ends = row.band or (math.nan, math.nan)
+        unit, (value, low, high) = in_people_s_unit(row.key, (row.value, *ends), row.unit)
+        rows.append([row.label, value, unit, low, high, row.text, row.note])
     return ["quantity", "value", "unit", "low", "high", "in words", "remark"], rows
 
 
-def _of_points(dataset: "xr.Dataset") -> _Table:
+def of_points(dataset: "xr.Dataset") -> Sheet:
+    """Return head and rows of what has many points: a row each."""
     over = dataset["status"].dims
     shape = tuple(dataset.sizes[name] for name in over)
     columns = dict[str, Any]()
@@ -85,8 +97,8 @@ def _of_points(dataset: "xr.Dataset") -> _Table:
             label = " ".join((str(one.attrs.get("key", name)), *labels))
             if whole.dtype.kind == "f":
                 si = str(one.attrs.get("units", "1"))
-                unit = _unit(str(name), whole.ravel().tolist(), si)
-                columns[f"{label} [{unit}]" if unit else label] = [_told(x, si, unit) for x in whole.ravel().tolist()]
+                unit, values = in_people_s_unit(label.rpartition(".")[2], whole.ravel().tolist(), si)
+                columns[f"{label} [{unit}]" if unit else label] = values
             else:
                 columns[label] = whole.ravel().tolist()
     return list(columns), [list(row) for row in zip(*columns.values(), strict=True)] if math.prod(shape) else []

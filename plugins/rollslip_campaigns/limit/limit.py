@@ -323,8 +323,9 @@ def _dataset(made: Limit, points: Points, slacks: Mapping[int, float], failed: s
     edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in passages(slacks)]
     lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
     variables: dict[str, Any] = {
-        "searched": ("point", values[places], about(unit, quantity.doc)),
-        "result": ("point", np.array([asked.worst(row.tolist()) for row in rows]), about(asked.unit, output.meaning)),
+        "searched": ("point", values[places], about(unit, quantity.doc) | {"key": made.axis.key}),
+        "result": ("point", np.array([asked.worst(row.tolist()) for row in rows]),
+                   about(asked.unit, output.meaning) | {"key": asked.output}),
         "keeps": ("point", np.array([slacks.get(k, math.nan) >= 0.0 for k in places], dtype=float),
                   about("1", "1 where the limit is kept")),
         "status": ("point", at["status"].to_numpy(), about("1", "how the point ended")),

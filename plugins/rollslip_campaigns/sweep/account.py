@@ -1,9 +1,10 @@
 """The account of a sweep."""
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Table
+from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.table import table
 from rollslip.results.words import plain, two
 from rollslip_campaigns.sweep import findings
@@ -29,23 +30,23 @@ class SweepAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each point, if there are not too many to read."""
-        if dataset["status"].size > _POINTS:
-            return []
-        head, rows = table(dataset)
-        words = {"status", "message", "seconds"}
-        kept = [
-            k for k, name in enumerate(head) if not name.endswith("status") and name.partition(" [")[0] not in words
-        ]
-        varied = set(findings.axes(dataset).values())
-        if not len(varied) < len(kept) <= _COLUMNS:
-            return []
+        return few_points(table(dataset), set(findings.axes(dataset).values()))
 
-        def told(value: object, name: str) -> str:
-            if not isinstance(value, float):
-                return "-" if value is None else str(value)
-            return plain(value) if name.partition(" [")[0] in varied else two(value)
 
-        return [Table("", tuple(head[k] for k in kept), [[told(row[k], head[k]) for k in kept] for row in rows])]
+def few_points(sheet: Sheet, varied: Collection[str]) -> list[Table]:
+    """Return the rows of a spreadsheet as people read them, without how points ended, if there are not too many."""
+    head, rows = sheet
+    words = {"status", "message", "seconds"}
+    kept = [k for k, name in enumerate(head) if not name.endswith("status") and name.partition(" [")[0] not in words]
+    if len(rows) > _POINTS or not len(varied) < len(kept) <= _COLUMNS:
+        return []
+
+    def told(value: object, name: str) -> str:
+        if not isinstance(value, float):
+            return "-" if value is None else str(value)
+        return plain(value) if name.partition(" [")[0] in varied else two(value)
+
+    return [Table("", tuple(head[k] for k in kept), [[told(row[k], head[k]) for k in kept] for row in rows])]
 
 
 @hookimpl

@@ -7,20 +7,25 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.results.account import Sheet
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
+from rollslip.results.dataset import UNITS
+from rollslip.results.table import in_people_s_unit
 from rollslip.results.words import force, percent, plain, span, two
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["answer", "failed", "margin", "record", "reserve", "sentences", "topics"]
+__all__ = ["answer", "failed", "margin", "record", "reserve", "sentences", "sheets", "topics"]
 
 #: What people act on, and what margin and allowable slip are of.
 RESERVE: Final = "drag reserve"
 STEADY: Final = "steady slip"
 LOAD: Final = "least radial load"
+#: How heads of columns of inputs begin.
+RANKED: Final = "rank correlation with "
 RUNAWAY: Final = "slip of running away"
 #: How well samples know a band: best.
 _KNOWN: Final = 3
@@ -46,29 +51,56 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
 
 
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Return what was found, by what it is about, what people act on first."""
+    """Return what was found, by what it is about, what people act on first; `sheets` has every quantity and input."""
     every = list(map(str, dataset["quantity"].to_numpy()))
     found = dict[str, list[str]]()
     if RESERVE in every:
         found |= {RESERVE: [reserve(dataset)], STEADY: [_steady(dataset)]}
     if LOAD in every:
         found[LOAD] = [_load(dataset)]
-    if ranked := _ranked(dataset):
-        found["what decides"] = ranked
     found |= {"running away": [_runs_away(dataset)], "allowable slip": [_allowable(dataset), *_caveat(dataset)]}
     if "margin" in dataset:
         found["margin"] = [margin(dataset)]
-    found["distributions"] = [_distribution(dataset.sel(quantity=name)) for name in every]
+    if rests_on := dataset.attrs.get("curves_with"):
+        found["critical slip"] = [f"critical slips are {rests_on}"]
     if "indexed" in dataset.coords:
         of = dataset["indexed"].to_numpy()
         found["indices"] = [_shares(dataset.sel(indexed=name)) for name in of] or [_NO_INDICES]
     return found
 
 
+def sheets(dataset: "xr.Dataset") -> dict[str, Sheet]:
+    """Return a row for each quantity, with its median, its band and what is sure, and one for each input.
+
+    Sure is what slip and load do not pass, and all else does, with the probability that was asked for. Inputs are in
+    the order of how much they decide about the first quantity, by rank correlation.
+    """
+    p, units = float(dataset.attrs["probability"]), json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
+    head = ["quantity", "unit", "median", "5 %", "95 %", "bound", f"with probability {p:g}", "its 95 % interval, low",
+            "its 95 % interval, high", "samples", "beyond the range", "without a value"]  # fmt: skip
+    rows = list[list[Any]]()
+    for name in map(str, dataset["quantity"].to_numpy()):
+        most = name in (STEADY, LOAD)
+        sure = _quantile(dataset, name, p if most else round(1.0 - p, 12))
+        values = *(_quantile(dataset, name, share)[0] for share in (0.5, 0.05, 0.95)), *sure
+        unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
+        counts = [int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")]
+        rows.append([name, unit, *shown[:3], "at most" if most else "at least", *shown[3:], *counts])
+    ranks = dataset["rank_correlation"]
+    order = np.argsort(-np.abs(np.nan_to_num(ranks.to_numpy()[:, 0])), kind="stable")
+    of = [[str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())] for k in order]
+    return {
+        "": (head, rows),
+        "-inputs": (["input", *(f"{RANKED}{name}" for name in dataset["acted"].values)], of),
+    }
+
+
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return what was found as plain values; what the samples cannot tell is null."""
+    units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
     quantities = {
         str(name): {
+            "unit": units.get(str(name), "1"),
             "samples": int(one["samples"]),
             "known": int(one["known"]),
             "beyond_the_range": int(one["beyond"]),
@@ -209,20 +241,6 @@ def _load(dataset: "xr.Dataset") -> str:
     )
 
 
-def _ranked(dataset: "xr.Dataset") -> list[str]:
-    """Say what decides about reserve and slip, by rank correlation, the strongest first."""
-    said = []
-    for name in (RESERVE, STEADY):
-        if name not in dataset["acted"].to_numpy():
-            continue
-        ranks = dataset["rank_correlation"].sel(acted=name)
-        order = [k for k in np.argsort(-np.abs(ranks.to_numpy())) if math.isfinite(ranks[k])]
-        if order:
-            told = ", ".join(f"{ranks['input'].to_numpy()[k]} {float(ranks[k]):+.2f}" for k in order)
-            said.append(f"what decides about the {name}, by rank correlation: {told}")
-    return said
-
-
 def _caveat(dataset: "xr.Dataset") -> list[str]:
     rho = float(dataset["strength_correlation"]) if "strength_correlation" in dataset else math.nan
     if not rho < _AGAINST:
@@ -282,22 +300,6 @@ def margin(dataset: "xr.Dataset") -> str:
         f"the cage runs below the slip at which it runs away with probability {value:.4g} "
         f"(95 % interval: {low:.4g} to {high:.4g}, {n} samples)"
     )
-
-
-def _distribution(one: "xr.Dataset") -> str:
-    counts = {word: int(one[word]) for word in ("beyond", "unknown")}
-    words = {"beyond": "beyond the range or without end", "unknown": "without a value"}
-    said = "".join(f", {count} {words[word]}" for word, count in counts.items() if count)
-    name = str(one["quantity"].item())
-    shown_as = name + (f" {one.attrs['curves_with']}" if name.startswith("critical slip") else "")
-    if not int(one["known"]):
-        return f"{shown_as}: no values{said}"
-    kinds = {RESERVE: _times, LOAD: _force}
-    shown = kinds.get(name) or (_percent if "slip" in name else _torque if "drag" in name else lambda v: f"{v:.4g}")
-    low, middle, high = (one["quantile_value"].sel(probability=p).item() for p in (0.05, 0.5, 0.95))
-    of = " of those with one" if counts["unknown"] else ""  # the others may lie anywhere
-    spread = f"median{of} {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}"
-    return f"{shown_as}: {spread}; {int(one['known'])} values{said}"
 
 
 def _shares(one: "xr.Dataset") -> str:

@@ -36,7 +36,7 @@ from rollslip.planning.plan import duration_range
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.planning.scatter import with_scatter
-from rollslip.results.dataset import about
+from rollslip.results.dataset import UNITS, about
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
@@ -314,7 +314,11 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
     variables["strength_correlation"] = (), strong, about("1", "rank correlation of slip and drag of running away")
     coords: dict[str, Any] = {
         "acted": ("acted", np.array(acted), about("1", "what is acted on")),
-        "quantity": ("quantity", np.array(list(values)), about("1", "what it is")),
+        "quantity": (
+            "quantity",
+            np.array(list(values)),
+            about("1", "what it is") | {UNITS: json.dumps({LOAD: "N", DRAG: "N m"})},
+        ),
         "probability": ("probability", np.array(probabilities), about("1", "share of the distribution below")),
         "input": ("input", np.array(inputs), about("1", "what is uncertain")),
     }
