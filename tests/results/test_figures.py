@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 from matplotlib import style
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from drawn import words
@@ -17,7 +18,17 @@ from rollslip.cli import app
 from rollslip.planning.provenance import film_limits_told
 from rollslip.results.curves import Curve, curves, percent
 from rollslip.results.figures import plot, save_plots
-from rollslip.results.style import FORMATS, GROUND, INK, STYLE, on_dark, set_plainly
+from rollslip.results.style import (
+    FORMATS,
+    GROUND,
+    INK,
+    MODEL_COLOURS,
+    RING_COLOURS,
+    STYLE,
+    light_to_dark,
+    on_dark,
+    set_plainly,
+)
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip_studies.effective_friction.study import EffectiveFriction
@@ -313,6 +324,28 @@ def test_what_is_darker_on_white_is_lighter_on_a_dark_ground():
     greys = [on_dark(f"#{level:02x}{level:02x}{level:02x}") for level in range(0, 256, 15)]
     assert (greys[0], greys[-1]) == (INK, GROUND)
     assert greys == sorted(greys, reverse=True)
+
+
+def luminance(colour):
+    """Relative luminance of "#rrggbb", WCAG 2.2."""
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    red, green, blue = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one, other):
+    """Contrast of two colours, WCAG 2.2."""
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_every_colour_of_the_palette_is_seen_on_a_dark_ground():
+    """Graphical objects need a contrast of 3 (WCAG 2.2, 1.4.11)."""
+    assert contrast("#ffffff", "#000000") == pytest.approx(21.0)
+    colours = {*MODEL_COLOURS, *RING_COLOURS.values(), *map(to_hex, light_to_dark().colors)}
+    least = min(colours, key=lambda one: contrast(on_dark(one.lower()), GROUND))
+    assert contrast(on_dark(least.lower()), GROUND) >= 3.0, least
+    assert contrast(INK, GROUND) >= 7.0
 
 
 def test_a_plot_is_given_as_figures_that_a_notebook_shows():

@@ -3,7 +3,7 @@
 import pytest
 
 from rollslip.results.sheet import Sheet
-from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS
+from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS, styled
 
 pytestmark = pytest.mark.quick
 
@@ -31,3 +31,19 @@ def test_a_sheet_without_a_legend_keeps_its_size_and_one_of_panels_has_no_labels
     assert sheet.axes.shape == (2,)
     sheet.key("one", color="0.3")
     assert sheet.done(height=1.0).get_figheight() == pytest.approx(1.0 + ROW)
+
+
+@pytest.mark.parametrize("columns", [1, 2])
+def test_a_label_that_is_longer_than_its_column_is_wrapped_and_not_cut(columns):
+    sheet = Sheet()
+    sheet.key("slip of largest drag: all 1024 samples beyond the range or without an end", color="blue")
+    sheet.key("allowable", color="red")
+    with styled():
+        figure = sheet.done("slip", "friction", columns=columns)
+        (legend,) = figure.legends
+        figure.draw_without_rendering()
+        box, whole = legend.get_window_extent(), figure.bbox
+    lines = [text.get_text().count("\n") + 1 for text in legend.get_texts()]
+    assert lines[0] > 1 == lines[1]
+    assert figure.get_figheight() == pytest.approx(ONE_COLUMN[1] + (sum(lines) if columns == 1 else max(lines)) * ROW)
+    assert whole.x0 <= box.x0 < box.x1 <= whole.x1

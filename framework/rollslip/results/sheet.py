@@ -1,6 +1,7 @@
 """The frame of a figure: panels, above them a legend for which it grows by a row each, labels of the axes."""
 
-from typing import TYPE_CHECKING, Any
+import textwrap
+from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.results.style import ONE_COLUMN, ROW
 
@@ -9,6 +10,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Sheet"]
+
+#: Width of a letter of a legend and of the line before it [inch]: what is longer than its column is wrapped.
+_LETTER: Final = 0.051
+_HANDLE: Final = 0.35
 
 
 class Sheet:
@@ -43,9 +48,17 @@ class Sheet:
         if x:
             self.axes.set_xlabel(x)
             self.axes.set_ylabel(y)
+        each = -(-len(self.handles) // columns) or 1  # Matplotlib fills columns
+        of = [self.handles[k : k + each] for k in range(0, len(self.handles), each)]
+        long = sum(max(len(str(one.get_label())) for one in column) for column in of)
+        if (width := self.figure.get_figwidth()) < _LETTER * long + _HANDLE * len(of):
+            for handle in self.handles:
+                room = int((width / len(of) - _HANDLE) / _LETTER)
+                handle.set_label(textwrap.fill(str(handle.get_label()), room, break_on_hyphens=False))
+        rows = max((sum(str(one.get_label()).count("\n") + 1 for one in column) for column in of), default=0)
         if self.handles:
             about = {"title": title, "alignment": "left"} if title else {}
             self.figure.legend(handles=self.handles, ncols=columns, **{"loc": "outside upper left", **about, **legend})
         without = self.figure.get_figheight() if height is None else height
-        self.figure.set_figheight(without + ROW * (-(-len(self.handles) // columns) + bool(title)))
+        self.figure.set_figheight(without + ROW * (rows + bool(title)))
         return self.figure

@@ -287,8 +287,9 @@ _OKLAB: Final = np.array(
         [0.0259040371, 0.7827717662, -0.8086757660],
     ]
 )
-#: Exponent of darkness on white: below one, what is pale there, an orange for instance, is no dark brown here.
-_LIFT: Final = 0.7
+#: Exponent of darkness on white: below one, what is pale there, an orange for instance, is no dark brown here; at 0.55
+#: every colour of the palette has a contrast of 3 to its ground, as WCAG 2.2 (1.4.11) asks for.
+_LIFT: Final = 0.55
 _COLOUR: Final = re.compile(r"#[0-9a-f]{6}\b")
 
 
