@@ -326,6 +326,18 @@ def test_what_is_darker_on_white_is_lighter_on_a_dark_ground():
     assert greys == sorted(greys, reverse=True)
 
 
+@pytest.mark.parametrize(("slip", "shown"), [(0.1, True), (0.9, False), (np.nan, False)])
+def test_the_map_shows_where_the_cage_runs_on_the_line_of_the_closure(everything, slip, shown):
+    figure = plot(everything.assign_attrs(operating_slip=slip))["effective-friction-map"]
+    for axes, ring in zip(figure.axes, everything.ring, strict=False):
+        points = [line for line in axes.lines if line.get_label() == "operating point"]
+        assert [line.get_xdata().tolist() for line in points] == [[pytest.approx(100 * slip)]] * shown
+        for point in points:
+            roller = 100 * np.interp(slip, everything.cage_slip, everything.roller_slip.sel(ring=ring))
+            assert point.get_ydata().tolist() == [pytest.approx(roller)]
+    assert ("operating point" in [text.get_text() for text in figure.legends[0].get_texts()]) is shown
+
+
 def luminance(colour):
     """Relative luminance of "#rrggbb", WCAG 2.2."""
     parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]

@@ -25,7 +25,8 @@ from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
-from rollslip.results.style import save_figures
+from rollslip.results.style import save_figures, styled
+from rollslip.results.words import two
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
@@ -666,6 +667,7 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
         "steady-slip-radial-load",
     ]
     assert all(b"steady cage slip" in file.lower() for file in first)
+    assert f"limit drag torque, {two(float(found.largest_drag))} N m".encode() in first[0]
 
 
 def test_no_roller_loaded_on_the_inner_ring_is_refused():
@@ -711,6 +713,39 @@ def test_films_are_weighed_by_the_force_of_every_slice():
             light[ring] += share[moes_groups(slices)[0] < LIGHT].sum()
     np.testing.assert_allclose(result.regime_share, want, atol=1e-12)
     np.testing.assert_allclose(result.light_share, light, atol=1e-12)
+
+
+@pytest.mark.parametrize("torque", [0.1, 5.0])
+def test_both_torques_are_drawn_whole_with_the_band_and_the_minimum_load(torque):
+    """A drag of 5 N m is far above what the rollers carry: the axis follows it."""
+    found = run(dragged(STRAIGHT, brake(torque)), points=8, acceptable_slip=0.05)
+    found = found.assign_attrs(band=json.dumps({"steady_slip": {"low": 0.001, "high": None}}))
+    with styled():
+        _, _, figure = next(steady_figures(found))
+        (axes,), (legend,) = figure.axes, figure.legends
+    low, high = axes.get_ylim()
+    assert low <= min(found.driving_torque.min(), 0.0)
+    assert high > max(found.driving_torque.max(), found.drag_torque.max())
+    said = " ".join(text.get_text().replace("\n", " ") for text in legend.get_texts())
+    assert ("where data scatter 0.10 % to skidding" in said) == (torque < 1.0)
+    assert f"minimum load {account_of(found).answer(found)['minimum_load'].text}" in said
+    spans = [line for line in axes.lines if line.get_marker() == "|"]
+    assert [line.get_xdata().tolist() for line in spans] == [[0.1, 100 * found.cage_slip[-1]]] * (torque < 1.0)
+
+
+def test_slips_over_load_have_the_minimum_loads_and_say_which_are_beyond_the_axis():
+    found = run(dragged(STRAIGHT, brake(0.1)), points=8, acceptable_slip=0.05, radial_load=(200.0, 2000.0))
+    with styled():
+        figure = {name: drawn for name, _, drawn in steady_figures(found)}["steady-slip-radial-load"]
+        said = [text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts()]
+    assert f"minimum load {two(1e-3 * float(found.least_load))} kN" in said
+    known = {str(maker): 1e-3 * float(load) for maker, load in zip(found.maker, found.makers_least_load, strict=True)}
+    for maker, load in known.items():
+        words = f"catalogue minimum load, {maker} {two(load)} kN"
+        ours = [text for text in said if text.startswith(words)]
+        assert (
+            ours == [] if np.isnan(load) else [words + ", beyond the axis" * bool(load > figure.axes[0].get_xlim()[1])]
+        )
 
 
 # The least load of a slip ---------------------------------------------------------------------------------------------

@@ -268,12 +268,14 @@ class Results:
         """
         figures, written = dict[str, list[Path]](), list[str]()
         if self._report or self._formats:
+            from rollslip.results.account import answer
             from rollslip.results.figures import save_plots
 
             drawn = dict.fromkeys((*self._formats, *(["svg"] if self._report else [])))
             with progress("plots"):
-                for name, dataset in datasets.items():
-                    files = save_plots(dataset, folder, tuple(drawn))
+                slip = next((row.value for row in answer(*datasets.values()).rows if row.key == "cage_slip"), math.nan)
+                for name, dataset in datasets.items():  # maps show where the cage runs, also by another study
+                    files = save_plots(dataset.assign_attrs(operating_slip=slip), folder, tuple(drawn))
                     figures[name] = [file for file in files if file.suffix == ".svg"]
                     written += [file.name for file in files if file.suffix[1:] in self._formats]
         if self._tables:

@@ -66,6 +66,8 @@ _SMALL, _CLEAR = 1e-3, 1.05
 class AlternativesAccount(Account):
     """How alternatives side by side are told."""
 
+    drawn = "rollslip_campaigns.comparison.figures:side_by_side"
+
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each, best first."""
         rows, ratios = json.loads(dataset.attrs["rows"]), _ratios(dataset)

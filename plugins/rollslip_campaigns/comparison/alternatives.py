@@ -135,6 +135,7 @@ def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
             source=made.scene.source,
             title=made.scene.title,
             differ=list(made.keys),
+            acceptable_slip=next(iter(answers.values())).acceptable,
             rows={label: {row.key: row.text for row in answers[label].rows} for label in order},
             scene_resolved=resolved(made.scene),
             scene_hash=scene_hash(made.scene),

@@ -1,4 +1,4 @@
-"""Figures of a comparison: the curves of all combinations, their differences, and difference against cost.
+"""Figures of a comparison: curves of all combinations, differences, and difference against cost; alternatives' slips.
 
 Dashes tell models apart here, beside their colours; elsewhere dashed is only the thermal branch.
 """
@@ -10,14 +10,14 @@ import numpy as np
 
 from rollslip.results.curves import curve_names, curves
 from rollslip.results.sheet import Sheet
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, TWO_COLUMNS, axis_label
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS, axis_label
 from rollslip_campaigns.comparison.findings import captioned, curves_of, members
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["figures"]
+__all__ = ["figures", "side_by_side"]
 
 #: Relative difference beyond which small ones would not be seen on a linear axis.
 _SPREAD = 0.1
@@ -32,6 +32,35 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         caption = f"{captioned(dataset, name)}: combinations of models against {dataset.attrs['reference']}."
         slug = "" if len(names) == 1 else f"-{name.replace(' ', '-')}"
         yield f"comparison{slug}", caption, _comparison(dataset, position)
+
+
+def side_by_side(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the slips of alternatives; give name, caption and figure, if at least one is known."""
+    if np.isfinite(dataset["cage_slip"].to_numpy()).any():
+        caption = "Steady cage slip of each alternative, best first, with its 5 to 95 % where data scatter."
+        yield "compare", caption, _slips(dataset)
+
+
+def _slips(dataset: "xr.Dataset") -> "Figure":
+    """Slips of alternatives as points with their bands, and the acceptable one."""
+    names, slip = dataset["alternative"].to_numpy(), 100 * dataset["cage_slip"].to_numpy()
+    ends = 100 * np.array([dataset[f"cage_slip_{end}"].to_numpy() for end in ("low", "high")])
+    sheet = Sheet((ONE_COLUMN[0], (18 + 7 * len(names)) * MM))
+    axes, place = sheet.axes, np.arange(len(names))[::-1]
+    axes.hlines(place, ends[0], np.minimum(ends[1], 100.0), color=MODEL_COLOURS[0], linewidth=1.4)
+    sheet.line(
+        slip, place, "cage slip, 5 to 95 % where data scatter", color=MODEL_COLOURS[0], linestyle="none", **MARKER
+    )
+    if acceptable := float(dataset.attrs.get("acceptable_slip", 0.0)):
+        style: dict[str, Any] = {"color": "0.35", "linewidth": 0.8, "linestyle": DASHES[2]}
+        axes.axvline(100 * acceptable, **style)
+        sheet.key(f"acceptable, {100 * acceptable:.3g} %", **style)
+    verdicts = dataset["verdict"].to_numpy()
+    axes.set_yticks(place, [f"{name}  {said or 'failed'}" for name, said in zip(names, verdicts, strict=True)])
+    axes.set_ylim(-0.6, len(names) - 0.4)
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlim(left=min(0.0, axes.get_xlim()[0]) if np.nanmin(slip) < 0.0 else 0.0)
+    return sheet.done("Cage slip [%]")
 
 
 def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":

@@ -10,8 +10,10 @@ import numpy as np
 
 from rollslip.results.sheet import Sheet
 from rollslip.results.style import DASHES, MODEL_COLOURS, plain_decades, unit_label
+from rollslip.results.words import in_percent
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import headline, kept_spans
+from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,9 +49,13 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
     if dataset.attrs["logarithmic"]:
         axes.set_xscale("log")
         plain_decades(axes.xaxis)
+    if dataset.attrs["searched_key"] == "operation.radial_load" and in_percent(dataset.attrs["output"], "1"):
+        mark_loads(sheet, catalogue_loads(dataset), of_x)
     over = _name(", ".join(dataset.attrs["searched_key"].split(".")[-2:]))
     return sheet.done(
-        f"{over} [{unit_label(of_x)}]", f"{_name(dataset.attrs['output'])} [{unit_label(of_y)}]", columns=3
+        f"{over} [{unit_label(of_x)}]",
+        f"{_name(dataset.attrs['output'])} [{unit_label(of_y)}]",
+        columns=3 if len(sheet.handles) <= 3 else 1,
     )
 
 

@@ -6,8 +6,9 @@ quantiles: if the scatter within a model is wider than the distance between them
 models. Quantities have the unit in which the sweep was asked for.
 """
 
+import json
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     DASHES,
+    MARKER,
     MM,
     MODEL_COLOURS,
     ONE_COLUMN,
@@ -30,6 +32,7 @@ from rollslip.results.words import in_percent
 from rollslip.units import UnitError, converted, shown_unit
 from rollslip_campaigns.sweep.findings import axes as axes_of
 from rollslip_campaigns.sweep.findings import by_name, named_dims, resting
+from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,10 +78,18 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             if "steady" in values.dims:
                 values, said = values.isel(steady=0), said.replace(" over ", ", the smallest, over ")
             caption = f"{said}{key_of[numbers[0]]} and {key_of[numbers[1]]}; {_HATCHED}."
-            yield f"sweep-map{ending}", caption, _map(values, numbers, panels)
-        elif len(numbers) == 1:
+            yield (
+                f"sweep-map{ending}",
+                caption,
+                _map(values, numbers, panels, [_given(dataset, key) for key in numbers]),
+            )
+        elif len(numbers) == 1 and values.notnull().any([*{*values.dims} - {numbers[0]}]).sum() > 1:
             caption = f"{said}{key_of[numbers[0]]}{f', by {key_of[choices[0]]}' if choices else ''}."
-            yield f"sweep-line{ending}", caption, _line(values, numbers[0], choices)
+            loads = {}
+            if key_of[numbers[0]] == "operation.radial_load" and in_percent(name, "1"):
+                least = {"minimum load": float(dataset["least_load"].median())} if "least_load" in dataset else {}
+                loads = least | catalogue_loads(dataset)
+            yield f"sweep-line{ending}", caption, _line(values, numbers[0], choices, loads)
 
 
 def _results(dataset: "xr.Dataset", keys: Sequence[str], *, curves: bool) -> "list[tuple[str, xr.DataArray]]":
@@ -142,8 +153,19 @@ def _models(values: "xr.DataArray", key: str) -> "Figure":
     return sheet.done("Critical cage slip [%]")
 
 
-def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
-    """Curves over one quantity: for each choice, else for each ring; steady slips, which may be several, as points."""
+def _given(dataset: "xr.Dataset", key: str) -> float:
+    """Return what the scene has of a quantity that was varied; NaN where it has none."""
+    value: Any = json.loads(dataset.attrs.get("scene_resolved", "{}"))
+    for part in str(dataset[key].attrs.get("key", key)).split("."):
+        value = value.get(part) if isinstance(value, dict) else None
+    return float(value) if isinstance(value, int | float) else np.nan
+
+
+def _line(values: "xr.DataArray", key: str, choices: Sequence[str], loads: Mapping[str, float]) -> "Figure":
+    """Curves over one quantity: for each choice, else for each ring; steady slips, which may be several, as points.
+
+    Of slips over the radial load ``loads`` are drawn, too.
+    """
     sheet = Sheet()
     axes = sheet.axes
     (x, across), (read, unit) = _axis(values[key]), _shown(values)
@@ -170,10 +192,12 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
         axes.set_xscale("log")
         plain_decades(axes.xaxis)
     sheet.handles += axes.get_legend_handles_labels()[0]
+    mark_loads(sheet, loads, _units(values[key])[1] if loads else "")
     return sheet.done(across, _named(values, unit))
 
 
-def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str]) -> "Figure":
+def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str], given: Sequence[float]) -> "Figure":
+    """Draw a map, or one for each choice, with the point of the scene itself where that is in its range."""
     pieces = [(str(name), values.sel({key: name})) for key in choices for name in values[key].to_numpy()]
     pieces = pieces or [("", values)]
     sheet = Sheet(((32 + 46 * len(pieces)) * MM, 58 * MM), 1, len(pieces), sharey=True, squeeze=False)
@@ -183,6 +207,7 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
     known = known[np.isfinite(known)]
     colours = against_zero(float(known.min(initial=np.inf)), float(known.max(initial=-np.inf)))
     mesh: Any = None
+    marks = list[Any]()
     for axes, (name, piece) in zip(panels, pieces, strict=True):
         axes.set_facecolor("0.9")
         (x, across), (y, up) = _axis(piece[numbers[0]]), _axis(piece[numbers[1]])
@@ -196,11 +221,19 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
         if _by_factors(y):
             axes.set_yscale("log")
             plain_decades(axes.yaxis)
+        point = [float(converted(one, *_units(piece[key]))) for one, key in zip(given, numbers, strict=True)]
+        if all(at.min() <= one <= at.max() for one, at in zip(point, (x, y), strict=True)):
+            marks = axes.plot(*point, color="black", linestyle="none", label="operating point of the scene", **MARKER)
+        if x.min() >= 0.0:  # cells reach half a step beyond the first value
+            axes.set_xlim(left=max(0.0, axes.get_xlim()[0]))
+        if y.min() >= 0.0:
+            axes.set_ylim(bottom=max(0.0, axes.get_ylim()[0]))
         axes.set_title(f"{name} ring" if choices == ["ring"] else name)
         axes.set_xlabel(across)
         if axes is panels[0]:
             axes.set_ylabel(up)
     seamless(sheet.figure.colorbar(mesh, ax=list(panels), label=_named(values, unit)))
+    sheet.handles += marks
     return sheet.done()
 
 
@@ -217,10 +250,16 @@ def _hatch(axes: "Axes") -> None:
     axes.patch.set_edgecolor("0.7")
 
 
+def _units(coordinate: "xr.DataArray") -> tuple[str, str]:
+    """Return the unit of what was varied, and that in which it was asked for, else that which people read."""
+    unit = str(coordinate.attrs["units"])
+    read = shown_unit(float(np.abs(coordinate.to_numpy()).max()), unit)
+    return unit, str(coordinate.attrs.get("written_in", "")) or read
+
+
 def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
     """Values of what was varied and the label of their axis, in the unit in which they were asked for."""
-    values, unit = coordinate.to_numpy(), str(coordinate.attrs["units"])
-    given = str(coordinate.attrs.get("written_in", "")) or shown_unit(float(np.abs(values).max()), unit)
+    values, (unit, given) = coordinate.to_numpy(), _units(coordinate)
     name = str(coordinate.attrs.get("key", coordinate.name)).rpartition(".")[2].replace("_", " ")
     return converted(values, unit, given), f"{name[0].upper()}{name[1:]} [{unit_label(given)}]"
 

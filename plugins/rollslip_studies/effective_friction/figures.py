@@ -1,7 +1,7 @@
 """Figures of effective friction: of both raceways, of single rollers, and the map over both slips."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from rollslip.results.curve_figures import (
 from rollslip.results.curves import curves, percent
 from rollslip.results.style import (
     DASHES,
+    MARKER,
     RING_COLOURS,
     TWO_COLUMNS,
     against_zero,
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["figures"]
+
+_POINT: Final[dict[str, Any]] = {**MARKER, "markersize": 6, "linestyle": "none", "label": "operating point"}
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -87,6 +90,12 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
     return figure
 
 
+def _runs(dataset: "xr.Dataset") -> float:
+    """Return the slip at which the cage runs, of this study or, in a run, of that which knows it best; NaN for none."""
+    known = float(dataset.attrs.get("operating_slip", dataset.get("steady_cage_slip", np.nan)))
+    return known if known <= float(dataset["map_cage_slip"].max()) else np.nan
+
+
 def _map(dataset: "xr.Dataset") -> "Figure":
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
@@ -101,6 +110,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     colours = against_zero(float(levels[0]), float(levels[-1]))
     style: dict[str, Any] = {"color": "black", "linewidth": 1.6, "linestyle": DASHES[3]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
+    runs, point = _runs(dataset), list[Line2D]()
     for axes, curve, ring, values in zip(panels, curves(dataset), dataset["ring"].values, surface, strict=True):
         filled = axes.contourf(cage, roller, values.T, levels, **colours)
         filled.set_edgecolor("face")  # some viewers show seams between the areas without it
@@ -111,6 +121,8 @@ def _map(dataset: "xr.Dataset") -> "Figure":
             place = 100 * curve.critical_slip, float(np.interp(curve.critical_slip, curve.slip, line))
             axes.plot(*place, marker="o", markersize=5, color="white", markeredgecolor="black")
             write_beside(axes, percent(curve.critical_slip), place)
+        if np.isfinite(runs):
+            point = axes.plot(100 * runs, float(np.interp(runs, curve.slip, line)), color="black", **_POINT)
         axes.set_title(curve.name)
         axes.set_xlabel(axis_label(dataset["map_cage_slip"], r"$S_\mathrm{c}$", "%"))
         axes.set_xlim(cage[0], cage[-1])
@@ -127,5 +139,5 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     if any(curve.has_critical for curve in curves(dataset)):
         label = f"critical cage slip {dataset.attrs.get('curves_with', '')}".rstrip()
         handles.append(Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label=label))
-    figure.legend(handles=handles, loc="outside upper left", ncols=3)
+    figure.legend(handles=handles + point, loc="outside upper left", ncols=3)
     return figure

@@ -4,12 +4,15 @@ Style, sizes and files are those of `rollslip.results.style`. Everything reads i
 dashed.
 """
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.errors import RollslipError
+from rollslip.results.account import account_of
 from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     DASHES,
@@ -22,18 +25,23 @@ from rollslip.results.style import (
     light_to_dark,
     unit_label,
 )
+from rollslip.results.words import percent, span, two
+from rollslip.scene.reading import from_raw
 from rollslip.units import converted, shown_unit
 from rollslip_studies.steady_slip.findings import has_steady, varied
+from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["steady_figures"]
+__all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
 
 Array = NDArray[np.float64]
 
 _SYMBOLS: Final = {"inner_speed": r"$n_\mathrm{i}$", "temperature": r"$\vartheta$", "radial_load": r"$F_\mathrm{r}$"}
+#: A limit that somebody chose.
+_LIMIT: Final[dict[str, Any]] = {"color": "0.35", "linewidth": 0.8, "linestyle": DASHES[2]}
 _OPEN: dict[str, Any] = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 0.9}
 
 
@@ -42,13 +50,14 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     which = f"{dataset.attrs['friction']} friction"
     yield (
         "steady-slip",
-        f"Torque with which the rollers drive the cage and drag over cage slip, {which}.",
+        f"Driving torque of the rollers and drag torque over cage slip, {which}.",
         _torques(dataset),
     )
     if has_steady(dataset):
         caption = f"Normal force and roller slip over the orbit at the steady cage slips, {which}."
         yield "steady-slip-orbit", caption, _orbit(dataset)
-        if "loss" in dataset and float(np.abs(dataset["loss"]).max()) > 0.0:
+        # one bar would say no more than the sentences do
+        if dataset.sizes["steady"] > 1 and "loss" in dataset and float(np.abs(dataset["loss"]).max()) > 0.0:
             yield "steady-slip-losses", "Power lost to friction at the steady cage slips, by source.", _losses(dataset)
     for name in varied(dataset):
         if name in dataset:
@@ -67,20 +76,32 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
     fine = np.linspace(0.0, slip[-1], 400)
     drag = dataset["drag_torque"].to_numpy()
     curve = PchipInterpolator(slip, driving)(fine)
-    sheet.line(100 * fine, curve, "the rollers drive", color=MODEL_COLOURS[0])
-    sheet.line(100 * slip, drag, "the drags resist", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3])
+    sheet.line(100 * fine, curve, "driving torque of the rollers", color=MODEL_COLOURS[0])
+    sheet.line(100 * slip, drag, "drag torque", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3])
+    rows = {row.key: row for row in account_of(dataset).answer(dataset).rows}
     largest = float(dataset["largest_drag"])
     if not np.isnan(largest):
         place = 100 * float(dataset["largest_drag_slip"]), largest
-        sheet.mark(*place, f"largest drag, {largest:.3g} N m", marker="^", markersize=4)
+        sheet.mark(*place, f"limit drag torque, {two(largest)} N m", marker="^", markersize=4)
     for stable, style, words in ((1, MARKER, "steady slip"), (0, _OPEN, "steady slip that is not held")):
         if has_steady(dataset) and (chosen := dataset["stable"].to_numpy() == stable).any():
             at = 100 * dataset["steady_slip"].to_numpy()[chosen]
-            of = ", ".join(f"{value:.3g} %" for value in at)
             torque = dataset["torque"].to_numpy()[chosen]
-            sheet.mark(at, torque, f"{words}, {of}", zorder=4, **style)
+            said = f"{words}, {', '.join(percent(0.01 * value) for value in at)}"
+            if stable and (band := rows["cage_slip"].band):
+                said += f"; where data scatter {span(*band)}"
+                ends = 100 * np.minimum(band, slip[-1])
+                axes.plot(ends, [torque[0]] * 2, color="black", linewidth=0.9, marker="|", markersize=5, zorder=3)
+            sheet.mark(at, torque, said, zorder=4, clip_on=False, **style)
+    if "minimum_load" in rows:
+        acceptable, least = 100 * float(dataset.attrs["acceptable_slip"]), rows["minimum_load"]
+        axes.axvline(acceptable, **_LIMIT)
+        said = f"minimum load {least.text}, {least.note}"
+        sheet.key(said if np.isfinite(least.value) else f"acceptable slip, {acceptable:.3g} %; {said}", **_LIMIT)
+    every = np.concatenate([curve, drag, [0.0]])
+    low, high = every.min(), every.max()
     axes.set_xlim(0.0, 100 * slip[-1])
-    axes.set_ylim(min(0.0, float(driving.min())), 1.08 * max(driving.max(), min(drag.max(), 2.0 * driving.max())))
+    axes.set_ylim(low, high + 0.08 * (high - low))
     return sheet.done(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"), "Torque on the cage [N m]")
 
 
@@ -151,9 +172,48 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
         words = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
         sheet.mark(value[fold], slip[fold], f"fold, {words}", zorder=4, **MARKER)
     axes.set_ylim(bottom=0.0)
+    if name == "radial_load" and "makers_least_load" in dataset:
+        acceptable = 100 * float(dataset.attrs["acceptable_slip"])
+        axes.axhline(acceptable, **_LIMIT)
+        sheet.key(f"acceptable slip, {acceptable:.3g} %", **_LIMIT)
+        row = next((row for row in account_of(dataset).answer(dataset).rows if row.key == "minimum_load"), None)
+        if row is not None and np.isfinite(row.value):
+            ends = ""
+            if row.band:
+                low, high = converted(np.array(row.band), "N", unit)
+                ends = f", {two(low)} to {two(high)} where data scatter:"
+                axes.axvspan(low, high, color="0.9", linewidth=0.0, zorder=0)
+            mark_loads(sheet, {f"minimum load{ends}": row.value}, unit, color="black")
+        mark_loads(sheet, catalogue_loads(dataset), unit)
     return sheet.done(
         axis_label(dataset[name], symbol, unit), axis_label(dataset[f"{name}_slip"], r"$S_\mathrm{c}$", "%")
     )
+
+
+def catalogue_loads(dataset: "xr.Dataset") -> dict[str, float]:
+    """Return the minimum loads of catalogues [N] for the bearing of a result, the least first, as a legend names them.
+
+    They are read from the scene of the result, so that a sweep has them, too.
+    """
+    try:
+        loads, _ = asked_by_makers(from_raw(json.loads(dataset.attrs["scene_resolved"]), ""))
+    except (KeyError, RollslipError):  # a result of before
+        return {}
+    pairs = sorted((float(load), maker) for maker, load in zip(RULES, loads, strict=True) if load > 0.0)
+    return {f"catalogue minimum load, {maker}": load for load, maker in pairs}
+
+
+def mark_loads(sheet: Sheet, loads: Mapping[str, float], unit: str, **style: Any) -> None:
+    """Draw loads [N] over an axis of loads in a unit, as lines; of one beyond its ends the legend says so."""
+    low, high = sheet.axes.get_xlim()
+    for k, (label, load) in enumerate(loads.items(), 1):
+        at = float(converted(load, "N", unit))
+        look: dict[str, Any] = {"color": "0.45", "linewidth": 0.8, "linestyle": DASHES[k % len(DASHES)], **style}
+        if inside := low <= at <= high:
+            sheet.axes.axvline(at, **look)
+        words = f"{label} {two(at)} {unit}{'' if inside else ', beyond the axis'}"
+        sheet.key(words, **(look if inside else {"linestyle": "none"}))
+    sheet.axes.set_xlim(low, high)
 
 
 def _for_people(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
