@@ -483,6 +483,9 @@ class TractionModel(SliceModel):
     solved_by: ClassVar[str | None] = None
     #: By what comparisons sort slices, little up to 0.1 and much beyond 1: name -> one of `quantities`, its symbol.
     regimes: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
+    #: What the conformance kit holds friction over slip to: "cold" and "heated" -> "rises", "one maximum" or "at most
+    #: one maximum", and "bound" -> name of the parameter, or of the method of slices, that it stays below.
+    shapes: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def groups(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
         """Return the dimensionless groups of evaluated slices with which the law and its closed form grow apart.

@@ -30,6 +30,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.catalogue.kinds import Kind, canonical, check_kind, get_kind, is_disabled, kinds
+from rollslip.catalogue.shipped import altered, held, is_ours
 from rollslip.errors import PluginError, UnknownNameError, in_words, wants_memory
 from rollslip.units import as_written
 
@@ -277,6 +278,7 @@ def _load(offer: Offer) -> Any:
     _log.debug("loads %s", blame)
     remedy = f"repair or uninstall {offer.package}"
     path, _, member = offer.module.partition(":")
+    before = {} if is_ours(path) else held()
     try:
         with _told_if_slow(offer):
             module = importlib.import_module(path)
@@ -286,6 +288,9 @@ def _load(offer: Offer) -> Any:
         if wants_memory(error):
             raise MemoryError(in_words(error)) from error
         raise PluginError(f"{blame} cannot be imported ({in_words(error)}); {remedy}") from error
+    if changed := [] if is_ours(path) else altered(before):
+        why = f"its import changes {' and '.join(changed[:3])} of rollslip, so that results would name rollslip for it"
+        raise PluginError(f"{blame} cannot be used: {why}; derive a class with a name of its own, or {remedy}")
     kind = get_kind(offer.kind)
     if offer.is_family:
         return _of_family(offer, getattr(module, member, None), kind, blame, remedy)

@@ -70,8 +70,6 @@ MANY: Final = 515
 THREADS: Final = 8
 #: Seconds for which threads run against each other; a shared scratch is found in 40 of 40 runs, on one core or two.
 MEETING: Final = 0.06
-#: Seconds that a module may take beyond rollslip itself.
-IMPORT_LIMIT: Final = 0.5
 
 
 # Slices --------------------------------------------------------------------------------------------------------------

@@ -19,13 +19,14 @@ from rollslip.testing import (  # noqa: F401 - they put their rules on the list
     checks,
     integrators,
     laws,
-    measurements,
+    numbers,
     studies,
     values,
 )
 from rollslip.testing.declared import not_run
-from rollslip.testing.rules import Check, Inapplicable, all_checks, checks_of, subjects
+from rollslip.testing.rules import Check, Inapplicable, Questionable, all_checks, checks_of, subjects
 
+_STATES: Final = ("ok", "expected", "skipped", "warning", "failed")
 NONE_EXPECTED: Final[Mapping[str, str]] = MappingProxyType({})
 
 
@@ -40,7 +41,8 @@ class Finding:
     check : str
         Name of the check.
     status : str
-        "ok", "failed", "expected" (it fails, as declared) or "skipped" (the rule says nothing about this model).
+        "ok", "failed", "expected" (it fails, as declared), "warning" (it costs time, and makes no number wrong) or
+        "skipped" (the rule says nothing about this model).
     message : str
         Why, unless it is "ok".
     """
@@ -78,7 +80,7 @@ def _sentence(error: BaseException) -> str:
     """Return an error in words."""
     if isinstance(error, BaseExceptionGroup):  # hypothesis: a value that fails once and passes once
         return f"it answers one input in two ways ({_sentence(error.exceptions[0])})"
-    return str(error) if isinstance(error, AssertionError) else f"{type(error).__name__}: {error}"
+    return str(error) if isinstance(error, AssertionError | Questionable) else f"{type(error).__name__}: {error}"
 
 
 def run_check(model: object, check: Check, reason: str | None = None) -> tuple[Finding, Exception | None]:
@@ -94,7 +96,8 @@ def run_check(model: object, check: Check, reason: str | None = None) -> tuple[F
     except Exception as cause:
         error = cause
     if error is not None:
-        status, message = ("expected", reason) if reason else ("failed", _sentence(error))
+        wrong = "warning" if isinstance(error, Questionable) else "failed"
+        status, message = ("expected", reason) if reason else (wrong, _sentence(error))
     elif reason:
         status, message = "failed", f"it passes, but is listed as an expected failure ({reason}); take it off the list"
     else:
@@ -173,8 +176,8 @@ def format_findings(findings: Sequence[Finding]) -> str:
     for model in dict.fromkeys(finding.model for finding in findings):
         mine = [finding for finding in findings if finding.model == model]
         counts = Counter(finding.status for finding in mine)
-        numbers = (f"{counts[status]} {status}" for status in ("ok", "expected", "skipped", "failed") if counts[status])
-        lines.append(f"{model}: {', '.join(numbers)}")
+        parts = (f"{counts[status]} {status}" for status in _STATES if counts[status])
+        lines.append(f"{model}: {', '.join(parts)}")
         lines += [f"  {f.status:9} {f.check}: {f.message}" for f in mine if f.status != "ok"]
     return "\n".join(lines)
 

@@ -50,6 +50,10 @@ class Inapplicable(Exception):  # noqa: N818 - a check that has nothing to look 
     """A rule says nothing about this model; the message says why."""
 
 
+class Questionable(Exception):  # noqa: N818 - no verdict
+    """A rule is broken at the price of time, not of numbers: a warning, and no failure."""
+
+
 _RULES: dict[type | str, list[Check]] = {}
 
 

@@ -1,21 +1,29 @@
 """The rules of all models, named values and studies: frozen, equal, pickled, named, quiet, and said what it is."""
 
+import datetime
 import json
 import math
+import os
 import pickle
 import re
 import subprocess
 import sys
+import tempfile
+import time
+from contextlib import suppress
 from functools import cache
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import attrs
+import numpy as np
 
+from rollslip.catalogue.discovery import load
 from rollslip.catalogue.kinds import kind_of
 from rollslip.catalogue.registry import catalogue, get_class
+from rollslip.catalogue.shipped import altered, held, is_ours
 from rollslip.engine import Engine
 from rollslip.errors import PluginError
-from rollslip.models import FilmModel
+from rollslip.models import DragModel, FilmModel, SliceModel
 from rollslip.testing.rules import (
     CITATIONS_WANTED,
     MODELS,
@@ -26,15 +34,9 @@ from rollslip.testing.rules import (
     rule,
     without_evaluation,
 )
+from rollslip.testing.samples import evaluate, forms_of, table
 from rollslip.units import UnitError, check_unit
 
-#: What a change of units may do to a result: some hundred roundings, most of them in powers.
-UNITS_TOLERANCE: Final = 1e-10
-#: A loop over blocks of 256 meets whole blocks, a rest and, with it, the end of a vector loop.
-MANY: Final = 515
-THREADS: Final = 8
-#: Seconds for which threads run against each other; a shared scratch is found in 40 of 40 runs, on one core or two.
-MEETING: Final = 0.06
 #: Seconds that a module may take beyond rollslip itself.
 IMPORT_LIMIT: Final = 0.5
 
@@ -158,6 +160,155 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
         if printed or best < IMPORT_LIMIT:
             break
     return best, printed
+
+
+# Another process -----------------------------------------------------------------------------------------------------
+
+#: Later by this in the other process [s]: another year, day of the week and hour.
+_LATER: Final = 1e8
+
+
+@cache
+def _other(path: tuple[str, ...], **variables: str) -> "subprocess.Popen[bytes]":
+    """Return a process with another clock, folder, language and seed, in which everything of the box is imported."""
+    home = tempfile.gettempdir()
+    other = {"TZ": "Pacific/Apia", "LC_ALL": "C", "PYTHONHASHSEED": "77", "HOME": home}
+    code = "from rollslip.testing.values import answer; answer()"
+    return subprocess.Popen(
+        [sys.executable, "-c", code], env=os.environ | other | {"PYTHONPATH": os.pathsep.join(path)} | variables,
+        cwd=home, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def _asked(model: Any, **variables: str) -> tuple[Any, list[str], list[str]]:
+    """Return what another process says of a model.
+
+    Its numbers, or an error in words; names of rollslip that its import has changed; variables of the environment that
+    its package has read. What cannot be sent there is another rule's business.
+    """
+    try:
+        order = pickle.dumps(model)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise Inapplicable(f"it cannot be sent to another process ({error})") from None
+    process = _other(tuple(map(os.path.abspath, sys.path)), **variables)
+    to, back = cast("tuple[Any, Any]", (process.stdin, process.stdout))
+    try:
+        pickle.dump(order, to)
+        to.flush()
+        said: tuple[Any, list[str], list[str]] = pickle.load(back)
+    except (EOFError, OSError):
+        _other.cache_clear()
+        raise Nonconformance("another process, in which it is imported, ends") from None
+    if isinstance(said[0], str) and ("No module named" in said[0] or "__main__" in said[0]):
+        raise Inapplicable(f"its module cannot be imported by its name ({said[0]})")
+    return said
+
+
+def answer() -> None:
+    """Answer on models, which come by standard input: what the other process is for."""
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    for offer in catalogue():
+        if offer.package == "rollslip":
+            with suppress(PluginError):
+                load(offer)
+    before, changed = held(), dict[str, list[str]]()
+    _set_clocks()
+    read = _watch_environment()
+    while True:
+        try:
+            order = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        root, given = "", None
+        try:
+            model = pickle.loads(order)
+            root, given = type(model).__module__.partition(".")[0], _given(model)
+        except BaseException as error:
+            given = f"{type(error).__name__}: {error}"
+        changed.setdefault(root, []).extend(altered(before))
+        before = held()
+        pickle.dump((given, changed[root], sorted({name for name, of in read if of == root})), out)
+        out.flush()
+
+
+def _set_clocks() -> None:
+    """Let the clocks that programs ask for the date be late."""
+    now, nanoseconds, apart = time.time, time.time_ns, datetime.timedelta(seconds=_LATER)
+
+    class Later(datetime.datetime):
+        @classmethod
+        def now(cls, tz: datetime.tzinfo | None = None) -> Any:
+            return super().now(tz) + apart
+
+    def at(of: Any) -> Any:
+        return lambda seconds=None: of(time.time() if seconds is None else seconds)
+
+    time.time, time.time_ns = lambda: now() + _LATER, lambda: nanoseconds() + int(1e9 * _LATER)
+    time.localtime, time.gmtime, time.ctime = map(at, (time.localtime, time.gmtime, time.ctime))
+    datetime.datetime = Later  # type: ignore[misc]
+
+
+def _watch_environment() -> set[tuple[str, str]]:
+    """Return a set in which names of variables that are asked for will be, each with the package that asked."""
+    found, kind = set[tuple[str, str]](), type(os.environ)
+    plain = kind.__getitem__
+
+    def watched(self: Any, name: Any) -> Any:
+        caller = sys._getframe(1)
+        while caller.f_back is not None and caller.f_globals.get("__name__") in (
+            "os",
+            "collections.abc",
+            "_collections_abc",
+        ):
+            caller = caller.f_back
+        found.add((str(name), str(caller.f_globals.get("__name__")).partition(".")[0]))
+        return plain(self, name)
+
+    kind.__getitem__ = watched  # type: ignore[method-assign]
+    return found
+
+
+def _given(model: Any) -> Any:
+    """Return numbers that a model gives for usual inputs."""
+    if isinstance(model, DragModel):
+        return [model.torque(*speeds) for speeds in ((100.0, 250.0, 0.0), (-30.0, 0.0, 90.0))]
+    filled = [evaluate(form, table(form, 67)) for _, form in forms_of(model)] if isinstance(model, SliceModel) else []
+    return [value for one in filled for name in sorted(model.writes) for value in getattr(one, name).tolist()]
+
+
+@rule("value")
+def check_its_import_leaves_rollslip_as_it_is(model: Any) -> None:
+    """A law of the box that another package changes gives other numbers, and results name rollslip for them."""
+    if is_ours(type(model).__module__):
+        return
+    _, changed, _ = _asked(model)
+    refuse_unless(
+        not changed,
+        f"importing {type(model).__module__} changes {', '.join(changed[:5])} of rollslip; derive a class with a name "
+        "of its own, which scenes can ask for",
+    )
+
+
+@rule(SliceModel, DragModel)
+def check_gives_the_same_in_another_process(model: Any) -> None:
+    """Other clock, time zone, language, folder, seed of hashes and variables of the environment: the same numbers."""
+    if is_ours(type(model).__module__):
+        return
+    here, (there, _, names) = _given(model), _asked(model)
+
+    def refuse_another(there: Any, how: str) -> None:
+        equal = len(there) == len(here) and not isinstance(there, str)
+        refuse_unless(
+            equal and np.allclose(there, here, rtol=1e-12, atol=0.0, equal_nan=True),
+            f"{how} {there if isinstance(there, str) else 'it gives other numbers'}; what a law depends on is a "
+            "parameter, which results name",
+        )
+
+    refuse_another(there, "in a process with another clock, time zone, language, folder and seed of hashes")
+    if names:  # nobody knows what to set before it asks
+        other = {name: "2" if os.environ.get(name) != "2" else "3" for name in names}
+        refuse_another(_asked(model, **other)[0], f"where {' and '.join(names)} of the environment is another")
 
 
 # What is said --------------------------------------------------------------------------------------------------------

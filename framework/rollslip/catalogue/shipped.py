@@ -1,0 +1,52 @@
+"""Whether the modules of rollslip are as they were shipped: no package may change a law that results name as ours.
+
+A method that another package puts in place of one of ours changes numbers, and a result names rollslip alone for them.
+So what our modules hold is compared before and after the import of a package: names, members of classes, code. A module
+of ours that is imported meanwhile has no before; a function of strangers in one of its classes tells.
+"""
+
+import sys
+from collections.abc import Iterator, Mapping
+from types import FunctionType, ModuleType
+from typing import Any
+
+__all__ = ["altered", "held", "is_ours"]
+
+_ROOTS = frozenset({"rollslip", "rollslip_campaigns", "rollslip_kernels", "rollslip_plugins", "rollslip_studies"})
+
+
+def is_ours(module: str) -> bool:
+    """Return whether a module, by its dotted name, is one of rollslip's distribution."""
+    return module.partition(".")[0] in _ROOTS
+
+
+def held() -> Mapping[str, Any]:
+    """Return what the modules of rollslip hold that are imported: dotted name -> thing."""
+    return dict(_held())
+
+
+def _held() -> Iterator[tuple[str, Any]]:
+    for module in [name for name in sys.modules if is_ours(name)]:
+        for name, thing in list(vars(sys.modules[module]).items()):
+            if name.startswith("__") or isinstance(thing, ModuleType):
+                continue
+            yield f"{module}.{name}", thing
+            if isinstance(thing, FunctionType):
+                yield f"{module}.{name}()", thing.__code__
+            if isinstance(thing, type) and thing.__module__ == module:
+                for member, value in list(vars(thing).items()):
+                    yield f"{module}.{name}.{member}", value
+                    if isinstance(value, FunctionType):
+                        yield f"{module}.{name}.{member}()", value.__code__
+
+
+def altered(before: Mapping[str, Any]) -> list[str]:
+    """Return the names of rollslip that hold something else than before, or are put into classes anew."""
+    after = held()
+    found = [name for name, thing in before.items() if after.get(name) is not thing]
+    for name in after.keys() - before.keys():
+        place, _, last = name.rpartition(".")
+        if isinstance(after.get(place), type) and not last.startswith("_"):  # attrs writes some of those
+            stranger = isinstance(after[name], FunctionType) and not is_ours(after[name].__module__)
+            found += [name] if place in before or stranger else []
+    return sorted({name.removesuffix("()") for name in found})

@@ -1,0 +1,16 @@
+"""A module that changes a law of the box, to what it was, so that other tests go on."""
+
+import attrs
+
+from broken_models import Film
+from rollslip_plugins.film.formulas import Martin
+
+Martin.equation = "".join([Martin.equation[:1], Martin.equation[1:]])
+
+
+@attrs.frozen(kw_only=True)
+class ChangesAnother(Film):
+    """Its module puts something of its own into a law of the box."""
+
+
+BROKEN = [("check_its_import_leaves_rollslip_as_it_is", ChangesAnother())]
