@@ -8,11 +8,13 @@
 - Threads are made when the first large table comes, and kept; a forked process makes its own.
 """
 
+import _thread
 import os
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
@@ -25,7 +27,7 @@ from rollslip_kernels import chain as kernels
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 if TYPE_CHECKING:
-    from concurrent.futures import Future, ThreadPoolExecutor
+    from concurrent.futures import Future
 
 Array = NDArray[np.float64]
 
@@ -52,33 +54,35 @@ _here = threading.local()
 
 
 @cache
-def _pool(count: int) -> "ThreadPoolExecutor":
-    """Return threads that are all running.
+def _helpers(count: int) -> "SimpleQueue[tuple[Future[None], Callable[[], None]]]":
+    """Return a queue from which threads take work, as many as can be started.
 
-    A thread of its own starts them: a signal can interrupt the main one half way, and a thread that its pool does not
-    know of is waited for without end when the process ends.
+    They are none of `threading`, which waits without end for one that dies for want of memory before it runs, or that
+    a signal let nobody know of. What none of them takes the calling thread does.
     """
-    from concurrent.futures import ThreadPoolExecutor
-
-    pool, all_run = ThreadPoolExecutor(count, "rollslip", _begin_to_help), threading.Barrier(count)
-
-    def start() -> None:
-        with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
-            for _ in range(count):
-                pool.submit(all_run.wait, 10.0)
-
-    starter = threading.Thread(target=start)
-    starter.start()
-    starter.join()
-    return pool
+    work: SimpleQueue[tuple[Future[None], Callable[[], None]]] = SimpleQueue()
+    with suppress(RuntimeError, MemoryError):  # nor does one start at the end of the interpreter
+        for _ in range(count):
+            _thread.start_new_thread(_help, (work,))
+    return work
 
 
-def _begin_to_help() -> None:
-    _here.helps = True
+def _help(work: "SimpleQueue[tuple[Future[None], Callable[[], None]]]") -> None:
+    """Do what comes, for ever; nothing, where memory does not suffice for that."""
+    try:
+        _here.helps = True
+    except MemoryError:
+        return
+    while True:
+        told, part = work.get()
+        if told.set_running_or_notify_cancel():
+            part()
+            told.set_result(None)
+        del told, part  # which hold a table
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_pool.cache_clear)  # the threads of the parent are not in the child
+    os.register_at_fork(after_in_child=_helpers.cache_clear)  # the threads of the parent are not in the child
 
 
 def stage(model: SliceModel) -> object:
@@ -243,6 +247,8 @@ class Chain:
         count = 1 if not block or hasattr(_here, "helps") else self._threads or threads()
         if count == 1:
             return self._chain.run(slices)
+        from concurrent.futures import Future
+
         step = -(-_PART // block) * block
         starts, outcomes = iter(range(0, n, step)), dict[int, Any]()
         others: list[Future[None]] = []
@@ -259,9 +265,9 @@ class Chain:
                         outcomes[start] = outcome
 
         try:
-            with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
-                while len(others) < min(count, -(-n // step)) - 1:
-                    others.append(_pool(count - 1).submit(work))
+            while len(others) < min(count, -(-n // step)) - 1:
+                others.append(Future())
+                _helpers(count - 1).put((others[-1], work))
             work()
         finally:
             starts = iter(())
