@@ -199,7 +199,13 @@ def test_the_command_writes_a_form_and_a_folder(tmp_path, capsys, monkeypatch):
     with pytest.raises(SystemExit) as leave:
         main(["validate", "klebanov-2022", "--form", "form.csv"])
     assert leave.value.code == 0
-    assert (tmp_path / "form.csv").read_text(encoding="utf-8").count("klebanov-2022,") == 8
+    filled = (tmp_path / "form.csv").read_text(encoding="utf-8")
+    assert filled.count("klebanov-2022,") == 8
+    with pytest.raises(SystemExit) as leave:
+        main(["validate", "klebanov-2022", "--form", "form.csv"])
+    assert leave.value.code != 0
+    assert "form.csv: exists, perhaps with numbers in it" in capsys.readouterr().err
+    assert (tmp_path / "form.csv").read_text(encoding="utf-8") == filled
     with pytest.raises(SystemExit) as leave:
         main(["validate", "klebanov-2022", "--samples", "0", "--no-plots", "--json"])
     assert leave.value.code == 0

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import SceneError
+from rollslip.errors import OutputError, SceneError
 from rollslip.files import content_of, decoded, readable, whole_file
 from rollslip.measurement import Measurement, load_measurement
 from rollslip.measurement.values import Series
@@ -98,6 +98,8 @@ def write_form(names: Sequence[str], path: Path) -> str:
     """Write a file for predictions of one data set; say what to do with it."""
     if len(names) != 1:
         raise SceneError(["form: needs one data set; name one"])
+    if path.exists():
+        raise OutputError(f"{path}: exists, perhaps with numbers in it; name another --form, or remove it")
     with whole_file(path) as partial:
         partial.write_text(form(measurement_named(names[0])), encoding="utf-8")
     return f"written: {path}; fill the column predicted, and give it back by --predictions {path}"
