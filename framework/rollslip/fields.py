@@ -11,7 +11,7 @@ Decisions:
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias, TypedDict
 
 import attrs
@@ -319,3 +319,11 @@ def _hint(value: float, attribute: "attrs.Attribute[Any]") -> str:
         return ""
     meant = likely(value, given or unit, unit, lambda other: span[0] <= other <= span[1])
     return "" if meant is None else f"; did you mean {meant!r}?"
+
+
+def submodels(model: Any) -> Iterator[tuple[str, Any]]:
+    """Yield kind and model of all models that a model holds as parameters, and of theirs."""
+    for attribute in attrs.fields(type(model)) if attrs.has(type(model)) else ():
+        if "kind" in attribute.metadata and (child := getattr(model, attribute.name)) is not None:
+            yield attribute.metadata["kind"], child
+            yield from submodels(child)

@@ -1,10 +1,12 @@
 """Which packages are installed, in which state, and what a scene requires of them."""
 
+import ast
 import json
+import textwrap
 
 import pytest
 
-from packages import TRACTION, install, python, rollslip
+from packages import TRACTION, install, process, python, rollslip
 from rollslip.catalogue.packages import as_dicts, as_text, check_required, packages, requirements
 from rollslip.errors import PluginError, SceneError
 from rollslip.planning.plan import plan
@@ -173,3 +175,56 @@ def test_the_command_line_checks_versions_without_an_import(street):
             assert (code, err) == (0, "")
         else:
             assert (code, out, err) == (5, "", f"changes: plugins.require[0]: {said}\n")
+
+
+EDITABLE = """
+[bearing]
+name = "NU 2210"
+[operation]
+inner_speed = "1500 rpm"
+radial_load = "2 kN"
+temperature = "70 degC"
+[lubricant]
+name = "iso-vg-68"
+[models.traction]
+model = "lambda-blend"
+hydrodynamic = "edited"
+[study.friction-curve]
+points = 5
+[accuracy]
+slices = 3
+"""
+
+
+def test_a_run_names_the_package_of_a_law_within_a_law(tmp_path):
+    install(tmp_path, "rollslip-edited", TRACTION, version="2.5")
+    (tmp_path / "own.toml").write_text(EDITABLE)
+    said = """
+    import json, sys, rollslip
+    found = rollslip.run(sys.argv[1], "friction-curve")
+    print(json.loads(found.attrs["packages"])["rollslip-edited"])
+    print([one["submodels"] for one in json.loads(found.attrs["models"]) if one["kind"] == "traction"])
+    """
+    code = f"import sys; sys.argv = ['', {str(tmp_path / 'own.toml')!r}]\n" + textwrap.dedent(said)
+    version, children = process(code, paths=[tmp_path]).stdout.splitlines()
+    (children,) = ast.literal_eval(children)
+    assert version == "2.5"
+    assert {"kind": "traction", "name": "edited", "package": "rollslip-edited", "version": "2.5"} in children
+
+
+def test_a_sweep_goes_on_with_no_package_that_was_edited(tmp_path):
+    install(tmp_path, "rollslip-edited", TRACTION, version="2.5")
+    (tmp_path / "own.toml").write_text(EDITABLE)
+    info = tmp_path / "rollslip_edited-2.5.dist-info" / "direct_url.json"
+    info.write_text(json.dumps({"url": tmp_path.as_uri(), "dir_info": {"editable": True}}))
+    folder = str(tmp_path / "swept")
+    over = "operation.inner_speed=1000rpm:1500rpm:2"
+    given = ["sweep", "run", str(tmp_path / "own.toml"), "--study", "friction-curve", "--over", over]
+    code, _, err = rollslip(*given, "--out", folder, "--engine", "serial", path=tmp_path)
+    assert code == 0, err
+    assert rollslip("sweep", "resume", folder, path=tmp_path)[0] == 0
+    module = tmp_path / "rollslip_edited.py"
+    module.write_text(module.read_text().replace("self.factor *", "2.0 * self.factor *"))
+    code, _, err = rollslip("sweep", "resume", folder, path=tmp_path)
+    assert code != 0
+    assert "editable packages.rollslip-edited" in err

@@ -3,7 +3,7 @@
 import logging
 import math
 import operator
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from functools import cached_property, lru_cache, partial
 from typing import Any, Final, TypeVar
 
@@ -25,8 +25,9 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated
-from rollslip.catalogue.registry import get_class, structure_model
-from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.catalogue.registry import available, get_class, structure_model
+from rollslip.errors import DomainError, PluginError, SceneError, nearest
+from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law, without_slope
 from rollslip.lubricant.table import lubricant_from_table
@@ -310,15 +311,19 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         oil = _lubricant(scene, where, problems)
         if oil is None:
             raise SceneError(problems)
-        laws = [(of.pressure_viscosity_law, of.slopes) for of in (oil, like.lubricant)]
+        laws = [(of.pressure_viscosity_law, of.slopes, of.models) for of in (oil, like.lubricant)]
         if laws[0] == laws[1] and supplied(scene, oil).starvation == supplied(like.scene, like.lubricant).starvation:
             return _with_oil(like, scene, oil, where)
         problems = []
         loads = like.known_loads
     else:
         loads = {}
+    lubricant = _lubricant(scene, where, problems)
+    constants = None if lubricant is None or not lubricant.models else lubricant.constants_for
     models: dict[str, Any] = {
-        kind: structure_model(kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems)
+        kind: structure_model(
+            kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems, constants
+        )
         for kind, choice in (
             ("contact", scene.models.contact),
             ("film", scene.models.film),
@@ -326,6 +331,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
             ("traction", scene.models.traction),
         )
     }
+    problems += _unused_constants(scene, models, where.at("lubricant").at("models"))
     named, thermal = where.at("models"), scene.models.thermal
     beside = [] if thermal is None else [("thermal", named.at("thermal"), thermal)]
     beside += [("damage", named.at("damage").at(k), one) for k, one in enumerate(scene.models.damage)]
@@ -339,7 +345,6 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         scene.operation.inner_speed,
         scene.operation.outer_speed,
     )
-    lubricant = _lubricant(scene, where, problems)
     try:
         position, widths, drop = _slicing(scene, resolution)
     except ValueError as error:
@@ -373,6 +378,30 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         known_loads=loads,
         **models,
     )
+
+
+def _unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -> list[str]:
+    """Say which constants that a scene has of its oil are of no law of a contact, or of none of the scene's laws."""
+    tables = scene.lubricant.data.get("models")
+    if not isinstance(tables, Mapping):
+        return []
+    known = {name for kind in models for name in available(kind)}
+    laws = [
+        law
+        for model in models.values()
+        if model is not None
+        for law in (model, *(child for _, child in submodels(model)))
+    ]
+    has = {name for law in laws for name in attrs.fields_dict(type(law))}
+    said = list[str]()
+    for name, value in tables.items():
+        if isinstance(value, Mapping) and name not in known:
+            near = f"; did you mean {' or '.join(found)}?" if (found := nearest(name, known)) else ""
+            said.append(where.at(name).says(f"no law of a contact is called so{near}"))
+        elif not isinstance(value, Mapping) and name not in has and None not in models.values():
+            used = ", ".join(law.name for law in laws)
+            said.append(where.at(name).says(f"no law of this scene has such a parameter: {used}"))
+    return said
 
 
 def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:

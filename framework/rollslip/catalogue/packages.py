@@ -1,7 +1,12 @@
 """The packages that offer models: which there are, whether each can be used, and what a scene requires of them."""
 
+import hashlib
 import importlib.metadata
+import importlib.util
+import json
 from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -11,7 +16,7 @@ from rollslip.catalogue.kinds import is_disabled
 from rollslip.errors import PluginError, SceneError
 from rollslip.structure import Location
 
-__all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "packages", "requirements"]
+__all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "edited", "packages", "requirements"]
 
 
 @attrs.frozen(kw_only=True)
@@ -36,6 +41,31 @@ def packages() -> list[PluginPackage]:
         if offer.package != THIS_PROCESS:
             offers.setdefault(offer.package, []).append(_tried(offer))
     return [_package(offers[name]) for name in sorted(offers, key=lambda name: (name != "rollslip", name))]
+
+
+def edited(packages: Iterable[str]) -> dict[str, str]:
+    """Return a digest of the files of each package that is installed to be edited, whose version says little."""
+    return {name: found for name in packages if (found := _digest(name))}
+
+
+@cache
+def _digest(package: str) -> str:
+    try:
+        distribution = importlib.metadata.distribution(package)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+    about = json.loads(distribution.read_text("direct_url.json") or "{}")
+    if not about.get("dir_info", {}).get("editable"):
+        return ""
+    digest = hashlib.sha256()
+    for top in sorted({point.value.partition(":")[0].partition(".")[0] for point in distribution.entry_points}):
+        spec = importlib.util.find_spec(top)
+        folders = [] if spec is None else list(spec.submodule_search_locations or ())
+        single = [] if spec is None or folders or spec.origin is None else [Path(spec.origin)]
+        for path in sorted((*(path for folder in folders for path in Path(folder).rglob("*")), *single)):
+            if path.is_file() and path.suffix != ".pyc":
+                digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 def _tried(offer: Offer) -> Offer:

@@ -3,8 +3,8 @@
 Which names there are and what is behind them, `rollslip.catalogue.discovery` says; its functions are found here too.
 """
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Any, TypeAlias
 
 import attrs
 
@@ -13,6 +13,9 @@ from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.structure import Location, structure
+
+#: Name of a law and its parameters -> defaults of some of them.
+Constants: TypeAlias = Callable[[str, Collection[str]], Mapping[str, object]]
 
 __all__ = ["Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model", "structure_models"]
 
@@ -67,8 +70,13 @@ def structure_models(kind: str, named: Iterable[tuple[str, Mapping[str, object]]
     return tuple(models)
 
 
-def structure_model(kind: str, raw: object, where: Location, problems: list[str]) -> Any:
-    """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted."""
+def structure_model(
+    kind: str, raw: object, where: Location, problems: list[str], constants: "Constants | None" = None
+) -> Any:
+    """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted.
+
+    ``constants`` gives defaults of its parameters, by its name and all that it has.
+    """
     if isinstance(raw, str):
         raw = {"model": raw}
     if isinstance(raw, get_kind(kind).base):
@@ -82,15 +90,28 @@ def structure_model(kind: str, raw: object, where: Location, problems: list[str]
         cls = get_class(kind, name)
     except PluginError as error:
         raise type(error)(where.says(str(error))) from error
+    if constants is not None:
+        known, given = attrs.fields_dict(cls), constants(name, attrs.fields_dict(cls))
+        of_oil = Location(where.origins, ("lubricant", "models", name))
+        problems += [of_oil.at(key).says(f"{name!r} has no parameter {key!r}") for key in given if key not in known]
+        parameters = {key: value for key, value in given.items() if key in known} | parameters
     children = {
         attribute.name: structure_model(
-            attribute.metadata["kind"], parameters.pop(attribute.name), where.at(attribute.name), problems
+            attribute.metadata["kind"], parameters.pop(attribute.name), where.at(attribute.name), problems, constants
         )
         for attribute in attrs.fields(cls)
         if "kind" in attribute.metadata and attribute.name in parameters
     }
     try:
         model = structure(cls, parameters, where, problems)
+        if model is not None and constants is not None:  # those that the scene leaves to the law
+            for attribute in attrs.fields(cls):
+                if "kind" in attribute.metadata and attribute.name not in children:
+                    own = getattr(model, attribute.name)
+                    if given := constants(own.name, attrs.fields_dict(type(own))):
+                        made = structure(type(own), given, where.at(attribute.name), problems)
+                        values = {key: getattr(made, key) for key in given} if made is not None else {}
+                        children[attribute.name] = attrs.evolve(own, **values)
         return model if model is None or None in children.values() else attrs.evolve(model, **children)
     except FieldError as error:  # of a child, which the class sees only now
         problems.append(where.at(error.field).says(error.reason))

@@ -4,7 +4,7 @@ What an oil lacks is ``None`` in `Lubricant` and nan in `OilState`: a model that
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -155,6 +155,9 @@ class Lubricant:
         Property -> letter of `GRADES`.
     synonyms : tuple of str
         What else it is called; capitals, spaces and hyphens do not count in names of data.
+    models : mapping
+        Its constants for laws, defaults of their parameters: a mapping for each law by name, and beside these what all
+        laws have that know the key; numbers in SI, or texts with a unit.
 
     Raises
     ------
@@ -203,6 +206,9 @@ class Lubricant:
         metadata={"doc": "grade of each property"},
     )
     synonyms: tuple[str, ...] = ()
+    models: Mapping[str, Any] = attrib(
+        default=FrozenTable(), converter=FrozenTable, metadata={"doc": "constants for laws, by law"}
+    )
 
     def __attrs_post_init__(self) -> None:
         low, high = self.minimum_temperature, self.maximum_temperature
@@ -227,6 +233,12 @@ class Lubricant:
                 f"{self.pressure_viscosity_law.name!r} fixes alpha itself, so factors on it have no effect; leave out "
                 "pressure_viscosity_factor and pressure_thermoviscosity_factor",
             )
+
+    def constants_for(self, law: str, known: Collection[str]) -> dict[str, object]:
+        """Return its constants for a law, of the parameters that this has; those of its own table come first."""
+        shared = {key: value for key, value in self.models.items() if key in known and not isinstance(value, Mapping)}
+        own = self.models.get(law, {})
+        return {**shared, **own} if isinstance(own, Mapping) else shared
 
     @property
     def slopes(self) -> dict[str, float]:

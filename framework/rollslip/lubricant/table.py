@@ -204,6 +204,11 @@ class OilTable:
         usual=(0, 10),
         possible=(0, 1e4),
     )
+    models: FrozenTable | None = field(
+        default=None,
+        doc="constants of the oil for laws, defaults of their parameters: a table for each law by name; beside these "
+        "what all laws have that know the key",
+    )
     minimum_temperature: float | None = positive_field(
         "K", "lowest temperature at which the data hold", None, **_TEMPERATURE
     )
@@ -433,6 +438,9 @@ def lubricant_from_table(
     set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))
     origins = (base.source if base else None, table.source, set_here and f"Set by the scene: {set_here}.")
     if base is not None:
+        if table.models is not None:
+            over = {key: _over(base.models.get(key), new) for key, new in table.models.items()}
+            changes["models"] = FrozenTable({**base.models, **over})
         changes["grades"] = FrozenTable({key: grade for key, grade in base.grades.items() if key not in changes})
     try:
         low, high = _ANY if base is None else (base.minimum_temperature, base.maximum_temperature)
@@ -457,6 +465,12 @@ def lubricant_from_table(
         raise SceneError([where.at(error.field).says(error.reason)]) from error
     except ValueError as error:  # from a fit
         raise SceneError([where.at("points").says(str(error))]) from error
+
+
+def _over(known: object, new: object) -> object:
+    """Constants of a law over those that an oil has."""
+    both = isinstance(known, Mapping) and isinstance(new, Mapping)
+    return FrozenTable({**known, **new}) if both else new  # type: ignore[dict-item]
 
 
 def index_of(data: Mapping[str, object]) -> float:

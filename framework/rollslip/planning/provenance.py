@@ -20,6 +20,7 @@ import attrs
 
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.catalogue.registry import Offer, find, get_class
+from rollslip.fields import submodels
 from rollslip.models import SliceModel
 from rollslip.planning.plan import Plan, own_cage, part_as_dict
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
@@ -58,7 +59,8 @@ def origin(**facts: Any) -> dict[str, Any]:
 def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
     """Return the attributes that say where the result of a study comes from."""
     scene, assembly = plan.scene, plan.assemblies[study]
-    offers = [*(find(kind, model.name) for kind, model in plan.models), *named_data(scene.raw or {})]
+    models = [pair for kind, model in plan.models for pair in ((kind, model), *submodels(model))]
+    offers = [*(find(kind, model.name) for kind, model in models), *named_data(scene.raw or {})]
     return origin(
         **scene_told(scene),
         description=scene.description,
@@ -127,6 +129,11 @@ def models_told(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
             "equation": model.equation,
             "references": list(map(str, references_of(model))),
             "parameters": repr(model),
+            "submodels": [
+                {"kind": of, "name": child.name, "package": whose.package, "version": whose.version}
+                for of, child in submodels(model)
+                for whose in (find(of, child.name),)
+            ],
         }
         for kind, model, offer in ((kind, model, find(kind, model.name)) for kind, model in models)
     ]
@@ -185,5 +192,4 @@ def citations_told(found: Iterable[Citation]) -> dict[str, list[Any]]:
 
 def references_of(model: SliceModel) -> list[Citation]:
     """Citations of a model and of the models it is composed of."""
-    children = [getattr(model, a.name) for a in getattr(model, "__attrs_attrs__", ()) if "kind" in a.metadata]
-    return list(dict.fromkeys([*model.references, *(one for child in children for one in references_of(child))]))
+    return list(dict.fromkeys([*model.references, *(one for _, child in submodels(model) for one in child.references)]))

@@ -3,14 +3,14 @@
 Means by contact force: on each point of the curves of a study, or of each ring where its laws are judged.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
+from rollslip.fields import submodels
 from rollslip.models import SliceModel
 from rollslip.results.dataset import LAW, about
 from rollslip.studies.answers import Evaluated, Variables
@@ -26,7 +26,9 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
 
     A name that the result has already stands with that of its law before it.
     """
-    laws = [law for model in assembly.inner.chain.models for law in _with_submodels(model) if law.outputs]
+    chain = assembly.inner.chain.models
+    laws = [law for model in chain for law in (model, *(child for _, child in submodels(model)))]
+    laws = [law for law in laws if getattr(law, "outputs", None)]
     if not laws:
         return {}
     curves = None if type(study).evaluated is Study.evaluated else study.curves_of
@@ -59,10 +61,3 @@ def _means(law: SliceModel, name: str, contacts: Sequence[Evaluated], assembly: 
     with np.errstate(invalid="ignore"):
         means: Array = sums[0] / sums[1]
     return means
-
-
-def _with_submodels(model: SliceModel) -> Iterator[SliceModel]:
-    yield model
-    for attribute in attrs.fields(type(model)):  # type: ignore[arg-type]
-        if isinstance(child := getattr(model, attribute.name), SliceModel):
-            yield from _with_submodels(child)

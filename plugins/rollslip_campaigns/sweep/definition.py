@@ -15,6 +15,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.resolution import Resolution
+from rollslip.catalogue.packages import edited
 from rollslip.fields import at_least, non_negative, one_of, parameter, positive
 from rollslip.references import Citation
 from rollslip.scene.distributions import Uncertainty, shown
@@ -217,6 +218,8 @@ class Sweep:
             "resolutions": self.resolutions.facts,
             "packages": dict(here(self.packages)),
         }
+        if changing := edited(self.packages):
+            facts["editable packages"] = changing
         if self.files:
             facts["files beside the scene"] = self.files
         return json.loads(json.dumps(facts))  # type: ignore[no-any-return]

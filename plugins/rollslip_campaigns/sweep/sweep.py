@@ -25,7 +25,7 @@ from rollslip.catalogue.discovery import THIS_PROCESS, named_data
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
-from rollslip.fields import FieldError
+from rollslip.fields import FieldError, submodels
 from rollslip.files import whole_file
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import estimate, require_memory
@@ -279,7 +279,8 @@ def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ..
     for assembly in assemblies:
         used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
         for kind, model in used:
-            offers |= {(k, name): find(k, name) for k, name in _with_children(kind, model)}
+            made = ((kind, model), *submodels(model))
+            offers |= {(of, one.name): find(of, one.name) for of, one in made if hasattr(one, "name")}
         offers |= {(offer.kind, offer.name): offer for offer in named_data(assembly.scene.raw or {})}
     local = sorted(f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS)
     packages = {offer.package for offer in offers.values()} - {THIS_PROCESS}
@@ -293,14 +294,6 @@ def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ..
         models += (model for _, model in settings(assembly.scene, study)[study].models(assembly))
         others += [*settings(assembly.scene, study)[study].references, *data_references(assembly)]
     return tuple(cited(models, others))
-
-
-def _with_children(kind: str, model: Any) -> Iterator[tuple[str, str]]:
-    if (name := getattr(model, "name", None)) is not None:
-        yield kind, name
-    for attribute in getattr(model, "__attrs_attrs__", ()):
-        if child := attribute.metadata.get("kind"):
-            yield from _with_children(child, getattr(model, attribute.name))
 
 
 # Resolutions ----------------------------------------------------------------------------------------------------------
