@@ -13,9 +13,8 @@ import contextlib
 import itertools
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Collection, Mapping
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import attrs
 import numpy as np
@@ -230,24 +229,28 @@ def run_comparison(
     """Run all combinations that can run; see `compare`."""
     begin, plans = time.perf_counter(), comparison.plans
     errors = {label: one.error for label, one in comparison.combinations.items() if one.error is not None}
-    done: dict[str, xr.Dataset] = {}
+
+    def tried(labels: Collection[str], begun: float, make: Callable[[str], Any]) -> dict[str, Any]:
+        """What can be had of combinations; if nothing can, all errors are raised as one."""
+        found = {}
+        for k, label in enumerate(labels):
+            progress(label, begun + 0.5 * k / len(labels))
+            try:
+                found[label] = make(label)
+            except Exception as error:  # somebody's model may raise anything
+                errors[label] = error
+        return found or _raise_all(errors)
+
     # a combination is run, and then evaluated at the slices of another
-    for k, (label, made) in enumerate(plans.items()):
-        progress(label, 0.5 * k / len(plans))
-        with _noted(errors, label):
-            done[label] = execute(made, comparison.study)
-    _drop_failed(done, errors)
+    done: dict[str, xr.Dataset] = tried(plans, 0.0, lambda label: execute(plans[label], comparison.study))
     # without the reference the slices of another serve to measure the cost
     standard = comparison.reference if comparison.reference in done else next(iter(done))
     work = EvaluatedSlices.of(plans[standard], comparison.study, done[standard])
     law = law_to_sort_by([plans[label].assembly.traction for label in (standard, *done)])
-    found, first = dict[str, dict[str, list[Any]]](), dict[str, Any]()
-    for k, label in enumerate(done):
-        progress(label, 0.5 + 0.5 * k / len(done))
-        with _noted(errors, label):
-            keep = keep_criteria(law) if label == comparison.reference else keep_friction
-            found[label], first[label] = work.evaluate(plans[label], keep)
-    _drop_failed(done, errors)
+    keep = {comparison.reference: keep_criteria(law)}
+    evaluated = tried(done, 0.5, lambda label: work.evaluate(plans[label], keep.get(label, keep_friction)))
+    found, first = ({label: both[k] for label, both in evaluated.items()} for k in (0, 1))
+    done = {label: done[label] for label in evaluated}
     failed = {label: f"failed: {_text(error)}" for label, error in errors.items()}
     dataset = _merged(comparison, done, failed)
     dataset = dataset.assign(_costs(comparison, done, seconds_per_slice(work, plans, first)))
@@ -261,20 +264,8 @@ def run_comparison(
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - begin))
 
 
-@contextmanager
-def _noted(errors: dict[str, Exception], label: str) -> Iterator[None]:
-    try:
-        yield
-    except Exception as error:  # somebody's model may raise anything
-        errors[label] = error
-
-
-def _drop_failed(done: "dict[str, xr.Dataset]", errors: Mapping[str, Exception]) -> None:
-    """Drop what has failed; if nothing is left, raise one error for all, of the first one's class."""
-    for label in errors:
-        done.pop(label, None)
-    if done:
-        return
+def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:
+    """Raise one error for all, of the first one's class."""
     first, texts = next(iter(errors.values())), {label: _text(error) for label, error in errors.items()}
     same = len(set(texts.values())) == 1
     lines = list(texts.values())[:1] if same else [f"{label}: {text}" for label, text in texts.items()]
