@@ -10,7 +10,7 @@ import importlib.metadata
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import reduce
 from numbers import Number
 from operator import getitem
@@ -81,9 +81,14 @@ def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
     )
 
 
-def together(origins: Iterable[Mapping[str, Any]], key: str) -> list[Any]:
-    """Return the items of a list that several origins have under a key, each once."""
-    return list({json.dumps(item): item for one in origins for item in json.loads(one[key])}.values())
+def together(origins: Collection[Mapping[str, Any]], *lists: str) -> dict[str, Any]:
+    """Return the packages of several origins, and the items of their models, citations and other lists, each once."""
+    found = dict[str, Any](packages={})
+    for one in origins:
+        found["packages"] |= json.loads(one["packages"])
+    for key in ("models", *lists, *CITED):
+        found[key] = list({json.dumps(item): item for one in origins for item in json.loads(one[key])}.values())
+    return found
 
 
 # What it is made of -------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from rollslip.planning.campaign import listed
 from rollslip.planning.execution import run
 from rollslip.planning.provenance import origin, together
 from rollslip.results.account import answer
-from rollslip.results.dataset import CITED, about
+from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene, resolved, scene_hash
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -139,8 +139,7 @@ def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
             rows={label: {row.key: row.text for row in answers[label].rows} for label in order},
             scene_resolved=resolved(made.scene),
             scene_hash=scene_hash(made.scene),
-            packages={name: number for one in runs for name, number in json.loads(one["packages"]).items()},
-            **{key: together(runs, key) for key in ("models", *CITED)},
+            **together(runs),
             warnings=[],
             evaluations=sum(int(one["evaluations"]) for one in runs),
             wall_time=time.perf_counter() - begin,

@@ -11,7 +11,6 @@
 
 import contextlib
 import itertools
-import json
 import time
 from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -28,7 +27,7 @@ from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, duration_range, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
-from rollslip.results.dataset import CITED, about
+from rollslip.results.dataset import about
 from rollslip.results.words import counted
 from rollslip.results.words import warned as of_consequence
 from rollslip.scene.changes import evolve
@@ -373,9 +372,7 @@ def _origin(
     first = next(iter(runs.values()))
 
     warned: dict[str, list[str]] = {}
-    packages: dict[str, str] = {}
     for label, result in done.items():
-        packages |= json.loads(result.attrs["packages"])
         told, more = of_consequence([result])
         for warning in (*told, *([f"{counted(more)}; rollslip run of the scene tells of each"] if more else [])):
             warned.setdefault(warning, []).append(label)
@@ -394,8 +391,7 @@ def _origin(
         },
         scene_resolved=resolved(scene),
         scene_hash=scene_hash(scene),
-        packages=packages,
-        **{key: together(runs.values(), key) for key in ("models", "plan", *CITED)},
+        **together(runs.values(), "plan"),
         warnings=[f"{label} {text}" for label, text in failed.items()]
         + [text if len(who) == len(done) else f"{', '.join(who)}: {text}" for text, who in warned.items()],
         evaluations=sum(int(attributes["evaluations"]) for attributes in runs.values()),

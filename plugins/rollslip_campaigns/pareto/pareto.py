@@ -9,7 +9,6 @@
 - What is done is kept in a journal, as points of sweeps are: a run that is interrupted or killed loses one turn.
 """
 
-import json
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
@@ -27,8 +26,8 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError, in_words
 from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.provenance import run_origin, together
-from rollslip.results.dataset import CITED, about
+from rollslip.planning.provenance import origin, run_origin, together
+from rollslip.results.dataset import about
 from rollslip.scene.values import scene_hash
 from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family
 from rollslip_campaigns.sweep.journal import Kept
@@ -307,16 +306,13 @@ def _origin(
         run_origin(made, next(iter(family.studies)), warned, sum(r.evaluations for r in records), wall_time)
         for made in plans
     ]
-
-    packages = {name: version for one in reversed(origins) for name, version in json.loads(one["packages"]).items()}
-    return origins[0] | {
-        "study": "pareto",
-        "studies": json.dumps(list(family.studies)),
-        "rounds": family.rounds,
-        "notes": json.dumps(family.notes),
-        **{key: json.dumps(together(origins, key)) for key in ("models", *CITED)},
-        "packages": json.dumps(packages),
-    }
+    return origins[0] | origin(
+        study="pareto",
+        studies=list(family.studies),
+        rounds=family.rounds,
+        notes=family.notes,
+        **together(origins),
+    )
 
 
 def _plan_of(made: Plan, choice: Choice) -> Plan | None:

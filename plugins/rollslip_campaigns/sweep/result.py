@@ -37,7 +37,7 @@ from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["collect"]
+__all__ = ["collect", "origin_of_points"]
 
 #: Points at which laws are judged beside the one in the middle, and those among which they are looked for.
 _CORNERS: Final = 8
@@ -105,26 +105,34 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     counts = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
     lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
     warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
-    warnings += [*implausible(sweep.given), *sweep.unusual]
     left = _left(sweep, _corners(sweep.design, np.flatnonzero(status == "ok")))
-    facts = sweep.facts
-    return origin(
+    return origin_of_points(
+        sweep,
+        warnings,
+        left,
         study="sweep",
         swept=sweep.study,
         **_resting(sweep),
         sweep_hash=sweep.hash,
+        axes=sweep.facts["axes"],
+        sampling=sweep.table.sampling if sweep.design.has_samples else "",
+        counts=counts,
+        left=left,
+    )
+
+
+def origin_of_points(sweep: Sweep, warnings: Iterable[str], outside: Iterable[str], **facts: Any) -> dict[str, Any]:
+    """Return facts as attributes of a campaign, with where its points come from; `outside` is said of their laws."""
+    return origin(
+        **facts,
         **scene_told(sweep.scene, sweep.given),
-        axes=facts["axes"],
-        resolutions=facts["resolutions"],
+        resolutions=sweep.resolutions.facts,
         distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},
         correlation=sweep.uncertainty.correlation.tolist(),
-        sampling=sweep.table.sampling if sweep.design.has_samples else "",
         seed=sweep.table.seed,
-        counts=counts,
-        packages=facts["packages"],
+        packages=sweep.facts["packages"],
         **citations_told(sweep.citations),
-        left=left,
-        warnings=[*warnings, *left],
+        warnings=[*warnings, *implausible(sweep.given), *sweep.unusual, *outside],
     )
 
 

@@ -33,13 +33,12 @@ from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
 from rollslip.planning.plan import duration_range
-from rollslip.planning.plausibility import implausible
-from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import UNITS, about
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
+from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
@@ -395,10 +394,11 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Seq
             f"the scene has no table [uncertainty]; the scatter is the one that its data and models come with: "
             f"{'; '.join(made.scatter)}"
         )
-    warnings += [*implausible(sweep.given), *sweep.unusual, *left]
-    return origin(
+    return origin_of_points(
+        sweep,
+        warnings,
+        left,
         study="uncertainty",
-        **scene_told(sweep.scene, sweep.given),
         probability=made.probability,
         slip_range=study.runaway_range,
         look_further=look_further(f"{study.table}.runaway_range", study.runaway_range, MOST_CAGE_SLIP),
@@ -407,12 +407,5 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Seq
         fewest_samples=fewest(made.probability, REPLICATES, made.confidence),
         acceptable_slip=SteadySlip.of(sweep.scene).acceptable_slip or "",
         until=made.until if made.until is not None else "",
-        seed=sweep.table.seed,
-        distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},
-        correlation=sweep.uncertainty.correlation.tolist(),
-        resolutions=sweep.resolutions.facts,
         points=failed,
-        packages=sweep.facts["packages"],
-        **citations_told(sweep.citations),
-        warnings=warnings,
     )

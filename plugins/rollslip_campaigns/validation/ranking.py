@@ -31,7 +31,6 @@ from rollslip.fields import FieldError
 from rollslip.measurement import Measurement
 from rollslip.measurement.values import ContactSeries, Series
 from rollslip.planning.campaign import listed
-from rollslip.planning.provenance import citations_told, cited, origin, packages_of
 from rollslip.results.dataset import about
 from rollslip_campaigns.fit.least_squares import estimate, minimise
 from rollslip_campaigns.fit.problem import (
@@ -266,8 +265,6 @@ def _dataset(
 ) -> "xr.Dataset":  # fmt: skip
     import xarray as xr
 
-    from rollslip.catalogue.discovery import available, find
-
     mean = np.array([float(np.exp(np.log(one.errors).mean())) for one in scored])
     order = sorted(range(len(scored)), key=lambda k: (math.isnan(mean[k]), mean[k]))
     scored, mean = [scored[k] for k in order], mean[order]
@@ -296,21 +293,15 @@ def _dataset(
         "other": ("other", np.array(labels, dtype=object), about("1", "law")),
         "condition": ("condition", np.array(conditions, dtype=object), about("1", "condition")),
     }
-    offers = [find("measurement", one.name) for one in plan.sets if one.name in available("measurement")]
-    offers += [find(kind, name) for one in plan.combinations for kind, name in one.models.items()]
-    dataset = xr.Dataset(variables, coordinates)
-    dataset.attrs |= origin(
+    attributes = plan.origin(
         study="ranking",
         title="Laws ranked by conditions that they were not fitted to",
-        source=", ".join(one.name for one in plan.sets),
         wanted=list(wanted),
         confidence=CONFIDENCE,
         fewest=FEWEST,
         seed=seed,
-        packages=packages_of(offers),
         warnings=[f"{one.label}: {one.status}" for one in scored if one.status],
-        **citations_told(cited([], [cite for one in plan.sets for cite in one.references])),
         evaluations=int(errors.size),
         wall_time=seconds,
     )
-    return dataset
+    return xr.Dataset(variables, coordinates, attributes)

@@ -29,6 +29,7 @@ from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.measurement import Measurement
 from rollslip.measurement.values import ContactSeries, Series, Statement
+from rollslip.models import SliceModel
 from rollslip.planning.campaign import listed
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
 from rollslip.planning.quantities import quantities
@@ -94,6 +95,17 @@ class Validation:
     predictions: tuple[Predictions, ...] = ()
     samples: int
     seed: int
+
+    def origin(self, models: Iterable[SliceModel] = (), **facts: Any) -> dict[str, Any]:
+        """Return facts as attributes, with data sets, packages, and what to cite for the data and some models."""
+        offers = [find("measurement", one.name) for one in self.sets if one.name in available("measurement")]
+        offers += [find(kind, name) for one in self.combinations for kind, name in one.models.items()]
+        return origin(
+            **facts,
+            source=", ".join(one.name for one in self.sets),
+            packages=packages_of(offers),
+            **citations_told(cited(models, [cite for one in self.sets for cite in one.references])),
+        )
 
 
 def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation:
@@ -391,20 +403,15 @@ def _dataset(
                    "form": one.is_form}
         for one in plan.sets
     }  # fmt: skip
-    offers = [find("measurement", one.name) for one in plan.sets if one.name in available("measurement")]
     asked = {(kind, name) for one in plan.combinations for kind, name in one.models.items()}
-    offers += [find(kind, name) for kind, name in sorted(asked)]
-    named = [get_model(kind, name) for kind, name in sorted(asked) if _plain(kind, name)]
-    dataset.attrs |= origin(
+    dataset.attrs |= plan.origin(
+        [get_model(kind, name) for kind, name in sorted(asked) if _plain(kind, name)],
         study="validation",
         title="Models against what was measured",
-        source=", ".join(one.name for one in plan.sets),
         data_sets=sources,
         samples=plan.samples,
         seed=plan.seed,
-        packages=packages_of(offers),
         warnings=list(dict.fromkeys(warnings)),
-        **citations_told(cited(named, [cite for one in plan.sets for cite in one.references])),
         evaluations=len(rows) * (1 + plan.samples),
         wall_time=seconds,
     )
