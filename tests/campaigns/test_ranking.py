@@ -6,10 +6,11 @@ import attrs
 import numpy as np
 import pytest
 
+from json_units import without_units
 from rollslip import rank
 from rollslip.cli.main import main
 from rollslip.errors import SceneError
-from rollslip.results.account import account_of
+from rollslip.results.account import account_of, with_units
 from rollslip_campaigns.validation.predictions import form, read_predictions
 from rollslip_campaigns.validation.ranking import FEWEST, tell
 from synthetic_traction import exact, synthetic
@@ -98,6 +99,7 @@ def test_a_ranking_is_told_and_drawn(found):
     assert "cannot be told" in said
     [table] = account.tables(found)
     assert [row[0] for row in table.rows] == list(found.law.to_numpy())
+    assert list(without_units(with_units(account.record(found), found))) == []
     assert [name for name, _, _ in account.figures(found)] == ["ranking"]
     record = account.record(found)
     assert record["laws"]["newtonian-thermal"]["better_than"] == []

@@ -134,11 +134,11 @@ def _run(asked: Campaign, about: str, results: Results) -> None:
 def _as_dict(asked: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
     """Return what was found as plain values, with where it comes from as far as its origin says."""
     from rollslip.cli import console
-    from rollslip.results.account import account_of
+    from rollslip.results.account import account_of, with_units
 
     if isinstance(asked, OfScene) and asked.goes_on != "folder":
         return console.result_as_dict(dataset)
-    record = account_of(dataset).record(dataset)
+    record = with_units(account_of(dataset).record(dataset), dataset)
     if not isinstance(asked, OfScene):
         return record
     return {"scene": dataset.attrs["source"]} | record | {"warnings": json.loads(dataset.attrs["warnings"])}

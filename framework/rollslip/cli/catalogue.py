@@ -257,6 +257,7 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
     """Check the model called NAME by the rules of its kind, in a process of its own."""
     from rollslip import testing
     from rollslip.cli.models import kinds_of
+    from rollslip.results.account import with_units
     from rollslip.testing.findings import passed
 
     findings = [
@@ -265,7 +266,7 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
         for finding in testing.check_in_subprocess(one, name, time_limit)
     ]
     if as_json:
-        print_json(testing.as_dict(findings))
+        print_json(with_units(testing.as_dict(findings)))
     else:
         click.echo(testing.format_findings(findings))
     if not passed(findings):

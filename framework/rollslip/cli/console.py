@@ -16,7 +16,7 @@ from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
-from rollslip.results.account import account_of, of_laws
+from rollslip.results.account import account_of, of_laws, with_units
 from rollslip.results.answer import COLOURS, Answer
 from rollslip.results.words import confidence, first_line
 from rollslip.scene.values import EXACT, Scene, scene_hash
@@ -194,23 +194,24 @@ def print_found(dataset: "xr.Dataset", indent: str = "") -> None:
 
 def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", answer: Answer) -> dict[str, Any]:
     """Return what a run did, as plain values; a value without meaning is null, with its status beside it."""
+    studies = {
+        name: {
+            "results": account_of(dataset).record(dataset),
+            "warnings": json.loads(dataset.attrs["warnings"]),
+            "evaluations": int(dataset.attrs["evaluations"]),
+            "wall_time": float(dataset.attrs["wall_time"]),
+            "accuracy": json.loads(dataset.attrs["accuracy"]),
+            "cost": json.loads(dataset.attrs["cost"]),
+        }
+        for name, dataset in datasets.items()
+    }
     return {
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": plan.scene.source,
         "scene_hash": scene_hash(plan.scene),
         "models": _by_kind(plan.models),
-        "answer": answer.as_dict() | {"confidence": confidence(datasets.values())},
-        "studies": {
-            name: {
-                "results": account_of(dataset).record(dataset),
-                "warnings": json.loads(dataset.attrs["warnings"]),
-                "evaluations": int(dataset.attrs["evaluations"]),
-                "wall_time": float(dataset.attrs["wall_time"]),
-                "accuracy": json.loads(dataset.attrs["accuracy"]),
-                "cost": json.loads(dataset.attrs["cost"]),
-            }
-            for name, dataset in datasets.items()
-        },
+        "answer": with_units(answer.as_dict() | {"confidence": confidence(datasets.values())}),
+        "studies": {name: with_units(one, datasets[name]) for name, one in studies.items()},
     }
 
 
@@ -225,7 +226,7 @@ def _by_kind(models: Iterable[tuple[str, Any]]) -> dict[str, Any]:
 def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return what a campaign found, as plain values; a value without meaning is null, with its status beside it."""
     a = dataset.attrs
-    return {
+    found = {
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": a["source"],
         "scene_hash": a["scene_hash"],
@@ -233,6 +234,7 @@ def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
         "warnings": json.loads(a["warnings"]),
         **{name: of(a[name]) for name, of in (("evaluations", int), ("wall_time", float)) if name in a},
     }
+    return with_units(found, dataset)
 
 
 # Info -----------------------------------------------------------------------------------------------------------------

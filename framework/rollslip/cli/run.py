@@ -198,17 +198,18 @@ def plan(
     """
     from rollslip.cli import console
     from rollslip.planning.plan import changed, part_as_dict, plan
+    from rollslip.results.account import with_units
 
     made = plan(scene_of(scene, changes), study)
     if other is not None:
         pairs = changed(made, plan(scene_of(other, ()), study))
         if as_json:
-            parts = [[None if part is None else part_as_dict(part) for part in pair] for pair in pairs]
+            parts = [[None if part is None else with_units(part_as_dict(part)) for part in pair] for pair in pairs]
             print_json([{"this": this, "other": that} for this, that in parts])
         else:
             console.print_changed(pairs, scene, other)
     elif as_json:
-        print_json(made.as_dict())
+        print_json(with_units(made.as_dict()))
     else:
         click.echo(console.headline(made))
         if verbose:

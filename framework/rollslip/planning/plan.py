@@ -125,7 +125,7 @@ class Plan:
         """Return the plan as plain values, for JSON; an error that cannot be told is null."""
         return {
             "scene": self.scene.source,
-            "studies": {name: attrs.asdict(study) for name, study in self.studies.items()},
+            "studies": {name: attrs.asdict(study) | {"units": _units(study)} for name, study in self.studies.items()},
             "resolutions": {name: attrs.asdict(one.resolution) for name, one in self.estimated.items()},
             "parts": [part_as_dict(part) for part in self.parts],
             "degrees_of_freedom": self.degrees_of_freedom,
@@ -133,6 +133,18 @@ class Plan:
             "seconds": self.seconds,
             "planning": self.planning,
         }
+
+
+def _units(settings: Any) -> dict[str, str]:
+    """Return the unit of each number among settings, those of settings in them too."""
+    found = dict[str, str]()
+    for one in attrs.fields(type(settings)):
+        value, unit = getattr(settings, one.name), one.metadata.get("unit")
+        if attrs.has(type(value)):
+            found |= _units(value)
+        elif unit is not None or (isinstance(value, int | float) and not isinstance(value, bool)):
+            found[one.name] = unit or "1"
+    return found
 
 
 def part_as_dict(part: Part) -> dict[str, Any]:

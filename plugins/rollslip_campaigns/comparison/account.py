@@ -2,7 +2,8 @@
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -33,6 +34,7 @@ class ComparisonAccount(Account):
         """Return all that is said."""
         return findings.findings(dataset)
 
+    units: ClassVar[Mapping[str, str]] = {"contribution": "1", "share": "1"}
     record = staticmethod(findings.record)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:

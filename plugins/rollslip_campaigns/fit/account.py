@@ -1,6 +1,7 @@
 """The account of a fit."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
@@ -23,6 +24,9 @@ class FitAccount(Account):
         """Return what is said on a terminal beside the table."""
         return findings.notes(dataset)
 
+    units: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("chi2", "correlation", "freedom", "operating_points", "rows", "scatter", "spread"), "1"
+    )
     record = staticmethod(findings.record)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:

@@ -17,6 +17,7 @@ class ParetoAccount(Account):
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
         "rounds": ("rounds in which choices were timed", ""),
     }
+    units: ClassVar[Mapping[str, str]] = {"floors": "1"}
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

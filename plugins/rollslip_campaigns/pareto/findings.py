@@ -77,7 +77,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     return {
         "studies": json.loads(dataset.attrs["studies"]),
         "rounds": int(dataset.attrs["rounds"]),
-        "floors": floors(dataset),
+        "floors": {name: _plain(value) for name, value in floors(dataset).items()},
         "choices": records(dataset),
         "findings": findings(dataset),
     }

@@ -106,11 +106,12 @@ def sweep_retry(
 @json_option
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
+    from rollslip.results.account import with_units
     from rollslip_campaigns.sweep.folder import status
 
     found = status(folder, errors)
     if as_json:
-        print_json(found.as_dict())
+        print_json(with_units(found.as_dict()))
     else:
         click.echo("\n".join(sweep_standing(found)))
 
@@ -153,7 +154,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
 def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
     """Write the dataset of a sweep and say what is in it."""
     from rollslip.cli import console
-    from rollslip.results.account import account_of
+    from rollslip.results.account import account_of, with_units
     from rollslip_campaigns.sweep.folder import RESULT, finish
 
     dataset = finish(made, folder)
@@ -162,8 +163,8 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
     files = [RESULT, *(results.show({"sweep": dataset}, folder) if not found["counts"]["pending"] else [])]
     if results.as_json:
         print_json(
-            {"scene": made.given.source, "sweep_hash": made.hash, "study": made.study, "run": run}
-            | found
+            {"scene": made.given.source, "sweep_hash": made.hash, "study": made.study, "run": with_units(run)}
+            | with_units(found, dataset)
             | {"folder": str(folder), "files": files}
         )
     else:

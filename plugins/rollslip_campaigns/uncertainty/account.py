@@ -1,6 +1,7 @@
 """The account of an allowable slip and its margin."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 class UncertaintyAccount(Account):
     """How slips of scattering data are told."""
 
+    units: ClassVar[Mapping[str, str]] = {"probability": "1", "reserve_is_a_lower_bound_in": "1"}
     answer = staticmethod(findings.answer)
     topics = staticmethod(findings.topics)
     record = staticmethod(findings.record)

@@ -1,6 +1,7 @@
 """The accounts of a validation and of a ranking."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
@@ -15,6 +16,9 @@ class ValidationAccount(Account):
 
     topics = staticmethod(findings.topics)
 
+    units: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("chi2", "freedom", "probability", "ratio", "ratio_high", "ratio_low"), "1"
+    )
     record = staticmethod(findings.record)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
@@ -35,6 +39,9 @@ class RankingAccount(Account):
         """Say which law predicts best, and of what it cannot be told."""
         return ranking_findings.sentences(dataset)
 
+    units: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("chance", "conditions", "confidence", "error", "interval", "parameters"), "1"
+    )
     record = staticmethod(ranking_findings.record)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:

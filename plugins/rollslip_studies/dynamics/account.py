@@ -28,6 +28,17 @@ class DynamicsAccount(Account):
         "contacts_evaluated": ("contacts evaluated in the motion", ""),
         "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
+    units: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("end_time", "largest_cage_slip_time", "least_cage_slip_time", "least_margin_time", "time",
+                         "time_beyond_runaway"), "s"),
+        **dict.fromkeys(("critical_cage_slip", "energy_closure", "final_cage_slip", "largest_cage_slip",
+                         "least_cage_slip", "least_margin_to_runaway", "momentum_closure", "runaway_slip",
+                         "smallest_film_parameter_inner", "smallest_film_parameter_outer", "steady_cage_slip"), "1"),
+        **dict.fromkeys(("energy_turned_over", "frictional_work_inner", "frictional_work_outer", "heat_carried_away",
+                         "heat_made", "heat_stored"), "J"),
+        "runaway_drag": "N m", "sliding_distance_inner": "m", "sliding_distance_outer": "m",
+        "final_temperatures": "K", "hottest_temperature": "K",
+    }  # fmt: skip
     drawn = "rollslip_studies.dynamics.figures:motion_figures"
 
     @staticmethod

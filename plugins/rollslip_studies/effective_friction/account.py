@@ -49,6 +49,7 @@ class EffectiveFrictionAccount(PlainAccount):
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
         "closure": ("closure: what the rollers spin at", ""),
     }
+    units: ClassVar[Mapping[str, str]] = {"critical_slip": "1"}
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:

@@ -202,6 +202,7 @@ class SteadySlipAccount(Account):
         "curve_error": ("relative error left by the points of the slip-drag curve, estimated", "1"),
         "friction": ("friction of the motion", ""),
     }
+    units: ClassVar[Mapping[str, str]] = {"cage_slip": "1", "losses": "W"}
 
     answer = staticmethod(answer)
     topics = staticmethod(findings.topics)

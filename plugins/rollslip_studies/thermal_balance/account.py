@@ -22,6 +22,7 @@ class ThermalBalanceAccount(Account):
         "thermal": ("thermal model", ""),
         "evaluated_temperatures": ("temperatures at which a steady slip was sought", ""),
     }
+    units: ClassVar[Mapping[str, str]] = {"temperatures": "K"}
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:

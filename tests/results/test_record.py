@@ -1,0 +1,66 @@
+"""Units in JSON: every number that a command prints has one, found by the rule that the documentation gives."""
+
+import json
+import shutil
+
+import pytest
+from click.testing import CliRunner
+
+import rollslip
+from architecture import ROOT
+from json_units import without_units
+from rollslip.cli.main import cli
+from rollslip.results.account import account_of, with_units
+
+COARSE = ("--set", "accuracy.slices=3")
+SAMPLED = ("--samples", "8", "--loads", "2", "--indices", "4", "--probability", "0.5", "--engine", "serial")
+COMMANDS = (
+    ("run", "gearbox", "--study", "steady-slip"),
+    ("run", "1032930-70C"),
+    ("run", "gearbox", "--study", "dynamics", "--set", "study.dynamics.duration=2 ms"),
+    ("run", "gearbox", "--study", "thermal-balance"),
+    ("run", "gearbox", "--study", "surface-damage"),
+    ("plan", "gearbox"),
+    ("plan", "turbine", "--diff", "gearbox"),
+    ("compare", "gearbox", "--oil", "iso-vg-68,iso-vg-150"),
+    ("compare", "1032930-30C", "--traction", "muraki,eyring", "--study", "friction-curve"),
+    ("limit", "gearbox", "--over", "speed=1000rpm:9000rpm:3", "--keep", "slip<5%", "--study", "steady-slip"),
+    ("sweep", "run", "1032930-70C", "--over", "load=1kN:2kN:2", "--study", "friction-curve"),
+    ("uncertainty", "1032930-70C", *SAMPLED),
+    ("pareto", "1032930-70C", "--study", "friction-curve", "--choices=slices,traction"),
+    ("fit", "twin-disc.csv", "--traction", "muraki", "--parameters", "eyring_stress"),
+    ("validate", "klebanov-2022", "--samples", "0"),
+    ("explain", "W11"), ("info", "gearbox"), ("models", "film"), ("schema",), ("plugins", "list"),
+    ("plugins", "check", "moes"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: "-".join(command[:2]))
+def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for example in ("twin-disc.csv", "rig.toml"):
+        shutil.copy(ROOT / "docs" / "examples" / example, tmp_path)
+    writes = command[0] in {"run", "compare", "limit", "sweep", "uncertainty", "pareto", "fit", "validate"}
+    coarse = COARSE if command[0] in {"compare", "sweep", "uncertainty", "pareto"} else ()
+    done = CliRunner().invoke(cli, [*command, *coarse, *(["--no-plots", "--out", "out"] * writes), "--json"])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert list(without_units(told)) == []
+    if command[0] == "sweep":
+        status = json.loads(CliRunner().invoke(cli, ["sweep", "status", "out", "--json"]).stdout)
+        assert list(without_units(status)) == []
+
+
+def test_units_are_those_of_the_variables():
+    result = rollslip.run("gearbox", "steady-slip")
+    units = with_units(account_of(result).record(result), result)["units"]
+    shared = units.keys() & set(result.data_vars)
+    assert {name: units[name] for name in shared} == {name: result[name].attrs["units"] for name in shared}
+    assert {"least_load", "friction_torque", "cage_speed"} <= shared
+    assert (units["losses"], units["cage_slip"]) == ("W", "1")
+
+
+def test_a_count_beside_a_value_with_a_unit_has_its_own():
+    swept = rollslip.sweep("1032930-70C", {"load": ["1 kN", "2 kN"]}, study="friction-curve", output=["half_width"])
+    width = next(iter(with_units(account_of(swept).record(swept), swept)["outputs"].values()))
+    assert (width["unit"], width["units"]) == ("m", {"values": "1", "missing": "1"})
