@@ -66,6 +66,9 @@ class Validity:
         What to take or to do instead.
     source : str
         What bound and consequence rest on.
+    instead : str
+        The law to evaluate in its place, to see what leaving the bound does to a result; with a dot the parameter under
+        which the law then stands, as in "lambda-blend.hydrodynamic". Empty where there is none, or it takes minutes.
     code : str
         Short and the same for ever, such as "W11": by it a note is looked up (``rollslip explain``) and left out.
     common : bool
@@ -88,6 +91,7 @@ class Validity:
     error: Callable[[float], float] | None = None
     remedy: str
     source: str
+    instead: str = ""
     code: str = ""
     common: bool = False
 
@@ -160,6 +164,7 @@ ISOTHERMAL: Final = Validity(
     consequence="shear heats the inlet and the film is {error} too thick",
     error=lambda load: 100.0 * load**0.62 / 3.94,
     remedy="film 'inlet-correction' with thermal = 'murch-wilson'",
+    instead="inlet-correction.film",
     source="Murch and Wilson (1975), C_T = 3.94/(3.94 + Lt^0.62), for pure rolling (grade B)",
 )
 SMOOTH: Final = Validity(
@@ -383,6 +388,7 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
             made_for=f"the {FILM_REGIMES[name]} regime",
             consequence=f"its film {off}",
             remedy="film 'moes', which covers all regimes",
+            instead="moes",
             source=source,
         ),
     )

@@ -59,7 +59,10 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     assert len(answer) <= 15
     assert "  assumed  models, law and drags are the paper's or assumed for it; " in short.stdout
     assert LOWER_BOUNDS in " ".join(short.stdout.split())
-    assert re.search(r"  notes    7 on laws outside their range: W20 W11 W01 .*\(-v\)", short.stdout)
+    assert re.search(
+        r"  notes    W20: slip 3\.\d % with roelands; .*W12 W02 not evaluated \(-v\)",
+        " ".join(short.stdout.split("\n")),
+    )
     assert answer[-1] == "  next     rollslip run 1032930-70C --study steady-slip"
     assert written.startswith("written to short: ")
     assert short.stderr == ""

@@ -167,7 +167,7 @@ def run(
     else:
         console.print_answer(found)
         if verbose:
-            notes = "".join(f"\n  {note.code} {note.text}" for note in found.notes)
+            notes = "".join(f"\n  {note.code} {note.text}; {note.consequence}" for note in found.notes)
             click.echo(f"confidence: {confidence(datasets.values())}\nnotes:{notes or ' none'}")
         console.print_results(datasets.values(), whole=verbose)
         results.tell(*datasets.values(), laws=False)

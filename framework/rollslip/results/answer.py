@@ -19,14 +19,14 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 
 from rollslip.results.curves import or_none
+from rollslip.results.notes import Note, counted_notes
 from rollslip.results.words import force_unit, percent, plain, two
 from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ACCEPTABLE", "RULES", "Answer", "Note", "Row", "Rule", "aligned", "assumed_of", "case_of", "merged",
-           "notes_of"]  # fmt: skip
+__all__ = ["ACCEPTABLE", "RULES", "Answer", "Row", "Rule", "aligned", "assumed_of", "case_of", "merged"]
 
 #: Verdicts, what is worse later; UNKNOWN is none of them.
 VERDICTS: Final = ("OK", "SLIPS", "SKIDS")
@@ -88,16 +88,6 @@ class Row:
     within: float = 0.1
     alarm: bool = False
     by: str = ""
-
-
-@attrs.frozen(kw_only=True)
-class Note:
-    """A law that was left: its code, what is outside in a few words, the whole sentence, and its weight."""
-
-    code: str
-    short: str
-    text: str
-    weight: float
 
 
 @attrs.frozen(kw_only=True)
@@ -203,11 +193,9 @@ class Answer:
 
     def groups(self, more: str = "-v") -> list[tuple[str, list[str]]]:
         """Return what stands below the rows, by its heading; ``more`` is where notes are told in full."""
-        codes = list(dict.fromkeys(note.code or note.short for note in self.notes))
-        counted = f"{len(codes)} on laws outside their range: {' '.join(codes)} ({more})" if codes else ""
         return [
             ("assumed", list(self.assumed)),
-            ("notes", [*self.faults, *filter(None, [counted])]),
+            ("notes", [*self.faults, *filter(None, [counted_notes(self.notes, more)])]),
             ("next", list(self.next)),
         ]
 
@@ -217,17 +205,16 @@ class Answer:
         Commands are not wrapped: as one line they can be pasted.
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, 40)
-        head = ["   ".join(filter(None, (self.verdict, ", ".join(self.case))))]
+        head = _wrapped(["   ".join(filter(None, (self.verdict, ", ".join(self.case))))], width)
         rows, groups = [(row.label, row.text, row.note) for row in self.shown()], self.groups()
-        while True:
+        for _ in _shortened(rows, groups, width):
             below = [line for name, texts in groups for line in
                      aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
-            parts = [part for part in (_wrapped(head, width), aligned(rows, width), below) if part]
+            parts = [part for part in (head, aligned(rows, width), below) if part]
             lines = [line for k, part in enumerate(parts) for line in ([""] * (k > 0) + part)]
-            longer = next((texts for _, texts in reversed(groups) if len(texts) > 1), rows)
-            if len(lines) <= MOST_LINES or len(longer) <= 1:
-                return lines
-            longer.pop()
+            if len(lines) <= MOST_LINES:
+                break
+        return lines
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as JSON has it: of each row SI value, unit, band and the text that is printed."""
@@ -248,7 +235,7 @@ class Answer:
                 for row in self.rows
             },
             "assumed": list(self.assumed),
-            "notes": [attrs.asdict(note) for note in self.notes],
+            "notes": [note.as_dict() for note in self.notes],
             "faults": list(self.faults),
             "next": list(self.next),
         }
@@ -408,25 +395,47 @@ def _ends(low: float, high: float) -> str:
     return f"{texts[0].removesuffix(' %')} to {texts[1]}" if texts[0][-1] == texts[1][-1] == "%" else " to ".join(texts)
 
 
-def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
-    """Return the laws that results left, each once and where its consequence is largest, the worst first."""
-    found = dict[str, tuple[tuple[bool, float], Note]]()
-    for dataset in datasets:
-        judged_ = json.loads(dataset.attrs["validity"]) if dataset.attrs.get("validity") else {}
-        for one in judged_.get("told", []):
-            note = Note(code=one.get("code", ""), short=one["short"], text=one["text"], weight=one["weight"])
-            key, rank = note.code or f"{one['law']} {one['made_for']}", (one["warned"], one["weight"])
-            if key not in found or rank > found[key][0]:
-                found[key] = rank, note
-    return tuple(note for _, note in sorted(found.values(), key=lambda each: each[0], reverse=True))
-
-
 # Lines ---------------------------------------------------------------------------------------------------------------
 
 
 def _headed(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
     for k, text in enumerate(texts):
         yield f"{'' if k else name:<{_HEADING}}", text
+
+
+def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, list[str]]], width: int) -> Iterator[None]:
+    """Shorten an answer step by step, what matters least first; all rows stay as long as that can be."""
+    (_, assumed), (_, notes), (_, after) = groups
+    yield
+    del after[1:]
+    yield
+    assumed[:] = [_line(text, width) for text in assumed]
+    yield
+    notes[:] = [_line(text, width) for text in notes]
+    while len(assumed) > 1:
+        yield
+        assumed.pop()
+    yield
+    room = max(width - sum(max((len(row[k]) for row in rows), default=0) + 2 for k in (0, 1)) - 2, 4)
+    for k in reversed(range(len(rows))):
+        label, text, note = rows[k]
+        if len(note) > room:
+            rows[k] = label, text, textwrap.shorten(note, room, placeholder=" ...")
+            yield
+    while rows:
+        yield
+        rows.pop()
+    yield
+
+
+def _line(text: str, width: int) -> str:
+    """What of a text below the rows stands on one line: its first parts, and where more is told."""
+    more = " (-v)" if text.endswith(" (-v)") else ""
+    room = width - _HEADING - 4 - len(more)
+    parts = text.removesuffix(more).split("; ")
+    while len("; ".join(parts)) > room and len(parts) > 1:
+        parts.pop()
+    return textwrap.shorten("; ".join(parts), room, placeholder=" ...") + more
 
 
 def _wrapped(lines: Iterable[str], width: int) -> list[str]:

@@ -135,6 +135,7 @@ class Blok(_PowerLaw):
             high=17.602,
             consequence="a rigid contact with a Barus oil has no film at all",
             remedy="film 'moes', which covers all regimes",
+            instead="moes",
             source="quadrature of the rigid contact (docs/trust/film_reference.rst)",
         )
         return (*super().validity, end)

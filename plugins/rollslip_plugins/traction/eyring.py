@@ -147,6 +147,7 @@ class Muraki(_EyringFluid):
             consequence="its linear ramp gives at most {error} too much friction without heat",
             error=Tabled(((0.1, 2.6), (0.3, 8.8), (1.0, 32.1), (2.0, 36.0), (3.0, 25.6), (10.0, 12.0), (30.0, 7.0))),
             remedy=EXACT,
+            instead="maxwell-eyring",
             source="maxwell-eyring at sigma 1e-3 to 1e4 (docs/scripts/validity.py)",
         ),
         Validity(
@@ -168,6 +169,7 @@ class Muraki(_EyringFluid):
                 )
             ),
             remedy=EXACT,
+            instead="maxwell-eyring",
             source="maxwell-eyring at Phi 1e-4 to 1, D 0 to 0.1 (docs/scripts/validity.py)",
         ),
         Validity(
@@ -178,6 +180,7 @@ class Muraki(_EyringFluid):
             consequence="it has no Newtonian limit: its largest friction is {error} too low",
             error=Tabled(((1.0, 18.2), (3.0, 36.2), (10.0, 57.3), (100.0, 84.3), (1000.0, 94.8))),
             remedy=EXACT,
+            instead="maxwell-eyring",
             source="maxwell-eyring at D = 0 (docs/scripts/validity.py)",
         ),
     )
@@ -299,6 +302,7 @@ class Eyring(_EyringFluid):
             consequence="without elasticity it gives at most {error} too much friction, most at small sigma",
             error=lambda deborah: 100.0 / _left_by_elasticity(deborah) - 100.0,
             remedy=EXACT,
+            instead="maxwell-eyring",
             source="small signal of maxwell-eyring, S = sigma [1 - (D/2) (1 - exp(-2/D))]",
         ),
     )

@@ -57,6 +57,7 @@ NO_ASPERITIES: Final = Validity(
     low=1.5,
     consequence="asperities carry load, whose friction the law does not have",
     remedy="the law in a blend: traction 'lambda-blend'",
+    instead="lambda-blend.hydrodynamic",
     source="limit of the full film of 'lambda-blend' (grade C)",
 )
 MEAN_PRESSURE: Final = Validity(
@@ -67,6 +68,7 @@ MEAN_PRESSURE: Final = Validity(
     "(sigma < 0.3) and inelastic, by 4 % and less at sigma > 10 up to an exponent of 6",
     error=Tabled(((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))),
     remedy="traction 'maxwell-eyring-field', which takes the local pressure",
+    instead="maxwell-eyring-field",
     source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
 )
 SLOW_SLIDING: Final = Validity(

@@ -25,6 +25,7 @@ from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
+from rollslip_studies.steady_slip.consequences import consequences
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,9 +67,9 @@ class Band:
 def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -> "xr.Dataset":
     """Return a result of steady slips with the bands of the least one and of the least load, in attribute ``band``.
 
-    Beside them stands what each quantity does on its own, what moves a value most first. Without a steady slip, or
-    where nothing scatters, it is the result as it was. ``slip`` is the variable that the slip is in. A slip below 1e-5,
-    as of a cage that is driven, counts as that.
+    Beside them stands what each quantity does on its own, what moves a value most first, and in ``consequences`` what
+    the laws that it left do (`rollslip_studies.steady_slip.consequences`). Without a steady slip it is the result as it
+    was. ``slip`` is the variable that the slip is in. A slip below 1e-5, as of a cage that is driven, counts as that.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
     if not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0 or slips[0] < -_LITTLE:  # without drag, or driven
@@ -93,7 +94,9 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         }
         for name, one in found.items()
     }
-    return dataset.assign_attrs(band=json.dumps(told)) if told else dataset
+    plain = attrs.evolve(scene, sweep=None, uncertainty=None)
+    left = consequences(plain, _few(plain), dataset, values["steady_slip"])
+    return dataset.assign_attrs({"band": json.dumps(told)} if told else {}, consequences=json.dumps(left))
 
 
 def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[str, Band]:
@@ -137,22 +140,33 @@ def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
         nonlocal slope, beside
         balance = rollers(assembly, _INSTANTS, inertia=False, beside=beside)
         beside = beside or balance
-        if near < math.log(_LITTLE) and balance.excess(_NONE) >= 0.0:
-            return math.log(_NONE)
-        found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST), slope)
-        if rises > 0.0:
-            slope = slope or rises
-            return found
-        way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
-        steady = next(iter(way.steady(balance.drag)), None)
-        if steady is not None:
-            return math.log(max(steady.slip, _NONE))
-        if way.at_rest + balance.drag(0.0) > 0.0:  # what acts on the cage drives it
-            return math.log(_NONE)
-        return math.nan if way.refusal else math.inf
+        found, rises = _steady(balance, near, slope)
+        slope = slope or rises
+        return found
 
     begin = of(nominal, math.log(slip))
     return begin, {which: of(one, begin) for which, one in moved.items()} if math.isfinite(begin) else {}
+
+
+def steady_near(balance: TorqueBalance, slip: float) -> float:
+    """Return the steady slip near one, as bands find it: infinite where the cage skids, NaN where it is not known."""
+    return math.exp(_steady(balance, math.log(slip), None)[0])
+
+
+def _steady(balance: TorqueBalance, near: float, slope: float | None) -> tuple[float, float | None]:
+    """Logarithm of a steady slip near another, and the slope of the excess there if secants led to it."""
+    if near < math.log(_LITTLE) and balance.excess(_NONE) >= 0.0:
+        return math.log(_NONE), None
+    found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST), slope)
+    if rises > 0.0:
+        return found, rises
+    way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
+    steady = next(iter(way.steady(balance.drag)), None)
+    if steady is not None:
+        return math.log(max(steady.slip, _NONE)), None
+    if way.at_rest + balance.drag(0.0) > 0.0:  # what acts on the cage drives it
+        return math.log(_NONE), None
+    return math.nan if way.refusal else math.inf, None
 
 
 def _loads(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
