@@ -1,16 +1,20 @@
 """The report: one well-formed page that loads nothing, says all that the datasets say, and trusts no text."""
 
 import json
+import math
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
-from html import escape
+from html import escape, unescape
 from html.parser import HTMLParser
 from urllib.parse import urlsplit
 
 import attrs
 import pytest
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
 
+import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.references import KLEBANOV, as_dict
 from rollslip.results.account import answer as answer_of
@@ -115,6 +119,106 @@ def test_the_answer_stands_before_all_else(results, figures, tmp_path):
     assert page.index('<section id="warnings"') < page.index("<details><summary><h2")
     for row in answer.rows:
         assert f'<th scope="row">{row.label}</th><td>{escape(row.text)}</td>' in page
+
+
+# The first page -----------------------------------------------------------------------------------------------------
+
+POINT, REM = 25.4 / 72.0, 16.0 * 25.4 / 96.0
+#: A4 less the margins of @page.
+WIDTH, HEIGHT = 210.0 - 2 * 15.0, 297.0 - 2 * 12.0
+
+
+def lines_of(text, points, room):
+    """Lines of a text in DejaVu Sans, which is wider than the fonts of systems, in a room [mm]."""
+    text = unescape(re.sub(r"<[^>]*>", "", text)).replace("$", "").strip()
+    font = FontProperties(family="DejaVu Sans", size=points)
+    width = TextPath((0, 0), text, prop=font).get_extents().width * POINT if text else 0.0
+    return max(1, math.ceil(1.1 * width / room))  # words leave a rest at the end of a line
+
+
+def height_of(first):
+    """Height [mm] of the first page in print, by the lengths of the style sheet."""
+
+    def table(html, room):
+        rows = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in re.findall(r"<tr[^>]*>(.*?)</tr>", html, re.S)]
+        fixed = sum(max(8.0 * 0.6 * POINT * len(unescape(row[k])) for row in rows) for k in range(len(rows[0]) - 1))
+        last = max(room - fixed - 4.0, 21.0)
+        return sum(lines_of(row[-1], 8.0, last) * 8.0 * 1.4 * POINT + 1.4 + 0.3 for row in rows)
+
+    answer, given = first.split('<div class="given">')
+    height = lines_of(re.search("<h1>(.*?)</h1>", first)[1], 15.0, WIDTH) * 15.0 * 1.25 * POINT + 2.0
+    for k, paragraph in enumerate(re.findall(r"<p>(.*?)</p>", answer)):
+        points = 9.0 if k else 11.0
+        count = sum(lines_of(line, points, WIDTH) for line in paragraph.split("<br/>"))
+        height += count * points * 1.35 * POINT + 3.0
+    drawing = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', given)
+    figure = 88.0 * float(drawing[2]) / float(drawing[1]) + 8.0 + 0.5 * REM
+    figure += lines_of(re.search("<figcaption>(.*?)</figcaption>", given)[1], 8.0, 88.0) * 8.0 * 1.35 * POINT
+    return height + table(answer, WIDTH) + REM + max(figure, table(given, 80.0) + 1.5 * REM)
+
+
+@pytest.fixture(scope="module")
+def skidding(tmp_path_factory):
+    """A scene with all rows, its page, and the part of it that is to fill one sheet."""
+    folder = tmp_path_factory.mktemp("skidding")
+    scene = rollslip.new("NU 2312", oil="iso-vg-220", speed="1500 rpm", load="1 kN", temperature="70 degC")
+    result = rollslip.run(scene, "steady-slip")
+    assert len(answer_of(result).shown()) == 8
+
+    def page(**attributes):
+        known = result.assign_attrs(attributes)
+        write_report({"steady-slip": known}, {"steady-slip": save_plots(known, folder)}, folder / "report.html")
+        html = (folder / "report.html").read_text(encoding="utf-8")
+        return html, html[html.index('<div class="first">') : html.index("<nav")]
+
+    return result, page
+
+
+def test_the_first_page_has_verdict_rows_inputs_one_figure_and_notes_and_all_else_is_behind_it(skidding):
+    result, page = skidding
+    html, first = page()
+    answer = answer_of(result)
+    assert answer.html() in first
+    assert first.count("<figure>") == 1
+    assert "driving torque of the rollers" in first
+    assert all(f"{note.code} {escape(note.short)}" in first for note in answer.notes)
+    assert '<th scope="row">load</th><td data-of="value">1 kN</td>' in first
+    assert html.count("Figure 1. ") == 1
+    printed = html[html.index("@media print { body") :]
+    assert ".first:has(.answer) { break-after: page; }" in printed
+    assert "section:has(> details:not([open])) { display: none; }" in printed
+
+
+def test_the_first_page_is_one_sheet_of_a4_also_with_all_notes_and_assumptions(skidding):
+    _, page = skidding
+    _, first = page()
+    assert 130.0 < height_of(first) < HEIGHT
+    longest = "traction 'maxwell-eyring' (pressure exponent ln(eta/eta0) <= 1; 94 % outside)"
+    told = [
+        {"law": f"law {k}", "made_for": "x", "code": f"W{k:02}", "weight": 1.0, "text": "", "short": longest,
+         "warned": False, "measured": False}
+        for k in range(12)
+    ]  # fmt: skip
+    title = "Bearing NU 2312 of the second stage of a gearbox, as it runs in spring at 70 degC in ISO VG 220, idle"
+    html, full = page(validity=json.dumps({"told": told}), title=title)
+    assert full.count(longest.replace("<", "&lt;").replace("'", "&#x27;")) == 8
+    assert title in html
+    assert height_of(first) + 20.0 < height_of(full) < HEIGHT
+
+
+def test_letters_of_figures_are_9_pixels_high_on_a_phone_or_the_page_says_scroll(skidding):
+    """Of 390 px the margins take 32; the smallest letters are those of 6.5 pt in `rollslip.results.curve_figures`."""
+    html, _ = skidding[1]()
+    assert "@media screen and (max-width: 46rem)" in html
+    seen = []
+    for figure in re.findall(r"<figure.*?</figure>", html, re.S):
+        width = float(re.search(r'viewBox="0 0 ([\d.]+)', figure)[1])
+        least = re.search(r'class="wide-one" style="--least: (\d+)px"', figure)
+        size = min(float(one) for one in re.findall(r"font(?:-size)?: ?([\d.]+)px", figure) if float(one) >= 6.0)
+        assert size * (float(least[1]) if least else 390.0 - 32.0) / width >= 9.0
+        seen.append(bool(least))
+    assert {*seen} == {True, False}
+    assert '.wide-one .sheet::before { content: "scroll sideways' in html
 
 
 def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figures, tmp_path):

@@ -248,7 +248,11 @@ class Answer:
             f"<td>{escape(row.text)}</td><td>{escape(row.note)}</td></tr>"
             for row in self.shown()
         )
-        below = "".join(f"<p>{name}: {'<br/>'.join(map(escape, texts))}</p>" for name, texts in self.groups() if texts)
+        groups = dict(self.groups())
+        groups["notes"] = [*self.faults, *dict.fromkeys(f"{one.code} {one.short}".strip() for one in self.notes)]
+        below = "".join(
+            f"<p>{name}: {'<br/>'.join(map(escape, texts[:MOST_ROWS]))}</p>" for name, texts in groups.items() if texts
+        )
         verdict = f"<strong>{self.verdict}</strong> " if self.verdict else ""
         head = f"<p>{verdict}{escape(', '.join(self.case))}</p>"
         titles = "".join(f'<th scope="col">{title}</th>' for title in ("quantity", "value", "band, remarks"))

@@ -1,7 +1,7 @@
 """The report: everything that is known about a run in one HTML file that opens anywhere and stays readable.
 
-- The answer stands first, then the figures two abreast, then the warnings with their consequences; all else is folded
-  until a reader opens it, and comes unfolded on paper.
+- The answer stands first, on paper on a page of its own: verdict, rows, inputs, one figure, notes. Behind it come the
+  other figures and the warnings with their consequences; all else is folded, on paper too, until a reader opens it.
 - The figures follow the page: light, dark, or printed. Tables become lists where a screen is narrow.
 - One file without scripts and without anything to load; a content security policy in its head lets the browser hold
   that. The figures stand in it as SVG, their ids made unique, because ids are shared by the whole page.
@@ -62,15 +62,25 @@ _NUMBERS: Final = {
     "wall_time": ("wall time", "s"),
 }
 
-#: Width [pt] from which on a figure takes the whole page.
+#: Width [pt] from which on a figure takes the whole page, and pixels for a point at which its letters can be read.
 _WIDE: Final = 300.0
+_READABLE: Final = 1.4
+_LEAST: Final = "--least"  # the variable in the style sheet that has them
+#: What the first page says of the scene, few enough to leave it one page, and how it calls that.
+_GIVEN: Final = {
+    "bearing.rollers": "rollers", "bearing.roller_diameter": "their diameter", "bearing.roller_length": "their length",
+    "operation.inner_speed": "inner speed", "operation.outer_speed": "outer speed", "operation.radial_load": "load",
+    "operation.misalignment": "misalignment", "operation.temperature": "temperature", "lubricant.name": "oil",
+    "lubrication.supply": "oil supply", "cage.make": "cage", "cage.guidance": "guided by",
+}  # fmt: skip
 
 
 def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path) -> None:
     """Write one self-contained HTML file about the results of a run."""
     cases = {case for one in datasets.values() if (case := case_of(one))}
     first = answer(*datasets.values()) if len(cases) < 2 else Answer()
-    drawings, colours = _figures(figures)
+    leading = next((row.by for row in first.rows if row.key == "cage_slip"), "")
+    lead, drawings, colours = _figures(figures, leading)
     shown = [
         section
         for section in (
@@ -95,7 +105,7 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
             _PAGE.substitute(
                 title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
                 style=_STYLE + colours,
-                verdict=first.html() if first.rows or first.verdict else "",
+                verdict=_answered(first, lead, datasets) if first.rows or first.verdict else "",
                 introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
                 contents="".join(f'<li><a href="#{section.key}">{section.heading}</a></li>' for section in shown),
                 sections="".join(section.html for section in shown),
@@ -122,6 +132,14 @@ class _Section:
             f'<section aria-labelledby="{self.key}-h"><details><summary>{heading}</summary>'
             f'<div id="{self.key}">{self.body}</div></details></section>\n'
         )
+
+
+def _answered(first: Answer, lead: str, datasets: "Datasets") -> str:
+    """Return what fills the first page: the answer with its notes, and its figure beside what was given."""
+    scene = next((one.attrs["scene_resolved"] for one in datasets.values() if "scene_resolved" in one.attrs), "{}")
+    given, units = dict(_flat(json.loads(scene))), _known_keys(())
+    rows = [[name, _value(given[key], units.get(key, ("",))[0])] for key, name in _GIVEN.items() if key in given]
+    return f'{first.html()}<div class="given">{lead}{_table(("input", "value"), rows)}</div>'
 
 
 # Sections: each gives its HTML, or nothing if the datasets say nothing about it -------------------------------------
@@ -155,15 +173,16 @@ def _told(part: str | list[str] | Table) -> str:
     return _tag("p", capital(part)) if isinstance(part, str) else _list(f"{capital(text)}." for text in part)
 
 
-def _figures(figures: Mapping[str, Sequence[Path]]) -> tuple[str, str]:
-    """Return all figures, the narrow ones before the wide ones, and the style sheet of their colours."""
-    named = [(file.stem, file.read_text(encoding="utf-8")) for group in figures.values() for file in group]
-    named.sort(key=lambda one: _width(one[1]) > _WIDE)
+def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, str, str]:
+    """Return the first figure of the leading study, all others, narrow before wide, and the style of their colours."""
+    first = [*figures.get(leading, ())][:1]
+    files = [*first, *(file for group in figures.values() for file in group if file not in first)]
+    named = [(file.stem, file.read_text(encoding="utf-8")) for file in files]
+    named[len(first) :] = sorted(named[len(first) :], key=lambda one: _width(one[1]) > _WIDE)
     drawings, colours = adapting([svg for _, svg in named])
-    body = "".join(
-        _figure(svg, number, name) for number, ((name, _), svg) in enumerate(zip(named, drawings, strict=True), 1)
-    )
-    return (f'<div class="figures">{body}</div>', colours) if named else ("", "")
+    drawn = [_figure(svg, number, name) for number, ((name, _), svg) in enumerate(zip(named, drawings, strict=True), 1)]
+    lead, others = "".join(drawn[: len(first)]), "".join(drawn[len(first) :])
+    return lead, f'<div class="figures">{others}</div>' if others else "", colours if named else ""
 
 
 def _width(svg: str) -> float:
@@ -187,7 +206,8 @@ def _figure(svg: str, number: int, name: str) -> str:
         re.sub(r"<metadata>.*?</metadata>|<title>.*?</title>", "", svg[end:], flags=re.DOTALL),
     )
     drawing = re.sub(r'(\sid="|href="#|url\(#)', rf"\g<1>figure{number}-", drawing)
-    kind = ' class="wide-one"' if _width(svg) > _WIDE else ""
+    width = _width(svg)
+    kind = f' class="wide-one" style="{_LEAST}: {_READABLE * width:.0f}px"' if _WIDE < width < math.inf else ""
     root = re.sub(r' (?:width|height)="[^"]*"', "", root)
     label = f'role="img" aria-label="{caption} {findings}"'
     return (
@@ -474,6 +494,7 @@ a { color: var(--link); }
 .answer strong { padding: .1em .5em; color: #000; background: #f0b849; }
 .answer.ok strong { background: #7bc47f; } .answer.skids strong { color: #fff; background: #b42318; }
 .answer.unknown strong { color: #fff; background: #86198f; } .answer .marked td { font-weight: 600; }
+.given { display: grid; grid-template-columns: minmax(0, 30rem) minmax(0, 1fr); gap: 0 2.5rem; margin-top: 1rem; }
 nav ul { display: flex; flex-wrap: wrap; gap: .1rem 1.25rem; padding: 0; list-style: none; max-width: none; }
 nav a { display: inline-block; padding: .2rem 0; }
 #warnings { margin-top: 2rem; padding: .75rem 1.25rem; border-left: .4rem solid var(--alarm);
@@ -507,8 +528,9 @@ pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem
   overflow-wrap: normal; }
 @media screen and (max-width: 46rem) {
   body { padding: 1.25rem 1rem 3rem; }
-  .figures { grid-template-columns: minmax(0, 1fr); }
-  .wide-one svg { width: 36rem; max-width: none; }
+  .figures, .given { grid-template-columns: minmax(0, 1fr); }
+  .wide-one svg { width: var(--least); max-width: none; }
+  .wide-one .sheet::before { content: "scroll sideways \\2192"; position: sticky; left: 0; color: var(--quiet); }
   table, caption, tbody, tr, tbody th, td { display: block; min-width: 0; overflow-wrap: anywhere; }
   thead { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
   tr { padding: .5rem 0; border-bottom: 1px solid var(--rule); }
@@ -517,16 +539,19 @@ pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem
   td:empty { display: none; }
   td[data-of]:not([data-of=""])::before { content: attr(data-of) ": "; color: var(--quiet); }
 }
+@page { size: A4; margin: 12mm 15mm; }
 @media print { body { padding: 0; max-width: none; font-size: 10pt; line-height: 1.35; } nav { display: none; }
+  .first:has(.answer) { break-after: page; } section:has(> details:not([open])) { display: none; }
+  .given { grid-template-columns: 92mm minmax(0, 1fr); gap: 0 8mm; }
+  .first td, .first th { padding: .7mm 2mm .7mm 0; } .first figcaption { font-size: 8pt; }
   h1 { font-size: 15pt; margin: 0 0 2mm; } h2 { margin: 3mm 0; }
-  .answer p, .answer p:first-child { font-size: 10pt; margin: 1.5mm 0; }
+  .answer p { font-size: 9pt; margin: 1.5mm 0; } .answer p:first-child { font-size: 11pt; margin: 1.5mm 0; }
   summary:not(:has(h2)) { display: none; } summary h2::before { display: none; }
   .wide, .sheet { overflow: visible; } td { overflow-wrap: anywhere; } pre { white-space: pre-wrap; }
   h2, h3, caption { break-after: avoid; }
   .figures { display: block; } figure { margin: 4mm 0; } .wide-one svg { max-height: 54mm; width: auto; }
   td, th { font-size: 8pt; } figure:not(.wide-one) { display: inline-block; width: 49%;
-  vertical-align: top; padding-right: 4mm; }
-  details::details-content { content-visibility: visible; block-size: auto; } }
+  vertical-align: top; padding-right: 4mm; } .first figure:not(.wide-one) { width: 100%; } }
 """
     )
     .replace("INK", INK)
@@ -546,8 +571,10 @@ _PAGE: Final = Template(
 </head>
 <body>
 <header>
+<div class="first">
 <h1>$title</h1>
 $verdict
+</div>
 $introduction
 <nav aria-label="Contents"><ul>$contents</ul></nav>
 </header>
