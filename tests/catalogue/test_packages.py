@@ -228,3 +228,48 @@ def test_a_sweep_goes_on_with_no_package_that_was_edited(tmp_path):
     code, _, err = rollslip("sweep", "resume", folder, path=tmp_path)
     assert code != 0
     assert "editable packages.rollslip-edited" in err
+
+
+CHANGES = """
+from rollslip_plugins.traction.eyring import Muraki
+plain = Muraki.evaluate
+def weaker(self, slices):
+    plain(self, slices)
+    slices.friction[...] *= 0.9
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("Muraki.evaluate = Muraki.kernel = weaker", "Muraki.evaluate"),
+        ("Muraki.tolerance = 0.0", "Muraki.tolerance"),
+        ("Muraki.evaluate.__code__ = (lambda self, slices: None).__code__", "_EyringFluid.evaluate"),
+        ("import rollslip.models as m; m.POSITIVE = (0.0, 1.0)", "rollslip.models.POSITIVE"),
+    ],
+)
+def test_a_package_that_changes_a_law_of_the_box_is_broken(tmp_path, line, name):
+    """Results would name rollslip for what it does: doctor and list say so, and nothing of it is used."""
+    install(tmp_path, "rollslip-changes", TRACTION + CHANGES + line + "\n")
+    code = """
+    from rollslip.cli.doctor import _plugins
+    print([(f.state, f.remedy) for f in _plugins() if f.check == "plugin rollslip-changes"])
+    """
+    [[(state, remedy)]] = python(code, tmp_path)
+    assert state == "fault"
+    assert "its import changes" in remedy
+    assert name in remedy
+    assert "repair or uninstall rollslip-changes" in remedy
+
+
+def test_a_law_that_is_changed_before_it_is_imported_by_others_is_seen(tmp_path):
+    install(tmp_path, "rollslip-changes", TRACTION + CHANGES + "Muraki.evaluate = weaker\n")
+    code = """
+    import rollslip
+    try:
+        print(rollslip.get_model("traction", "changes").name)
+    except rollslip.errors.PluginError as error:
+        print(repr(str(error)))
+    """
+    [said] = python(code, tmp_path)
+    assert "its import changes rollslip_plugins.traction.eyring.Muraki.evaluate of rollslip" in said

@@ -544,6 +544,15 @@ class WritesRegime(Film):
 
 @breaks("check_keeps_to_what_it_declares")
 @attrs.frozen(kw_only=True)
+class ReadsUnknown(Film):
+    """It declares a member that there is not."""
+
+    reads = Film.reads | {"velocity"}
+    domain = MappingProxyType({**Film.domain, "velocity": POSITIVE})
+
+
+@breaks("check_keeps_to_what_it_declares")
+@attrs.frozen(kw_only=True)
 class Misspelt(Film):
     """It asks for a column that there is not."""
 

@@ -105,6 +105,14 @@ class JudgesNothing(HeaviestForce):
 
 
 @attrs.frozen(kw_only=True)
+class JudgesZero(HeaviestForce):
+    """What is held against a tolerance is 0, and nothing says what size is none."""
+
+    def change(self, variables, assembly):
+        variables["force"][1][:] = 0.0
+
+
+@attrs.frozen(kw_only=True)
 class ActsUnknown(HeaviestForce):
     """A choice that nobody can make is said to act."""
 
@@ -212,6 +220,7 @@ BROKEN = [
     ("check_what_may_be_missing_has_a_status_in_words", Infinite()),
     ("check_what_may_be_missing_has_a_status_in_words", EmptyStatus()),
     ("check_what_is_judged_is_an_output", JudgesNothing()),
+    ("check_what_is_judged_is_an_output", JudgesZero()),
     ("check_what_is_judged_is_an_output", ActsUnknown()),
     ("check_it_gives_the_same_bits_twice", Counting()),
     ("check_what_does_not_act_changes_nothing", ActsInSecret()),

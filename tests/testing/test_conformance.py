@@ -19,6 +19,8 @@ from rollslip.testing import (
     conformance,
     format_findings,
 )
+from rollslip.testing.numbers import INSTRUCTIONS, instructions
+from rollslip.testing.samples import table
 from rollslip_plugins.drag.torques import ConstantTorque, PetroffLand
 from rollslip_plugins.film.formulas import PanHamrock
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
@@ -123,6 +125,15 @@ class TestData(Conformance):
 def test_no_kind_is_left_out():
     classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
     assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", *DATA}
+
+
+def test_laws_of_the_box_that_python_runs_are_what_others_are_held_against():
+    counted = {
+        model.name: instructions(model, table(model, 256))
+        for model in box("contact", "film", "pressure", "traction")
+        if model.kernel() is None
+    }
+    assert 0.5 * INSTRUCTIONS < max(counted.values()) < INSTRUCTIONS
 
 
 # The function --------------------------------------------------------------------------------------------------------

@@ -37,7 +37,7 @@ class PluginPackage:
 def packages() -> list[PluginPackage]:
     """Return all packages that offer something, rollslip first; each is imported, to know whether it is broken."""
     offers: dict[str, list[Offer]] = {}
-    for offer in catalogue():
+    for offer in sorted(catalogue(), key=lambda offer: offer.package != "rollslip"):  # before others could change it
         if offer.package != THIS_PROCESS:
             offers.setdefault(offer.package, []).append(_tried(offer))
     return [_package(offers[name]) for name in sorted(offers, key=lambda name: (name != "rollslip", name))]

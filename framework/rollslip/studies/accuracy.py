@@ -140,6 +140,7 @@ def errors_between(judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.D
             errors[result] = math.inf
             continue
         scale = np.abs(true) if result == "critical_slip" else np.fmax.reduce(np.abs(true), axis=-1, keepdims=True)
+        scale = np.maximum(scale, fine[name].attrs.get("floor", 0.0))
         off = np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0)
         if not np.all(np.isnan(off)):
             errors[result] = float(np.nanmax(off))

@@ -37,6 +37,9 @@ class Output:
         Whether it is an attribute of the result: a single value about the whole run.
     also : tuple of str
         Other names by which it may be asked for.
+    floor : float
+        Size in its unit below which it is none: errors are relative to this at least. What is judged and may be 0 needs
+        one.
     """
 
     dims: str
@@ -46,10 +49,12 @@ class Output:
     default: bool = attrs.field(default=False, kw_only=True)
     attribute: bool = attrs.field(default=False, kw_only=True)
     also: tuple[str, ...] = attrs.field(default=(), kw_only=True)
+    floor: float = attrs.field(default=0.0, kw_only=True)
 
     def variable(self, values: Any) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
         """Return values as a variable of a dataset."""
-        return tuple(self.dims.split()), values, about(self.unit, self.meaning)
+        floor = {"floor": self.floor} if self.floor else {}
+        return tuple(self.dims.split()), values, {**about(self.unit, self.meaning), **floor}
 
 
 @attrs.frozen(kw_only=True)

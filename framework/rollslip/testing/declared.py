@@ -56,6 +56,8 @@ def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
 @rule(SliceModel, first=True)
 def check_keeps_to_what_it_declares(model: SliceModel) -> None:
     """It writes what it says, all of it and nothing else, and needs no more than it reads; other rules rest on this."""
+    if unknown := sorted({*model.reads, *model.domain} - {*COLUMNS, *CONDITIONS}):
+        raise Nonconformance(f"it reads, or gives a range for, {', '.join(unknown)}, which slices do not have")
     for form in ("evaluate()", "the kernel") if model.kernel() is not None else ("evaluate()",):
         inputs = [name for name in COLUMNS if name not in model.writes]
         slices, before = _usual(model, inputs if form == "evaluate()" else ()), _usual(model)

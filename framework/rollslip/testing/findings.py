@@ -6,8 +6,10 @@
 - `Conformance` needs no pytest to be defined: pytest finds ``pytest_generate_tests`` by its name.
 """
 
+import traceback
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
@@ -76,11 +78,19 @@ def expected_of(model: object, given: Mapping[str, str]) -> dict[str, str]:
     return expected
 
 
-def _sentence(error: BaseException) -> str:
-    """Return an error in words."""
+def _sentence(error: BaseException, model: object) -> str:
+    """Return an error in words; one that the model raises with its place in the package that the model is of."""
     if isinstance(error, BaseExceptionGroup):  # hypothesis: a value that fails once and passes once
-        return f"it answers one input in two ways ({_sentence(error.exceptions[0])})"
-    return str(error) if isinstance(error, AssertionError | Questionable) else f"{type(error).__name__}: {error}"
+        return f"it answers one input in two ways ({_sentence(error.exceptions[0], model)})"
+    cause = error.__cause__ if isinstance(error, AssertionError) else error
+    root = type(model).__module__.partition(".")[0]
+    places = [
+        f" ({Path(frame.f_code.co_filename).name}:{line})"
+        for frame, line in traceback.walk_tb(None if cause is None else cause.__traceback__)
+        if frame.f_globals.get("__name__", "").partition(".")[0] == root != "rollslip"
+    ]
+    said = str(error) if isinstance(error, AssertionError | Questionable) else f"{type(error).__name__}: {error}"
+    return said + "".join(places[-1:])
 
 
 def run_check(model: object, check: Check, reason: str | None = None) -> tuple[Finding, Exception | None]:
@@ -97,7 +107,7 @@ def run_check(model: object, check: Check, reason: str | None = None) -> tuple[F
         error = cause
     if error is not None:
         wrong = "warning" if isinstance(error, Questionable) else "failed"
-        status, message = ("expected", reason) if reason else (wrong, _sentence(error))
+        status, message = ("expected", reason) if reason else (wrong, _sentence(error, model))
     elif reason:
         status, message = "failed", f"it passes, but is listed as an expected failure ({reason}); take it off the list"
     else:
@@ -211,6 +221,7 @@ class Conformance:
 
     def test_conformance(self, conformance_case: tuple[Any, Check, str | None]) -> None:
         """Run one check on one model."""
+        __tracebackhide__ = True  # the fault is not here
         finding, error = judge(*conformance_case)
         if finding.status == "failed":
             raise AssertionError(f"{finding.model}: {finding.message}") from error

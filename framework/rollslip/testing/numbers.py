@@ -175,7 +175,7 @@ def instructions(model: SliceModel, slices: Slices) -> int:
 def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
     """A law without a compiled form is slow by what Python does in it, slice by slice or time and again."""
     if model.kernel() is not None:
-        raise Inapplicable("its compiled form is what runs")
+        return  # which is what runs
     slices = table(model, 256)
     few = picked(slices, slice(0, max(len(slices) // 4, 1)))
     if len(slices) < 8:

@@ -59,6 +59,7 @@ class Kragelsky(TractionModel):
     references: ClassVar[tuple[Reference, ...]] = (KRAGELSKII_1965, KLEBANOV)
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = SLIDE_ROLL
+    shapes = MappingProxyType({"cold": "one maximum"})
 
     limit: float = parameter(
         default=0.1, unit="1", validator=positive, doc="friction A far beyond the maximum", **COEFFICIENT
@@ -113,6 +114,7 @@ class Constant(TractionModel):
     )
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = SLIDE_ROLL
+    shapes = MappingProxyType({"cold": "rises", "bound": "coefficient"})
 
     coefficient: float = parameter(
         default=0.05, unit="1", validator=positive, doc="friction coefficient f", **COEFFICIENT

@@ -53,6 +53,7 @@ class _EyringFluid(TractionModel, abc.ABC):
 
     domain: Domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE})
     reads = frozenset(domain)
+    shapes = MappingProxyType({"cold": "rises", "heated": "one maximum"})
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
     regimes: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {
