@@ -12,7 +12,6 @@ import abc
 import math
 import sys
 from collections.abc import Callable, Mapping
-from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -183,7 +182,7 @@ def submodel(kind: str, *, factory: Callable[[], object], doc: str) -> Any:
     return attrs.field(factory=factory, metadata={"doc": doc, "unit": None, "kind": kind})
 
 
-#: What a drag or a film can take from the scene -> (SI unit, or None for a text, and meaning).
+#: What a drag or a law of a contact can take from the scene -> (SI unit, or None for a text, and meaning).
 SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
     {
         "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
@@ -195,23 +194,14 @@ SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
         "roller_length": ("m", "length of a roller"),
         "orbit_radius": ("m", "radius of the orbit of the rollers"),
         "elastic_modulus": ("Pa", "Young's modulus of rings and rollers"),
+        "radial_load": ("N", "radial load of the operation"),
+        "temperature": ("K", "temperature of the operation"),
         "guiding_ring": (None, "ring whose land guides the cage"),
         "land_radius": ("m", "radius of the land that guides the cage"),
         "land_width": ("m", "width of that land that oil fills, all rails together"),
         "land_clearance": ("m", "radial clearance between cage and land"),
     }
 )
-
-
-@attrs.frozen
-class _IfGiven:
-    """Validator: a value that the scene is to give passes, any other goes to ``validator``."""
-
-    validator: Callable[[Any, Any, Any], object] | None
-
-    def __call__(self, instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
-        if self.validator is not None and _given(value) is not None:
-            self.validator(instance, attribute, value)
 
 
 def _given(value: object) -> object | None:
@@ -227,7 +217,7 @@ def from_scene(
     usual: tuple[float, float] | None = None,
     possible: tuple[float, float] | None = None,
 ) -> Any:
-    """Declare a parameter of a drag or a film that the scene gives where it is not set: NaN, or no text, until then.
+    """Declare a parameter of a drag or a law that the scene gives where it is not set: NaN, or no text, until then.
 
     Parameters
     ----------
@@ -237,9 +227,14 @@ def from_scene(
         As in `rollslip.fields.parameter`; the validator `rollslip.fields.within_possible` refuses what is not possible.
     """
     unit = SCENE_VALUES[name][0]
+
+    def if_given(instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
+        if validator is not None and _given(value) is not None:
+            validator(instance, attribute, value)
+
     return attrs.field(
         default=math.nan if unit else "",
-        validator=_IfGiven(validator),
+        validator=if_given,
         eq=_given,
         metadata={"doc": doc, "unit": unit, "from_scene": name, "usual": usual, "possible": possible},
     )
@@ -247,12 +242,8 @@ def from_scene(
 
 def left_to_scene(model: Any) -> "list[attrs.Attribute[Any]]":
     """Return the parameters of a model that the scene is to give."""
-    return [a for a in _from_scene(type(model)) if _given(getattr(model, a.name)) is None]  # type: ignore[arg-type]
-
-
-@cache
-def _from_scene(cls: "type[Any]") -> "list[attrs.Attribute[Any]]":
-    return [a for a in attrs.fields(cls) if "from_scene" in a.metadata]
+    own = (a for a in attrs.fields(type(model)) if "from_scene" in a.metadata)
+    return [a for a in own if _given(getattr(model, a.name)) is None]
 
 
 class SliceModel(abc.ABC):

@@ -10,9 +10,9 @@ from typing import Any, Final, TypeVar
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, read_cage, supplied, with_drags
+from rollslip.bearing.cage import Cage, filled, read_cage, scene_values, with_drags
 from rollslip.bearing.chain import Chain
-from rollslip.bearing.drags import with_values
+from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.equilibrium import (
     LoadCase,
     LoadDistribution,
@@ -312,7 +312,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         if oil is None:
             raise SceneError(problems)
         laws = [(of.pressure_viscosity_law, of.slopes, of.models) for of in (oil, like.lubricant)]
-        if laws[0] == laws[1] and supplied(scene, oil).starvation == supplied(like.scene, like.lubricant).starvation:
+        if laws[0] == laws[1] and _given_alike(scene, oil, like):
             return _with_oil(like, scene, oil, where)
         problems = []
         loads = like.known_loads
@@ -351,11 +351,14 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         problems.append(where.at("bearing").at("profile").says(str(error)))
     if lubricant is None or problems:
         raise SceneError(problems)
-    starvation = supplied(scene, lubricant).starvation
+    values = scene_values(scene, kinematics, lubricant)
+    named = where.at("models")
+    models = {kind: filled(model, values, named.at(kind), problems, kind) for kind, model in models.items()}
+    if problems:
+        raise SceneError(problems)
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
     law = lubricant.pressure_viscosity_law
     models = {kind: with_law(model, law, lubricant.slopes) for kind, model in models.items()}
-    models["film"] = with_values(models["film"], {"starvation": starvation})
     models["traction"] = simplified(models["traction"], resolution)
     if not resolution.inlet_heating:
         models["film"] = models["film"].isothermal
@@ -418,6 +421,13 @@ def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
         and same(scene.bearing, like.scene.bearing)
         and (own is other or all(getattr(own, name) == getattr(other, name) for name in loads))
     )
+
+
+def _given_alike(scene: Scene, oil: Lubricant, like: Assembly) -> bool:
+    """Whether the laws of a bearing take from a scene what they take from its own."""
+    named = {of for model in like.models.values() for of in taken_from_scene(model)}
+    one, other = (scene_values(of, like.kinematics, its) for of, its in ((scene, oil), (like.scene, like.lubricant)))
+    return all(one[of] == other[of] for of in named if of in one)
 
 
 def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> Assembly:

@@ -18,7 +18,7 @@ from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
-from rollslip.fields import FieldError, field, non_negative, one_of, positive
+from rollslip.fields import FieldError, field, non_negative, one_of, positive, submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
@@ -350,21 +350,20 @@ def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
 def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
     """Return a cage with its drags bound to what the scene gives."""
     where, problems = Location(scene.origins, ("cage",)), list[str]()
-    values = _scene_values(scene, cage, kinematics, lubricant)
-    filled = [_filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]
-    drags = _by_sort([with_law(model, lubricant.pressure_viscosity_law) for model in filled], where, problems)
+    values = scene_values(scene, kinematics, lubricant) | _of_land(cage, supplied(scene, lubricant))
+    given = [filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]
+    drags = _by_sort([with_law(model, lubricant.pressure_viscosity_law) for model in given], where, problems)
     if problems:
         raise SceneError(problems)
     return attrs.evolve(cage, drags=drags)
 
 
-def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: Lubricant) -> dict[str, object]:
-    """What this scene gives of `SCENE_VALUES`."""
-    b, oil = scene.bearing, supplied(scene, lubricant)
-    density = None if lubricant.density is None else lubricant.density(scene.operation.temperature)
-    values = {
+def scene_values(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> dict[str, object]:
+    """Return what a scene gives of `SCENE_VALUES` without its cage."""
+    b, o, oil = scene.bearing, scene.operation, supplied(scene, lubricant)
+    return {
         "viscosity": _viscosity(scene, lubricant),
-        "density": DENSITY if density is None else density,
+        "density": DENSITY if lubricant.density is None else lubricant.density(o.temperature),
         "oil_fraction": oil.oil_fraction,
         "starvation": oil.starvation,
         "rollers": float(b.rollers),
@@ -372,6 +371,14 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
         "roller_length": b.roller_length,
         "orbit_radius": kinematics.orbit_radius,
         "elastic_modulus": b.material.elastic_modulus,
+        "radial_load": o.radial_load,
+        "temperature": o.temperature,
+    }
+
+
+def _of_land(cage: Cage, oil: Supplied) -> dict[str, object]:
+    """What a cage gives of `SCENE_VALUES`."""
+    values = {
         "guiding_ring": None if cage.guidance == "roller" else cage.guidance,
         "land_radius": cage.land_radius,
         "land_width": cage.land_width and cage.land_width * (oil.land or 1.0),
@@ -380,16 +387,17 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _filled(model: Any, values: Mapping[str, object], where: Location, problems: list[str]) -> Any:
-    """Return a drag with all that it leaves to the scene."""
-    filled = with_values(model, values)
-    for attribute in left_to_scene(filled):
+def filled(model: Any, values: Mapping[str, object], where: Location, problems: list[str], kind: str = "drag") -> Any:
+    """Return a model with all that it leaves to the scene."""
+    complete = with_values(model, values)
+    all_of_it = (complete, *(child for _, child in submodels(complete)))
+    for attribute in (left for one in all_of_it for left in left_to_scene(one)):
         unit, meaning = SCENE_VALUES[attribute.metadata["from_scene"]]
         remedy = expectation(unit) if unit else "give one here or in cage.guidance"
         problems.append(
-            where.at(attribute.name).says(f"drag {model.name!r} needs it, and the scene gives no {meaning}; {remedy}")
+            where.at(attribute.name).says(f"{kind} {model.name!r} needs it, and the scene gives no {meaning}; {remedy}")
         )
-    return filled
+    return complete
 
 
 def _by_sort(models: list[Any], where: Location, problems: list[str]) -> Drags:

@@ -11,7 +11,7 @@ import numpy as np
 from rollslip.bearing.chain import stage
 from rollslip.catalogue.discovery import origin
 from rollslip.errors import DomainError, PluginError, RollslipError, in_words
-from rollslip.fields import parameter
+from rollslip.fields import parameter, submodels
 from rollslip.models import FINITE, Domain, Drag, DragModel, PocketFriction, ResistanceModel, SliceModel, left_to_scene
 from rollslip.references import Reference
 from rollslip_kernels.slices import COLUMNS, Slices
@@ -27,6 +27,12 @@ def with_values(model: Any, values: Mapping[str, object]) -> Any:
         if isinstance(value, SliceModel) and (changed := with_values(value, values)) is not value:
             changes[attribute.name] = changed
     return attrs.evolve(model, **changes) if changes else model
+
+
+def taken_from_scene(model: Any) -> set[str]:
+    """Return what of the scene a model, and the models in it, may take."""
+    own = {a.metadata["from_scene"] for a in attrs.fields(type(model)) if "from_scene" in a.metadata}
+    return own.union(*(taken_from_scene(child) for _, child in submodels(model)))
 
 
 @attrs.frozen(kw_only=True)

@@ -79,6 +79,8 @@ class Kind:
         Whether a class is taken as it is, since its fields wait for what a user asks.
     template : Template or None
         How a new package of it is written; None if there is no such package.
+    from_scene : bool
+        Whether a scene gives parameters of its classes that are not set (`rollslip.models.from_scene`).
     check : callable
         Says what else is wrong with a class of it; an empty string for nothing.
     """
@@ -89,6 +91,7 @@ class Kind:
     data: bool = False
     waits: bool = False
     template: Template | None = None
+    from_scene: bool = False
     check: Callable[[Any], str] = lambda _: ""
 
     def holds(self, thing: object) -> bool:
@@ -113,6 +116,8 @@ class Kind:
         declared = [name for cls in ours for name in inspect.get_annotations(cls)]
         if missing := [name for name in declared if not hasattr(thing, name)]:
             return f"class {thing.__name__} does not define {', '.join(missing)}"
+        if not self.from_scene and any("from_scene" in a.metadata for a in attrs.fields(thing)):
+            return f"class {thing.__name__}: models of kind {self.name!r} take nothing from a scene; give a default"
         return self.check(thing)
 
 

@@ -34,7 +34,7 @@ def _law(name: str, base: Any, hook: str, summary: str, key: str, *classes: str)
     """Return a kind of laws with a compiled form, which a scene names by a key."""
     contents, use = "the law in NumPy, what it reads and where it is defined", _SCENE.format(key)
     template = Template(summary=summary, contents=contents, use=use, classes=(base.__name__, *classes), compiled=True)
-    return Kind(name=name, hook=hook, base=base, template=template, check=_columns_fault)
+    return Kind(name=name, hook=hook, base=base, template=template, from_scene=base is not PressureViscosity, check=_columns_fault)
 
 
 def _data(name: str, base: Any, summary: str, contents: str, use: str, whose: str = "its data") -> Kind:
@@ -54,7 +54,7 @@ PRESSURE_VISCOSITY: Final = _law(
     "lubricant.pressure_viscosity_law",
 )  # fmt: skip
 DRAG: Final = Kind(
-    name="drag", hook="drag_models", base=Drag, check=_columns_fault,
+    name="drag", hook="drag_models", base=Drag, from_scene=True, check=_columns_fault,
     template=Template(
         summary="A drag model", contents="the law", use=_PYTHON.format("drag"), classes=("DragModel",), needs=_ATTRS,
         compiled=True,

@@ -77,6 +77,8 @@ SCENE: Final[Mapping[str, float | str]] = {
     "roller_length": 0.015,
     "orbit_radius": 0.09,
     "elastic_modulus": 208e9,
+    "radial_load": 3415.0,
+    "temperature": 343.15,
     "guiding_ring": "outer",
     "land_radius": 0.0945,
     "land_width": 0.0075,
