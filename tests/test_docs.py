@@ -8,6 +8,7 @@ import csv
 import doctest
 import importlib
 import importlib.util
+import itertools
 import re
 import shlex
 import shutil
@@ -29,6 +30,7 @@ from rollslip.catalogue.registry import available
 from rollslip.cli.main import main
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
+from rollslip.studies.estimates import Curved
 from rollslip.studies.study import Study, study_class
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
@@ -301,7 +303,8 @@ def test_where_to_add_what_has_every_kind():
 
 def test_every_member_of_a_study_is_on_the_page_of_studies():
     tables = " ".join(cells[0] for cells in rows("reference/studies.rst"))
-    members = {name for name in (*vars(Study), *Study.__annotations__) if not name.startswith("_")}
+    stated = itertools.chain.from_iterable((*vars(cls), *cls.__annotations__) for cls in (Study, Curved))
+    members = {name for name in stated if not name.startswith("_")}
     assert {name for name in members if f"``{name}``" not in tables} == set()
 
 

@@ -9,7 +9,7 @@
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -49,23 +49,39 @@ _OF_LAWS: Final = 4
 _MARGIN: Final = 1.2
 
 
-class Curved(Protocol):
-    """A study that gives curves over a slip, each with a maximum perhaps."""
+@attrs.frozen(kw_only=True)
+class Curved:
+    """What of a study says how finely it is to be run: curves over a slip, each with a maximum perhaps."""
+
+    #: What a scene and a command call it.
+    name: ClassVar[str]
 
     @property
     def slip_range(self) -> float:
-        """Slip up to which the curves go."""
+        """Slip up to which its curves go; for studies with `curves`."""
+        raise NotImplementedError(f"study {self.name!r} gives curves, but does not say up to which slip")
 
     @property
     def averaged(self) -> bool:
-        """Whether the curves are means over the instants of a pitch."""
+        """Whether its curves are means over the instants of a pitch."""
+        return False
 
     @property
     def nested(self) -> bool:
         """Whether fewer instants are among more, and cost nothing beside them."""
+        return True
+
+    @property
+    def followed(self) -> bool:
+        """Whether a curve is followed from slip to slip, so that it may depend on the slips on the way."""
+        return False
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
-        """Return the curves at some slips, on each of some numbers of instants, (k, curves, n)."""
+        """Return its curves at some slips, on each of some numbers of instants, (k, curves, n).
+
+        By curves the fewest slices and instants are found with the least work; a study may have none.
+        """
+        raise NotImplementedError(f"study {self.name!r} has no curves")
 
     def beyond(self, assembly: Assembly) -> None:
         """Evaluate a few contacts of what a run evaluates beside its curves."""

@@ -17,7 +17,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.raceway import Array, LoadedContacts
+from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template
@@ -58,11 +58,9 @@ CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "tractio
 
 
 @attrs.frozen(kw_only=True)
-class Study(abc.ABC):
+class Study(estimates.Curved, abc.ABC):
     """A question put to one bearing; its settings are the attrs fields of the class."""
 
-    #: What a scene and a command call it.
-    name: ClassVar[str]
     #: Name -> a variable of its result, or a single value among the attributes of it.
     outputs: ClassVar[Mapping[str, Output]]
     #: Key of [accuracy] (friction, critical_slip, cage_speed) -> variable of the result that is held against it.
@@ -197,36 +195,6 @@ class Study(abc.ABC):
     def chosen(self, assembly: Assembly) -> Mapping[str, Any]:
         """Return the settings that a resolution may change, as they are: integrator, friction ..."""
         return {}
-
-    @property
-    def slip_range(self) -> float:
-        """Slip up to which its curves go; for studies with `curves`."""
-        raise NotImplementedError(f"study {self.name!r} gives curves, but does not say up to which slip")
-
-    @property
-    def averaged(self) -> bool:
-        """Whether its curves are means over the instants of a pitch."""
-        return False
-
-    @property
-    def nested(self) -> bool:
-        """Whether fewer instants are among more, and cost nothing beside them."""
-        return True
-
-    @property
-    def followed(self) -> bool:
-        """Whether a curve is followed from slip to slip, so that it may depend on the slips on the way."""
-        return False
-
-    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
-        """Return its curves at some slips, on each of some numbers of instants, (k, curves, n).
-
-        By curves the fewest slices and instants are found with the least work; a study may have none.
-        """
-        raise NotImplementedError(f"study {self.name!r} has no curves")
-
-    def beyond(self, assembly: Assembly) -> None:  # noqa: B027 - most have nothing to do here
-        """Evaluate a few contacts of what a run evaluates beside its curves."""
 
     def curved(self, assembly: Assembly) -> "Study | None":
         """Return what gives the curves by which slices and instants are chosen and judged; None if nothing does."""
