@@ -205,14 +205,15 @@ def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", answer: Answ
         }
         for name, dataset in datasets.items()
     }
-    return {
+    found = {
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": plan.scene.source,
         "scene_hash": scene_hash(plan.scene),
         "models": _by_kind(plan.models),
-        "answer": with_units(answer.as_dict() | {"confidence": confidence(datasets.values())}),
+        "answer": answer.as_dict() | {"confidence": confidence(datasets.values())},
         "studies": {name: with_units(one, datasets[name]) for name, one in studies.items()},
     }
+    return with_units(found)
 
 
 def _by_kind(models: Iterable[tuple[str, Any]]) -> dict[str, Any]:
