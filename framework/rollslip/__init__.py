@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rollslip.catalogue.registry import get_model as get_model
     from rollslip.catalogue.session import model as model
     from rollslip.catalogue.session import register as register
+    from rollslip.cli.console import info as info
     from rollslip.errors import RollslipDeprecationWarning as RollslipDeprecationWarning
     from rollslip.planning.campaign import function_of
     from rollslip.planning.execution import load_distribution as load_distribution
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from rollslip.results.account import answer as answer
     from rollslip.results.dataset import open_result as open_result
     from rollslip.results.figures import plot as plot
+    from rollslip.results.figures import report as report
     from rollslip.scene.changes import evolve as evolve
     from rollslip.scene.reading import load_scene as load_scene
     from rollslip_campaigns.comparison import ComparisonSettings
@@ -52,6 +54,7 @@ _HOMES = {
     "evolve": "rollslip.scene.changes",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",
+    "info": "rollslip.cli.console",
     "load_distribution": "rollslip.planning.execution",
     "load_scene": "rollslip.scene.reading",
     "model": "rollslip.catalogue.session",
@@ -60,6 +63,7 @@ _HOMES = {
     "plan": "rollslip.planning.plan",
     "plot": "rollslip.results.figures",
     "register": "rollslip.catalogue.session",
+    "report": "rollslip.results.figures",
     "run": "rollslip.planning.execution",
 }
 #: Functions of campaigns that are promised; they are found as those of strangers are.

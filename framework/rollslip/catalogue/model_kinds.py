@@ -34,7 +34,14 @@ def _law(name: str, base: Any, hook: str, summary: str, key: str, *classes: str)
     """Return a kind of laws with a compiled form, which a scene names by a key."""
     contents, use = "the law in NumPy, what it reads and where it is defined", _SCENE.format(key)
     template = Template(summary=summary, contents=contents, use=use, classes=(base.__name__, *classes), compiled=True)
-    return Kind(name=name, hook=hook, base=base, template=template, from_scene=base is not PressureViscosity, check=_columns_fault)
+    return Kind(
+        name=name,
+        hook=hook,
+        base=base,
+        template=template,
+        from_scene=base is not PressureViscosity,
+        check=_columns_fault,
+    )
 
 
 def _data(name: str, base: Any, summary: str, contents: str, use: str, whose: str = "its data") -> Kind:

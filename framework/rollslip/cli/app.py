@@ -261,7 +261,7 @@ class Results:
             # whole: an interrupt from here on would be told as if nothing had been written
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 
-    def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[str]:
+    def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path, scene: str = "") -> list[str]:
         """Draw results into the folder where they are stored as NAME.nc, with a report and metadata if asked for.
 
         Return the names of what was written.
@@ -285,7 +285,7 @@ class Results:
         if self._report:
             from rollslip.results.report import write_report
 
-            write_report(datasets, figures, folder / "report.html")
+            write_report(datasets, figures, folder / "report.html", scene)
             if "svg" not in self._formats:  # they were for the report alone
                 for file in (file for files in figures.values() for file in files):
                     file.unlink()

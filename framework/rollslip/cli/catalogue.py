@@ -58,18 +58,14 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
     """Show what follows from a SCENE without running it, what a RESULT holds, or this installation."""
     from rollslip.cli import console
 
-    if target is None:
-        rows = console.installation()
-    elif target.endswith(".nc"):
-        if changes:
-            raise click.UsageError("--set changes a scene; a result cannot be changed")
-        rows = console.result_info(Path(target))
-    else:
-        rows = console.scene_info(scene_of(target, changes))
+    stored = target is None or target.endswith(".nc")
+    if target is not None and stored and changes:
+        raise click.UsageError("--set changes a scene; a result cannot be changed")
+    rows = console.info(target if target is None or stored else scene_of(target, changes))
     if as_json:
         print_json({section: dict(values) for section, values in rows.items()})
     else:
-        console.print_sections(rows)
+        click.echo(rows)
 
 
 @click.command()
@@ -183,21 +179,23 @@ def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
             click.echo("what stands for *: rollslip schema cage, lubricant, study, models.film; one key: schema KEY")
     else:
         (row,) = rows
-        console.print_sections(
-            {
-                row.key: [
-                    (name, text)
-                    for name, text in (
-                        ("meaning", row.doc),
-                        ("type", row.type),
-                        ("unit", row.unit),
-                        ("default", row.default),
-                        ("usual", row.usual),
-                        ("possible", row.possible),
-                    )
-                    if text
-                ]
-            }
+        click.echo(
+            console.Sections(
+                {
+                    row.key: [
+                        (name, text)
+                        for name, text in (
+                            ("meaning", row.doc),
+                            ("type", row.type),
+                            ("unit", row.unit),
+                            ("default", row.default),
+                            ("usual", row.usual),
+                            ("possible", row.possible),
+                        )
+                        if text
+                    ]
+                }
+            )
         )
         table, _, name = row.key.rpartition(".")
         value = example(row)

@@ -7,6 +7,7 @@ import platform
 import shutil
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ from rollslip.cli.app import terminal
 from rollslip.results.account import account_of, of_laws, with_units
 from rollslip.results.answer import COLOURS, Answer
 from rollslip.results.words import confidence, first_line
+from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene, scene_hash
 from rollslip.units import format_quantity
 
@@ -29,7 +31,23 @@ if TYPE_CHECKING:
     from rollslip.planning.plan import Plan
     from rollslip.studies.answers import Part
 
-Sections = dict[str, list[tuple[str, str]]]
+Groups = dict[str, list[tuple[str, str]]]
+
+
+class Sections(Groups):
+    """Named groups of name and value."""
+
+    def __str__(self) -> str:
+        lines = list[str]()
+        for title, rows in self.items():
+            width = max((len(name) for name, _ in rows), default=0)
+            lines += [title, *(f"  {name:<{width}}  {value}" for name, value in rows)]
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
 
 
 # Before a run ---------------------------------------------------------------------------------------------------------
@@ -85,21 +103,8 @@ def print_short_plan(plan: "Plan") -> None:
 
 def print_plan(plan: "Plan") -> None:
     """Print the plan as a table, with its size and cost."""
-    print_table(
-        ("part", "", "choice", "resolution", "error", "cost", "reason"),
-        [
-            (
-                p.part + (f" of {p.study}" if p.study and len(plan.studies) > 1 else ""),
-                "in" if p.included else "out",
-                p.choice,
-                p.resolution,
-                error_text(p.errors),
-                "" if p.seconds is None else format_quantity(p.seconds, "s", 2),
-                p.reason,
-            )
-            for p in plan.parts
-        ],
-    )
+    lines = plan.lines()
+    print_table(["" if name == "modelled" else name for name in lines[0]], [[*line.values()] for line in lines])
     _print_size(plan)
 
 
@@ -241,7 +246,36 @@ def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
 # Info -----------------------------------------------------------------------------------------------------------------
 
 
-def installation() -> Sections:
+def info(target: "Scene | xr.Dataset | str | Path | None" = None) -> Sections:
+    """Return what follows from a scene without running it, what a result holds, or what is installed.
+
+    Parameters
+    ----------
+    target : Scene, xarray.Dataset, str or Path, optional
+        A scene, the name of a shipped one or its file; a result or its file, which ends in ``.nc``; nothing for the
+        installation.
+
+    Returns
+    -------
+    Sections
+        Groups of name and value, both texts; it prints as ``rollslip info`` does.
+
+    Examples
+    --------
+    >>> import rollslip
+    >>> dict(rollslip.info("gearbox")["bearing"])["roller mass"]
+    '45.4 g'
+    """
+    if target is None:
+        return Sections(installation())
+    if isinstance(target, Scene):
+        return Sections(scene_info(target))
+    if isinstance(target, str | Path):
+        return Sections(result_info(Path(target)) if str(target).endswith(".nc") else scene_info(load_scene(target)))
+    return Sections(_held(target))
+
+
+def installation() -> Groups:
     """Return versions, and which instruction set of the machine the kernels use."""
     from rollslip.cli import doctor
 
@@ -256,7 +290,7 @@ def installation() -> Sections:
     }
 
 
-def result_info(path: Path) -> Sections:
+def result_info(path: Path) -> Groups:
     """Return what a stored result holds and where it comes from."""
     from rollslip.results.dataset import open_result, telling
 
@@ -265,7 +299,7 @@ def result_info(path: Path) -> Sections:
         return _held(dataset)
 
 
-def _held(dataset: "xr.Dataset") -> Sections:
+def _held(dataset: "xr.Dataset") -> Groups:
     a = dataset.attrs
     less = [one["text"] for one in json.loads(a.get("validity", "{}")).get("told", ()) if not one["warned"]]
     return {
@@ -286,7 +320,7 @@ def _held(dataset: "xr.Dataset") -> Sections:
     }
 
 
-def scene_info(scene: Scene) -> Sections:
+def scene_info(scene: Scene) -> Groups:
     """What follows from a scene: kinematics, oil at temperature, load distribution, the heaviest contact's film."""
     import numpy as np
 
@@ -297,7 +331,7 @@ def scene_info(scene: Scene) -> Sections:
     assembly = assemble(scene)
     k, loads = assembly.kinematics, assembly.load_distribution()
     speeds = k.surface_speeds(0.0, 0.0)
-    sections: Sections = {
+    sections: Groups = {
         "bearing": [
             ("radial clearance", format_quantity(scene.bearing.radial_clearance, "m")),
             *([] if (mounted := scene.bearing.mounted) is None else [("clearance is", clearance_told(mounted))]),
@@ -379,12 +413,3 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         table.add_row(*(cell.replace("[", "\\[") for cell in row))
     width = max(shutil.get_terminal_size((120, 24)).columns, needed)
     terminal(width=width).print(table)
-
-
-def print_sections(sections: Sections) -> None:
-    """Print named groups of name and value."""
-    for title, rows in sections.items():
-        click.echo(title)
-        width = max((len(name) for name, _ in rows), default=0)
-        for name, value in rows:
-            click.echo(f"  {name:<{width}}  {value}")

@@ -156,7 +156,7 @@ def run(
             datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
         for name, dataset in datasets.items():
             save(dataset, folder / f"{name}.nc")
-        results.show(datasets, folder)
+        results.show(datasets, folder, shlex.join(changed))
     outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
     if "interrupted" not in outcomes:
         forget(kept)
@@ -227,28 +227,6 @@ def plan(
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a report.")
 def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
     """Write one HTML report from stored RESULTS (.nc files)."""
-    import tempfile
+    from rollslip.results.figures import report
 
-    from rollslip.errors import OutputError
-    from rollslip.results.dataset import open_result, telling
-    from rollslip.results.figures import save_plots
-    from rollslip.results.report import is_report, write_report
-
-    if out.exists() and not overwrite:
-        raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
-    if out.exists() and not is_report(out):
-        raise OutputError(f"{out}: is no report of rollslip, so it is not replaced; name another --out")
-    datasets = {}
-    for path in results:
-        dataset = open_result(path)
-        datasets[dataset.attrs["study"] if dataset.attrs["study"] not in datasets else str(path)] = dataset
-    with tempfile.TemporaryDirectory() as folder:
-        figures = {}
-        for k, (name, dataset) in enumerate(datasets.items()):
-            place = Path(folder) / str(k)
-            place.mkdir()
-            with telling(results[k]):
-                figures[name] = save_plots(dataset, place)
-        with telling(*results):
-            write_report(datasets, figures, out)
-    click.echo(f"written to {out}")
+    click.echo(f"written to {report(*results, out=out, overwrite=overwrite)}")

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, ParamSpec
 import attrs
 
 from rollslip.catalogue.kinds import Kind, Template, entry_points
-from rollslip.errors import PluginError, SceneError, in_words
+from rollslip.errors import PluginError, SceneError, in_words, nearest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -234,6 +234,10 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
     from rollslip.scene.values import Scene
 
     def function(*args: P.args, **settings: P.kwargs) -> Any:
+        for name in settings.keys() - {one.name for one in taken}:
+            near = [f"did you mean {one}?" for one in nearest(name, asked.parameters, 1, cutoff=0.5)]
+            told = " ".join([*near, f"there are {', '.join(one.name for one in taken)}"])
+            raise SceneError([f"{function.__name__}: there is no argument {name}; {told}"])
         return cls(*args, **settings).answer()
 
     assert isinstance(cls, type)

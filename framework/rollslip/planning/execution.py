@@ -20,6 +20,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import run_origin
 from rollslip.planning.verification import accuracy_rows, again, judge, told
+from rollslip.results.account import answer
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
@@ -30,23 +31,27 @@ from rollslip.studies.law_outputs import law_outputs
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip.results.figures import Result
+
 _log = logging.getLogger(__name__)
 
 
-def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
-    """Run one study of a scene.
+def run(scene: Scene | str, study: str | None = None) -> "Result":
+    """Run the studies of a scene.
 
     Parameters
     ----------
     scene : Scene, str or path
         A scene, the name of a shipped one, or a file.
     study : str, optional
-        Name of a study, as ``rollslip models study`` lists them; by default the first one of the scene.
+        Only this one, as ``rollslip models study`` lists them.
 
     Returns
     -------
-    xarray.Dataset
-        The result, see the study; its attributes hold scene, versions, warnings and citations.
+    Result
+        The `xarray.Dataset` of the first study, see there; its attributes hold scene, versions, warnings and citations.
+        It shows the ``answer`` of all studies, and has their ``notes``, ``warnings`` and ``figures``; ``studies``, an
+        `xarray.DataTree`, holds each of them.
 
     Raises
     ------
@@ -61,10 +66,16 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
     >>> round(float(result.critical_cage_slip.sel(ring="inner")), 2)
     0.5
     """
-    made = plan(scene, study)
-    name = next(iter(made.studies))
-    with progress_in_notebook(name, made.seconds_of(name)) as show:
-        return made.studies[name].with_bands(made.scene, execute(made, name, progress=show))
+    from rollslip.results.figures import Result
+
+    made, found = plan(scene, study), dict[str, "xr.Dataset"]()
+    for name in made.studies:
+        with progress_in_notebook(name, made.seconds_of(name)) as show:
+            found[name] = execute(made, name, progress=show)
+    first = next(iter(found))
+    for name in {first, *(row.by for row in answer(*found.values()).rows if row.key == "cage_slip" and row.by)}:
+        found[name] = made.studies[name].with_bands(made.scene, found[name])
+    return Result.of(found)
 
 
 def execute(

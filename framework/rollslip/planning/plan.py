@@ -14,13 +14,14 @@ import math
 import os
 import time
 from collections.abc import Collection, Mapping
+from html import escape
 from typing import Any, Final
 
 import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import in_words, read_cage
-from rollslip.bearing.resolution import LeftOut, Resolution
+from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError
@@ -120,6 +121,28 @@ class Plan:
         ]
         others = [part for part in self.parts if part.study != study]
         return attrs.evolve(made, parts=(*others, *lines))
+
+    def lines(self) -> list[dict[str, str]]:
+        """Return what people read of each part, by heading."""
+        several = len(self.studies) > 1
+        return [
+            {
+                "part": part.part + (f" of {part.study}" if part.study and several else ""),
+                "modelled": "in" if part.included else "out",
+                "choice": part.choice,
+                "resolution": part.resolution,
+                "error": error_text(part.errors),
+                "cost": "" if part.seconds is None else format_quantity(part.seconds, "s", 2),
+                "reason": part.reason,
+            }
+            for part in self.parts
+        ]
+
+    def _repr_html_(self) -> str:
+        from rollslip.results.report import html_table
+
+        lines = self.lines()
+        return f"<p>{escape(repr(self))}</p>{html_table([*lines[0]], [[*line.values()] for line in lines])}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the plan as plain values, for JSON; an error that cannot be told is null."""

@@ -103,6 +103,7 @@ def scene_told(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
         "scene": given.text,
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
+        **({"changed": 1} if CHANGES in given.origins.values() else {}),
         **({} if mounted is None else {"clearance": {"text": str(mounted), "terms": mounted.terms}}),
     }
 

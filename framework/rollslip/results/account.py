@@ -26,6 +26,7 @@ from rollslip.results.curves import Curves, critical_rows, curves
 from rollslip.results.dataset import LAW
 from rollslip.results.notes import notes_of
 from rollslip.results.words import LOWER_BOUNDS, percent
+from rollslip.scene.reading import shipped_scenes
 from rollslip.units import UnitError, format_quantity
 
 if TYPE_CHECKING:
@@ -234,7 +235,8 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     results : xarray.Dataset
         Results of studies, as `rollslip.run` or `rollslip.open_result` give them.
     scene : str
-        What the commands of the answer are to take, with options; by default the source of the results.
+        What the commands of the answer are to take, with options; by default the file or the shipped scene that the
+        results are of. Where there is none, or it was changed, commands are those of Python.
     ignored : collection of str
         Codes of notes that are left out.
 
@@ -253,7 +255,7 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
         raise SceneError([f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"])
     found = merged(
         ((str(one.attrs.get("study", "")), account_of(one).answer(one)) for one in results),
-        scene or next((str(one.attrs["source"]) for one in results if one.attrs.get("source")), ""),
+        scene or next(filter(None, map(file_of, results)), ""),
     )
     oils = [json.loads(one.attrs["lubricant"]) for one in results if one.attrs.get("lubricant")]
     first = [one.attrs.get("note", "") for one in results]
@@ -265,6 +267,12 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
         notes=tuple(note for note in notes_of(results) if note.code not in ignored),
         assumed=tuple(dict.fromkeys(filter(None, told))),
     )
+
+
+def file_of(dataset: "xr.Dataset") -> str:
+    """Return the file or the shipped scene that a result is of; nothing where there is none, or it was changed."""
+    source = str(dataset.attrs.get("source", ""))
+    return source if "changed" not in dataset.attrs and (source.endswith(".toml") or source in shipped_scenes()) else ""
 
 
 def account_of(dataset: "xr.Dataset") -> Account:

@@ -10,6 +10,7 @@
 import json
 import math
 import re
+import shlex
 import shutil
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -266,7 +267,10 @@ class Answer:
 
 
 def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
-    """Return one answer of those of several studies, each with its name; ``scene`` is what commands are to take."""
+    """Return one answer of those of several studies, each with its name; ``scene`` is what commands are to take.
+
+    Without one commands are those of Python, for a scene that stands in no file.
+    """
     given = sorted(answers, key=lambda each: -max((row.known for row in each[1].rows), default=-1))
     best, faults = dict[str, Row](), list[str]()
     for study, one in given:
@@ -289,8 +293,9 @@ def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
     if "cage_slip" not in best and commands is None:
         return answer
     answer = judged(answer)
-    texts = [text.replace("{scene}", scene) for text in (commands or {}).get(answer.verdict, ())]
-    return attrs.evolve(answer, next=tuple(texts) if scene else ())
+    texts = (commands or {}).get(answer.verdict, ())
+    told = [text.replace("{scene}", scene) if scene else in_python(text) for text in texts]
+    return attrs.evolve(answer, next=tuple(told))
 
 
 def judged(answer: Answer) -> Answer:
@@ -344,6 +349,30 @@ def _differ(one: Row, other: Row) -> bool:
         return False
     least = 1e-3 if one.key == "cage_slip" else 0.0
     return abs(one.value - other.value) > max(abs(one.value), abs(other.value)) * (one.within + other.within) + least
+
+
+def in_python(command: str) -> str:
+    """Return a command about ``{scene}`` as Python has it, where the scene is a value.
+
+    Examples
+    --------
+    >>> in_python("rollslip run {scene} --set operation.radial_load='1.2 kN'")
+    'rollslip.run(rollslip.evolve(scene, {"operation.radial_load": "1.2 kN"}))'
+    >>> in_python("rollslip run {scene} --study steady-slip --report")
+    'rollslip.report(rollslip.run(scene, study="steady-slip"))'
+    """
+    _, name, _, *words = shlex.split(command)
+    changes, given, flags = dict[str, str](), "", list[str]()
+    while words:
+        option, *words = words
+        if not words or words[0].startswith("--"):
+            flags.append(option)
+        elif option == "--set":
+            key, _, changes[key] = words.pop(0).partition("=")
+        else:
+            given += f", {option.removeprefix('--').replace('-', '_')}={json.dumps(words.pop(0))}"
+    call = f"rollslip.{name}({f'rollslip.evolve(scene, {json.dumps(changes)})' if changes else 'scene'}{given})"
+    return f"rollslip.report({call})" if "--report" in flags else call
 
 
 # What a result says of itself -----------------------------------------------------------------------------------------

@@ -1,21 +1,89 @@
-"""Figures of a result for publication, as the account of its study draws them."""
+"""What shows results: themselves with their answer, figures for publication, and a report.
+
+Figures are drawn as the account of a study draws them.
+"""
 
 import base64
-from collections.abc import Iterator, Sequence
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rollslip.results.account import account_of, capital
+import xarray as xr
+
+from rollslip.errors import OutputError
+from rollslip.results.account import account_of, answer, capital
+from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
-from rollslip.results.dataset import LAW
+from rollslip.results.dataset import LAW, open_result, telling
 from rollslip.results.style import as_svg, save_figures, styled
+from rollslip.results.words import warned
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["Figures", "plot", "save_plots"]
+__all__ = ["Figures", "Result", "plot", "report", "save_plots"]
+
+
+class Result(xr.Dataset):  # type: ignore[no-untyped-call]
+    """What a run gave: the dataset of its first study, which shows the answer of all, and holds every one of them.
+
+    What is computed from it, by ``sel`` for example, shows itself as any dataset of xarray. ``attrs`` has all that is
+    stored, as JSON where it is a structure.
+    """
+
+    __slots__ = ("_held",)
+
+    @classmethod
+    def of(cls, results: Mapping[str, xr.Dataset]) -> "Result":
+        """Return the result of a run, given those of its studies."""
+        first = next(iter(results.values()))
+        made = cls(first.data_vars, first.coords, first.attrs)
+        made._held = dict(results)
+        return made
+
+    def _of_studies(self) -> dict[str, xr.Dataset]:
+        """Result of each study; what was computed from them is one of its own."""
+        return getattr(self, "_held", None) or {str(self.attrs.get("study", "result")): self}
+
+    @property
+    def studies(self) -> xr.DataTree:
+        """Every study that ran, by name."""
+        return xr.DataTree.from_dict(self._of_studies())
+
+    @property
+    def answer(self) -> Answer:
+        """What has to be known first, of all studies."""
+        return answer(*self._of_studies().values())
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Laws that were left, each once, the worst first."""
+        return self.answer.notes
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader has to know, in sentences, each once; of laws the worst, of which `notes` has all."""
+        return tuple(warned(self._of_studies().values())[0])
+
+    @property
+    def figures(self) -> "Figures":
+        """Figures of all studies, by name."""
+        drawn = Figures()
+        for one in map(plot, self._of_studies().values()):
+            drawn.update(one)
+            drawn.captions |= one.captions
+        return drawn
+
+    def __repr__(self) -> str:
+        return f"{self.answer}\n\n{super().__repr__()}" if hasattr(self, "_held") else super().__repr__()
+
+    def _repr_html_(self) -> str:
+        if not hasattr(self, "_held"):
+            return str(super()._repr_html_())
+        tree = self.studies._repr_html_()  # type: ignore[no-untyped-call]
+        return f"{self.answer.html()}<details><summary>data of {', '.join(self._held)}</summary>{tree}</details>"
 
 
 class Figures(dict[str, "Figure"]):
@@ -75,6 +143,53 @@ def plot(result: "xr.Dataset") -> Figures:
         for name, caption, figure in _drawn(result):
             figures[name], figures.captions[name] = figure, caption
     return figures
+
+
+def report(*results: "xr.Dataset | str | Path", out: str | Path = "report.html", overwrite: bool = False) -> Path:
+    """Write one HTML report of results, as ``rollslip report`` does.
+
+    Parameters
+    ----------
+    *results : xarray.Dataset, str or Path
+        Results, or files that hold one each; of a run each of its studies is told.
+    out : str or Path
+        The file.
+    overwrite : bool
+        Whether it may replace a report.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    OutputError
+        If it exists, cannot be written, or a file is no result.
+    """
+    from rollslip.results.report import is_report, write_report
+
+    out = Path(out)
+    if out.exists() and not overwrite:
+        raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
+    if out.exists() and not is_report(out):
+        raise OutputError(f"{out}: is no report of rollslip, so it is not replaced; name another --out")
+    datasets, places = dict[str, xr.Dataset](), dict[str, str]()
+    for number, given in enumerate(results, 1):
+        one = given if isinstance(given, xr.Dataset) else open_result(given)
+        stored, place = one is not given, str(given) if one is not given else f"result {number}"
+        for study, dataset in (one._of_studies() if isinstance(one, Result) else {one.attrs["study"]: one}).items():
+            name = study if study not in datasets else place if stored else f"{study} of {place}"
+            datasets[name], places[name] = dataset, place
+    figures = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for k, (name, dataset) in enumerate(datasets.items()):
+            (own := Path(folder) / str(k)).mkdir()
+            with telling(places[name]):
+                figures[name] = save_plots(dataset, own)
+        with telling(*dict.fromkeys(places.values())):
+            write_report(datasets, figures, out)
+    return out
 
 
 def save_plots(result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("svg",)) -> list[Path]:

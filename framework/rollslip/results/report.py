@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
     Datasets = Mapping[str, xr.Dataset]
 
-__all__ = ["write_report"]
+__all__ = ["html_table", "is_report", "write_report"]
 
 #: Attributes of any study: what they are called in the table of numbers, and their units.
 _NUMBERS: Final = {
@@ -75,10 +75,12 @@ _GIVEN: Final = {
 }  # fmt: skip
 
 
-def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Write one self-contained HTML file about the results of a run."""
+def write_report(
+    datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path, scene: str = ""
+) -> None:
+    """Write one self-contained HTML file about the results of a run; `scene` is what its commands are to take."""
     cases = {case for one in datasets.values() if (case := case_of(one))}
-    first = answer(*datasets.values()) if len(cases) < 2 else Answer()
+    first = answer(*datasets.values(), scene=scene) if len(cases) < 2 else Answer()
     leading = next((row.by for row in first.rows if row.key == "cage_slip"), "")
     lead, drawings, colours = _figures(figures, leading)
     shown = [
@@ -169,7 +171,7 @@ def _findings(datasets: "Datasets") -> str:
 
 def _told(part: str | list[str] | Table) -> str:
     if isinstance(part, Table):
-        return _table(part.head, part.rows, capital(part.caption))
+        return html_table(part.head, part.rows, capital(part.caption))
     return _tag("p", capital(part)) if isinstance(part, str) else _list(f"{capital(text)}." for text in part)
 
 
@@ -226,9 +228,11 @@ def _plan(datasets: "Datasets") -> str:
                 for p in parts
                 if p["included"] is included
             ]
-            body += _table(("part", "choice", "resolution", "estimated error", "estimated cost", "why"), rows, caption)
+            body += html_table(
+                ("part", "choice", "resolution", "estimated error", "estimated cost", "why"), rows, caption
+            )
     for heading, rows in _per_study(datasets, "accuracy", structured=True):
-        body += heading + _table(
+        body += heading + html_table(
             ("result", "tolerance", "estimated error", "error", "found"),
             [
                 [
@@ -255,7 +259,7 @@ def _cost(part: Mapping[str, Any]) -> str:
 def _models(datasets: "Datasets") -> str:
     return "".join(
         heading
-        + _table(
+        + html_table(
             ("kind", "model", "equation", "with parameters", "after"),
             [
                 [
@@ -279,7 +283,7 @@ def _input(datasets: "Datasets") -> str:
         for key, value in _flat({k: v for k, v in scene.items() if k not in ("title", "description")}):
             unit, meaning = known.get(key, ("", ""))
             rows.append([key, _value(value, unit), meaning])
-        body += heading + _table(("key", "value", "meaning"), rows)
+        body += heading + html_table(("key", "value", "meaning"), rows)
     return body
 
 
@@ -320,7 +324,7 @@ def _oil(datasets: "Datasets") -> str:
             [meaning, *(_value(conditions.get(key), unit) for conditions in rings.values())]
             for key, (unit, meaning) in CONDITIONS.items()
         ]
-        body += heading + _table(("quantity", *(f"{ring} ring" for ring in rings)), rows)
+        body += heading + html_table(("quantity", *(f"{ring} ring" for ring in rings)), rows)
     return body
 
 
@@ -350,7 +354,7 @@ def _regimes(datasets: "Datasets") -> str:
         f"Below M = {LIGHT:g} (Moes load parameter) the pressure in the film is far from Hertz's, on which traction is "
         "based: friction there is uncertain, less so with models.pressure = 'light-contact'."
     )
-    return _table(head, rows) + _tag("p", note)
+    return html_table(head, rows) + _tag("p", note)
 
 
 def _numbers(datasets: "Datasets") -> str:
@@ -368,7 +372,7 @@ def _numbers(datasets: "Datasets") -> str:
         for key, (label, unit) in (*own, *_NUMBERS.items())
         if any(key in dataset.attrs for dataset in datasets.values())
     ]
-    return _table(("", *datasets), rows)
+    return html_table(("", *datasets), rows)
 
 
 def _provenance(datasets: "Datasets") -> str:
@@ -377,9 +381,9 @@ def _provenance(datasets: "Datasets") -> str:
         for key, label in (("source", "scene"), ("scene_hash", "SHA-256 of the scene"), ("created", "created"))
         if (found := _distinct(datasets, key))
     ]
-    body = _table(("", "value"), rows)
+    body = html_table(("", "value"), rows)
     for heading, packages in _per_study(datasets, "packages", structured=True):
-        body += heading + _table(("package", "version"), [list(item) for item in packages.items()])
+        body += heading + html_table(("package", "version"), [list(item) for item in packages.items()])
     return body
 
 
@@ -453,7 +457,7 @@ def _list(texts: "Iterator[str] | Sequence[str] | Mapping[str, None]") -> str:
     return f"<ul>{items}</ul>" if items else ""
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> str:
+def html_table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> str:
     """Return a table whose first column names its rows; a cell that is a list has one line for each item."""
     if not rows:
         return ""

@@ -18,15 +18,12 @@ from rollslip.units import as_written, quantity, typed, unit_given
 __all__ = ["CHANGES", "NOTED", "SHORT", "Known", "Quantity", "evolve", "full_key", "parse_set", "unknown"]
 
 #: A person's word for a key -> the key.
-SHORT: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "speed": "operation.inner_speed",
-        "load": "operation.radial_load",
-        "temperature": "operation.temperature",
-        "clearance": "bearing.radial_clearance",
-        "oil": "lubricant.name",
-    }
-)
+SHORT: Final[Mapping[str, str]] = MappingProxyType({
+    "speed": "operation.inner_speed", "load": "operation.radial_load", "temperature": "operation.temperature",
+    "clearance": "bearing.radial_clearance", "oil": "lubricant.name",
+})  # fmt: skip
+#: What a name may be meant for, where a person's word or a table is given one.
+_NAMED: Final = {"bearing": "bearing.name", "cage": "cage.make", "clearance": "bearing.clearance_class"}
 CHANGES: Final = "changes"
 #: Tables of what a scene's note speaks of.
 NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
@@ -127,6 +124,8 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     for key, value in changes.items():
         try:
             asked = split_key(full_key(key).strip())
+            if key.strip() in _NAMED and str(value)[:1].isalpha() and isinstance(value, str):
+                raise ValueError(f"takes no name; write {_NAMED[key.strip()]}={value}")
             if asked[0] not in changed and asked[0] in raw:
                 raw[asked[0]] = thawed(raw[asked[0]])
             changed.add(asked[0])
