@@ -7,7 +7,7 @@
   that. The figures stand in it as SVG, their ids made unique, because ids are shared by the whole page.
 - It is written from the datasets alone, so that a stored result gives the same report years later. What a dataset
   does not say is left out; what all of them say alike is said once.
-- Every text from a scene or a plugin is escaped where it is put into the page: in `_tag`, in the cells of `_table` and
+- Every text from a scene or a plugin is escaped where it is put into the page: in `_tag`, in the cells of `html_table` and
   around the figures, nowhere else.
 - It is well-formed XML too, which tests can hold more strictly than HTML.
 """
@@ -141,7 +141,7 @@ def _answered(first: Answer, lead: str, datasets: "Datasets") -> str:
     scene = next((one.attrs["scene_resolved"] for one in datasets.values() if "scene_resolved" in one.attrs), "{}")
     given, units = dict(_flat(json.loads(scene))), _known_keys(())
     rows = [[name, _value(given[key], units.get(key, ("",))[0])] for key, name in _GIVEN.items() if key in given]
-    return f'{first.html()}<div class="given">{lead}{_table(("input", "value"), rows)}</div>'
+    return f'{first.html()}<div class="given">{lead}{html_table(("input", "value"), rows)}</div>'
 
 
 # Sections: each gives its HTML, or nothing if the datasets say nothing about it -------------------------------------
