@@ -14,9 +14,10 @@ import xarray as xr
 
 from rollslip.errors import OutputError
 from rollslip.results.account import account_of, answer, capital
-from rollslip.results.answer import Answer, Note
+from rollslip.results.answer import Answer
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import LAW, open_result, telling
+from rollslip.results.notes import Note
 from rollslip.results.style import as_svg, save_figures, styled
 from rollslip.results.words import warned
 
