@@ -7,8 +7,8 @@
   that. The figures stand in it as SVG, their ids made unique, because ids are shared by the whole page.
 - It is written from the datasets alone, so that a stored result gives the same report years later. What a dataset
   does not say is left out; what all of them say alike is said once.
-- Every text from a scene or a plugin is escaped where it is put into the page: in `_tag`, in cells of `html_table` and around
-  the figures, nowhere else.
+- Every text from a scene or a plugin is escaped where it is put into the page: in `_tag`, in cells of `html_table`
+  and around the figures, nowhere else.
 - It is well-formed XML too, which tests can hold more strictly than HTML.
 """
 
