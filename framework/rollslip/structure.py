@@ -252,6 +252,7 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
             faults.append(where.says(f"{error}{one * isinstance(raw, list | tuple)}"))
             return MISSING
     elif kind is int:
+        raw = int(raw) if isinstance(raw, float) and raw.is_integer() else raw
         if isinstance(raw, Integral) and not isinstance(raw, bool) and _storable(raw):
             return int(raw)
         expected = "a whole number"

@@ -7,6 +7,7 @@ import contextlib
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
+from decimal import Decimal
 from functools import lru_cache
 from typing import Any, Final, TypeAlias
 
@@ -59,12 +60,22 @@ def _freeze(value: object) -> object:
 
 
 def thawed(value: object) -> Any:
-    """Return a copy of tables and lists that can be changed."""
+    """Return a copy of tables and lists that can be changed; arrays and ranges of numbers become such lists.
+
+    An array of xarray that says its unit becomes texts with it.
+    """
     if isinstance(value, str | float | int):
         return value
     if isinstance(value, Mapping):
         return {str(key): thawed(inner) for key, inner in value.items()}
-    return [thawed(inner) for inner in value] if isinstance(value, list | tuple) else value
+    if isinstance(value, Decimal):
+        return float(value)
+    if (array := getattr(value, "to_numpy", lambda: value)()) is not None and hasattr(array, "tolist"):
+        plain, unit = array.tolist(), getattr(value, "attrs", {}).get("units")
+        if not unit:
+            return plain
+        return [f"{one!r} {unit}" for one in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
+    return [thawed(inner) for inner in value] if isinstance(value, list | tuple | range) else value
 
 
 def loads(text: str) -> dict[str, Any]:

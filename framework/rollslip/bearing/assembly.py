@@ -72,6 +72,11 @@ class Assembly:
     #: of: slices and laws of the contacts change nothing of a cage, and the oil nothing of one that is only read.
     known_cage: dict[str, tuple[tuple[object, ...], Any]] = attrs.field(factory=dict, repr=False)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Leave behind what is found again."""
+        made = {a.name: getattr(self, a.name) for a in attrs.fields(Assembly) if not a.name.startswith("known")}
+        return partial(Assembly, **made), ()
+
     @property
     def models(self) -> dict[str, SliceModel]:
         """The models by kind; the oil's law of viscosity with pressure runs before the last."""

@@ -13,7 +13,7 @@ import os
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -181,7 +181,7 @@ class Chain:
         compiled: bool = True,
         bounds: Sequence[Callable[[Slices], None]] = (),
     ) -> None:
-        self.models, self.bounds = models, tuple(bounds)
+        self.models, self.bounds, self._compiled = models, tuple(bounds), compiled
         capsules = [_kernel(model) if compiled else None for model in models]
         if block is None and None in capsules:
             block = 0
@@ -196,6 +196,11 @@ class Chain:
             for m, capsule in zip(models, capsules, strict=True)
         ]
         self._chain = kernels.Chain(stages) if block is None else kernels.Chain(stages, block)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Make it anew of its models elsewhere."""
+        block, threads = self.block, self._threads
+        return partial(Chain, block=block, threads=threads, compiled=self._compiled, bounds=self.bounds), self.models
 
     @property
     def block(self) -> int:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from rollslip.errors import OutputError
+from rollslip.errors import OutputError, RollslipError
 from rollslip.results.account import account_of, answer, capital
 from rollslip.results.answer import Answer
 from rollslip.results.curves import Curves
@@ -20,6 +20,7 @@ from rollslip.results.dataset import LAW, open_result, telling
 from rollslip.results.notes import Note
 from rollslip.results.style import as_svg, save_figures, styled
 from rollslip.results.words import warned
+from rollslip.units import as_written
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -139,6 +140,9 @@ def plot(result: "xr.Dataset") -> Figures:
     >>> figures["friction-curve"].axes[0].get_xlabel()
     'Slide–roll ratio $V/u$ [%]'
     """
+    if not isinstance(result, xr.Dataset):
+        given = as_written(result)
+        raise RollslipError(f"plot: a result is expected, as rollslip.run gives, not {given}; plot(run({given}))")
     figures = Figures()
     with styled():
         for name, caption, figure in _drawn(result):

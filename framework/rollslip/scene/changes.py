@@ -1,6 +1,7 @@
 """Changes of scenes: what can vary, and values by dotted key, from Python or ``key=value`` of the command line."""
 
 from collections.abc import Mapping
+from os import PathLike
 from types import MappingProxyType
 from typing import Any, Final, get_args, get_origin
 
@@ -9,7 +10,9 @@ import attrs
 from rollslip.errors import SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.files import readable
-from rollslip.scene.reading import checked_scene
+from rollslip.lubricant.pressure import FORMER_TABLE
+from rollslip.lubricant.table import OilTable
+from rollslip.scene.reading import checked_scene, load_scene
 from rollslip.scene.values import ModelChoice, Scene, resolved
 from rollslip.structure import bare_key, fields_of, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, loads, split_key
@@ -25,6 +28,8 @@ SHORT: Final[Mapping[str, str]] = MappingProxyType({
 #: What a name may be meant for, where a person's word or a table is given one.
 _NAMED: Final = {"bearing": "bearing.name", "cage": "cage.make", "clearance": "bearing.clearance_class"}
 CHANGES: Final = "changes"
+#: What the table of an oil may have, which is read where its laws are known.
+_OF_OIL: Final = frozenset({*attrs.fields_dict(OilTable), FORMER_TABLE})
 #: Tables of what a scene's note speaks of.
 NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
 
@@ -95,13 +100,13 @@ def unknown(key: str, known: dict[str, Quantity]) -> str:
     return f"there is no single value of this key to vary; {hint}"
 
 
-def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
+def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) -> Scene:
     """Return a scene with some values changed; the tables that they stand in are checked anew, as is the whole.
 
     Parameters
     ----------
     scene
-        The scene to start from; it stays as it is.
+        The scene to start from, which stays as it is; the name of a shipped one, or a file.
     changes
         New values by dotted key: ``{"lubricant.eyring_stress": "4 MPa", "models.film": "dowson-1968"}``. Values are
         what a scene may hold. A table that is not in the scene yet starts from its defaults.
@@ -118,6 +123,7 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     PluginError
         If a bearing or surface that it names is not there.
     """
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
     raw: dict[str, Any] = dict(resolved(scene) if scene.raw is None else scene.raw)
     origins = dict(scene.origins)
     problems, changed = [], set[str]()
@@ -126,6 +132,9 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
             asked = split_key(full_key(key).strip())
             if key.strip() in _NAMED and str(value)[:1].isalpha() and isinstance(value, str):
                 raise ValueError(f"takes no name; write {_NAMED[key.strip()]}={value}")
+            if asked[0] == "lubricant" and len(asked) > 1 and asked[1] not in _OF_OIL:
+                near = nearest(asked[1], _OF_OIL, count=1)
+                raise ValueError(f"is no key{f', did you mean {near[0]!r}?' if near else ''}")
             if asked[0] not in changed and asked[0] in raw:
                 raw[asked[0]] = thawed(raw[asked[0]])
             changed.add(asked[0])

@@ -28,6 +28,7 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
 from rollslip.scene.distributions import Distribution, LogUniform, Uniform
+from rollslip.toml import thawed
 from rollslip.units import as_written, check_typed, evenly, format_quantity, typed_range, unit_given
 
 __all__ = [
@@ -162,7 +163,7 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
 def read_overs(given: object) -> dict[str, object]:
     """Return what is varied, by key: a mapping as it is, texts as those of the command line."""
     if isinstance(given, Mapping):
-        return dict(given)
+        return {str(key): thawed(values) for key, values in given.items()}
     if isinstance(given, str) and "=" in given:
         return parse_overs([given])
     if not isinstance(given, list | tuple) or not all(isinstance(text, str) for text in given):

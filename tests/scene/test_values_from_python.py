@@ -1,0 +1,79 @@
+"""What Python gives in place of what a scene would hold: arrays, series, numbers of other libraries; and pickles."""
+
+import decimal
+import pickle
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import rollslip
+from rollslip import evolve, load_scene, plan, plot, run, sweep
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import RollslipError, SceneError
+
+PAPER = load_scene("1032930-70C")
+SPEEDS = [500.0, 600.0]
+
+
+@pytest.mark.parametrize(
+    "speeds",
+    [
+        np.array(SPEEDS),
+        pd.Series(SPEEDS),
+        pd.Index(SPEEDS),
+        range(500, 700, 100),
+        xr.DataArray(SPEEDS),
+        xr.DataArray(np.array(SPEEDS) * 30.0 / np.pi, attrs={"units": "rpm"}),
+    ],
+    ids=lambda speeds: type(speeds).__name__,
+)
+def test_a_sweep_goes_over_whatever_holds_numbers(speeds):
+    found = sweep(
+        PAPER,
+        over={"operation.inner_speed": speeds},
+        study="friction-curve",
+        output="critical_slip",
+        engine="serial",
+    )
+    assert np.allclose(found.inner_speed, SPEEDS, rtol=1e-12)
+
+
+@pytest.mark.parametrize("load", [np.array(3000.0), np.float32(3000.0), decimal.Decimal(3000), xr.DataArray(3000.0)])
+def test_a_number_of_another_library_is_a_number(load):
+    assert evolve(PAPER, {"operation.radial_load": load}).operation.radial_load == 3000.0
+
+
+@pytest.mark.parametrize("rollers", [18, 18.0, np.int64(18), np.array(18)])
+def test_a_whole_number_is_one_in_any_form(rollers):
+    assert evolve(PAPER, {"bearing.rollers": rollers}).bearing.rollers == 18
+
+
+def test_a_part_of_a_roller_is_refused():
+    with pytest.raises(SceneError, match=r"bearing\.rollers: a whole number is expected, not 18\.5"):
+        evolve(PAPER, {"bearing.rollers": 18.5})
+
+
+def test_a_scene_is_taken_by_its_name():
+    assert evolve("1032930-70C", {"operation.radial_load": 3000.0}) == evolve(PAPER, {"operation.radial_load": 3000.0})
+
+
+def test_a_key_that_no_oil_has_is_refused_at_once():
+    with pytest.raises(SceneError, match=r"'lubricant\.viscositty' is no key, did you mean 'viscosity'\?"):
+        evolve(PAPER, {"lubricant.viscositty": 0.01})
+
+
+def test_a_scene_in_place_of_a_result_is_said():
+    with pytest.raises(RollslipError, match=r"plot: a result is expected, .* plot\(run\('1032930-70C'\)\)"):
+        plot("1032930-70C")
+
+
+def test_what_was_made_of_a_scene_can_be_sent_elsewhere():
+    there = pickle.loads(pickle.dumps(assemble(PAPER)))
+    one, other = (of.inner.evaluate(np.array([2e4]), 10.0, 0.5).friction for of in (there, assemble(PAPER)))
+    assert one == other
+    quick = evolve(PAPER, {"study.friction-curve.points": 7, "accuracy.slices": 3})
+    sent = pickle.loads(pickle.dumps(plan(quick, "friction-curve")))
+    found = rollslip.planning.execution.execute(sent, "friction-curve")
+    assert np.array_equal(found.friction, run(quick, "friction-curve").friction)
