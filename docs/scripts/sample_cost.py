@@ -61,24 +61,24 @@ if __name__ == "__main__":
         "oil and conditions of its bearing", lambda one: assemble(one, resolution, like=like), [(s,) for s in scenes]
     )
 
-    def tables(one):
-        whole = study.loaded(one, resolution.instants)
-        return whole.by_few_loads(), whole.by_few_loads(rough=True)
-
-    raceways = step("tables of slices, of few loads and of fewer", tables, [(b,) for b in bearings])
+    raceways = step(
+        "tables of slices and of few loads",
+        lambda one: study.loaded(one, resolution.instants).by_few_loads(),
+        [(b,) for b in bearings],
+    )
     curves = step(
-        "rough friction at 101 slips",
-        lambda some: evaluated_together([(rough, rough.speeds(slip)) for _, rough in some]),
+        "friction at 101 slips",
+        lambda some: evaluated_together([(few, few.speeds(slip)) for few in some]),
         [(some,) for some in together(raceways)],
     )
-    rough = [friction for some in curves for friction, _ in some]
+    frictions = [friction for some in curves for friction, _ in some]
     found = step(
-        "few slips and maximum",
-        lambda some: critical_together([(few, slip, friction, False) for (few, _), friction in some]),
-        [(some,) for some in together([*zip(raceways, rough, strict=True)])],
+        "maximum",
+        lambda some: critical_together([(few, slip, friction) for few, friction in some]),
+        [(some,) for some in together([*zip(raceways, frictions, strict=True)])],
     )
     maxima = [both for some in found for both in some]
-    held = [(few, [_held_at(slip, ring) for ring in both]) for (few, _), both in zip(raceways, maxima, strict=True)]
+    held = [(few, [_held_at(slip, ring) for ring in both]) for few, both in zip(raceways, maxima, strict=True)]
     step(
         "held against all slices", lambda some: agree_together(some, [1e-5] * len(some)), [(s,) for s in together(held)]
     )

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import minimize_scalar
 
 from rollslip.bearing.critical import locate, look_further, slip_grid
 
@@ -28,35 +27,6 @@ def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
     assert found.friction == pytest.approx(height, rel=1e-12)
 
 
-@given(st.floats(0.01, 0.9), st.floats(1e-4, 10.0))
-def test_where_many_slips_cost_little_a_smooth_maximum_is_placed_by_twelve_of_them(peak, height):
-    slip, asked = np.linspace(0.0, 1.0, 41) ** 2, []
-
-    def friction(s):
-        asked.append(np.size(s))
-        return height * s / peak * np.exp(1.0 - s / peak)
-
-    found = locate(friction, slip, friction(slip), "max", many=friction)
-    assert found.slip == pytest.approx(peak, abs=1e-9)  # 1e-8 of the intervals beside it
-    assert found.friction == pytest.approx(height, rel=1e-12)
-    assert asked[1] == 12
-    if peak > 0.02:  # below, the maximum is beside the first interval, whose curve is steep
-        assert asked == [41, 12]
-
-
-@given(st.floats(0.05, 0.8))
-def test_beside_a_kink_twelve_slips_are_not_believed(peak):
-    slip = np.linspace(0.0, 1.0, 41) ** 2
-
-    def friction(s):
-        return 1.0 - np.where(s < peak, 1.0, 0.3) * np.abs(s - peak)
-
-    found = locate(friction, slip, friction(slip), "max", many=friction)
-    alone = locate(friction, slip, friction(slip), "max")
-    assert found == alone
-    assert found.slip == pytest.approx(peak, abs=1e-6)
-
-
 @pytest.mark.parametrize(
     ("values", "status"),
     [
@@ -78,23 +48,6 @@ def test_two_equal_maxima_give_the_first():
     friction = np.sin(2 * np.pi * slip) ** 2
     found = locate(lambda s: float(np.sin(2 * np.pi * s) ** 2), slip, friction, "max_slip")
     assert found.slip == pytest.approx(0.25, abs=1e-6)
-
-
-@given(st.floats(0.02, 0.98), st.sampled_from([1.5, 2.0, 4.0]), st.floats(0.01, 0.3))
-def test_locate_is_as_good_as_the_library(peak, power, width):
-    def friction(s):
-        return np.exp(-(np.abs((s - peak) / width) ** power))
-
-    slip, calls = np.linspace(0.0, 1.0, 41) ** 2, []
-    found = locate(lambda s: calls.append(s) or float(friction(s)), slip, friction(slip), "max")
-    best = int(np.argmax(friction(slip)))
-    low, high = slip[best - 1], slip[best + 1] if best < 40 else slip[best]
-    want = minimize_scalar(lambda s: -friction(s), bounds=(low, high), method="bounded", options={"xatol": 1e-10})
-    # `locate` promises the place to 1e-8 of the interval, at either end of what is left of it; how much friction falls
-    # there depends on how sharp the maximum is
-    off = (2e-8 * (high - low) / width) ** power
-    assert found.friction >= -want.fun * (1.0 - max(off, 1e-12))
-    assert len(calls) <= 60
 
 
 @pytest.mark.parametrize("first", [0.1, 0.4, 0.6])

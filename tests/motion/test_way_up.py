@@ -16,7 +16,6 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.motion.spins import place_of, slip_of
 from rollslip.motion.torque_balance import RANGE, rollers
-from rollslip.motion.way_up import _vertex
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 
@@ -27,15 +26,6 @@ def balance(name="1032930-50C", *, instants=2, inertia=True, effective=False, sl
     made = assemble(evolve(load_scene(name), changes))
     few = made.at(attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3))
     return rollers(few, instants, inertia=inertia, effective=effective)
-
-
-@pytest.mark.parametrize("apart", [0.1, 1e-4, 1e-8, 1e-11])
-def test_a_vertex_among_places_however_near_is_that_of_their_polynomial(apart, recwarn):
-    x = (0.2 * apart + np.array([-1.0, -apart, 0.0, apart, 1.0])).tolist()
-    at, height = _vertex(x, [1.0 - t**2 + 0.1 * t**3 for t in x])
-    assert at == pytest.approx(0.0, abs=1e-8)
-    assert height == pytest.approx(1.0, abs=1e-14)
-    assert not recwarn.list
 
 
 def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_boundary_friction():

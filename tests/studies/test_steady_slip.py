@@ -40,7 +40,6 @@ from rollslip_studies.steady_slip.losses import viscosity_ratio
 from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
 from rollslip_studies.steady_slip.statuses import no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
-from rollslip_studies.thermal_balance.balance import crossing
 
 SHIPPED = load_scene("1032930-50C")
 STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})
@@ -876,14 +875,6 @@ def test_steady_slips_alone_are_those_of_the_whole_study(name):
     assert found[~np.isnan(found)].size == count
     np.testing.assert_array_equal(found, whole.steady_slip)
     assert str(alone["status"][1]) == str(whole.status.item())
-
-
-@pytest.mark.parametrize(
-    ("start", "slope", "found"), [(0.1, 2.0, 0.12), (0.118, 5.0, 0.12), (0.5, 1.0, None), (0.1, -1.0, None)]
-)
-def test_a_crossing_is_found_from_near_it_or_not_at_all(start, slope, found):
-    told = crossing(lambda slip: np.tanh(3.0 * (slip - 0.12)), start, slope, 0.9, 1e-9)
-    assert told is None if found is None else told[0] == pytest.approx(found, rel=1e-12)
 
 
 # Effective friction near running away ---------------------------------------------------------------------------------

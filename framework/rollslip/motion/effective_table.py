@@ -34,7 +34,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.critical import Critical, locate
+from rollslip.bearing.critical import Critical, Curve, searched
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
@@ -295,10 +295,10 @@ def _shape(friction: Law, rolling: float) -> _Shape:
     # of maxima of nearly the same height, any may be the largest
     high = values[1:end] >= (1.0 - _ALIKE) * values[: end + 1].max()
     peaks = 1 + np.flatnonzero(high & (values[1:end] > values[: end - 1]) & (values[1:end] >= values[2 : end + 1]))
-    maxima = [Critical(math.nan, math.nan, "")]
-    for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist()):
-        maxima.append(locate(lambda V: float(friction(np.array([V]))[0]), probe[grid], values[grid], ""))
-    critical = max(maxima, key=lambda one: -math.inf if math.isnan(one.slip) else one.friction)
+    curves = [Curve(probe[grid], values[grid], "") for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist())]
+    maxima = searched(curves, lambda asked: [*friction(np.concatenate([V for _, V in asked]))[:, None]])
+    found = (one for one in maxima if not math.isnan(one.slip))
+    critical = max(found, key=lambda one: one.friction, default=Critical(math.nan, math.nan, ""))
     return _Shape(half, *_slope(friction, _NEAR * half), critical)
 
 

@@ -23,6 +23,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.raceway import Array
+from rollslip.bearing.search import bracketed, vertex
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.spins import TWO, Motion, Motions, place_of, slip_of
 
@@ -43,10 +44,10 @@ _SAME = 1e-7  # distance of places at which torques are alike but for rounding
 _NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
 #: How often a look goes on, twice as far, where the torque still rises at its end.
 _FURTHER: Final = 5
-#: Straight lines towards the slip that carries a drag again.
-_LINES: Final = 2
-#: Exactness of a steady slip, relative to it and to its torque, steps towards it, and the first below no slip.
-_STEADY, _SECANTS, _FASTER = 1e-10, 60, 1e-5
+#: Exactness of the place that carries a drag again.
+_AGAIN: Final = 1e-3
+#: Exactness of a steady slip, relative to it and to its torque, and the first step below no slip.
+_STEADY, _FASTER = 1e-10, 1e-5
 #: Step of a slip, relative to it, by which the excess torque is differentiated.
 _NUDGE: Final = 1e-4
 
@@ -178,19 +179,17 @@ class WayUp:
     def _between(
         self, known: list[Motion], low: float, high: float, drag: Callable[[float], float], below: float, over: float
     ) -> Steady:
-        """The balance between two slips, beside motions that are known, on all slices: secants, Illinois."""
-        held, side = over > below, 0
-        for _ in range(_SECANTS):
-            at = high - over * (high - low) / (over - below)
+        """The balance between two slips, beside motions that are known, on all slices."""
+        motion = known[0]
+
+        def excess(at: float) -> float:
+            nonlocal motion
             near = min(known, key=lambda one: abs(one.slip - at))
             motion = self.exact.at(np.array([at]), near.share[:1])[0][0]
-            value, wide = motion.torque + drag(at), high - low
-            if (value < 0.0) == held:
-                low, below, over, side = at, value, over * (0.5 if side > 0 else 1.0), 1
-            else:
-                high, over, below, side = at, value, below * (0.5 if side < 0 else 1.0), -1
-            if abs(value) <= _STEADY * abs(motion.torque) or min(wide - (high - low), high - low) <= _STEADY * abs(at):
-                break
+            value = motion.torque + drag(at)
+            return value if abs(value) > _STEADY * abs(motion.torque) else 0.0
+
+        bracketed(excess, low, high, below, over, relative=_STEADY)
         beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
         left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))
         slope = (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (right.slip - left.slip)
@@ -290,14 +289,14 @@ class _Search:
         return Jump(slip_of(place), drag, to, slip_of(low), slip_of(high), error, corner)
 
     def _carried_again(self, a: Motion, b: Motion, drag: float) -> float:
-        """Place between two motions of the way at which a drag is carried again, by straight lines."""
+        """Place between two motions of the way at which a drag is carried again."""
         if not b.linked:
             return b.place
-        for _ in range(_LINES):
-            at = a.place + (drag - a.torque) / (b.torque - a.torque) * (b.place - a.place)
-            middle = self.motions.at(np.array([slip_of(at)]), a.share[:1])[0][0]
-            a, b = (middle, b) if middle.torque < drag else (a, middle)
-        return a.place + (drag - a.torque) / (b.torque - a.torque) * (b.place - a.place)
+
+        def over(place: float) -> float:
+            return self.motions.at(np.array([slip_of(place)]), a.share[:1])[0][0].torque - drag
+
+        return bracketed(over, a.place, b.place, a.torque - drag, b.torque - drag, tolerance=_AGAIN)
 
     @cached_property
     def _fine(self) -> Motions:
@@ -307,7 +306,7 @@ class _Search:
         """Place and height of a maximum between motions, by vertices of polynomials, and by how much these miss it."""
         known, error = {motion.place: motion for motion in around}, math.inf
         while len(known) < _MOST and error > _FOUND:
-            at, height = _vertex(sorted(known), [known[x].torque for x in sorted(known)])
+            at, height = vertex(sorted(known), [known[x].torque for x in sorted(known)])
             near = min(known.values(), key=lambda motion: abs(motion.place - at))
             if abs(near.place - at) < _SAME:
                 break
@@ -393,27 +392,6 @@ def _rise(x: list[float], y: list[float]) -> float:
         return float(slopes[0 if best == 0 else -1] * (x[-1] - x[0]) / y[best])
     over = slopes[best - 1] * (x[best + 1] - x[best]), slopes[best] * (x[best] - x[best - 1])
     return float(max(over) / y[best])
-
-
-def _vertex(x: list[float], y: list[float]) -> tuple[float, float]:
-    """Place and height of the largest value of the polynomial through the five points nearest to the largest."""
-    best = int(np.argmax(y))
-    first = max(min(best - 2, len(x) - 5), 0)
-    if not 0 < best < len(x) - 1:
-        return x[best], y[best]
-    at, width = np.array(x[first : first + 5]) - x[best], x[best + 1] - x[best - 1]
-    t, curve = at / width, np.polynomial.Polynomial((0.0,))
-    near = np.argsort(np.abs(t))  # Newton's differences, far points last: a fit would take near ones for the same
-    t, terms = t[near], np.array(y[first : first + 5])[near]
-    for k in range(1, t.size):
-        terms[k:] = np.diff(terms[k - 1 :]) / (t[k:] - t[:-k])
-    for root, term in zip(t[::-1], terms[::-1], strict=True):
-        curve = curve * np.polynomial.Polynomial((-root, 1.0)) + term
-    turns = curve.deriv().roots()
-    turns = turns.real[np.abs(turns.imag) < 1e-9]
-    inside = [t for t in turns.tolist() if x[best - 1] < x[best] + width * t < x[best + 1]]
-    top = float(max([0.0, *inside], key=curve))
-    return x[best] + width * top, float(curve(top))
 
 
 def _peaks(way: list[Motion]) -> list[int]:

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
+from rollslip.bearing.search import vertex
+
 __all__ = ["FAST", "largest_rise", "rise"]
 
 Array = NDArray[np.float64]
@@ -66,13 +68,9 @@ def _largest(peclet: Array) -> Array:
     """Largest theta over the contact, by search."""
     places = np.linspace(-1.0, 1.0, _PLACES)
     at = places[np.argmax(rise(peclet[:, None], places), axis=1)]
-    around = np.clip(at[:, None] + np.linspace(-1.0, 1.0, _AROUND) * (places[1] - places[0]), -1.0, 1.0)
-    values = rise(peclet[:, None], around)
-    best = np.clip(np.argmax(values, axis=1), 1, _AROUND - 2)[:, None] + np.array([-1, 0, 1])
-    low, middle, high = np.take_along_axis(values, best, axis=1).T
-    curvature = low - 2.0 * middle + high
-    vertex = middle - (high - low) ** 2 / (8.0 * np.where(curvature < 0.0, curvature, -np.inf))
-    return np.asarray(np.where(curvature < 0.0, vertex, values.max(axis=1)))
+    step = places[1] - places[0]
+    around = np.linspace(np.maximum(at - step, -1.0), np.minimum(at + step, 1.0), _AROUND, axis=1)
+    return np.array([vertex(x, y)[1] for x, y in zip(around, rise(peclet[:, None], around), strict=True)])
 
 
 @cache

@@ -31,6 +31,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from rollslip.bearing.search import vertex
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.models import interval
 from rollslip_plugins.film.elements import DEGREE, Elements
@@ -437,15 +438,13 @@ def _to_accuracy(
 
 
 def _films(state: _State) -> dict[str, float]:
-    """Return the film by location; the minimum from a parabola through three of many points."""
+    """Return the film by location; the minimum from a polynomial through some of many points."""
     film, y = state.film(), np.append(0.0, state.grid.y)
     k = int(np.argmin(film)) + 1
-    near = state.grid.film(state.unknowns, np.linspace(y[k - 1], y[min(k + 1, len(y) - 1)], 41))
-    k = min(max(int(np.argmin(near)), 1), 39)
-    left, least, right = near[k - 1 : k + 2]
-    least -= (right - left) ** 2 / (8 * (left - 2 * least + right))
+    near = np.linspace(y[k - 1], y[min(k + 1, len(y) - 1)], 41)
+    least = -vertex(near, -state.grid.film(state.unknowns, near))[1]
     central = state.grid.film(state.unknowns, state.unknowns[-1:])
-    return dict(zip(LOCATIONS, (float(least), float(central[0]), float(state.unknowns[-2])), strict=True))
+    return dict(zip(LOCATIONS, (least, float(central[0]), float(state.unknowns[-2])), strict=True))
 
 
 def _without_floor(state: _State, problem: _Problem) -> _State:

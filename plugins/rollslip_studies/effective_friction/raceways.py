@@ -34,9 +34,8 @@ from rollslip.units import format_quantity
 
 #: Error of a map's loads relative to the tolerance.
 _MAP_SHARE = 1e-3
-#: Loads that stand for the slices of a ring, and for those of each roller; and for a ring where rough is enough.
+#: Loads that stand for the slices of a ring, and for those of each roller.
 _FEW: Final = (24, 8)
-_ROUGH: Final = 8
 #: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
 _GO_ON, _TELLS = 4, 1e-5
 #: Cage slip up to which friction rises with slip, so that a roller has one balance only.
@@ -115,22 +114,21 @@ class LoadedRaceways:
                 "operation.inner_speed and operation.outer_speed"
             )
 
-    def by_few_loads(self, *, rough: bool = False) -> "LoadedRaceways":
+    def by_few_loads(self) -> "LoadedRaceways":
         """Return the same with few loads that stand for all slices, of each roller where rollers spin as they like.
 
         They are kept for all bearings that are loaded alike. A law with a kink needs more of them, so what they give is
-        to be held against all slices; ``rough`` are fewer still, to be held against those.
+        to be held against all slices.
         """
         free = self.closure == "free-roller"
 
         def made() -> tuple[LoadedContacts, ...]:
-            count = _ROUGH if rough else _FEW[free]
-            return tuple(ring.fewer(count, whole=not free) for ring in (self.inner, self.outer))
+            return tuple(ring.fewer(_FEW[free], whole=not free) for ring in (self.inner, self.outer))
 
         instants = int(self.distribution.psi.shape[0])
         few = copy.copy(self)
         few._shares, few._slopes, few._spins = {}, np.zeros(0), None
-        rings = self.assembly.kept_by_loads(("few", instants, free, rough), instants, made)
+        rings = self.assembly.kept_by_loads(("few", instants, free), instants, made)
         few.whole = self
         few.inner, few.outer = (ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True))
         return few
@@ -238,7 +236,7 @@ class LoadedRaceways:
 
     def critical(self, slip: Array, friction: Array) -> tuple[Critical, Critical]:
         """Critical cage slip of both rings, on the continuous curve."""
-        (found,) = critical_together([(self, slip, friction, True)])
+        (found,) = critical_together([(self, slip, friction)])
         return found
 
     def slices_error(self, slip: Array, friction: Array) -> float:
@@ -334,16 +332,13 @@ def _mean_friction(rings: Sequence[tuple[LoadedContacts, Array, Array]]) -> list
     return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(rings, pulls, strict=True)]
 
 
-def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array, bool]]) -> list[tuple[Critical, Critical]]:
-    """Return the critical cage slips of both rings of bearings, from their friction on slips, (2, n).
-
-    Where that is not exact, as the last of a case says, but rough, few slips are chosen by it.
-    """
+def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array]]) -> list[tuple[Critical, Critical]]:
+    """Return the critical cage slips of both rings of bearings, from their friction on slips, (2, n)."""
 
     def of(ring: int) -> list[Critical]:
         curves = [
-            Curve(slip, friction[ring], raceways.settings and f"{raceways.settings}.max_cage_slip", exact=exact)
-            for raceways, slip, friction, exact in cases
+            Curve(slip, friction[ring], raceways.settings and f"{raceways.settings}.max_cage_slip")
+            for raceways, slip, friction in cases
         ]
         return searched(curves, lambda asked: friction_together([(cases[k][0], ring, slip) for k, slip in asked]))
 

@@ -314,10 +314,8 @@ class EffectiveFriction(Study):
             }
         left = [one for one in begun if one[0] not in found]
         curves = evaluated_together([(raceways, raceways.speeds(slip)) for _, slip, raceways in left])
-        whole = [
-            (raceways, slip, friction, True) for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
-        ]
-        for (k, *_), (_, slip, friction, _), critical in zip(left, whole, critical_together(whole), strict=True):
+        whole = [(raceways, slip, friction) for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)]
+        for (k, *_), (_, slip, friction), critical in zip(left, whole, critical_together(whole), strict=True):
             found[k] = slip, friction, critical
         some = [_curves(*found[k]) for k in range(len(cases))]
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
@@ -483,19 +481,11 @@ class EffectiveFriction(Study):
 
 
 def _by_few_loads(cases: Sequence[tuple[Array, LoadedRaceways]]) -> list[tuple[Critical, Critical] | None]:
-    """Critical slips of both rings by few loads on slips of their curves; None where all slices say otherwise.
-
-    Free rollers go on from slip to slip, so theirs are all followed; of others those that decide.
-    """
+    """Critical slips of both rings by few loads on slips of their curves; None where all slices say otherwise."""
     few = [raceways.by_few_loads() for _, raceways in cases]
-    exact = [raceways.closure == "free-roller" for _, raceways in cases]
-    chosen = [own if all_of else own.whole.by_few_loads(rough=True) for own, all_of in zip(few, exact, strict=True)]
-    curves = evaluated_together([(own, own.speeds(slip)) for own, (slip, _) in zip(chosen, cases, strict=True)])
+    curves = evaluated_together([(own, own.speeds(slip)) for own, (slip, _) in zip(few, cases, strict=True)])
     critical = critical_together(
-        [
-            (own, slip, friction, all_of)
-            for own, (slip, _), (friction, _), all_of in zip(few, cases, curves, exact, strict=True)
-        ]
+        [(own, slip, friction) for own, (slip, _), (friction, _) in zip(few, cases, curves, strict=True)]
     )
     held = [
         (own, [_held_at(slip, ring) for ring in both])

@@ -28,8 +28,6 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Loads by which slips are chosen that decide where the friction of all slices is largest; worth it with twice as many.
-_ROUGH: Final = 6
 _OF_CURVE, _OF_FORCE = "normal_force slip", "normal_force"
 #: A contact, its entrainment speed [m/s], and slide-roll ratios.
 _Curve: TypeAlias = tuple[LoadedContacts, float, Array]
@@ -168,7 +166,7 @@ class FrictionCurve(Study):
         slip, u, contacts = slip_grid(self.max_slip, self.points), self.rolling_speed(assembly), self.contacts(assembly)
         curves = [(one, u, slip) for one in contacts]
         friction = _friction(curves)
-        found, coords = self._found(slip, friction, self._critical(curves, friction, [True] * len(curves)))
+        found, coords = self._found(slip, friction, self._critical(curves, friction))
         rows = [_most_loaded(one, u, slip) for one in contacts]
 
         def stacked(name: str) -> Array:
@@ -192,20 +190,13 @@ class FrictionCurve(Study):
         """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
         if not outputs <= {"friction", "critical_slip", "critical_friction", "critical_status", *FIRST}:
             return None
-        curves, exact, rough = list[_Curve](), list[bool](), list[_Curve]()
+        curves = list[_Curve]()
         grid = cache(slip_grid)
         for study, assembly in cases:
             slip, u = grid(study.max_slip, study.points), study.rolling_speed(assembly)
-            for force, contact in zip(study.normal_force, study.contacts(assembly), strict=True):
-                exact.append("friction" in outputs or contact.force.size <= 2 * _ROUGH)
-                few = contact
-                if not exact[-1]:
-                    made = assembly.kept_by_loads(("rough", study.ring, force), 1, partial(contact.fewer, _ROUGH))
-                    few = made.on(contact.raceway)
-                curves.append((contact, u, slip))
-                rough.append((few, u, slip))
-        friction = _friction(rough)
-        critical = cls._critical(curves, friction, exact)
+            curves += [(contact, u, slip) for contact in study.contacts(assembly)]
+        friction = _friction(curves)
+        critical = cls._critical(curves, friction)
         found, first = list[Some](), 0
         for study, _ in cases:
             own = slice(first, first + len(study.normal_force))
@@ -215,12 +206,11 @@ class FrictionCurve(Study):
         return found
 
     @classmethod
-    def _critical(cls, curves: Sequence[_Curve], friction: Sequence[Array], exact: Sequence[bool]) -> list[Critical]:
-        """Largest friction of curves, of which it is known exactly, or roughly where few slips are chosen by it."""
+    def _critical(cls, curves: Sequence[_Curve], friction: Sequence[Array]) -> list[Critical]:
+        """Largest friction of curves."""
         key = f"study.{cls.name}.max_slip"
         sought = [
-            Curve(slip, known, key, exact=exactly, most=PURE_SLIDING)
-            for (_, _, slip), known, exactly in zip(curves, friction, exact, strict=True)
+            Curve(slip, known, key, most=PURE_SLIDING) for (*_, slip), known in zip(curves, friction, strict=True)
         ]
         return searched(sought, lambda asked: _friction([(*curves[k][:2], slip) for k, slip in asked]))
 

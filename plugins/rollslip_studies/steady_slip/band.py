@@ -16,6 +16,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.search import secants
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.motion.torque_balance import TorqueBalance, rollers
 from rollslip.planning.quantities import quantities
@@ -36,8 +37,8 @@ __all__ = ["ENDS", "Band", "bands", "with_bands"]
 ENDS: Final = (0.05, 0.95)
 #: Slices and positions of a pitch, and the largest slip that is looked at.
 _SLICES, _INSTANTS, _LAST = 12, 1, 0.95
-#: Accuracy of a logarithm, longest step and most steps of secants.
-_FOUND, _LONGEST, _MOST = 0.03, 1.0, 12
+#: Accuracy of a logarithm, and longest step of secants.
+_FOUND, _LONGEST = 0.03, 1.0
 #: Step of a logarithm from which secants begin.
 _FIRST: Final = 0.05
 #: Slip that counts as none, and one from which on it is looked first whether there is more.
@@ -198,23 +199,12 @@ def _root(
 
     The first step goes by a slope that is known, such as that of a bearing nearly alike.
     """
-    x = begin
     try:
-        y = excess(x)
-        rises = slope or (y - excess(x - _FIRST)) / _FIRST
-        for _ in range(_MOST):
-            if rises == 0.0:
-                break
-            step = -y / rises
-            if abs(step) <= _FOUND and x + step < last:
-                return x + step, rises
-            before, other = x, y
-            x += max(min(step, _LONGEST), -_LONGEST)
-            y = excess(x)
-            rises = (y - other) / (x - before)
+        slope = slope or (excess(begin) - excess(begin - _FIRST)) / _FIRST
+        found = secants(excess, begin, slope, tolerance=_FOUND, within=(-math.inf, last), longest=_LONGEST)
     except (DomainError, ConvergenceError, OverflowError):
-        pass
-    return math.nan, 0.0
+        return math.nan, 0.0
+    return found or (math.nan, 0.0)
 
 
 def _band(logs: _Logs, ends: Mapping[str, list[float]], known: Mapping[str, Quantity]) -> Band | None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.raceway import Array
+from rollslip.bearing.search import secants
 from rollslip.errors import ConvergenceError
 
 #: Steps along a branch in shares of the box: the first one, the largest, and the smallest before giving up.
@@ -21,7 +22,6 @@ _TURN = 0.95
 _MOST_STEPS = 600
 #: Precision of a point of a branch, as a share of the box.
 _PRECISE = 1e-7
-_SECANTS = 12
 #: Step by which the excess torque is differentiated, as a share of the box.
 _NUDGE = 1e-5
 
@@ -154,20 +154,9 @@ class _Path:
 
     def _across(self, z: Array, across: Array, slope: float, reach: float) -> tuple[Array, float] | None:
         """Nearest balance on a line within reach, by the secant method, and the slope there; None if there is none."""
-        at, value = 0.0, self.value(z)
-        for _ in range(_SECANTS):
-            step = -value / slope
-            there = z + (at + step) * across
-            if abs(at + step) > reach or there.min() < 0.0 or there.max() > 1.0:
-                return None
-            if abs(step) <= _PRECISE:
-                return there, slope
-            before, value = value, self.value(there)
-            at += step
-            if value == before:
-                return None
-            slope = (value - before) / step
-        return None
+        within = -min(reach, _to_edge(z, -across)), min(reach, _to_edge(z, across))
+        found = secants(lambda at: self.value(z + at * across), 0.0, slope, tolerance=_PRECISE, within=within)
+        return None if found is None else (z + found[0] * across, found[1])
 
     def fold(self, left: Array, right: Array, middle: Array) -> Array:
         """Place between two points where the parameter is least, or largest, as at the one in the middle."""
@@ -195,5 +184,5 @@ class _Path:
 
 def _to_edge(z: Array, tangent: Array) -> float:
     """Length along a direction to the edge of the unit box."""
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.where(tangent > 0.0, (1.0 - z) / tangent, np.where(tangent < 0.0, -z / tangent, np.inf)).min())

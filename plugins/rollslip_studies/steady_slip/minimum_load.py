@@ -15,6 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.bearing.search import bracketed, secants
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import RANGE, TorqueBalance
@@ -35,8 +36,8 @@ NO_LOAD: Final = ("no load serves", "the cage does not hold a slip")
 _FOUND: Final = 1e-4
 #: Load from which the search begins where the scene has none [N].
 _ANY: Final = 1.0
-#: Step of a logarithm by which a rough excess is differentiated, longest step of secants from there, and how many.
-_STEP, _NEAR, _SECANTS = 0.01, 0.3, 6
+#: Step of a logarithm by which a rough excess is differentiated, and how far secants may lead from there.
+_STEP, _FAR = 0.01, 0.5
 #: By how much the least steady slip at that load may be another, relative.
 _SAME: Final = 1e-2
 
@@ -82,18 +83,18 @@ def least_load(balance: Balances, load: float, slip: float, rough: Balances | No
 
 def _searched(excess: Callable[[float], float], load: float, slip: float) -> tuple[float, str]:
     """The load at which an excess over its logarithm passes zero, or NaN and why there is none."""
-    from scipy.optimize import brentq
-
-    begin = low = high = math.log(load or _ANY)
-    over = excess(begin)
-    while (over > 0.0) == (excess(low if over > 0.0 else high) > 0.0):
-        if high - low > math.log(_FARTHEST):
-            ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in (low, high))
+    begin = at = before = math.log(load or _ANY)
+    over = value = last = excess(begin)
+    step = -math.log(_WIDER) if over > 0.0 else math.log(_WIDER)
+    while (value > 0.0) == (over > 0.0):
+        if abs(at - begin) > math.log(_FARTHEST):
+            ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in sorted((begin, at)))
             way = "less" if over > 0.0 else "more"
             serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD[0]
             return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
-        low, high = (low - math.log(_WIDER), begin) if over > 0.0 else (begin, high + math.log(_WIDER))
-    return math.exp(brentq(excess, low, high, xtol=_FOUND)), ""
+        before, last, at = at, value, at + step
+        value = excess(at)
+    return math.exp(bracketed(excess, before, at, last, value, tolerance=_FOUND)), ""
 
 
 def _near(excess: Callable[[float], float], rough: Callable[[float], float], load: float) -> float:
@@ -102,17 +103,8 @@ def _near(excess: Callable[[float], float], rough: Callable[[float], float], loa
     if math.isnan(at):
         return math.nan
     slope = (rough(at + _STEP) - rough(at - _STEP)) / (2.0 * _STEP)
-    value = excess(at)
-    for _ in range(_SECANTS):
-        step = -value / slope if slope > 0.0 else math.inf
-        if not abs(step) <= _NEAR:
-            return math.nan
-        at += step
-        if abs(step) <= _FOUND:
-            return math.exp(at)
-        before, value = value, excess(at)
-        slope = (value - before) / step
-    return math.nan
+    found = secants(excess, at, slope, tolerance=_FOUND, within=(at - _FAR, at + _FAR)) if slope > 0.0 else None
+    return math.exp(found[0]) if found and found[1] > 0.0 else math.nan
 
 
 def static_rating(bearing: Bearing) -> float:

@@ -12,7 +12,7 @@
 """
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Final
 
 import attrs
@@ -20,6 +20,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
+from rollslip.bearing.search import secants
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.motion.losses import PowerBalance, power_balance
 from rollslip.scene.changes import evolve
@@ -34,9 +35,9 @@ _FOLLOWED: Final = 1e-2
 _MOST: Final = 25
 _POWELL: Final[Any] = {"xtol": 1e-6, "maxfev": 40}
 #: How near the temperatures of a state have to be [K] whose slip is where the next one is sought, to what a slip is
-#: found from there, relative to it, and how much it may move.
+#: found from there, relative to it, how much it may move, and steps towards it.
 _BESIDE: Final = 3.0
-_FOUND, _MOVED = 1e-7, 0.2
+_FOUND, _MOVED, _FAR = 1e-7, 0.2, 0.5
 #: Step of temperature by which flows are differentiated [K].
 _STEP: Final = 0.02
 #: Relative accuracy of a steady slip, where flows are differentiated.
@@ -51,8 +52,6 @@ _BALANCED: Final = 1e-6
 _COLDEST: Final = 150.0
 #: How far a balance may be from where the curve has its zero [K]; farther it is another one.
 _NEAR: Final = 1.0
-#: Secants by which a steady slip is sought, and how far it may be from where it is surmised, relative to it.
-_SECANTS, _FAR = 12, 0.5
 
 
 @attrs.frozen(eq=False)
@@ -177,7 +176,8 @@ class Heated:
             return None
         balance, known = self._study.balance(there), self._sought[of][1]
         exact = _PRECISE if self.sharp else _FOUND
-        found = crossing(balance.excess, start, known.slope, self._study.max_cage_slip, exact)
+        within = (1.0 - _FAR) * start, min((1.0 + _FAR) * start, self._study.max_cage_slip)
+        found = secants(balance.excess, start, known.slope, tolerance=exact * start, within=within)
         if found is None or not found[1] > 0.0 or abs(found[0] - start) > _MOVED * start:
             return None
         slip, slope = found
@@ -441,23 +441,3 @@ def _unit(n: int, k: int) -> Array:
     found = np.zeros(n)
     found[k] = 1.0
     return found
-
-
-def crossing(
-    excess: Callable[[float], float], start: float, slope: float, largest: float, tolerance: float
-) -> tuple[float, float] | None:
-    """Return where an excess torque is zero, by secants from near it, and its slope; None if they lead elsewhere.
-
-    The last step is below the tolerance, relative to the slip; what is left is far less.
-    """
-    at, value = start, excess(start)
-    for _ in range(_SECANTS):
-        step = -value / slope if slope else np.inf
-        if not (0.0 < at + step <= largest and abs(at + step - start) <= _FAR * start):
-            return None
-        at += step
-        if abs(step) <= tolerance * at:
-            return at, slope
-        before, value = value, excess(at)
-        slope = (value - before) / step
-    return None
