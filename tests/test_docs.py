@@ -33,6 +33,7 @@ from rollslip.scene.schema import schema
 from rollslip.studies.estimates import Curved
 from rollslip.studies.study import Study, study_class
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from tabled import TABLES, cell, rows_of
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = {str(page.relative_to(DOCS)): page.read_text(encoding="utf-8") for page in sorted(DOCS.glob("[!_]*/*.rst"))}
@@ -311,13 +312,6 @@ def test_every_member_of_a_study_is_on_the_page_of_studies():
 # Numbers --------------------------------------------------------------------------------------------------------------
 
 
-def cell(table, column, **where):
-    with (DOCS / "tables" / f"{table}.csv").open(newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if all(row[key] == value for key, value in where.items())]
-    assert len(rows) == 1, (table, where)
-    return rows[0][column]
-
-
 SHIPPED = {"closure": "epicyclic", "profile": "iso16281", "traction": "muraki"}
 OUTER = SHIPPED | {"closure": "outer-rolling"}
 CONTACT = {"profile": "iso16281", "traction": "muraki"}
@@ -382,8 +376,7 @@ def test_numbers_in_prose_are_those_of_the_tables(sentence):
 
 
 def numbers(table, column):
-    with (DOCS / "tables" / f"{table}.csv").open(newline="", encoding="utf-8") as file:
-        return [float(row[column]) for row in csv.DictReader(file) if row[column] not in ("none", "")]
+    return [float(row[column]) for row in rows_of(TABLES / f"{table}.csv") if row[column] not in ("none", "")]
 
 
 def test_what_the_reproduction_page_concludes_follows_from_its_tables():
@@ -392,14 +385,13 @@ def test_what_the_reproduction_page_concludes_follows_from_its_tables():
         cell("calibration_summary", "smallest_within_scatter_percent", **OUTER)
     )
     assert min(numbers("calibration_summary", "alpha_with_rest")) > 1.25
-    with (DOCS / "tables" / "reproduction_effective.csv").open(newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            if row["friction_inner"] != "none":
-                assert float(row["friction_inner"]) < float(row["largest_friction_of_most_loaded_roller"])
-            if row["closure"] == "epicyclic":
-                assert row["critical_outer_percent"] == "none"
-            if row["closure"] == "outer-rolling":
-                assert float(row["largest_friction_outer"]) == 0
+    for row in rows_of(TABLES / "reproduction_effective.csv"):
+        if row["friction_inner"] != "none":
+            assert float(row["friction_inner"]) < float(row["largest_friction_of_most_loaded_roller"])
+        if row["closure"] == "epicyclic":
+            assert row["critical_outer_percent"] == "none"
+        if row["closure"] == "outer-rolling":
+            assert float(row["largest_friction_outer"]) == 0
     smallest = float(cell("reproduction_effective", "critical_inner_percent", **OUTER, figure="Fig. 2"))
     assert smallest == min(numbers("reproduction_effective", "critical_inner_percent"))
     for name in ("alpha alone", "alpha, rest within scatter", "oil within scatter, and clearance"):
@@ -410,8 +402,7 @@ def test_what_the_page_says_of_the_papers_pair_follows_from_its_tables():
     """Ranges that are quoted over all sets, and which searches met both numbers."""
 
     def column(name, kept=lambda row: True):
-        with (DOCS / "tables" / "paper_pair.csv").open(newline="", encoding="utf-8") as file:
-            return [float(row[name]) for row in csv.DictReader(file) if row[name] != "none" and kept(row)]
+        return [float(row[name]) for row in rows_of(TABLES / "paper_pair.csv") if row[name] != "none" and kept(row)]
 
     logarithm = {"kept": lambda row: row["set"].startswith("logarithm")}
     assert all(abs(slip - 11.0) <= 1.5 for slip in column("70_degC"))
@@ -420,8 +411,11 @@ def test_what_the_page_says_of_the_papers_pair_follows_from_its_tables():
     assert (round(min(column("exact_law_50"))), round(max(column("exact_law_50")))) == (20, 34)
     assert (min(column("no_friction_to_70", **logarithm)), max(column("no_friction_to_70"))) == (1.1, 1.4)
     assert (min(column("no_friction_to_50", **logarithm)), max(column("no_friction_to_50"))) == (9.8, 14.4)
-    with (DOCS / "tables" / "paper_pair_search.csv").open(newline="", encoding="utf-8") as file:
-        hits = {(row["alpha"], row["law"]) for row in csv.DictReader(file) if row["within_11±1.5_and_50±5"] == "yes"}
+    hits = {
+        (row["alpha"], row["law"])
+        for row in rows_of(TABLES / "paper_pair_search.csv")
+        if row["within_11±1.5_and_50±5"] == "yes"
+    }
     assert hits == {
         ("constant alpha", "muraki (asinh)"),
         ("constant alpha", "ln(2 sigma), cut at zero"),
@@ -553,8 +547,7 @@ def test_a_model_has_a_page_of_what_it_is_its_errors_what_it_was_held_against_an
     order = ["::\n", "made for", "References:", "Errors against references", "What it was held against", "\nCost\n----"]
     places = [text.index(part) for part in order]
     assert places == sorted(places)
-    with (DOCS / "tables" / "film_error_ranges.csv").open(newline="", encoding="utf-8") as file:
-        [row] = [row for row in csv.DictReader(file) if row["formula"] == "martin"]
+    [row] = [row for row in rows_of(TABLES / "film_error_ranges.csv") if row["formula"] == "martin"]
     assert f"     - {row['all of the map']}\n" in text
     computed = validate("film-limits", film="martin", samples=0)
     of = (computed.row_series == "rigid, isoviscous, minimum") & (computed.row_models == "martin")
@@ -577,7 +570,6 @@ def test_what_a_page_of_a_model_cannot_tell_it_says():
 
 def test_tables_of_errors_have_the_column_of_models_and_a_page_that_explains_them():
     for stem, (column, _, leads) in MODEL_PAGES.ERRORS.items():
-        with (DOCS / "tables" / f"{stem}.csv").open(newline="", encoding="utf-8") as file:
-            found = {row[column].partition(",")[0].partition(" ")[0] for row in csv.DictReader(file)}
+        found = {row[column].partition(",")[0].partition(" ")[0] for row in rows_of(TABLES / f"{stem}.csv")}
         assert found & {name for kind in offered_kinds() for name in available(kind)}, stem
         assert f".. from-program:: table {stem}\n" in PAGES[f"{leads.removeprefix('../../')}.rst"]

@@ -1,6 +1,5 @@
 """Fits to traction-rig data: what is read, what is found and how well, and what is said where nothing can be found."""
 
-import csv
 import importlib.util
 import itertools
 import json
@@ -43,9 +42,9 @@ from rollslip_campaigns.fit.fit import fit_parameters
 from rollslip_campaigns.fit.least_squares import LEVELS, estimate
 from rollslip_campaigns.fit.oil import write_oil
 from rollslip_campaigns.fit.problem import parameters_named, rig_problem, with_values
+from tabled import REFERENCES, TABLES, rows_of
 
 ROOT = Path(__file__).parents[2]
-REFERENCES = ROOT / "tests" / "tools" / "references"
 #: The law of the reference, fit_muraki.py.
 OIL = LubricantTable(name="mil-prf-7808", data={"pressure_viscosity_law": "barus"})
 RIG = Rig(
@@ -387,8 +386,7 @@ def test_parameters_of_the_rig_file_hold_for_the_model_of_that_name():
 @pytest.mark.parametrize("uncertainties", ["estimated", "given"])
 def test_the_fit_is_that_of_30_digit_arithmetic(uncertainties):
     """Values, errors, correlation and both intervals, against references/fit_muraki.py, physics included."""
-    with (REFERENCES / "fit_muraki_expected.csv").open(encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["uncertainties"] == uncertainties]
+    rows = [row for row in rows_of(REFERENCES / "fit_muraki_expected.csv") if row["uncertainties"] == uncertainties]
     want = {row["name"]: float(row["value"]) for row in rows}
     data = read_data(REFERENCES / "fit_muraki.csv")
     if uncertainties == "estimated":
@@ -767,8 +765,7 @@ def test_intervals_of_the_profile_hold_the_truth_as_often_as_they_say(case):
 
 
 def test_the_table_of_coverages_is_as_good_as_the_page_says():
-    with (ROOT / "docs" / "tables" / "fit_coverage.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(TABLES / "fit_coverage.csv")
     assert {row["case"] for row in rows} == set(coverage_script().CASES)
     for row in rows:
         assert int(row["fits"]) >= 200

@@ -8,13 +8,13 @@ wide, loses 1.2 to
 2.0 times, which no wide bound would catch; it is not counted here.
 """
 
-import csv
 import platform
 from pathlib import Path
 
 import pytest
 
 import instructions
+from tabled import rows_of
 
 #: Largest ratio of a count to that of the table.
 BOUND = 1.5
@@ -24,8 +24,7 @@ TABLE = Path(__file__).parents[2] / "docs" / "tables" / "benchmark_instructions.
 
 def recorded(name):
     """Stage -> instructions per slice of an instruction set, of the table."""
-    with TABLE.open(newline="", encoding="utf-8") as file:
-        return {row["stage"]: float(row[name]) for row in csv.DictReader(file)}
+    return {row["stage"]: float(row[name]) for row in rows_of(TABLE)}
 
 
 def slower(counted, table):

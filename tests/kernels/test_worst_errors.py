@@ -3,22 +3,18 @@
 tests/tools/references/worst_errors.py has searched them; exact values are those of fifty_digits.py, computed anew here.
 """
 
-import csv
 import json
 import platform
 from functools import cache
-from pathlib import Path
 
 import pytest
 
 from hard_cases import EPS, condition
 from rollslip_kernels.stages import simd
+from tabled import REFERENCES, rows_of
 from worst_slices import by_set, error_of, laws
 
-with (Path(__file__).parents[1] / "tools" / "references" / "worst_errors.csv").open(
-    newline="", encoding="utf-8"
-) as _file:
-    ROWS = [row | {"members": json.loads(row["members"])} for row in csv.DictReader(_file)]
+ROWS = [row | {"members": json.loads(row["members"])} for row in rows_of(REFERENCES / "worst_errors.csv")]
 #: Half of the last digit of the table.
 ROUNDED = 1.0006
 

@@ -1,11 +1,9 @@
 """The oils: reference numbers, derivatives, fits, ranges, and what a scene may write."""
 
-import csv
 import math
 import subprocess
 import sys
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 from attrs import asdict, evolve
@@ -29,6 +27,7 @@ from rollslip.lubricant import (
 )
 from rollslip.structure import Location
 from rollslip_plugins.data import industrial_oils, lubricants, russian_oils
+from tabled import REFERENCES, rows_of
 
 pytestmark = pytest.mark.quick
 
@@ -50,8 +49,7 @@ LAWS = [
 # Reference numbers
 
 
-with (Path(__file__).parents[1] / "tools" / "references" / "viscosity.csv").open() as file:
-    REFERENCE = list(csv.DictReader(file))
+REFERENCE = rows_of(REFERENCES / "viscosity.csv")
 
 
 @pytest.mark.parametrize("row", REFERENCE, ids=lambda row: f"{row['oil']}-{row['temperature']}")

@@ -1,9 +1,7 @@
 """Viscosity under pressure: reference numbers, what the laws share, ranges, and the choice as a scene makes it."""
 
-import csv
 import json
 import math
-from pathlib import Path
 from types import MappingProxyType
 
 import attrs
@@ -26,6 +24,7 @@ from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction.blend import LambdaBlend
 from strategies import NumpyForm, decades, evaluated, forms, law_of, or_zero
+from tabled import REFERENCES, rows_of
 
 pytestmark = pytest.mark.quick
 
@@ -43,11 +42,10 @@ FIVE_RINGS = Yasutomi(**ETHER | {"glass_temperature": 273.15 - 28.2})
 LAWS = [Barus(), Roelands(), FIVE_RINGS]
 every_law = pytest.mark.parametrize("law", forms(LAWS))
 
-with (Path(__file__).parents[1] / "tools" / "references" / "pressure_viscosity.csv").open() as file:
-    REFERENCES = [
-        (row["law"], *(float(row[key]) for key in ("temperature", "pressure", "viscosity", "thermoviscosity")))
-        for row in csv.DictReader(file)
-    ]
+READ = [
+    (row["law"], *(float(row[key]) for key in ("temperature", "pressure", "viscosity", "thermoviscosity")))
+    for row in rows_of(REFERENCES / "pressure_viscosity.csv")
+]
 
 
 def oil(law):
@@ -72,9 +70,9 @@ def conditions(law, temperature):
 @every_law
 def test_laws_give_the_reference_numbers(law):
     """Against 50 digits: ln(eta) is of order 30, so that its rounding alone moves eta by some 1e-14."""
-    rows = [row for row in REFERENCES if row[0] == law.name]
-    assert len(rows) >= 11
-    for _, T, p, viscosity, thermoviscosity in rows:
+    known = [row for row in READ if row[0] == law.name]
+    assert len(known) >= 11
+    for _, T, p, viscosity, thermoviscosity in known:
         slices = evaluated(law, conditions(law, T), pressure=p)
         np.testing.assert_allclose(slices.film_viscosity, viscosity, rtol=5e-14)
         np.testing.assert_allclose(slices.film_thermoviscosity, thermoviscosity, rtol=5e-14)
@@ -82,8 +80,8 @@ def test_laws_give_the_reference_numbers(law):
 
 def test_barus_and_roelands_differ_fourfold_at_0_4_gigapascals():
     """What a published comparison would be missing: at 30 degC the MIL-L-7808 laws are 4.5 apart."""
-    rows = {(law, T, p): eta for law, T, p, eta, _ in REFERENCES}
-    assert rows["barus", 303.15, 4e8] / rows["roelands", 303.15, 4e8] == pytest.approx(4.497, rel=1e-3)
+    known = {(law, T, p): eta for law, T, p, eta, _ in READ}
+    assert known["barus", 303.15, 4e8] / known["roelands", 303.15, 4e8] == pytest.approx(4.497, rel=1e-3)
 
 
 @pytest.mark.parametrize("pressure", [1e8, 4e8, 6e8])

@@ -1,8 +1,6 @@
 """Plane motion: against Lagrange's equations, closed solutions, the equilibrium, and its own ledger."""
 
-import csv
 import functools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,6 +28,7 @@ from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels import planar as planar_module
 from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
+from tabled import REFERENCES, numbers_of
 
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}
 TINY = 1e-30  # of a complex step: exact to rounding
@@ -748,9 +747,8 @@ def test_three_rollers_move_as_in_an_independent_program():
     # references/planar_exudyn.py: full geometry, bodies in space. What is left are small displacements against the
     # radii, 1e-4, and another smoothing of Coulomb's law at rest; they show most where the third roller parts from the
     # inner ring and floats.
-    with (Path(__file__).parents[1] / "tools" / "references" / "planar_exudyn.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    expected = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    written = numbers_of(REFERENCES / "planar_exudyn.csv")
+    expected = {name: np.array([row[name] for row in written]) for name in written[0]}
     scene = scene_of(3, cage=(("pocket_clearance", 1.0),), more=(("bearing.profile", "none"),))
     planar = motion(scene, coefficient=0.05, transition=1e-3, gravity=0.0, contact_damping=0.0)
     y = np.zeros(planar.system.n)

@@ -1,10 +1,8 @@
 """Where a cage runs away: against other solvers, the figures it was first seen with, and what is said where not."""
 
-import csv
 import functools
 import math
 import re
-from pathlib import Path
 
 import attrs
 import numpy as np
@@ -22,8 +20,7 @@ from rollslip.motion.torque_balance import Runaway, near_running_away, reserve, 
 from rollslip_kernels.slices import Slices
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
-
-REFERENCE = Path(__file__).parents[1] / "tools" / "references" / "runaway.csv"
+from tabled import REFERENCES, rows_of
 
 
 def bearing(name="1032930-50C", slices=15, instants=4, **changes):
@@ -36,8 +33,7 @@ def found(assembly, largest=0.95, **options):
     return runaway(balance, largest, "study.effective-friction.runaway_range")
 
 
-with REFERENCE.open(newline="", encoding="utf-8") as file:
-    ROWS = list(csv.DictReader(file))
+ROWS = rows_of(REFERENCES / "runaway.csv")
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[f"{row['scene']} {row['profile']}" for row in ROWS])

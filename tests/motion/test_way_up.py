@@ -1,8 +1,6 @@
 """The way up of the rollers: against a plain march, motion in time, and what must hold of it whatever the bearing."""
 
-import csv
 import math
-from pathlib import Path
 
 import attrs
 import numpy as np
@@ -18,8 +16,7 @@ from rollslip.motion.spins import place_of, slip_of
 from rollslip.motion.torque_balance import RANGE, rollers
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-
-REFERENCES = Path(__file__).parents[1] / "tools" / "references"
+from tabled import REFERENCES, rows_of
 
 
 def balance(name="1032930-50C", *, instants=2, inertia=True, effective=False, slices=6, **changes):
@@ -284,8 +281,7 @@ def test_a_place_is_that_of_its_slip():
 
 # In time -------------------------------------------------------------------------------------------------------------
 
-with (REFERENCES / "way_up_in_time.csv").open(newline="", encoding="utf-8") as file:
-    IN_TIME = [row for row in csv.DictReader(file) if row["agrees"]]
+IN_TIME = [row for row in rows_of(REFERENCES / "way_up_in_time.csv") if row["agrees"]]
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """What cannot be paid is refused at once, and what takes long is told before it is spent."""
 
-import csv
 from pathlib import Path
 
 import pytest
@@ -13,6 +12,7 @@ from rollslip.errors import SceneError
 from rollslip.planning.plan import LONG, duration, foreseen, plan, require_memory
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sweep import plan_sweep
+from tabled import TABLES, rows_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCENE = "1032930-70C"
@@ -55,8 +55,7 @@ def test_a_sweep_over_points_that_no_memory_holds_is_refused():
 
 def test_nine_of_ten_runs_take_half_to_twice_what_was_foreseen():
     """What `duration_range` says rests on the times of docs/scripts/plan_proof.py."""
-    with (DOCS / "tables" / "plan_proof.csv").open(newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["actual [s]"]]
+    rows = [row for row in rows_of(TABLES / "plan_proof.csv") if row["actual [s]"]]
     ratios = [float(row["actual [s]"]) / float(row["estimated [s]"]) for row in rows]
     assert len(ratios) == 200
     assert sum(0.5 <= ratio <= 2.0 for ratio in ratios) >= 180

@@ -1,6 +1,5 @@
 """The catalogue of cylindrical roller bearings: names, boundary dimensions, and what is estimated of the inside."""
 
-import csv
 import statistics
 import sys
 from pathlib import Path
@@ -16,9 +15,9 @@ from rollslip.planning.plausibility import implausible
 from rollslip.planning.scatter import with_scatter
 from rollslip.scene.reading import parse_scene
 from rollslip_plugins.data.cylindrical import CATALOGUE, RULES
+from tabled import REFERENCES, rows_of
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "bearing_catalogue.csv"
-REFERENCES = Path(__file__).parents[1] / "tools" / "references"
 sys.path.insert(0, str(REFERENCES))
 from catalogue_ratings import ratios  # noqa: E402
 
@@ -188,8 +187,7 @@ def test_insides_that_others_print_are_met_within_one_roller(name, rollers, diam
 
 
 def test_the_scatter_of_each_rule_is_that_of_the_table_of_errors():
-    with TABLE.open(newline="") as file:
-        rows = {row["series"]: row for row in csv.DictReader(file)}
+    rows = {row["series"]: row for row in rows_of(TABLE)}
     assert rows.keys() == RULES.keys()
     for series, rule in RULES.items():
         deviation = float(rows[series]["scatter, %"])

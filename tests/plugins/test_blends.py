@@ -1,8 +1,5 @@
 """Rival blends: the share that asperities carry, against quadrature and printed numbers; compiled and NumPy alike."""
 
-import csv
-from pathlib import Path
-
 import attrs
 import mpmath
 import numpy as np
@@ -27,11 +24,9 @@ from rollslip_plugins.traction.blend import (
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from strategies import NumpyForm, decades, evaluated, films, forms, law_of
+from tabled import REFERENCES, numbers_of
 
-REFERENCE = Path(__file__).parents[1] / "tools" / "references" / "greenwood_tripp.csv"
-WITH_INTEGRAL = [
-    {key: float(value) for key, value in row.items()} for row in csv.DictReader(REFERENCE.read_text().splitlines())
-]
+WITH_INTEGRAL = numbers_of(REFERENCES / "greenwood_tripp.csv")
 NOT_YET = {"boundary": Constant(coefficient=1.0), "hydrodynamic": Constant(coefficient=5e-324)}  # friction is the share
 ONLY_FILM = {"boundary": Constant(coefficient=5e-324), "hydrodynamic": Constant(coefficient=1.0)}  # that of the film
 

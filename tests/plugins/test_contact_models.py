@@ -3,7 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import dblquad, quad
 
@@ -126,7 +126,18 @@ def test_stiffness_is_the_derivative_of_the_load(model, approach, length):
     assert deflected(model, approach, length=length).stiffness[0] == pytest.approx(slope, rel=5e-12)
 
 
-def check_forms_agree(model, approach, length, radius, modulus):
+anything = given(
+    approach=st.one_of(decades(-12, -3), decades(-320, -12), decades(-12, -3).map(lambda x: -x), st.just(0.0)),
+    length=decades(-3, 0),
+    radius=decades(-4, 0),
+    modulus=decades(8, 12),
+)
+every_law = pytest.mark.parametrize("model", [pytest.param(m, id=f"{i}-{m.name}") for i, m in enumerate(DEFLECTIONS)])
+
+
+@every_law
+@anything
+def test_compiled_and_numpy_agree(model, approach, length, radius, modulus):
     results = []
     for form in (model, NumpyForm(model)):
         try:
@@ -143,29 +154,6 @@ def check_forms_agree(model, approach, length, radius, modulus):
     steepest = float(np.max(slope * approach / np.where(expected > 0, expected, np.inf), initial=0.0))
     np.testing.assert_allclose(load, expected, rtol=max(1e-12, 1e-14 * steepest), atol=1e-300)
     np.testing.assert_allclose(stiffness, slope, rtol=max(1e-12, 1e-14 * steepest**2), atol=1e-300)
-
-
-anything = given(
-    approach=st.one_of(decades(-12, -3), decades(-320, -12), decades(-12, -3).map(lambda x: -x), st.just(0.0)),
-    length=decades(-3, 0),
-    radius=decades(-4, 0),
-    modulus=decades(8, 12),
-)
-every_law = pytest.mark.parametrize("model", [pytest.param(m, id=f"{i}-{m.name}") for i, m in enumerate(DEFLECTIONS)])
-
-
-@every_law
-@anything
-def test_compiled_and_numpy_agree(model, approach, length, radius, modulus):
-    check_forms_agree(model, approach, length, radius, modulus)
-
-
-@pytest.mark.slow
-@every_law
-@settings(max_examples=5000)
-@anything
-def test_compiled_and_numpy_agree_long(model, approach, length, radius, modulus):
-    check_forms_agree(model, approach, length, radius, modulus)
 
 
 @pytest.mark.parametrize("model", forms(MODELS))

@@ -1,8 +1,6 @@
 """Measures of damage: against numbers by hand, mpmath, limits, and heat parted point by point."""
 
-import csv
 import math
-from pathlib import Path
 
 import attrs
 import numpy as np
@@ -19,11 +17,11 @@ from rollslip_plugins.damage.flash import ContactTemperature, FlashTemperature
 from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
 from rollslip_plugins.damage.scuffing import ScuffingAgma, ScuffingIso
 from rollslip_plugins.damage.sliding import FilmParameter, PassEnergy, PowerDensity
+from tabled import REFERENCES, rows_of
 
 pytestmark = pytest.mark.quick
 
-WRITTEN = (Path(__file__).parents[1] / "tools" / "references" / "flash_temperature.csv").read_text(encoding="utf-8")
-ROWS = list(csv.DictReader(WRITTEN.splitlines()))
+ROWS = rows_of(REFERENCES / "flash_temperature.csv")
 STEEL = Material()
 EFFUSIVITY = (STEEL.thermal_conductivity * STEEL.density * STEEL.specific_heat) ** 0.5
 DIFFUSIVITY = STEEL.thermal_conductivity / (STEEL.density * STEEL.specific_heat)

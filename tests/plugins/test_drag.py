@@ -1,10 +1,8 @@
 """Drags: torques on the cage and resistances to rolling, against quadrature, closed solutions and a solved film."""
 
-import csv
 import ctypes
 import math
 import pickle
-from pathlib import Path
 
 import attrs
 import numpy as np
@@ -26,19 +24,13 @@ from rollslip_plugins.drag.rolling import ELASTIC, RIGID, Hysteresis, RollingRes
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
 from rollslip_plugins.film.line_contact import solve_line_contact
 from strategies import NumpyForm
+from tabled import REFERENCES, numbers_of
 
 STEEL = Conditions(
     radius=0.006875, modulus=2.2857e11, viscosity=8.58e-3, pressure_viscosity=10.74e-9, length=0.015,
     thermoviscosity=0.03, conductivity=0.15,
 )  # fmt: skip
-FILMS = [
-    {name: float(value) for name, value in row.items()}
-    for row in csv.DictReader(
-        (Path(__file__).parents[1] / "tools" / "references" / "rolling_resistance.csv")
-        .read_text(encoding="utf-8")
-        .splitlines()
-    )
-]
+FILMS = numbers_of(REFERENCES / "rolling_resistance.csv")
 #: The law alone, in an inlet that is cold and full.
 COLD = RollingResistance(inlet_heating="none")
 WHOLE = RollingResistance(inlet_heating="none", extent="film")

@@ -1,9 +1,7 @@
 """Heated and starved inlets: the factors against printed formulas and a numerical inlet; compiled and NumPy alike."""
 
-import csv
 import itertools
 import json
-from pathlib import Path
 from types import MappingProxyType
 
 import attrs
@@ -22,11 +20,9 @@ from rollslip.testing import Conformance
 from rollslip_plugins.film.corrections import InletCorrection
 from rollslip_plugins.film.formulas import Moes, PanHamrock, Regime
 from strategies import NumpyForm, decades, forms, law_of, or_zero
+from tabled import REFERENCES, numbers_of
 
-REFERENCE = Path(__file__).parents[1] / "tools" / "references" / "film_corrections.csv"
-INLET = [
-    {key: float(value) for key, value in row.items()} for row in csv.DictReader(REFERENCE.read_text().splitlines())
-]
+INLET = numbers_of(REFERENCES / "film_corrections.csv")
 
 MURCH_WILSON, GUPTA = InletCorrection(), InletCorrection(thermal="gupta")
 every_law = pytest.mark.parametrize("model", forms([MURCH_WILSON, GUPTA]))

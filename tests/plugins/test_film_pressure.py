@@ -1,8 +1,6 @@
 """The pressure in a film against numerical line contacts, its limits, and what rests on it in a bearing."""
 
-import csv
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +15,8 @@ from rollslip.scene.reading import parse_scene
 from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.film_pressure import LOADS, LUBRICANTS, SOLVED
 from scene_samples import scene_with
+from tabled import REFERENCES, numbers_of
 
-REFERENCES = Path(__file__).parents[1] / "tools" / "references"
 STEEL = {"radius": 0.01, "modulus": 2e11, "viscosity": 0.01}
 SPEED = 20.0
 Us = 2 * 0.01 * SPEED / (2e11 * 0.01)
@@ -39,12 +37,7 @@ def ratio(M, L, compiled=True):
     return filled(M, L, compiled=compiled).pressure / hertz
 
 
-def rows():
-    with (REFERENCES / "light_contacts.csv").open(encoding="utf-8") as file:
-        return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
-
-
-REFERENCE = rows()
+REFERENCE = numbers_of(REFERENCES / "light_contacts.csv")
 
 
 def test_the_ratio_is_that_of_finite_volumes():

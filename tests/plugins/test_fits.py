@@ -1,8 +1,5 @@
 """Fits of ISO 286 with bearings of class Normal: against printed limits, the standard's formula, and rules of it."""
 
-import csv
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,9 +8,12 @@ from rollslip.catalogue.discovery import find, get_class
 from rollslip.datasets import FitData
 from rollslip.errors import UnknownNameError
 from rollslip_plugins.data.fits import FITS, GRADES, deviations
+from tabled import REFERENCES, rows_of
 
-with (Path(__file__).parents[1] / "tools" / "references" / "iso_286.csv").open(newline="") as file:
-    PRINTED = [(r["class"], int(r["to_mm"]), float(r["lower_um"]), float(r["upper_um"])) for r in csv.DictReader(file)]
+PRINTED = [
+    (row["class"], int(row["to_mm"]), float(row["lower_um"]), float(row["upper_um"]))
+    for row in rows_of(REFERENCES / "iso_286.csv")
+]
 STEPS = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000)
 
 

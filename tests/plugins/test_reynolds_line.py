@@ -1,6 +1,5 @@
 """The solved line contact against closed forms, another discretisation, published limits, and its own equations."""
 
-import csv
 import math
 import threading
 from itertools import pairwise
@@ -21,16 +20,12 @@ from rollslip_plugins.film.line_contact import LOCATIONS, solve_line_contact
 from rollslip_plugins.film.reynolds_line import ReynoldsLine
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from strategies import evaluated
+from tabled import REFERENCES, rows_of
 
-HERE = Path(__file__).parents[1]
-TABLES = HERE.parents[0] / "docs" / "tables"
+DOCS = Path(__file__).parents[2] / "docs"
+TABLES = DOCS / "tables"
 RADIUS, MODULUS, SPEED, VISCOSITY = 0.006875, 2.2857e11, 25.0, 0.01
 US = 2 * VISCOSITY * SPEED / (MODULUS * RADIUS)
-
-
-def rows(path):
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 def dimensional(M, L):
@@ -41,9 +36,7 @@ def dimensional(M, L):
 # Against other solutions ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "row", rows(HERE / "tools" / "references" / "reynolds_line.csv"), ids=lambda row: f"{row['M']}-{row['L']}"
-)
+@pytest.mark.parametrize("row", rows_of(REFERENCES / "reynolds_line.csv"), ids=lambda row: f"{row['M']}-{row['L']}")
 def test_films_are_those_of_finite_volumes(row):
     """tests/tools/references/reynolds_line.py: fixed grid, complementarity, constant pressure in each cell."""
     contact = solve_line_contact(float(row["M"]), float(row["L"]), accuracy=2e-5)
@@ -54,7 +47,7 @@ def test_films_are_those_of_finite_volumes(row):
 
 
 @pytest.mark.parametrize(
-    "row", rows(HERE / "tools" / "references" / "reynolds_line_rigid.csv")[:-1], ids=lambda row: row["share_of_limit"]
+    "row", rows_of(REFERENCES / "reynolds_line_rigid.csv")[:-1], ids=lambda row: row["share_of_limit"]
 )
 def test_a_light_load_makes_it_a_rigid_contact(row):
     """Elasticity is worth M^2 here, 1e-8, as long as the pressure is away from its logarithmic peak."""
@@ -67,7 +60,7 @@ def test_a_light_load_makes_it_a_rigid_contact(row):
 
 def test_the_rigid_limits_are_those_of_martin_and_blok():
     """hhat = 4.89497, H M = 3, and hhat = 1.66630 gV^(2/3) where the reduced pressure reaches 1/alpha."""
-    first, *_, last = rows(HERE / "tools" / "references" / "reynolds_line_rigid.csv")
+    first, *_, last = rows_of(REFERENCES / "reynolds_line_rigid.csv")
     assert float(first["hhat_minimum"]) == pytest.approx(4.89497, abs=5e-6)
     assert float(first["hhat_zero_gradient"]) / 2 == pytest.approx(3.0, abs=1e-8)
     assert float(last["hhat_minimum"]) / float(last["gV"]) ** (2 / 3) == pytest.approx(1.66630, abs=5e-6)
@@ -390,7 +383,7 @@ CELLS = [(0.5, 15.0), (2.0, 10.0), (20.0, 0.0)]
 
 @pytest.mark.parametrize(("M", "L"), CELLS)
 def test_the_error_map_is_what_the_models_give(M, L):
-    row = next(row for row in rows(TABLES / "film_error.csv") if (float(row["M"]), float(row["L"])) == (M, L))
+    row = next(row for row in rows_of(TABLES / "film_error.csv") if (float(row["M"]), float(row["L"])) == (M, L))
     speeds = (L / (10.74e-9 * MODULUS)) ** 4 if L else 1e-11
     given = [M * math.sqrt(speeds) * MODULUS * RADIUS, speeds / 2 * MODULUS * RADIUS / 0.01, RADIUS, MODULUS, 0.01]
     given.append(10.74e-9 if L else 0.0)
@@ -405,9 +398,9 @@ def test_the_error_map_is_what_the_models_give(M, L):
 
 
 def test_the_page_quotes_its_tables():
-    page = " ".join((HERE.parents[0] / "docs" / "trust" / "film_reference.rst").read_text(encoding="utf-8").split())
-    for row in rows(TABLES / "film_error_ranges.csv"):
+    page = " ".join((DOCS / "trust" / "film_reference.rst").read_text(encoding="utf-8").split())
+    for row in rows_of(TABLES / "film_error_ranges.csv"):
         if row["formula"] in ("moes", "regime", "dowson-1968", "martin"):
             assert f"{row['M 0.5 to 3, L 8 to 15'].replace('-', '−')} %" in page, row["formula"]
-    worst = rows(TABLES / "film_error_ranges.csv")[-1]["all of the map"]
+    worst = rows_of(TABLES / "film_error_ranges.csv")[-1]["all of the map"]
     assert f"{worst.replace('-', '−')} % over the whole map" in page

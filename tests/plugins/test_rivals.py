@@ -1,6 +1,5 @@
 """The rival traction laws: against the equations they solve, published limits, and their own compiled form."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +21,7 @@ from rollslip_plugins.traction.measured import KRAGELSKY, Gupta, Tabulated
 from rollslip_plugins.traction.shear_thinning import Carreau, LimitingShear
 from rollslip_plugins.traction.thermal_couette import EyringThermal, NewtonianThermal
 from strategies import NumpyForm, decades, evaluated, films, forms, law_of, or_zero, signed
+from tabled import REFERENCES, rows_of
 
 HEATED = [
     Carreau(),
@@ -50,8 +50,7 @@ class TestOtherParameters(Conformance):
 
 ETA, H, P, U, B, BETA = 2.0, 4e-7, 5e8, 20.0, 1e-4, 0.05
 
-with (Path(__file__).parents[1] / "tools" / "references" / "rivals.csv").open() as file:
-    ROWS = list(csv.DictReader(file))
+ROWS = rows_of(REFERENCES / "rivals.csv")
 
 
 def film_of(row):

@@ -1,6 +1,5 @@
 """The integrated traction field against the method of lines, exact solutions and its own refinement."""
 
-import csv
 import re
 from pathlib import Path
 
@@ -24,8 +23,8 @@ from rollslip_plugins.traction.field import (
     stress_on_grid,
 )
 from rollslip_plugins.traction.stress import maxwell_eyring_stress
+from tabled import REFERENCES, cell, rows_of
 
-REFERENCES = Path(__file__).parents[1] / "tools" / "references"
 DOCS = Path(__file__).parents[2] / "docs"
 
 # A contact of a fast roller bearing at 30 degC.
@@ -45,11 +44,6 @@ CONTACT = {"half_width": 5.14e-5, "pressure": 3.36e8, "film_thickness": 1.465e-6
 def contact(speed, oil=OIL, **changes):
     speed = np.atleast_1d(np.asarray(speed, dtype=float))
     return Slices(speed.size, oil, sliding_speed=speed, **(CONTACT | changes))
-
-
-def rows(path):
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 # A contact with given groups: unit viscosity at the mean pressure.
@@ -86,7 +80,7 @@ def stress_of(slices, **told):
 
 # The method of lines -------------------------------------------------------------------------------------------------
 
-LINES = rows(REFERENCES / "traction_field.csv")
+LINES = rows_of(REFERENCES / "traction_field.csv")
 
 
 def of_lines(row):
@@ -129,7 +123,7 @@ def test_temperatures_are_those_of_the_method_of_lines(row):
 
 # The closed forms it must reproduce ----------------------------------------------------------------------------------
 
-FIFTY_DIGITS = rows(REFERENCES / "maxwell_eyring.csv")
+FIFTY_DIGITS = rows_of(REFERENCES / "maxwell_eyring.csv")
 
 
 @pytest.mark.parametrize("cells", [1, pytest.param(5, marks=pytest.mark.slow)])
@@ -466,12 +460,6 @@ def test_the_inside_of_a_contact():
 PAGE = " ".join((DOCS / "trust" / "traction_reference.rst").read_text(encoding="utf-8").split())
 
 
-def cell(table, column, **where):
-    found = [r for r in rows(DOCS / "tables" / f"{table}.csv") if all(r[key] == value for key, value in where.items())]
-    assert len(found) == 1, (table, where)
-    return found[0][column]
-
-
 def off(case, slip, column):
     return cell("traction_field_parts", column, case=case, slip_percent=slip).lstrip("+-")
 
@@ -513,7 +501,7 @@ def test_numbers_on_the_page_are_those_of_its_tables(sentence):
 
 def column(table, name, **where):
     """Return the numbers of a column, of the rows that are so."""
-    found = rows(DOCS / "tables" / f"{table}.csv")
+    found = rows_of(DOCS / "tables" / f"{table}.csv")
     return np.array([float(r[name]) for r in found if r[name] and all(r[k] == v for k, v in where.items())])
 
 

@@ -1,7 +1,6 @@
 """What models were made for, and the warnings where a result left it."""
 
 import ast
-import csv
 import json
 import math
 from collections import Counter
@@ -43,6 +42,7 @@ from rollslip_plugins.pressure_viscosity import Barus, Roelands
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 from rollslip_studies.effective_friction.study import EffectiveFriction
+from tabled import rows_of
 
 TABLES = Path(__file__).parents[2] / "docs" / "tables"
 PAPER = load_scene("1032930-70C")
@@ -81,8 +81,7 @@ def test_every_bound_of_the_box_has_a_code_of_its_own():
 
 
 def rows(name):
-    with (TABLES / f"{name}.csv").open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return rows_of(TABLES / f"{name}.csv")
 
 
 def bound(model, name):

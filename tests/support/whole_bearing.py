@@ -4,9 +4,7 @@ For tests/motion/test_whole_bearing.py and docs/scripts/whole_bearing.py; tests/
 has the same numbers again.
 """
 
-import csv
 import functools
-from pathlib import Path
 
 import numpy as np
 
@@ -16,6 +14,7 @@ from rollslip_kernels.motion.rosenbrock import DormandPrince
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
+from tabled import REFERENCES, rows_of
 
 SCENE = load_scene("1032930-50C")
 NINE = {
@@ -86,13 +85,13 @@ def left_out(name):
 @functools.cache
 def reference(name, level):
     """Columns of the reference, (rows,) or by roller (rows, shown)."""
-    with (Path(__file__).parents[1] / "tools" / "references" / "whole_bearing_exudyn.csv").open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if (row["bearing"], row["level"]) == (name, level)]
+    every = rows_of(REFERENCES / "whole_bearing_exudyn.csv")
+    of_both = [row for row in every if (row["bearing"], row["level"]) == (name, level)]
     columns = {}
-    for key in rows[0]:
-        if key in ("bearing", "level") or not rows[0][key]:
+    for key in of_both[0]:
+        if key in ("bearing", "level") or not of_both[0][key]:
             continue
-        values = np.array([float(row[key]) for row in rows])
+        values = np.array([float(row[key]) for row in of_both])
         kind, _, number = key.rpartition("_")
         if number.isdigit():
             columns.setdefault(kind, []).append(values)

@@ -1,6 +1,5 @@
 """Every hard case on every model, study and part of the mechanics it is about; that none is skipped; lost digits."""
 
-import csv
 from pathlib import Path
 
 import pytest
@@ -8,6 +7,7 @@ import pytest
 from hard_cases import CASES, LOSSES, MECHANICS, STRESS_LAWS, is_slow, subjects, why_not
 from rollslip import available
 from rollslip_plugins.traction import stress
+from tabled import rows_of
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "hard_cases.csv"
 ROUNDING = 1.2e-16
@@ -77,8 +77,7 @@ def test_every_pair_is_run_or_has_a_reason():
 
 
 def test_the_table_of_the_documentation_holds_every_pair():
-    with TABLE.open(newline="", encoding="utf-8") as file:
-        rows = [(row["case"], name) for row in csv.DictReader(file) for name in row["models"].split(", ")]
+    rows = [(row["case"], name) for row in rows_of(TABLE) for name in row["models"].split(", ")]
     listed = {(case, name) for case, name in rows}
     assert len(listed) == len(rows)
     run = {(case.name, subject.name) for case, subject in PAIRS}
