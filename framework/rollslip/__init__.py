@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rollslip.results.dataset import open_result as open_result
     from rollslip.results.figures import plot as plot
     from rollslip.results.figures import report as report
+    from rollslip.results.table import table as table
     from rollslip.scene.changes import evolve as evolve
     from rollslip.scene.reading import load_scene as load_scene
     from rollslip_campaigns.comparison import ComparisonSettings
@@ -65,6 +66,7 @@ _HOMES = {
     "register": "rollslip.catalogue.session",
     "report": "rollslip.results.figures",
     "run": "rollslip.planning.execution",
+    "table": "rollslip.results.table",
 }
 #: Functions of campaigns that are promised; they are found as those of strangers are.
 _CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")

@@ -16,7 +16,7 @@ from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import account_of
-from rollslip.results.table import table
+from rollslip.results.table import sheet
 from rollslip_campaigns.limit import LimitSettings, findings
 from rollslip_campaigns.limit.limit import RESULT, of_the_worst, run_limit
 from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement
@@ -89,7 +89,7 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
     (kept,), (beyond,) = found.edge_kept.values, found.edge_passed.values
     assert results[beyond] < 60e-6 <= results[kept]
     assert 1.0 < beyond / kept < 1.01 + 1e-9
-    head, rows = table(found)
+    head, rows = sheet(found)
     assert head[:3] == ["bearing.roller_length [mm]", "half_width [um]", "kept"]
     np.testing.assert_allclose([row[:2] for row in rows], [[1e3 * x, 1e6 * y] for x, y in results.items()], rtol=1e-11)
     assert [row[2] for row in rows] == ["yes" if y >= 60e-6 else "no" for y in results.values()]

@@ -21,7 +21,7 @@ from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import account_of
 from rollslip.results.figures import save_plots
-from rollslip.results.table import table
+from rollslip.results.table import sheet
 from rollslip.results.words import two
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
@@ -142,7 +142,7 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
     assert told.sel(probability=[0.1, 0.5]).to_numpy() == pytest.approx(slips, rel=1e-12)
     assert found.allowable_slip == told.sel(probability=0.1)
     assert found.margin == 1.0
-    rows = {row[0]: dict(zip(head, row, strict=True)) for head, body in [table(found)] for row in body}
+    rows = {row[0]: dict(zip(head, row, strict=True)) for head, body in [sheet(found)] for row in body}
     away, drag = rows["slip of running away"], rows["drag of running away"]
     assert away["median"] == pytest.approx(100.0 * slips[1], rel=1e-11)
     assert [away[name] for name in ("unit", "bound", "samples", "beyond the range", "without a value")] == [
@@ -187,7 +187,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     one = found.sel(quantity="slip of running away")
     assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
     assert "4 of 64 points are crashed; they count as the worst and as the best" in found.attrs["warnings"]
-    head, rows = table(found)
+    head, rows = sheet(found)
     assert head[-2:] == ["beyond the range", "without a value"]
     assert next(row[-2:] for row in rows if row[0] == "slip of running away") == [1, 4]
     whole = np.where(np.isnan(slips), np.inf, slips)

@@ -9,6 +9,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import rollslip
+from architecture import ROOT
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.execution import execute
@@ -103,6 +104,26 @@ def test_info_is_that_of_the_command(result, tmp_path):
     assert str(rollslip.info(tmp_path / "result.nc")) == str(rollslip.info(result)) == said.stdout.rstrip()
     assert "installation" in rollslip.info()
     assert "<pre>" in rollslip.info()._repr_html_()
+
+
+def test_the_notebook_of_the_lecture_has_ten_lines_and_each_cell_shows_something(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    cells = json.loads((ROOT / "docs" / "examples" / "lecture.ipynb").read_text(encoding="utf-8"))["cells"]
+    lines = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    names, pages = dict[str, object](), []
+    for line in lines:
+        if re.match(r"import |\w+ = ", line):
+            exec(line, names)
+        else:
+            pages.append(eval(line, names)._repr_html_())
+    assert len(lines) == 10
+    plan, result, figures, swept, table, compared = pages
+    assert "the scene names it" in plan
+    assert "<strong>SLIPS</strong>" in result
+    assert figures.count("<figure>") >= 3
+    assert swept.count("<figure>") >= 1
+    assert all(head in table for head in ("operation.radial_load [kN]", "steady_slip [%]", "friction_torque"))
+    assert all(oil in compared for oil in ("iso-vg-68", "iso-vg-220"))
 
 
 def test_an_argument_that_there_is_not_is_told_with_those_that_there_are():

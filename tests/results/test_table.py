@@ -11,7 +11,7 @@ from click.testing import CliRunner
 import rollslip
 from rollslip.cli.main import cli
 from rollslip.results.account import answer
-from rollslip.results.table import table
+from rollslip.results.table import sheet
 from rollslip.units import quantity
 
 
@@ -25,7 +25,7 @@ def swept():
 
 def test_a_run_has_the_rows_of_its_answer():
     result = rollslip.run("gearbox", "steady-slip")
-    head, rows = table(result)
+    head, rows = sheet(result)
     for row, (label, value, unit, low, high, text, remark) in zip(answer(result).rows, rows, strict=True):
         assert (label, text, remark) == (row.label, row.text, row.note)
         scale = 0.01 if unit == "%" else 1.0 if unit == "" else quantity(f"1 {unit}", row.unit)
@@ -36,7 +36,7 @@ def test_a_run_has_the_rows_of_its_answer():
 
 
 def test_many_points_have_a_row_each_in_people_s_units(swept):
-    head, rows = table(swept)
+    head, rows = sheet(swept)
     assert head[:2] == ["operation.inner_speed [rpm]", "operation.temperature [degC]"]
     assert [row[:2] for row in rows] == [[n, t] for n in (500.0, 1500.0) for t in (60.0, 80.0, 100.0)]
     slip = [row[head.index("steady_slip [%]")] for row in rows]
@@ -45,11 +45,17 @@ def test_many_points_have_a_row_each_in_people_s_units(swept):
     assert {row[head.index("status")] for row in rows} == {"ok"}
 
 
+def test_in_python_a_table_is_one_of_pandas(swept):
+    made, (head, rows) = rollslip.table(swept), sheet(swept)
+    assert list(made.columns) == head
+    assert made["steady_slip [%]"].to_list() == [row[head.index("steady_slip [%]")] for row in rows]
+
+
 def test_what_is_not_known_is_an_empty_cell_and_a_curve_stays_in_its_file():
     status = xr.DataArray(["ok", "failed"], dims="point")
     value = xr.DataArray([0.25, np.nan], dims="point", attrs={"units": "m"})
     curve = xr.DataArray(np.ones((2, 50)), dims=("point", "x"))
-    assert table(xr.Dataset({"status": status, "value": value, "curve": curve})) == (
+    assert sheet(xr.Dataset({"status": status, "value": value, "curve": curve})) == (
         ["status", "value [mm]"],
         [["ok", 250.0], ["failed", None]],
     )

@@ -21,27 +21,45 @@ from rollslip.results.words import in_percent
 from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
-__all__ = ["FORMATS", "in_people_s_unit", "of_points", "save_tables", "table"]
+__all__ = ["FORMATS", "in_people_s_unit", "of_points", "save_tables", "sheet", "table"]
 
 #: Values of one variable at a point that have a column each, at most; more are curves, which stay in the .nc file.
 _COLUMNS: Final = 12
 
 
-def table(*results: "xr.Dataset") -> Sheet:
-    """Return head and rows of results: of a run those of its answer, of many points a row each.
+def table(*results: "xr.Dataset") -> "pd.DataFrame":
+    """Return results as a table, in people's units: of a run the rows of its answer, of many points a row each.
+
+    Parameters
+    ----------
+    *results : xarray.Dataset
+        Result of a campaign, or those of one run.
+
+    Returns
+    -------
+    pandas.DataFrame
+        What ``--format csv`` writes; units stand in the heads of columns, or in one of their own.
 
     Examples
     --------
     >>> import rollslip
-    >>> head, rows = table(rollslip.run("gearbox", "steady-slip"))
-    >>> head[:3], rows[0][0], rows[0][2]
-    (['quantity', 'value', 'unit'], 'cage slip', '%')
+    >>> rollslip.table(rollslip.run("gearbox", "steady-slip")).loc[0, ["quantity", "in words"]].to_list()
+    ['cage slip', '1.5 %']
     """
+    import pandas as pd  # which xarray brings
+
+    head, rows = sheet(*results)
+    return pd.DataFrame(rows, columns=head)
+
+
+def sheet(*results: "xr.Dataset") -> Sheet:
+    """Return head and rows of results, as `table` has them."""
     (first, *_) = results
-    for sheet in account_of(first).sheets(first).values():
-        return sheet
+    for own in account_of(first).sheets(first).values():
+        return own
     return of_points(first) if _has_points(first) else _of_answer(results)
 
 
@@ -50,7 +68,7 @@ def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iter
     found = {f"{name}{more}": of for name, one in results.items() for more, of in account_of(one).sheets(one).items()}
     found |= {name: of_points(one) for name, one in results.items() if _has_points(one) and name not in found}
     written = []
-    for name, of in (found or {"answer": table(*results.values())}).items():
+    for name, of in (found or {"answer": sheet(*results.values())}).items():
         for ending in formats:
             path = folder / f"{name}.{ending}"
             with whole_file(path) as partial:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Sheet, Table
-from rollslip.results.table import table
+from rollslip.results.table import sheet
 from rollslip.results.words import plain, two
 from rollslip_campaigns.sweep import findings
 
@@ -30,12 +30,12 @@ class SweepAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each point, if there are not too many to read."""
-        return few_points(table(dataset), set(findings.axes(dataset).values()))
+        return few_points(sheet(dataset), set(findings.axes(dataset).values()))
 
 
-def few_points(sheet: Sheet, varied: Collection[str]) -> list[Table]:
+def few_points(of: Sheet, varied: Collection[str]) -> list[Table]:
     """Return the rows of a spreadsheet as people read them, without how points ended, if there are not too many."""
-    head, rows = sheet
+    head, rows = of
     words = {"status", "message", "seconds"}
     kept = [k for k, name in enumerate(head) if not name.endswith("status") and name.partition(" [")[0] not in words]
     if len(rows) > _POINTS or not len(varied) < len(kept) <= _COLUMNS:
