@@ -231,6 +231,8 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     )
     assert record(found)["allowable_slip"] == {"value": None, "low": None, "high": None, "status": first}
     assert not any(word in text for text in [*sentences(found), *said] for word in ("inf", "nan", "at most more"))
+    printed, _ = account_of(found).tables(found)
+    assert [row[0] for row in printed.rows] == ["peak friction, inner ring", "peak friction, outer ring"]
     files = save_plots(found, tmp_path)
     assert [path.name for path in files] == ["uncertainty.svg"], "no figure of indices that are not there"
     assert f"slip of running away: all {count} samples beyond the range or without end" in _words(files[0])

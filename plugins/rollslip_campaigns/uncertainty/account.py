@@ -31,6 +31,7 @@ class UncertaintyAccount(Account):
         shown = [
             [f"{name} [{unit}]" if unit else name, told(middle), told(low, high), f"{sure} {told(bound)}", told(*ends)]
             for name, unit, middle, low, high, sure, bound, *ends, _, _, _ in rows
+            if any(value is not None for value in (middle, low, high, bound, *ends))
         ]
         decides = [[name, *("-" if rank is None else f"{rank:+.2f}" for rank in of)] for name, *of in ranks]
         of = [name.removeprefix(findings.RANKED) for name in inputs]

@@ -76,8 +76,8 @@ def sheets(dataset: "xr.Dataset") -> dict[str, Sheet]:
     the order of how much they decide about the first quantity, by rank correlation.
     """
     p, units = float(dataset.attrs["probability"]), json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
-    head = ["quantity", "unit", "median", "5 %", "95 %", "bound", f"with probability {p:g}", "its 95 % interval, low",
-            "its 95 % interval, high", "samples", "beyond the range", "without a value"]  # fmt: skip
+    head = ["quantity", "unit", "median", "5 %", "95 %", "bound", f"with probability {p:g}", "95 % interval from",
+            "95 % interval to", "samples", "beyond the range", "without a value"]  # fmt: skip
     rows = list[list[Any]]()
     for name in map(str, dataset["quantity"].to_numpy()):
         most = name in (STEADY, LOAD)
