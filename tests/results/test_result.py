@@ -42,6 +42,14 @@ def test_it_is_the_dataset_of_the_first_study_and_holds_all(scene, result):
     assert result.studies["steady-slip"].steady_slip.attrs["units"] == "1"
 
 
+def test_what_was_interrupted_is_the_last_study_that_ran(scene, monkeypatch):
+    def interrupted(plan, study, **options):
+        return execute(plan, study, **options).assign_attrs(outcome="interrupted")
+
+    monkeypatch.setattr("rollslip.planning.execution.execute", interrupted)
+    assert list(rollslip.run(scene).studies) == ["effective-friction"]
+
+
 def test_answer_notes_and_figures_are_those_of_all_studies(result):
     studies = [one.to_dataset() for one in result.studies.values()]
     assert result.answer == rollslip.answer(*studies)

@@ -72,6 +72,8 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
     for name in made.studies:
         with progress_in_notebook(name, made.seconds_of(name)) as show:
             found[name] = execute(made, name, progress=show)
+        if found[name].attrs.get("outcome") == "interrupted":
+            break
     first = next(iter(found))
     for name in {first, *(row.by for row in answer(*found.values()).rows if row.key == "cage_slip" and row.by)}:
         found[name] = made.studies[name].with_bands(made.scene, found[name])
