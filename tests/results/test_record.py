@@ -60,6 +60,12 @@ def test_units_are_those_of_the_variables():
     assert (units["losses"], units["cage_slip"]) == ("W", "1")
 
 
+def test_what_a_table_counts_and_compares_has_a_unit_each():
+    told = with_units({"points": 4, "told": ["as text"], "errors": {"friction": {"known": 3, "median": 0.01}}})
+    assert told["units"] == {"points": "1", "known": "1", "errors": "1"}
+    assert list(without_units(told)) == []
+
+
 def test_a_count_beside_a_value_with_a_unit_has_its_own():
     swept = rollslip.sweep("1032930-70C", {"load": ["1 kN", "2 kN"]}, study="friction-curve", output=["half_width"])
     width = next(iter(with_units(account_of(swept).record(swept), swept)["outputs"].values()))

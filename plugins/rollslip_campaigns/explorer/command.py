@@ -17,6 +17,7 @@ from rollslip_campaigns.explorer import ExplorerSettings
 @json_option
 def _explore(asked: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool) -> None:
     from rollslip.errors import OutputError
+    from rollslip.results.account import with_units
     from rollslip.results.report import is_report
     from rollslip_campaigns.explorer.page import library
 
@@ -33,7 +34,7 @@ def _explore(asked: ExplorerSettings, about: str, out: Path | None, overwrite: b
     with progress("explore") as show, TemporaryDirectory() as folder:
         found = asked.run(planned, Path(folder), show, lambda text: None)
     if as_json:
-        print_json({"scene": about, "file": str(target), **found})
+        print_json({"scene": about, "file": str(target), **with_units(found)})
         return
     for line in found["told"]:
         click.echo(f"  {line}")
