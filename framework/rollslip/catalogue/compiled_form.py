@@ -68,7 +68,7 @@ def add_compiled(folder: Path, requirement: str) -> list[str]:
     texts = {
         source / "_kernel.pyx": _frame(cls, module, list(fields)),
         source / "_kernel.pyi": f"def capsule({arguments}) -> object: ...\n",
-        folder / "setup.py": Template(setup).substitute(module=package),
+        folder / "setup.py": Template(setup).substitute(module=package, kernels='"_kernel"'),
         folder / "pyproject.toml": text.replace(
             _BUILD, f'requires = ["setuptools>=77", "Cython>=3.1", "{requirement}"]', 1
         ).replace(_DATA, f'{_DATA}, "*.pyi"', 1),

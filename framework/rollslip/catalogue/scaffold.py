@@ -2,6 +2,7 @@
 
 - The files are templates beside the framework with the placeholders of `string.Template`; a line that begins with
   ``@compiled`` or ``@python`` belongs to packages with or without a compiled form only.
+- Of several laws in one package each has a module, tests and an entry point of its own.
 - The name given is the distribution's; module, model and class follow from it, so there is nothing to fill in. The
   model leaves out "rollslip-", with which distributions are found on an index: ``rollslip-cross`` offers ``cross``.
 - A compiled package names rollslip among its build requirements, because it needs the header of the version it will
@@ -56,7 +57,11 @@ def compile_too(folder: Path) -> list[str]:
 
 
 def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> dict[str, str]:
-    """Return the files of a new package, path -> text, without writing any."""
+    """Return the files of a new package, path -> text, without writing any.
+
+    ``kind`` may be several, with commas between, each with a model's name behind a colon where that is another than the
+    package's: "film,traction:ramp".
+    """
     of = None if law is None else read_law_file(law)
     if of is not None:
         if kind not in ("", of.kind):
@@ -64,39 +69,66 @@ def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> di
         if compiled:
             raise FieldError("compiled", f"the law of {law} is in Python alone; leave it out, and add it later")
         kind = of.kind
-    own = name.removeprefix("rollslip-")
-    classes = {own: class_name(own)} if of is None else of.classes
-    _check(name, kind, compiled, classes)
-    module, model, about = name.replace("-", "_"), next(iter(classes)), _texts(kind)
-    file = kind.replace("-", "_")
-    requirement, points = _requirement(), [f'{one} = "{module}.{file}"' for one in classes]
+    own, module = name.removeprefix("rollslip-"), name.replace("-", "_")
+    wanted = [(one.partition(":")[0], one.partition(":")[2] or own) for one in kind.split(",")]
+    for kind, model in wanted:
+        _check(name, kind, compiled, {model: class_name(model)} if of is None else of.classes)
+    offers, modules = dict[tuple[str, str], str](), dict[str, str]()
+    for kind, model in wanted:
+        file = kind.replace("-", "_")
+        stem = file if file not in offers.values() else f"{file}_{model.replace('-', '_')}"
+        if (kind, model) in offers or (stem != file and _texts(kind).files):
+            raise FieldError("kind", f"a package takes one {kind} called {model!r} from a template")
+        for called in [model] if of is None else of.classes:
+            offers[kind, called] = modules[called] = stem
+    requirement, groups = _requirement(), dict[str, list[str]]()
+    for (kind, model), stem in offers.items():
+        groups.setdefault(kind, []).append(f'{model} = "{module}.{stem}"')
+    about = {kind: _texts(kind) for kind in groups}
+    one, summaries = next(iter(offers)), [texts.summary for texts in about.values()]
+    needs = dict.fromkeys([*(need for texts in about.values() for need in texts.needs), requirement])
+    data = dict.fromkeys(file for texts in about.values() for file in _package_data(texts, compiled))
     values = {
         "name": name,
         "module": module,
-        "model": model,
-        "kind": kind,
-        "file": file,
-        "cls": classes[model],
-        "called": " and ".join(f"`{one}`" for one in classes),
-        "points": "\n".join(points),
+        "model": one[1],
+        "called": " and ".join(f"`{model}`" for model in dict.fromkeys(model for _, model in offers)),
+        "points": "\n\n".join(
+            "\n".join([f'[project.entry-points."rollslip.{kind.replace("-", "_")}"]', *points])
+            for kind, points in groups.items()
+        ),
         "start": "What it starts with is real; put yours in its\nplace." if of is None else "Its law is yours.",
         "numbers": ", and numbers that do not come from its code" if of is None else "",
         "tests": "\n\n\n".join(
-            f'class Test{cls}(Conformance):\n    models = [rollslip.get_model("{kind}", "{one}")]'
-            for one, cls in classes.items()
+            f'class Test{cls}(Conformance):\n    models = [rollslip.get_model("{one[0]}", "{model}")]'
+            for model, cls in (of.classes.items() if of else ())
         ),
-        "summary": about.summary,
-        "contents": about.contents,
-        "use": Template(about.use).substitute(model=model),
+        "summary": " and ".join([*summaries[:1], *(f"{text[:1].lower()}{text[1:]}" for text in summaries[1:])]),
+        "contents": "\n".join(
+            f"- `src/{module}/{stem}.py`: {about[kind].contents}."
+            for stem, (kind, _) in {stem: offer for offer, stem in offers.items()}.items()
+        ),
+        "use": "\n    ".join(Template(about[kind].use).substitute(model=model) for kind, model in offers),
+        "package_data": ", ".join(f'"{file}"' for file in data),
+        "dependencies": ", ".join(f'"{need}"' for need in needs),
         "requirement": requirement,
-        "package_data": ", ".join(f'"{one}"' for one in _package_data(about, compiled)),
-        "dependencies": ", ".join(f'"{one}"' for one in (*about.needs, requirement)),
     }
-    found = {
-        path: Template(_only(text, "compiled" if compiled else "python")).substitute(values)
-        for path, text in _templates(kind, module, compiled, of is not None)
-    }
-    return found if of is None else found | {f"src/{module}/{file}.py": of.module}
+    alone = len(set(offers.values())) == 1
+    kernels = {stem: "_kernel" if alone else f"_{stem}" for stem in offers.values()}
+    values["kernels"] = ", ".join(f'"{kernel}"' for kernel in kernels.values())
+    found = dict[str, str]()
+    for (kind, model), stem in offers.items():
+        file, mine = kind.replace("-", "_"), {"kind": kind, "model": model, "cls": class_name(model), "file": stem}
+        for path, text in _templates(kind, module, compiled, of is not None):
+            filled = Template(_only(text, "compiled" if compiled else "python")).substitute(
+                values | mine | {"file": stem}
+            )
+            if path.endswith(f"/{file}.py") or "_kernel." in path or path.startswith("tests/"):
+                filled = filled.replace("_kernel", kernels[stem]).replace(f"{module}.{file} ", f"{module}.{stem} ")
+                path = path.replace("_kernel.", f"{kernels[stem]}.").replace(f"/{file}.py", f"/{stem}.py")
+                path = path if alone or "/test_" not in path else f"tests/test_{module}_{stem}.py"
+            found.setdefault(path, filled)
+    return found if of is None else found | {f"src/{module}/{stem}.py": of.module}
 
 
 def _package_data(about: Texts, compiled: bool) -> list[str]:
@@ -111,6 +143,7 @@ def _templates(kind: str, module: str, compiled: bool, given: bool) -> Iterator[
         "pyproject.toml": "pyproject.toml",
         "README.md": "README.md",
         "LICENSE": "LICENSE",
+        ".github/workflows/wheels.yml": "wheels.yml",
         ".gitignore": "gitignore",
         f"{source}/__init__.py": "init.py",
         f"{source}/{file}.py": f"{file}.py",
@@ -150,10 +183,8 @@ def _only(text: str, mark: str) -> str:
 
 
 def _requirement() -> str:
-    """Versions of rollslip that a package written today fits: until the next one that may break it."""
-    major, minor = map(int, importlib.metadata.version("rollslip").split(".")[:2])
-    after = f"{major + 1}" if major else f"0.{minor + 1}"
-    return f"rollslip>={major}.{minor},<{after}"
+    """Versions of rollslip that a package written today fits: it says itself where its contract is another one."""
+    return "rollslip>=" + ".".join(importlib.metadata.version("rollslip").split(".")[:2])
 
 
 def _check(name: str, kind: str, compiled: bool, classes: Mapping[str, str]) -> None:

@@ -273,7 +273,10 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
 
 @plugins.command("new")
 @click.argument("name")
-@click.option("--kind", metavar="KIND", help="What it offers: traction, film, contact ...")
+@click.option(
+    "--kind", "kinds", metavar="KIND[:MODEL]", multiple=True,
+    help="What it offers: traction, film, contact ...; may be repeated, with the names of models.",
+)  # fmt: skip
 @click.option("--compiled", is_flag=True, help="With a compiled form in Cython.")
 @click.option(
     "--from",
@@ -285,16 +288,16 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
 @click.option(
     "--add-compiled", is_flag=True, help="To the package in folder NAME, add the frame of a compiled form in Cython."
 )
-def plugins_new(name: str, kind: str | None, compiled: bool, law: Path | None, add_compiled: bool) -> None:
+def plugins_new(name: str, kinds: tuple[str, ...], compiled: bool, law: Path | None, add_compiled: bool) -> None:
     """Write a complete, tested package called NAME into a new folder."""
     from rollslip.catalogue.scaffold import compile_too, new
 
     if add_compiled:
-        if kind is not None or compiled or law is not None:
+        if kinds or compiled or law is not None:
             raise click.UsageError("--add-compiled is for a package that is there; leave the other options out")
         click.echo("\n".join(compile_too(Path(name))))
         return
-    if kind is None and law is None:
+    if not kinds and law is None:
         raise click.UsageError("say --kind KIND, or --from FILE")
-    made = new(name, kind or "", compiled, Path.cwd(), law)
+    made = new(name, ",".join(kinds), compiled, Path.cwd(), law)
     click.echo(f"written to {made}; its README says what comes next")

@@ -115,9 +115,11 @@ class Campaign(abc.ABC):
     writes: ClassVar[str] = "data"
     own_command: ClassVar[str] = ""
 
-    report: Callable[..., None] | None = setting(
-        "", more="Is called meanwhile with how far it is in words, the share that is done, and the time left [s]."
-    )
+    report: Callable[..., None] | None = attrs.field(  # by name alone: type checkers see that of no other function
+        kw_only=True, default=None,
+        metadata=setting("", more="Is called meanwhile with how far it is in words, the share that is done, and the "
+                         "time left [s].").metadata,
+    )  # fmt: skip
 
     def __attrs_post_init__(self) -> None:
         """Refuse values that no option would take, all of them at once."""
@@ -188,12 +190,19 @@ class OfPoints(OfScene):
 
     goes_on = "folder"
 
-    out: str | os.PathLike[str] | None = setting(
-        "",
-        more="Folder in which all is kept; a call with the same scene and options goes on with what it holds.",
-    )
-    engine: object = setting("", more="Engine, by name or as a table with its parameters; by default chosen.")
-    time_limit: float | str | None = setting("", more='Longest time for one point [s], or with a unit: "60 s".')
+    out: str | os.PathLike[str] | None = attrs.field(
+        kw_only=True, default=None,
+        metadata=setting("", more="Folder in which all is kept; a call with the same scene and options goes on with "
+                         "what it holds.").metadata,
+    )  # fmt: skip
+    engine: object = attrs.field(
+        kw_only=True, default=None,
+        metadata=setting("", more="Engine, by name or as a table with its parameters; by default chosen.").metadata,
+    )  # fmt: skip
+    time_limit: float | str | None = attrs.field(
+        kw_only=True, default=None,
+        metadata=setting("", more='Longest time for one point [s], or with a unit: "60 s".').metadata,
+    )  # fmt: skip
 
 
 def listed(given: str | Iterable[Any]) -> list[Any]:
