@@ -177,9 +177,20 @@ SMOOTH: Final = Validity(
 )
 
 
-def submodel(kind: str, *, factory: Callable[[], object], doc: str) -> Any:
-    """Declare a parameter that is itself a model of ``kind``: in a scene a name, or a table with ``model``."""
-    return attrs.field(factory=factory, metadata={"doc": doc, "unit": None, "kind": kind})
+def submodel(kind: str, *, factory: Callable[[], object] | None = None, default: str = "", doc: str) -> Any:
+    """Declare a parameter that is itself a model of ``kind``: in a scene a name, or a table with ``model``.
+
+    Without a value it is what ``factory`` makes, or the model called ``default``: "muraki", of whatever package.
+    """
+    if (factory is None) == (not default):
+        raise TypeError(f"a submodel of kind {kind!r} takes a factory or the name of its default, one of them")
+
+    def named() -> object:
+        import rollslip
+
+        return rollslip.get_model(kind, default)
+
+    return attrs.field(factory=factory or named, metadata={"doc": doc, "unit": None, "kind": kind})
 
 
 #: What a drag or a law of a contact can take from the scene -> (SI unit, or None for a text, and meaning).

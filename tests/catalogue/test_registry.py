@@ -18,7 +18,7 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.hookspecs import hookspec
 from rollslip.lubricant import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel
+from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel, submodel
 from rollslip.planning.campaign import Campaign
 from rollslip.references import Reference
 from rollslip.studies.steady_slip.torque import TorqueFormula
@@ -568,3 +568,19 @@ def test_the_box_has_all_of_scipys_integrators():
     ours = {get_model("integrator", name).solver().__name__ for name in listed}
     assert set(integrators) - set(listed) == {"rodas5p", "leapfrog", "cvode"}
     assert ours == {name for name in theirs if hasattr(scipy.integrate, name)}
+
+
+def test_a_submodel_may_be_declared_by_its_name():
+    class Halved(TractionModel):
+        name = "halved"
+        of: TractionModel = submodel("traction", default="muraki", doc="the law that is halved")
+
+        def evaluate(self, slices):
+            self.of.evaluate(slices)
+
+    halved = attrs.frozen(kw_only=True)(Halved)
+    assert halved().of == get_model("traction", "muraki")
+    assert halved(of=Constant()).of == Constant()
+    for given in ({}, {"factory": Constant, "default": "muraki"}):
+        with pytest.raises(TypeError, match="takes a factory or the name of its default, one of them"):
+            submodel("traction", doc="", **given)
