@@ -11,31 +11,40 @@ import pytest
 
 import rollslip
 from rollslip import hookspecs
+from rollslip.catalogue.kinds import get_kind, kinds
 
 pytestmark = pytest.mark.quick
 
+PAGE = (Path(__file__).parents[1] / "docs" / "reference" / "stability.rst").read_text(encoding="utf-8")
 #: Module -> names that version 0.1 offered there.
 PROMISED = {
     "rollslip": """Chain Conditions RollslipDeprecationWarning Slices available compare evolve explore fit
         get_include get_model limit load_distribution load_scene model open_result pareto plan plot register
         run sweep uncertainty""",
     "rollslip.cli": "main",
-    "rollslip.datasets": "BearingData Family SurfaceData",
+    "rollslip.datasets": "BearingData Family FitData SurfaceData",
     "rollslip.engine": "Engine cores",
     "rollslip.errors": """BusyError ConvergenceError DomainError EngineError OutputError PluginError
         RollslipDeprecationWarning RollslipError SceneError""",
     "rollslip.fields": "FieldError at_least field in_range non_negative one_of parameter positive",
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
-    "rollslip.hookspecs": """bearings contact_models drag_models engines film_models hookimpl hookspec
-        integrator_models lubricants surfaces traction_models""",
+    "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
+        fits hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws
+        scene_formats studies surfaces thermal_models torque_formulas traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
         PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",
+    "rollslip.lubricant.pressure": "PressureViscosity",
+    "rollslip.measurement": "Measurement load_measurement",
     "rollslip.models": """ContactModel Domain Drag DragModel FINITE FilmModel IntegratorModel NON_NEGATIVE NO_LIMITS
-        POSITIVE PocketFriction ResistanceModel SCENE_VALUES SliceModel TractionModel evaluate_arrays from_scene in_unit
+        POSITIVE PocketFriction PressureModel ResistanceModel SCENE_VALUES SliceModel
+        TractionModel Validity evaluate_arrays from_scene in_unit
         interval left_to_scene submodel""",
     "rollslip.references": "Citation Reference as_bibtex",
     "rollslip.scene": """Accuracy Bearing FrozenTable LubricantTable Material ModelChoice Models Operation Plugins
         Profile Scene Surface resolved scene_hash""",
+    "rollslip.studies.steady_slip.torque": "Duty TorqueFormula",
+    "rollslip.studies.surface_damage.model": "Contacts DamageModel",
+    "rollslip.studies.thermal_balance.model": "PLACES ROLES ThermalModel",
     "rollslip.testing": """Conformance Finding Nonconformance all_checks as_dict check_in_subprocess checks_of
         conformance format_findings""",
     "rollslip.units": "UnitError as_written check_unit evenly expectation format_quantity quantity",
@@ -128,9 +137,20 @@ def test_what_models_are_made_of_stays_without_a_warning(stays):
     subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 
-def test_every_promised_hook_is_a_hook():
-    hooks = [name for name in PROMISED["rollslip.hookspecs"].split() if name not in ("hookimpl", "hookspec")]
-    assert all(hasattr(getattr(hookspecs, name), "rollslip_spec") for name in hooks)
+def test_every_hook_is_promised():
+    hooks = {name for name, thing in vars(hookspecs).items() if hasattr(thing, "rollslip_spec")}
+    assert hooks == {*PROMISED["rollslip.hookspecs"].split()} - {"hookimpl", "hookspec"}
+    assert {get_kind(kind).hook for kind in kinds()} == hooks
+
+
+def test_page_and_program_agree_on_what_things_derive_from():
+    rows = re.findall(r"^   \* - (.+)\n     - ``([\w.]+)\.(\w+)``\n     - (promised|provisional)$", PAGE, re.MULTILINE)
+    found = {of: getattr(importlib.import_module(module), name) for of, module, name, _ in rows}
+    assert {kind: get_kind(kind).base for kind in kinds()} == {kind: found[kind] for kind in kinds()}
+    assert len(found) == len(rows) == PAGE.count("   * - ") - 1
+    for of, module, name, promise in rows:
+        assert (name in PROMISED.get(module, "").split()) == (promise == "promised"), of
+    assert {name for *_, name, promise in rows if promise == "provisional"} >= {"Study", "Output", "Assembly"}
 
 
 def test_promised_entry_points_are_there():
