@@ -46,7 +46,7 @@ PROMISED = {
     "rollslip.studies.surface_damage.model": "Contacts DamageModel",
     "rollslip.studies.thermal_balance.model": "PLACES ROLES ThermalModel",
     "rollslip.testing": """Conformance Finding Nonconformance all_checks as_dict check_in_subprocess checks_of
-        conformance format_findings""",
+        conformance format_findings rule""",
     "rollslip.units": "UnitError as_written check_unit evenly expectation format_quantity quantity",
     "rollslip_kernels.slices": "COLUMNS CONDITIONS Conditions Slices",
 }

@@ -159,3 +159,52 @@ def test_metadata_that_cannot_be_read_keeps_nobody_from_help(tmp_path):
     code, said, error = rollslip("--help", path=tmp_path)
     assert (code, error) == (0, "")
     assert "  sweep " in said
+
+
+RULES = """
+from rollslip.testing import Nonconformance, rule
+from rollslip_seals import Seal
+
+@rule(Seal)
+def check_a_larger_seal_resists_more(seal):
+    "More circumference rubs more."
+    if seal.torque(0.2) <= seal.torque(0.1):
+        raise Nonconformance(f"{seal.torque(0.2)} N m at 200 mm, {seal.torque(0.1)} N m at 100 mm")
+"""
+
+
+@pytest.mark.parametrize(
+    ("law", "told"), [("diameter**2", "lip: 7 ok\n"), ("1", "  failed    check_a_larger_seal_resists")]
+)
+def test_a_kind_brings_the_rules_of_its_things(seals, law, told):
+    (seals / "seal_rules.py").write_text(RULES)
+    kind, lip = seals / "rollslip_seals.py", seals / "rollslip_lip.py"
+    kind.write_text(kind.read_text().replace('hook="seals"', 'hook="seals", rules="seal_rules"'))
+    lip.write_text(lip.read_text().replace("diameter**2", law))
+    code, said, error = rollslip("plugins", "check", "lip", path=seals)
+    assert error == ""
+    assert told in said
+    assert code == (5 if law == "1" else 0)
+
+
+def test_a_kind_without_a_template_is_listed(seals):
+    path = seals / "rollslip_seals.py"
+    path.write_text(path.read_text().partition(", template=")[0] + ")\n")
+    assert "seal        lip\n" in rollslip("models", path=seals)[1]
+
+
+def test_a_group_that_nobody_reads_is_named(seals):
+    """A slip of the pen in a group, or a package whose kind is not installed, was passed over in silence."""
+    install(seals, "rollslip-slip", "", kind="tracton", name="fast")
+    install(seals, "rollslip-felt", "", kind="gasket", name="felt")
+    code, said, _ = rollslip("plugins", "list", path=seals)
+    assert code == 0
+    read = "or is the package that brings the kind not installed?"
+    assert f"rollslip-slip: rollslip.tracton: a group that nobody reads; did you mean rollslip.traction, {read}" in said
+    assert f"rollslip-felt: rollslip.gasket: a group that nobody reads; no kind has its name, {read}" in said
+    (seals / "rollslip_seals.py").write_text("raise ValueError('half a kind')")
+    code, said, _ = rollslip("doctor", path=seals)
+    assert code == 5
+    assert "warning  rollslip-slip: rollslip.tracton  a group that nobody reads\n" in said
+    assert "kind seal" in said
+    assert "(ValueError: half a kind); repair or uninstall rollslip-seals" in said

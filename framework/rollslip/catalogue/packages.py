@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 
 from rollslip.catalogue.discovery import THIS_PROCESS, Offer, catalogue, load
-from rollslip.catalogue.kinds import is_disabled
+from rollslip.catalogue.kinds import is_disabled, unread
 from rollslip.errors import PluginError, SceneError
 from rollslip.structure import Location
 
@@ -121,7 +121,7 @@ def as_text(packages: Iterable[PluginPackage]) -> str:
                 if offer.kind == kind
             )
             lines.append(f"  {kind:<11} {names}")
-    return "\n".join(lines)
+    return "\n".join([*lines, *(f"{group}: {wrong}" for group, wrong in unread().items())])
 
 
 def as_dicts(packages: Iterable[PluginPackage]) -> list[dict[str, Any]]:

@@ -156,8 +156,17 @@ def _kernels() -> Iterator[Finding]:
 
 
 def _plugins() -> Iterator[Finding]:
+    from rollslip.catalogue.kinds import get_kind, kinds, unread
     from rollslip.catalogue.packages import packages
+    from rollslip.errors import PluginError
 
+    for name in kinds():
+        try:
+            get_kind(name)
+        except PluginError as error:
+            yield Finding(f"kind {name}", "fault", "cannot be used", str(error))
+    for group, wrong in unread().items():
+        yield Finding(group, "warning", *wrong.split("; ", 1))
     for package in packages():
         state = {"ok": "ok", "disabled": "warning"}.get(package.state, "fault")
         yield Finding(

@@ -20,7 +20,7 @@ except ModuleNotFoundError as _missing:
     raise PluginError("the conformance kit draws its inputs with hypothesis: install rollslip[kit]") from _missing
 
 from rollslip.testing.findings import Conformance, Finding, as_dict, conformance, format_findings
-from rollslip.testing.rules import Nonconformance, all_checks, checks_of
+from rollslip.testing.rules import Nonconformance, all_checks, checks_of, rule
 from rollslip.testing.runner import check_in_subprocess
 
 __all__ = [
@@ -33,4 +33,5 @@ __all__ = [
     "checks_of",
     "conformance",
     "format_findings",
+    "rule",
 ]

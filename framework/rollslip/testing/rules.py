@@ -4,6 +4,7 @@
 - A check refuses with a sentence that holds the numbers and the slice, so that nobody has to run it again to see them.
 """
 
+import importlib
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Final
 
@@ -98,6 +99,10 @@ def kinds_of(model: object) -> Iterator[type | str]:
     yield "value"
     beside = (Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel, TorqueFormula)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
+    of = kind_of(model) or kind_of(type(model))
+    if of is not None and of.rules:  # a kind of a stranger
+        importlib.import_module(of.rules)
+        yield of.base
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"
 
