@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import way_up_scenes as scenes
-from rollslip import evolve, load_scene
+from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
+from rollslip.errors import ConvergenceError, SceneError
 from rollslip.motion.spins import place_of, slip_of
 from rollslip.motion.torque_balance import RANGE, rollers
 from rollslip_kernels.motion.spin import Spin as Kernel
@@ -277,6 +278,14 @@ def test_pocket_friction_and_effective_friction_have_a_way_and_both_rings_may_tu
 def test_a_place_is_that_of_its_slip():
     for slip in (1e-4, 0.3, 0.95):
         assert slip_of(place_of(slip)) == pytest.approx(slip, rel=1e-14)
+
+
+def test_without_a_load_there_is_no_way_and_a_study_says_why():
+    one = scenes.balance(scenes.wide(299))
+    with pytest.raises(ConvergenceError, match="no motion of the rollers that repeats was found at cage slips up to"):
+        one.way()
+    with pytest.raises(SceneError, match="no roller is loaded on the inner ring with 0 N"):
+        run(scenes.wide(299), "steady-slip")
 
 
 # In time -------------------------------------------------------------------------------------------------------------

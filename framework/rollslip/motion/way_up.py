@@ -421,11 +421,17 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) 
     while True:
         try:
             way, others = search.ways(slips)
-            way = _trusted(search.refined(_trusted(way)))
+            way = _trusted(way)
+            way = _trusted(search.refined(way)) if way else []
             break
         except (DomainError, ConvergenceError) as error:  # at the end of the range a law has no value, or a roller none
             slips, refusal = slips[:-1], str(error)
             if not slips:
                 raise
+    if not way:
+        raise ConvergenceError(
+            f"no motion of the rollers that repeats was found at cage slips up to {slips[-1]:.2%}, so there is no slip "
+            "to report; a larger operation.radial_load or operation.inner_speed is likely to have one"
+        )
     rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
     return WayUp(search, way, others, rest, refusal)
