@@ -1,4 +1,4 @@
-"""Where cages run away in time, against the way up: way_up_in_time.csv; a quarter of an hour of one processor.
+"""Where cages run away in time, against the way up: way_up_in_time.csv; half an hour of one processor.
 
 Cage and rollers, each with its own spin, are integrated against a drag that is raised from none, by SciPy's LSODA over
 the angle of the cage: steps and order as its error asks, no positions, no rule of few loads, no search for motions.
@@ -39,7 +39,7 @@ REST, LEFT, LEAST, MOST = 3e-4, 3e-3, 4, 20_000
 #: Slip at which the cage all but stands.
 STANDS = 0.975
 #: Interval of drags that is narrow enough; processor time of a scene [s], beyond which its interval stays as it is.
-NARROW, LIMIT = 1.5e-3, 9.0
+NARROW, LIMIT = 1.5e-3, 60.0
 #: Drags that have to be held and to run away, over the predicted one and its error; parts of what the end carries.
 BELOW, ABOVE, PARTS = 0.99, 1e-3, (0.5, 0.9, 0.98)
 #: How many times as heavy the cage is, once it has slipped, in turn, until time agrees; what does not is off by more.
