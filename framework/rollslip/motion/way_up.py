@@ -430,8 +430,8 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) 
                 raise
     if not way:
         raise ConvergenceError(
-            f"no motion of the rollers that repeats was found at cage slips up to {slips[-1]:.2%}, so there is no slip "
-            "to report; a larger operation.radial_load or operation.inner_speed is likely to have one"
+            f"the search for the motion of the rollers did not settle at any cage slip up to {slips[-1]:.2%}, so there is "
+            "no slip to report; it settles where more load is on the rollers: raise operation.radial_load"
         )
     rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
     return WayUp(search, way, others, rest, refusal)
