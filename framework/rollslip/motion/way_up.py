@@ -325,7 +325,7 @@ class _Search:
             slips = np.array([slip_of(x) for x in places])
             new = self._fine.at(slips, np.full(slips.size, near.share[0]))
             found |= {x: one[0] for x, one in zip(places, new, strict=True) if one[0].sure}
-            if len(found) < 2:
+            if len(found) < 2 or max(one.torque for one in found.values()) == 0.0:
                 return None
             x, half = sorted(found), 2.0 * half
             top = max(x, key=lambda at: found[at].torque)
@@ -355,7 +355,7 @@ class _Search:
             found = [one[0] for one in self._fine.at(np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start))]
             torques = [one.torque if one.sure else -math.inf for one in found]
             top = int(np.argmax(torques))
-            if not 0 < top < _BETWEEN - 1:
+            if not 0 < top < _BETWEEN - 1 or torques[top] == 0.0:
                 return best
             low, high = places[top - 1], places[top + 1]
             best = places[top], torques[top], abs(max(torques[top - 1 : top + 2 : 2]) / torques[top] - 1.0)
@@ -422,7 +422,7 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) 
         try:
             way, others = search.ways(slips)
             way = _trusted(way)
-            way = _trusted(search.refined(way)) if way else []
+            way = _trusted(search.refined(way)) if way else way
             break
         except (DomainError, ConvergenceError) as error:  # at the end of the range a law has no value, or a roller none
             slips, refusal = slips[:-1], str(error)
@@ -430,8 +430,8 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) 
                 raise
     if not way:
         raise ConvergenceError(
-            f"the search for the motion of the rollers did not settle at any cage slip up to {slips[-1]:.2%}, so there is "
-            "no slip to report; it settles where more load is on the rollers: raise operation.radial_load"
+            f"the search for the motion of the rollers did not settle at any cage slip up to {slips[-1]:.2%}, so there "
+            "is no slip to report; it settles where more load is on the rollers: raise operation.radial_load"
         )
     rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
     return WayUp(search, way, others, rest, refusal)
