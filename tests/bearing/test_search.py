@@ -211,15 +211,17 @@ def test_a_bracketed_root_is_that_of_the_library(name, turned):
     assert len(asked) <= (70 if name == "flat" else 20)
 
 
-def test_a_jump_past_zero_and_an_end_that_is_zero_are_roots():
+def test_a_jump_past_zero_and_an_end_that_is_zero_are_roots_and_a_level_end_is_none():
     jump = bracketed(lambda x: -1.0 if x < 0.123 else 5.0, 0.0, 1.0, -1.0, 5.0, tolerance=1e-9)
     assert jump == pytest.approx(0.123, abs=1e-8)
+    level = bracketed(lambda x: x**5 - 1e-6, 0.0, 1.0, -1e-6, 1.0 - 1e-6, tolerance=1e-4)
+    assert level == pytest.approx(10.0**-1.2, abs=1e-4), "where a curve is level, steps are short far from its root"
     assert bracketed(lambda x: x, 0.0, 1.0, 0.0, 1.0, relative=1e-10) == 0.0
     assert bracketed(lambda x: x - 1.0, 0.0, 1.0, -1.0, 0.0, relative=1e-10) == 1.0
 
 
 @pytest.mark.parametrize(
-    ("start", "slope", "found"), [(0.1, 2.0, 0.12), (0.118, 5.0, 0.12), (0.5, 1.0, None), (0.1, -1.0, None)]
+    ("start", "slope", "found"), [(0.1, 2.0, 0.12), (0.118, 5.0, 0.12), (0.5, 1.0, None), (0.1, 0.3, None)]
 )
 def test_a_root_is_found_from_near_it_or_not_at_all(start, slope, found):
     told = secants(

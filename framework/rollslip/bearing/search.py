@@ -132,8 +132,8 @@ def bracketed(
 ) -> float:
     """Return where a curve passes zero between two places at which its signs differ, by secants, Illinois.
 
-    The last step, or what is left between the places, is within the tolerance, or the relative one of the place; a jump
-    past zero counts as a root. The curve has been evaluated there, at last.
+    The last step, if it has halved the value at least, or what is left between the places is within the tolerance, or
+    the relative one of the place; a jump past zero counts as a root. The curve has been evaluated there, at last.
 
     References
     ----------
@@ -144,12 +144,13 @@ def bracketed(
     for _ in range(_MOST):
         at = high - at_high * (high - low) / (at_high - at_low)
         value, wide = curve(at), abs(high - low)
+        fallen = abs(value) <= 0.5 * abs(at_low if (value < 0.0) == positive else at_high)
         if (value < 0.0) == positive:
             low, at_low, at_high, side = at, value, at_high * (0.5 if side > 0 else 1.0), 1
         else:
             high, at_high, at_low, side = at, value, at_low * (0.5 if side < 0 else 1.0), -1
         left = abs(high - low)
-        if value == 0.0 or min(wide - left, left) <= tolerance + relative * abs(at):
+        if value == 0.0 or min(wide - left if fallen else wide, left) <= tolerance + relative * abs(at):
             break
     return at
 
