@@ -379,6 +379,8 @@ def test_nothing_is_called_faster_unless_all_its_rounds_are(contact):
     single = " ".join(findings(equal.assign_attrs(rounds=1)))
     assert "no choice is faster" not in single, "of one round nothing is told of that"
     assert "in a single round: none is called faster than another" in single
+    far = " ".join(findings(equal.assign(error=equal.error + 1.0)))
+    assert f"within the scene's tolerance of {100 * SCENE.accuracy.tolerance:.2g} %" in far
 
 
 @pytest.fixture(scope="module")

@@ -129,6 +129,12 @@ def test_axes_say_what_they_show_in_which_unit(drawn):
     assert {"cage", "inner ring", "Along the load [µm]", "Time [s]"} <= set(centres)
 
 
+def test_tracks_of_centres_are_in_micrometres(planar):
+    *_, (_, _, figure) = motion_figures(planar)
+    along = planar["cage_displacement"].sel(direction="along")
+    assert max(line.get_ydata().max() for line in figure.axes[0].lines) == pytest.approx(1e6 * float(along.max()))
+
+
 def test_thick_films_do_not_take_the_scale_of_the_map(planar):
     """A film without load grows beyond all bounds: all above three times the thinnest looks alike."""
     from rollslip_studies.dynamics.figures import motion_figures
