@@ -6,12 +6,15 @@ import subprocess
 import sys
 from importlib.metadata import distribution
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
+import xarray as xr
 
 import rollslip
 from rollslip import hookspecs
 from rollslip.catalogue.kinds import get_kind, kinds
+from rollslip.results.figures import Result
 
 pytestmark = pytest.mark.quick
 
@@ -69,6 +72,13 @@ def test_names_of_the_package_are_loaded_when_they_are_used():
     assert all(getattr(rollslip, name) is not None for name in dir(rollslip))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = rollslip.nothing
+
+
+def test_types_of_every_public_function_are_known():
+    functions = [value for name in dir(rollslip) if not isinstance(value := getattr(rollslip, name), type)]
+    returned = {value.__name__: get_type_hints(value)["return"] for value in functions if callable(value)}
+    assert (returned["run"], returned["open_result"]) == (Result, xr.Dataset)
+    assert {"answer", "info", "plan", "report", "table", "sweep", "new"} <= returned.keys()
 
 
 def test_the_former_path_of_the_laws_of_pressure_warns_once_and_leads_to_the_same():

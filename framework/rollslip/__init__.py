@@ -68,6 +68,8 @@ _HOMES = {
     "run": "rollslip.planning.execution",
     "table": "rollslip.results.table",
 }
+#: Functions whose types are of libraries that nothing loads before they are used.
+_OF_DATASETS = {"answer", "info", "load_distribution", "open_result", "run", "table"}
 #: Functions of campaigns that are promised; they are found as those of strangers are.
 _CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")
 __all__ = sorted((*_HOMES, *_CAMPAIGNS))
@@ -83,6 +85,10 @@ def __getattr__(name: str) -> Any:
     value = getattr(importlib.import_module(_HOMES[name]), name) if name in _HOMES else _of_campaign(name)
     if value is None:
         raise AttributeError(f"module 'rollslip' has no attribute {name!r}")
+    if name in _OF_DATASETS:
+        pandas, xarray, figures = map(importlib.import_module, ("pandas", "xarray", "rollslip.results.figures"))
+        known = {"pd": pandas, "xr": xarray, "Result": figures.Result}
+        value.__annotations__ = importlib.import_module("typing").get_type_hints(value, None, known)
     globals()[name] = value
     return value
 
