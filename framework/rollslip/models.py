@@ -34,7 +34,6 @@ POSITIVE: Final = (5e-324, sys.float_info.max)
 #: Range of a quantity that must not be negative.
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
-
 #: Where nothing was evaluated, as in tables of the catalogue, a consequence is told up to so many times the bound.
 _FARTHER: Final = 3.0
 
@@ -43,8 +42,7 @@ _FARTHER: Final = 3.0
 class Validity:
     """One thing that a law was made for: a bound of a quantity, and what it costs to leave it.
 
-    Outside of it there is a number and a warning, where outside of the domain there is an error. All warnings about
-    models are made of these (`rollslip.studies.validity`).
+    Outside of it there is a number and a warning (`rollslip.studies.validity`), outside of the domain an error.
 
     Attributes
     ----------
@@ -66,8 +64,7 @@ class Validity:
     source : str
         What bound and consequence rest on.
     instead : str
-        The law to evaluate in its place, to see what leaving the bound does to a result; with a dot the parameter under
-        which the law then stands, as in "lambda-blend.hydrodynamic". Empty where there is none, or it takes minutes.
+        The law to evaluate in its place, with a dot the parameter that it is then; empty where that takes minutes.
     code : str
         Short and the same for ever, such as "W11": by it a note is looked up (``rollslip explain``) and left out.
     common : bool
@@ -389,8 +386,8 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
             high=code,
             made_for=f"the {FILM_REGIMES[name]} regime",
             consequence=f"its film {off}",
-            remedy="film 'moes', which covers all regimes",
-            instead="moes",
+            remedy=(remedy := "film 'moes', which covers all regimes"),
+            instead=remedy.split("'")[1],
             source=source,
         ),
     )

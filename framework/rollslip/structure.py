@@ -5,6 +5,7 @@
 - Faults are collected, not raised one by one, and each names file, line and key.
 """
 
+import contextlib
 import math
 import re
 import types
@@ -18,7 +19,7 @@ import attrs
 from rollslip.errors import nearest
 from rollslip.fields import FieldError
 from rollslip.toml import DEEPEST, FrozenTable, KeyPath, split_key, thawed
-from rollslip.units import UnitError, as_written, expectation, quantity, unit_given
+from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity, unit_given
 
 __all__ = [
     "FrozenTable",
@@ -175,7 +176,20 @@ def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
     what = f" ({doc})" if doc else ""
     kinds = {int: "a whole number is expected", str: "a text is expected", bool: "true or false is expected"}
     expected = expectation(unit) if unit else kinds.get(kind, "")  # type: ignore[call-overload]
-    return f"missing, but required{what}" + (f"; {expected}" if expected else "")
+    return f"missing, but required{what}" + (f"; {_such_as(expected, attribute)}" if expected else "")
+
+
+def _such_as(text: str, attribute: "attrs.Attribute[Any]") -> str:
+    """Put a usual value of a field in place of the example of its unit, where that is none: no roughness of 15 mm."""
+    unit, (low, high) = attribute.metadata.get("unit"), attribute.metadata.get("usual") or (0.0, 0.0)
+    example = re.search("such as '([^']+)'", text)
+    if unit is None or example is None or not 0.0 < low < high < math.inf:
+        return text
+    with contextlib.suppress(UnitError):
+        if not low <= quantity(example[1], unit) <= high:
+            usual = format_quantity(float(f"{math.sqrt(low * high):.1g}"), unit)
+            return text.replace(example[0], f"such as '{usual}'")
+    return text
 
 
 def _checked(
@@ -188,6 +202,7 @@ def _checked(
     before = len(faults)
     unit = own if attribute.metadata.get("own_unit") else attribute.metadata.get("unit") or "1"
     value = _converted(kind, raw, unit, where, faults)
+    faults[before:] = [_such_as(fault, attribute) for fault in faults[before:]]
     if words and isinstance(raw, str):
         faults[before:] = [f"{fault}; or write {' or '.join(map(repr, words))}" for fault in faults[before:]]
     if value is not MISSING and attribute.validator is not None:

@@ -580,7 +580,10 @@ def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) 
     number = f"{float((Fraction(value) - zero) / size):.12g}"
     if abs(float(number)) < _WRITTEN_LEAST:
         return None
-    for meant in _MEANT.get(given, _MEANT.get(unit, ())):
+    meanings = _MEANT.get(given) or sorted(
+        _MEANT.get(unit, ()), key=lambda other: abs(math.log(float(_scale(other, unit)[0] / size)))
+    )
+    for meant in meanings:
         text = f"{number} {meant}"
         with contextlib.suppress(OverflowError):  # 1e308 kN
             if meant != given and usual(float(_from_text(text, unit))):

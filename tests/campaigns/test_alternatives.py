@@ -115,3 +115,9 @@ def test_the_command_prints_a_table_and_json_has_its_numbers(tmp_path):
     rows = json.loads(again.stdout)["alternatives"]
     assert {row["alternative"] for row in rows} == {"brass", "polyamide"}
     assert all(row["cage_slip"] > 0.0 and row["status"] == "done" for row in rows)
+
+
+def test_a_name_that_there_is_not_is_a_mistake_as_any_other():
+    for option, value in (("--oil", "iso-vg-68,nope"), ("--clearance-class", "CN,C9")):
+        done = CliRunner().invoke(cli, ["compare", "gearbox", option, value])
+        assert isinstance(done.exception, SceneError), done.output

@@ -367,3 +367,10 @@ def test_of_several_studies_the_first_that_has_the_output_is_searched():
     assert SweepSettings(scene, loads, output="half_width").plan().study == "friction-curve"
     made = SweepSettings(scene, loads).plan()
     assert made.study == "effective-friction"
+
+
+def test_a_slip_is_asked_of_the_study_of_the_cage_and_a_share_may_be_percent():
+    made = LimitSettings(rollslip.load_scene("gearbox"), over="load=1 kN:3 kN:3", keep="slip<5%", within="5 %").plan()
+    assert (made.requirement.output, made.within) == ("steady_slip", 0.05)
+    with pytest.raises(SceneError, match=r"such as 0.01 or '1 %', not 5 kN"):
+        LimitSettings(rollslip.load_scene("gearbox"), over="load=1 kN:3 kN:3", keep="slip<5%", within="5 kN").plan()

@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import validate
+from rollslip import open_result, validate
 from rollslip.catalogue.registry import get_model
 from rollslip.cli.main import main
 from rollslip.errors import PluginError, SceneError
@@ -127,6 +127,7 @@ def test_the_calibrated_oil_gives_the_published_pair_and_another_law_does_not(fo
 
 def test_a_validation_is_stored_and_reported(found, tmp_path):
     save(found, tmp_path / "validation.nc")
+    assert open_result(tmp_path / "validation.nc").attrs["study"] == "validation"
     write_report({"validation": found}, {"validation": []}, tmp_path / "report.html")
     assert "calibrated oil" in (tmp_path / "report.html").read_text(encoding="utf-8")
 

@@ -57,7 +57,7 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     assert answer[:3] == ["OK   1032930-70C, MIL-PRF-7808, 6371 rpm, 3.415 kN, 70 °C", "", answer[2]]
     assert re.fullmatch(r"  cage slip            0\.77 % +below 0\.1 to 6\.\d %", answer[2])
     assert len(answer) <= 15
-    assert "  assumed  models, law and drags are the paper's or assumed for it; " in short.stdout
+    assert "  assumed  models, law and drags are the paper's or assumed for it" in short.stdout
     assert LOWER_BOUNDS in " ".join(short.stdout.split())
     assert re.search(
         r"  notes    W20: slip 3\.\d % with roelands; .*W12 W02 not evaluated \(-v\)",
@@ -82,8 +82,9 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     assert [line.split("; ")[0] for line in notes[:3]] == [
         "  W20 'barus' was made for pressure <= 100 MPa",
         "  W11 traction 'muraki' was made for pressure exponent ln(eta/eta0) <= 1",
-        "  W01 film 'moes' was made for thermal load Lt <= 0.1",
+        "  W10 pressure 'hertz' was made for load parameter M >= 2",
     ]
+    assert notes[0].endswith("; with roelands slip 3.2 % in place of 0.77 %")
     assert notes[4].startswith("  W23 the friction of 'muraki' is")
     assert all("; remedy: " in line for line in notes)
     folder = "1032930-70C-results"
@@ -359,8 +360,12 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
 
 def test_report_from_stored_results(tmp_path):
     command("run", "1032930-30C", "--set", "accuracy.slices=5", "--no-plots", "--out", "o", cwd=tmp_path)
-    command("report", "o/friction-curve.nc", "o/effective-friction.nc", "--out", "r.html", cwd=tmp_path)
+    command("report", "o/effective-friction.nc", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path)
     assert (tmp_path / "r.html").read_text().lower().startswith("<!doctype html>")
+    command("report", "o", "--out", "folder.html", cwd=tmp_path)
+    assert (tmp_path / "folder.html").read_text() == (tmp_path / "r.html").read_text(), (
+        "a folder stands for its results"
+    )
     assert "exists" in command("report", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path, code=2).stderr
     (tmp_path / "no.nc").write_text("nothing")
     assert "is not a netCDF file" in command("report", "no.nc", "--out", "s.html", cwd=tmp_path, code=2).stderr

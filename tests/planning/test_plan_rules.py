@@ -13,6 +13,7 @@ from plan_scenes import STUDY, TRACTIONS, judge, pick, points, scene
 from rollslip import Conditions, Slices, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError, Resolution, finest
+from rollslip.errors import SceneError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import changed, plan
 from rollslip.planning.verification import verify
@@ -356,3 +357,13 @@ def test_what_was_left_out_is_taken_back_in_beyond_its_bound(name, bound, said):
 def test_models_that_are_compared_keep_all_their_parts():
     heavy = evolve(HEAVY, {"accuracy.tolerance": 0.09})
     assert kept(plan(heavy, STUDY, cheaper_laws=False)) == {*PARTS}
+
+
+def test_mistakes_of_studies_oil_and_cage_are_told_at_once():
+    wrong = {"study.steady-slip.poins": 3, "lubricant": "nope", "cage.mas": 3}
+    with pytest.raises(SceneError) as caught:
+        plan(evolve(load_scene("gearbox"), wrong))
+    told = " ".join(caught.value.problems)
+    assert [part in told for part in ("study.steady-slip.poins", "no lubricant is called 'nope'", "cage.mas")] == [
+        True
+    ] * 3

@@ -13,8 +13,8 @@ from architecture import ROOT
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.execution import execute
-from rollslip.results.answer import in_python
 from rollslip.results.dataset import VOLATILE, save
+from rollslip.results.words import in_python
 
 COARSE = {"accuracy.slices": 5, "study.effective-friction.map_points": 0}
 

@@ -56,7 +56,7 @@ SLIPS = [
     ("lubricant.viscosity", 5.2, "5.2 Pa s is unusual", "did you mean '5.2 mPa s'?"),
     ("lubricant.eyring_stress", "4 kPa", "4 kPa is unusual", "did you mean '4 MPa'?"),
     ("cage.mass", 400, "400 kg is unusual", "did you mean '400 g'?"),
-    ("study.friction-curve.normal_force", ["300 N", "3 MN"], "3 MN is unusual", "did you mean '3 N'?"),
+    ("study.friction-curve.normal_force", ["300 N", "3 MN"], "3 MN is unusual", "did you mean '3 kN'?"),
     ("accuracy.slices", 5000, "5000 is unusual", "(from 3 to 1001 is usual)"),
 ]
 # The same of parameters of laws, with the key of each.
@@ -268,7 +268,7 @@ ALONG = [
         "operation.radial_load",
         ["1 kN", "1 MN"],
         ["operation.radial_load, 1 of 2 values: 1 MN is 7.94 GPa of pressure in the most loaded contact, after Hertz, "
-         "at most 5 GPa is usual; did you mean '1 N'?"],
+         "at most 5 GPa is usual; did you mean '1 kN'?"],
     ),
     ("accuracy.slices", [5000], ["accuracy.slices: 5000 is unusual (from 3 to 1001 is usual)"]),
     ("operation.temperature", ["40 degC", "90 degC"], []),

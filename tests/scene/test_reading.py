@@ -341,3 +341,8 @@ def test_reading_a_scene_imports_nothing_heavy() -> None:
     heavy = ("numpy", "scipy", "xarray", "matplotlib", "cattrs", "rich", "click", "pluggy")
     code = f"import sys, rollslip.scene.reading; sys.exit(any(name in sys.modules for name in {heavy}))"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_an_example_is_a_usual_value_of_the_field():
+    with pytest.raises(SceneError, match=r"roller_roughness: '3 N' is a force, .* expected, such as '0\.1 um'"):
+        evolve(load_scene("1032930-70C"), {"surface.roller_roughness": "3 N"})

@@ -166,7 +166,7 @@ def test_the_plan_says_where_drags_are_from():
     assert {part.reason for part in parts} == {"default, of lubrication.supply = 'grease'"}
     bare = plan(SCENE, "steady-slip").parts
     reasons = [part.reason for part in bare if part.part == "rolling resistance"]
-    assert reasons == ["no rolling resistance among the drags: slip and friction torque are lower bounds"]
+    assert reasons == ["no rolling resistance: slip a lower bound, friction torque lacks it"]
 
 
 def test_the_deepest_bath_that_was_held_against_is_usual():

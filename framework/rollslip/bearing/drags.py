@@ -97,7 +97,7 @@ class Drags:
 
     @property
     def bound_below(self) -> bool:
-        """Whether no drag is the resistance of the oil to rolling: slip and friction torque are then lower bounds."""
+        """Whether no drag is the resistance of the oil to rolling: the slip is then a lower bound."""
         resistance = self.resistance
         return resistance is None or "viscosity" not in resistance.reads
 

@@ -194,10 +194,11 @@ def results_options(
 # Scenes and results ---------------------------------------------------------------------------------------------------
 
 
-def scene_of(name: str, changes: Sequence[str]) -> "Scene":
+def scene_of(name: str, changes: Sequence[str], later: str = "") -> "Scene":
     """Return a scene by name or file, also of another program, with what --set changes.
 
-    What such a file lacks, and what of it is not used, is told, and of what is unusual it is warned.
+    What such a file lacks, and what of it is not used, is told, and of what is unusual it is warned, but for what says
+    ``later``.
     """
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.changes import evolve, parse_set
@@ -213,7 +214,7 @@ def scene_of(name: str, changes: Sequence[str]) -> "Scene":
         for note in notes:
             click.echo(f"note: {note}", err=True)
     scene = evolve(scene, dict(map(parse_set, changes))) if changes else scene
-    warn(implausible(scene))
+    warn(text for text in implausible(scene) if not later or later not in text)
     return scene
 
 

@@ -305,7 +305,7 @@ def _held(dataset: "xr.Dataset") -> Groups:
     return {
         "result": [
             ("study", a["study"]),
-            ("scene", f"{a['source']} {a['scene_hash'][:12]}"),
+            ("scene", f"{a['source']} {a.get('scene_hash', '')[:12]}".rstrip()),
             ("created", a["created"]),
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),

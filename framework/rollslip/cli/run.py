@@ -91,6 +91,26 @@ def new(file: Path, **given: str | None) -> None:
     click.echo(f"next: rollslip run {path} --report; what it will do: rollslip plan {path}")
 
 
+def verdicts(_: object, __: object, given: Sequence[str]) -> list[str]:
+    """Return verdicts that are named, several with commas between, "skid" for "skids"."""
+    known = {"slip": "slips", "slips": "slips", "skid": "skids", "skids": "skids", "unknown": "unknown"}
+    names = [name.strip().lower() for text in given for name in text.split(",")]
+    if wrong := [name for name in names if name not in known]:
+        raise click.BadParameter(f"{wrong[0]!r} is no verdict; there are slips, skids and unknown")
+    return [known[name] for name in names]
+
+
+def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
+    """Return codes of notes, several with commas between; one that there is not is refused."""
+    from rollslip.cli.models import explained
+
+    codes = [code.strip().upper() for text in given for code in text.split(",")]
+    for code in codes:
+        if "verdict" in explained(code):
+            raise click.BadParameter(f"{code} is a rule of the verdict; notes have codes such as W11")
+    return codes
+
+
 @click.command()
 @scene_argument
 @study_option
@@ -101,11 +121,12 @@ def new(file: Path, **given: str | None) -> None:
     "--fail-on",
     "failing",
     multiple=True,
-    type=click.Choice(("slips", "skids", "unknown")),
-    help="End with exit code 6 at this verdict; slips means skids too; may be repeated.",
+    metavar="VERDICT",
+    callback=verdicts,
+    help="End with exit code 6 at slips, skids or unknown; slips means skids too; several with commas.",
 )
 @click.option(
-    "--ignore", "ignored", metavar="CODE", multiple=True, help="Leave out notes, such as W11,W17; may be repeated."
+    "--ignore", "ignored", metavar="CODE", multiple=True, callback=note_codes, help="Leave out notes, such as W11,W17."
 )
 @verbose_option("All that was found, with notes, errors and times.")
 @json_option
@@ -123,15 +144,18 @@ def run(
 
     It prints the answer: OK, SLIPS, SKIDS or UNKNOWN, and what that rests on; with -v all that was found.
     """
+    import attrs
+
     from rollslip.cli import console
+    from rollslip.errors import ConvergenceError, DomainError, RollslipError
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import own_cage, plan
     from rollslip.planning.verification import verify as verified
     from rollslip.results.account import answer
     from rollslip.results.dataset import save
-    from rollslip.results.words import confidence
+    from rollslip.results.words import IN_ROWS, confidence
 
-    made = plan(scene_of(scene, changes), study)
+    made = plan(scene_of(scene, changes, later=IN_ROWS), study)
     if verbose and not results.as_json:
         click.echo(console.headline(made))
     own = own_cage(made.scene, made.studies)  # which the answer tells among what is assumed
@@ -142,16 +166,22 @@ def run(
     kept = results.kept()
     changed = [scene, *(f"--set={c}" for c in changes)]
     go_on = results.go_on(["rollslip", "run", *changed, *(["--study", study] if study else [])])
-    datasets = {}
+    datasets, failures = {}, dict[str, RollslipError]()
     with interruptible(kept, go_on), results.folder() as folder:
         for name in made.studies:
-            with progress(name, made.seconds_of(name)) as show:
-                datasets[name] = execute(made, name, kept=kept, progress=show)
+            try:
+                with progress(name, made.seconds_of(name)) as show:
+                    datasets[name] = execute(made, name, kept=kept, progress=show)
+            except (DomainError, ConvergenceError) as error:  # the others may have the answer
+                failures[name] = error
+                continue
             if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
                 with progress(f"{name} at the finest"):
                     datasets[name] = verified(made, name, datasets[name])
             if datasets[name].attrs.get("outcome") == "interrupted":
                 break
+        if failures and not datasets:
+            raise next(iter(failures.values()))
         for name in {row.by for row in answer(*datasets.values()).rows if row.key == "cage_slip" and row.by}:
             datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
         for name, dataset in datasets.items():
@@ -160,8 +190,8 @@ def run(
     outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
     if "interrupted" not in outcomes:
         forget(kept)
-    codes = [code.strip().upper() for text in ignored for code in text.split(",")]
-    found = answer(*datasets.values(), scene=shlex.join(changed), ignored=codes)
+    found = answer(*datasets.values(), scene=shlex.join(changed), ignored=ignored)
+    found = attrs.evolve(found, faults=(*found.faults, *(f"{name} failed, see below" for name in failures)))
     if results.as_json:
         print_json(console.run_as_dict(made, datasets, found) | results.as_dict())
     else:
@@ -178,6 +208,8 @@ def run(
         failed = outcomes["failed"].attrs
         click.echo(f"failed: {failed['outcome_message']}; what was computed is kept", err=True)
         sys.exit({"model": BAD_PLUGIN, "domain": BAD_SCENE}.get(failed["failed_by"], NOT_CONVERGED))
+    for name, failure in failures.items():
+        raise type(failure)(f"{name} failed, what others found is kept: {failure}") from failure
     if found.verdict.lower() in {*failing, *(["skids"] if "slips" in failing else [])}:
         sys.exit(FAILED_ON)
 
@@ -226,7 +258,7 @@ def plan(
 @click.option("--out", default="report.html", show_default=True, type=click.Path(path_type=Path), help="File.")
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a report.")
 def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
-    """Write one HTML report from stored RESULTS (.nc files)."""
+    """Write one HTML report from stored RESULTS: .nc files, or folders of them."""
     from rollslip.results.figures import report
 
     click.echo(f"written to {report(*results, out=out, overwrite=overwrite)}")

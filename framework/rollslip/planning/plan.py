@@ -14,6 +14,7 @@ import math
 import os
 import time
 from collections.abc import Collection, Mapping
+from functools import partial
 from html import escape
 from typing import Any, Final
 
@@ -24,7 +25,7 @@ from rollslip.bearing.cage import in_words, read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
-from rollslip.errors import RollslipError, SceneError
+from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.models import FilmModel, PressureModel, SliceModel
 from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF
 from rollslip.scene.reading import load_scene
@@ -196,6 +197,23 @@ def changed(this: Plan, other: Plan) -> list[tuple[Part | None, Part | None]]:
     return [pair for pair in pairs if said(pair[0]) != said(pair[1])]
 
 
+def _at_once(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembly]:
+    """Return studies and bearing; if one is wrong, with what is wrong of the other and of the cage."""
+    problems, found, first = list[str](), list[Any](), list[RollslipError]()
+    for make in (partial(settings, scene, study), partial(assemble, scene), partial(read_cage, scene)):
+        if len(found) == 2:  # a cage that no study asks for may be wrong
+            break
+        try:
+            found.append(make())
+        except (SceneError, UnknownNameError) as error:
+            first.append(error)
+            problems += error.problems if isinstance(error, SceneError) else [str(error)]
+    if first:
+        raise SceneError([*dict.fromkeys(problems)]) if len(first) > 1 else first[0]
+    chosen, stated = found
+    return chosen, stated
+
+
 def plan(
     scene: Scene | str, study: str | None = None, *, cheaper_laws: bool = True, without: Collection[str] = ()
 ) -> Plan:
@@ -224,9 +242,8 @@ def plan(
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
-    chosen = settings(scene, study)
+    chosen, stated = _at_once(scene, study)
     studies = {name: one.without(frozenset(without) | _known_better(one, chosen)) for name, one in chosen.items()}
-    stated = assemble(scene)
     require_memory(studies, stated)
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}

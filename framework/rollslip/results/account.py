@@ -21,10 +21,9 @@ import numpy as np
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import SceneError
-from rollslip.results.answer import Answer, Row, case_of, merged
+from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
 from rollslip.results.curves import Curves, critical_rows, curves
 from rollslip.results.dataset import LAW
-from rollslip.results.notes import notes_of
 from rollslip.results.words import LOWER_BOUNDS, percent
 from rollslip.scene.reading import shipped_scenes
 from rollslip.units import UnitError, format_quantity

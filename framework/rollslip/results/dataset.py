@@ -113,7 +113,9 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
             f"{path}: is not what rollslip wrote, its checksum is gone: another program has changed it, or cut it off; "
             "run the scene again, or take a copy"
         )
-    if "study" not in dataset.attrs or "scene_hash" not in dataset.attrs:
+    if (
+        "study" not in dataset.attrs or not {"scene_hash", "created"} & dataset.attrs.keys()
+    ):  # validations have no scene
         raise OutputError(f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene")
     for name, value in dataset.attrs.items():
         if fault := _fault(str(name), value):

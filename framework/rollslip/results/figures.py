@@ -14,10 +14,9 @@ import xarray as xr
 
 from rollslip.errors import OutputError, RollslipError
 from rollslip.results.account import account_of, answer, capital
-from rollslip.results.answer import Answer
+from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import LAW, open_result, telling
-from rollslip.results.notes import Note
 from rollslip.results.style import as_svg, save_figures, styled
 from rollslip.results.words import warned
 from rollslip.units import as_written
@@ -156,7 +155,7 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path = "report.html",
     Parameters
     ----------
     *results : xarray.Dataset, str or Path
-        Results, or files that hold one each; of a run each of its studies is told.
+        Results, files that hold one each, or folders of them; of a run each of its studies is told.
     out : str or Path
         The file.
     overwrite : bool
@@ -180,7 +179,10 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path = "report.html",
     if out.exists() and not is_report(out):
         raise OutputError(f"{out}: is no report of rollslip, so it is not replaced; name another --out")
     datasets, places = dict[str, xr.Dataset](), dict[str, str]()
-    for number, given in enumerate(results, 1):
+    stored_too = [sorted(Path(one).glob("*.nc")) if _is_folder(one) else [one] for one in results]
+    if not any(stored_too):
+        raise OutputError("report: there is no result (.nc) in that folder; name that of a run")
+    for number, given in enumerate((one for several in stored_too for one in several), 1):
         one = given if isinstance(given, xr.Dataset) else open_result(given)
         stored, place = one is not given, str(given) if one is not given else f"result {number}"
         for study, dataset in (one._of_studies() if isinstance(one, Result) else {one.attrs["study"]: one}).items():
@@ -195,6 +197,10 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path = "report.html",
         with telling(*dict.fromkeys(places.values())):
             write_report(datasets, figures, out)
     return out
+
+
+def _is_folder(given: object) -> bool:
+    return isinstance(given, str | Path) and Path(given).is_dir()
 
 
 def save_plots(result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("svg",)) -> list[Path]:

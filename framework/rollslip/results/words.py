@@ -2,6 +2,7 @@
 
 import json
 import math
+import shlex
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -12,9 +13,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "AT_REST", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted", "estimated",
-    "first_line", "force", "force_unit", "percent", "plain", "power", "rounded_up", "runs_at", "runs_away", "span",
-    "two", "warned",
+    "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted",
+    "estimated", "first_line", "force", "force_unit", "in_python", "percent", "plain", "power", "rounded_up", "runs_at",
+    "runs_away", "span", "two", "warned",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -27,9 +28,11 @@ UNSURE: Final = (
 
 #: What is said of a scene that states that nothing drags rollers and cage.
 SWITCHED_OFF: Final = "every drag is switched off by cage.drag = [], as in no bearing"
-#: What is said where no drag is the resistance of the oil to rolling.
-LOWER_BOUNDS: Final = "no rolling resistance among the drags: slip and friction torque are lower bounds"
+#: What is said where no drag is the resistance of the oil to rolling, which may lower the torque of a cage that skids.
+LOWER_BOUNDS: Final = "no rolling resistance: slip a lower bound, friction torque lacks it"
 
+#: Part of a warning that the row of makers' minimum loads tells, too.
+IN_ROWS: Final = "of the least load that SKF's rule asks for"
 #: Share of the contact force outside a bound from which on it counts.
 TOLD_FROM: Final = 0.005
 #: How the warning begins that counts bounds which are no warnings of their own.
@@ -82,12 +85,14 @@ def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list
     What several results warn of alike is told once, where its consequence is largest; without ``laws`` no bounds
     are. No full stops.
     """
-    others, bounds = dict[str, None](), dict[tuple[str, str], dict[str, Any]]()
-    for dataset in datasets:
+    others, bounds, every = dict[str, None](), dict[tuple[str, str], dict[str, Any]](), list(datasets)
+    in_rows = [IN_ROWS] if not laws and any("makers_least_load" in one for one in every) else []
+    for dataset in every:
         said = json.loads(dataset.attrs["validity"]).get("told", []) if dataset.attrs.get("validity") else []
         texts = {one["text"] for one in said}
         warnings = json.loads(dataset.attrs.get("warnings", "[]"))
-        others |= dict.fromkeys(text for text in warnings if text not in texts and not text.startswith(REST))
+        others |= dict.fromkeys(text for text in warnings if text not in texts and not text.startswith(REST)
+                                and not any(part in text for part in in_rows))  # fmt: skip
         for one in said:
             known = bounds.setdefault((one["law"], one["made_for"]), one)
             if (one["warned"], one["weight"]) > (known["warned"], known["weight"]):
@@ -190,3 +195,27 @@ def rounded_up(load: float, unit: str = "N") -> str:
     """Return a load that is no less, in two digits, in N or kN."""
     size = 10.0 ** (math.floor(math.log10(load)) - 1)
     return f"{plain(math.ceil(load / size) * size * (1e-3 if unit == 'kN' else 1.0))} {unit}"
+
+
+def in_python(command: str) -> str:
+    """Return a command about ``{scene}`` as Python has it, where the scene is a value.
+
+    Examples
+    --------
+    >>> in_python("rollslip run {scene} --set operation.radial_load='1.2 kN'")
+    'rollslip.run(rollslip.evolve(scene, {"operation.radial_load": "1.2 kN"}))'
+    >>> in_python("rollslip run {scene} --study steady-slip --report")
+    'rollslip.report(rollslip.run(scene, study="steady-slip"))'
+    """
+    _, name, _, *words = shlex.split(command)
+    changes, given, flags = dict[str, str](), "", list[str]()
+    while words:
+        option, *words = words
+        if not words or words[0].startswith("--"):
+            flags.append(option)
+        elif option == "--set":
+            key, _, changes[key] = words.pop(0).partition("=")
+        else:
+            given += f", {option.removeprefix('--').replace('-', '_')}={json.dumps(words.pop(0))}"
+    call = f"rollslip.{name}({f'rollslip.evolve(scene, {json.dumps(changes)})' if changes else 'scene'}{given})"
+    return f"rollslip.report({call})" if "--report" in flags else call

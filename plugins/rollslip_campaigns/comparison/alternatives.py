@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
+from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import run
@@ -79,7 +80,9 @@ def plan_alternatives(asked: "ComparisonSettings") -> Alternatives:
     for names in itertools.product(*named.values()):
         label = _BETWEEN.join(names)
         try:
-            scenes[label] = evolve(asked.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)})
+            there = evolve(asked.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)})
+            assemble(there)  # an oil that nobody knows is refused at once, as is a class
+            scenes[label] = there
         except RollslipError as error:
             refused[label] = str(error).removeprefix("changes: ")
     if len(scenes) < 2:

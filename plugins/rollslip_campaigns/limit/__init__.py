@@ -55,7 +55,7 @@ class LimitSettings(OfPoints):
     keep: str = setting(
         "The limit of a result, or OUTPUT>=VALUE.", default=attrs.NOTHING, metavar="OUTPUT<=VALUE", first=True
     )
-    within: float = setting("How exactly it is told.", of=float, default=0.01, metavar="SHARE", shown=True)
+    within: float | str = setting("How exactly it is told, such as 1 %.", default="1 %", metavar="SHARE", shown=True)
     study: str | None = setting("Only this study.", metavar="STUDY")
 
     def plan(self) -> "Limit":

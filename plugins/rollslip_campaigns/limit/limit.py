@@ -34,6 +34,7 @@ from rollslip.structure import FrozenTable
 from rollslip.studies.answers import Estimated
 from rollslip.studies.study import settings, study_class
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
+from rollslip.units import quantity as read_quantity
 from rollslip_campaigns.limit.search import (
     Requirement,
     next_places,
@@ -132,14 +133,21 @@ class Limit:
         return lines
 
 
+def _share(text: float | str) -> float:
+    try:
+        return read_quantity(text, "1") if "%" in str(text) else float(text)
+    except (UnitError, ValueError):
+        return math.nan
+
+
 def plan_limit(asked: "LimitSettings") -> Limit:
     """Check a search and lay out its values."""
-    given, over, within = asked.given, read_overs(asked.over), asked.within
+    given, over, within = asked.given, read_overs(asked.over), _share(asked.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     name = study_with(base, asked.study, outputs_of(asked.keep))
     requirement = read_requirement(asked.keep, study_class(name, base))
     if not 1e-6 <= within <= 0.5:
-        raise SceneError([f"within: a share from 1e-06 to 0.5 is expected, such as 0.01, not {within:g}"])
+        raise SceneError([f"within: a share from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {asked.within}"])
     if len(over) != 1:
         raise SceneError(
             [f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"]

@@ -117,10 +117,19 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
 
 
 def study_with(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
-    """Return the study that is named, else the first of the scene that has some outputs, or the first of all."""
+    """Return the study that is named, else the first of the scene that has some outputs, or the first of all.
+
+    By other names of theirs, such as "slip", one that has a cage goes first, as in a run of several.
+    """
     own = [*scene.study] or [DEFAULT_STUDY]
-    having = (one for one in own if outputs and study_class(one, scene).outputs.keys() >= set(outputs))
-    return named or next(having, own[0])
+    classes = {one: study_class(one, scene) for one in own} if outputs else {}
+    having = [one for one, of in classes.items() if of.outputs.keys() >= set(outputs)]
+    having += sorted(
+        (one for one, of in classes.items()
+         if {name for key, output in of.outputs.items() for name in (key, *output.also)} >= set(outputs)),
+        key=lambda one: not classes[one].with_cage,
+    )  # fmt: skip
+    return named or next(iter(having), own[0])
 
 
 def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tuple[SweepTable, Location]:

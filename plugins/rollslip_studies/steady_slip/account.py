@@ -75,7 +75,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
                       note="it is for a cage that lags")  # fmt: skip
         else:
             yield _minimum_load(dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0)
-        yield None if preload else _makers(dataset, load)
+        yield None if preload and not float(dataset["least_load"]) > 0.0 else _makers(dataset, load)
         yield _to_acceptable(dataset, acceptable)
     if "drag_reserve" in dataset:
         reserve = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
@@ -126,15 +126,19 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
     least, status = float(dataset["least_load"]), str(dataset["least_load_status"].item())
     row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
     below = f"for a slip below {plain(100.0 * acceptable)} %"
-    if preload > 0.0 and not least > 0.0:
-        return Row(**row, text="none", note=f"preloaded by {two(1e6 * preload)} µm")
+    if preload > 0.0:
+        if status.startswith(ANY_LOAD):
+            return Row(**row, text="none", note=f"preloaded by {two(1e6 * preload)} µm")
+        below += f", beside a preload of {two(1e6 * preload)} µm"
     if math.isnan(least):
         none = status.startswith(ANY_LOAD)
         why = (
             f"any load serves, {below}"
             if none
             else f"no load serves, {below}"
-            if status.startswith(NO_LOAD)
+            if status.startswith(NO_LOAD[0])
+            else f"the cage skids before it slips {plain(100.0 * acceptable)} %"
+            if status.startswith(NO_LOAD[1])
             else status
         )
         return Row(**row, text="none" if none else "not found", note=why)

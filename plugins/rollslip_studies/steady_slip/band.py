@@ -4,29 +4,41 @@
   steady, and the load that then keeps the acceptable one, are found anew by secants on the balance of torques.
 - Logarithms of what that changes add in squares, up and down apart: exact for independent lognormal scatter of a
   product of powers, else an estimate. Samples (`rollslip uncertainty`) tell more, and what interacts.
+- What leaving the range of a law does is found likewise: the law that the bound names instead takes its place. One
+  without compiled form is evaluated once, on a few slices of each ring as they move at the steady slip; its friction
+  over that of the law that was left, by load, is then a factor. What has no other law, or one that takes minutes
+  (`Validity.instead` names none), is not evaluated.
 - Only ratios are taken of few slices and rollers without inertia; the run gives the values.
 """
 
 import json
 import math
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.chain import Chain
+from rollslip.bearing.raceway import Array
 from rollslip.bearing.search import secants
-from rollslip.errors import ConvergenceError, DomainError, SceneError
+from rollslip.catalogue.registry import get_class
+from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
+from rollslip.models import FINITE, SliceModel
+from rollslip.motion.losses import power_balance
 from rollslip.motion.torque_balance import TorqueBalance, rollers
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import with_scatter
 from rollslip.results.curves import or_none
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.distributions import read_uncertainty
-from rollslip.scene.values import Scene
-from rollslip.structure import Location
-from rollslip_studies.steady_slip.consequences import consequences
+from rollslip.scene.values import Scene, resolved
+from rollslip.structure import Location, thawed
+from rollslip.studies.validity import APPROXIMATION
+from rollslip_studies.steady_slip.evaluated import evaluated_slices
+from rollslip_studies.steady_slip.losses import acceptable_reserve
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,7 +81,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     """Return a result of steady slips with the bands of the least one and of the least load, in attribute ``band``.
 
     Beside them stands what each quantity does on its own, what moves a value most first, and in ``consequences`` what
-    the laws that it left do (`rollslip_studies.steady_slip.consequences`). Without a steady slip it is the result as it
+    the laws that it left do. Without a steady slip it is the result as it
     was. ``slip`` is the variable that the slip is in. A slip below 1e-5, as of a cage that is driven, counts as that.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
@@ -219,3 +231,134 @@ def _band(logs: _Logs, ends: Mapping[str, list[float]], known: Mapping[str, Quan
     order = sorted(changes, key=lambda key: -max(map(abs, changes[key])))
     alone = (Moved(key, known[key].unit or "", tuple(ends[key]), tuple(map(math.exp, changes[key]))) for key in order)
     return Band(math.exp(-down), math.exp(up), order[0], tuple(alone))
+
+
+# Laws outside their range ---------------------------------------------------------------------------------------------
+
+#: Shares of the force of a ring at whose slices a law without compiled form is evaluated.
+_AT: Final = (0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
+#: Names of what is looked at.
+SLIP, RESERVE, TORQUE = "slip", "reserve to slipping", "friction torque"
+
+
+@attrs.frozen(eq=False)
+class _Factor(SliceModel):
+    """Friction times a factor by load, of each ring, which its contacts are told by: their radius [m]."""
+
+    rings: Mapping[float, tuple[Array, Array]]
+
+    name: ClassVar[str] = "factor"
+    reads = frozenset({"friction", "load", "radius"})
+    writes = frozenset({"friction"})
+    domain = MappingProxyType(dict.fromkeys(sorted(reads), FINITE))
+
+    def evaluate(self, slices: Any) -> None:
+        """Multiply the friction."""
+        if (known := self.rings.get(slices.conditions.radius)) is not None:
+            slices.friction[...] *= np.interp(slices.load, *known)
+
+
+def consequences(scene: Scene, few: Assembly, dataset: "xr.Dataset", slip: float) -> list[dict[str, Any]]:
+    """Return what each bound that a result left does to it, as plain values; ``few`` is the bearing of few slices.
+
+    Of each its ``code``, the other law as ``instead``, and under ``moved`` by what is looked at its value and the one
+    by the other law; None where there is none. Where nothing was evaluated there is no ``moved``.
+    """
+    told = json.loads(dataset.attrs.get("validity", "{}")).get("told", ())
+    codes = {one["code"]: one["made_for"] for one in told if one.get("code")}
+    acceptable = float(dataset.attrs.get("acceptable_slip", math.nan))
+    try:
+        balance = rollers(few, 1, inertia=False)
+        begin = _values(balance, slip, acceptable)
+        if math.isnan(begin[SLIP]):
+            return []
+    except RollslipError:
+        return []
+    values = {SLIP: slip, RESERVE: float(dataset.get("acceptable_reserve", math.nan)),
+              TORQUE: float(np.ravel(dataset.get("friction_torque", math.nan))[0])}  # fmt: skip
+    rows = []
+    for code, reference in codes.items():
+        row: dict[str, Any] = {"code": code, "instead": ""}
+        for key, model, instead in _left(few, code, reference):
+            row["instead"] = instead.partition(".")[0]
+            try:
+                other = _replaced(scene, few, key, model, instead)
+                if (law := other.models.get(key.split(".")[1])) is not None and _runs_python(law):
+                    other = _corrected(few, other, balance, begin[SLIP])
+                end = _values(rollers(other, 1, inertia=False, beside=balance), begin[SLIP], acceptable)
+            except RollslipError as refusal:
+                row["refused"] = str(refusal)
+                continue
+            moved = {name: (values[name], values[name] * end[name] / begin[name]) for name in values
+                     if begin[name] and not math.isnan(values[name])}  # fmt: skip
+            row["moved"] = {name: [or_none(one) for one in both] for name, both in moved.items()}
+        rows.append(row)
+    return rows
+
+
+def _values(balance: TorqueBalance, near: float, acceptable: float) -> dict[str, float]:
+    """Return the steady slip near one, the reserve to the acceptable one, and the friction torque; infinite, NaN."""
+    slip, o = steady_near(balance, near), balance.assembly.scene.operation
+    found = {SLIP: slip, RESERVE: math.nan, TORQUE: math.nan}
+    if not math.isnan(acceptable):
+        found[RESERVE] = acceptable_reserve(balance, acceptable)[0]
+    if math.isfinite(slip):
+        lost = power_balance(balance, balance.orbit(slip))
+        found[TORQUE] = sum(loss.power for loss in lost.losses) / abs(o.inner_speed - o.outer_speed)
+    return found
+
+
+def _left(assembly: Assembly, code: str, reference: str) -> Iterator[tuple[str, SliceModel, str]]:
+    """Yield the key, the model and the other law of what has a bound of a code."""
+    laws = [one for kind, model in assembly.models.items() for one in _laws(f"models.{kind}", model)]
+    laws += [("lubricant.pressure_viscosity_law", assembly.lubricant.pressure_viscosity_law)]
+    for key, model in laws:
+        if code == APPROXIMATION and getattr(model, "solved_by", None) == reference:
+            yield key, model, reference
+        elif instead := next((one.instead for one in model.validity if one.code == code), ""):
+            yield key, model, instead
+
+
+def _laws(key: str, model: SliceModel) -> Iterator[tuple[str, SliceModel]]:
+    yield key, model
+    for a in attrs.fields(type(model)) if attrs.has(type(model)) else ():  # type: ignore[arg-type]
+        if isinstance(child := getattr(model, a.name), SliceModel):
+            yield from _laws(f"{key}.{a.name}", child)
+
+
+def _replaced(scene: Scene, few: Assembly, key: str, model: SliceModel, instead: str) -> Assembly:
+    """Return the bearing with the other law at a key: around the law that was, or with its parameters."""
+    name, _, inner = instead.partition(".")
+    _, kind, *_ = key.split(".")
+    known: Any = resolved(scene) if scene.raw is None else scene.raw
+    for part in key.split("."):
+        known = known.get(part, {}) if isinstance(known, Mapping) else {}
+    own: dict[str, Any] = thawed(known) if isinstance(known, Mapping) else {}
+    if inner:
+        own = {inner: {"model": model.name} | own}
+    elif kind in few.models:
+        own = {one: own[one] for one in own.keys() & attrs.fields_dict(get_class(kind, name)).keys()}
+    return assemble(evolve(scene, {key: {"model": name, **own} if own else name}), few.resolution)
+
+
+def _runs_python(model: SliceModel) -> bool:
+    return any(one.kernel() is None for _, one in _laws("", model))
+
+
+def _corrected(few: Assembly, other: Assembly, balance: TorqueBalance, slip: float) -> Assembly:
+    """Return the bearing with its friction times what another law makes of it, at the motion of a steady slip."""
+    rings = {}
+    for one in evaluated_slices(balance, [balance.orbit(slip)]):
+        own, its = (next(r for r in each.raceways if r.ring == one.ring) for each in (few, other))
+        order = np.argsort(one.load)
+        below = np.cumsum(one.force[order])
+        at = order[np.unique(np.searchsorted(below, np.array(_AT) * below[-1]))]
+        speeds = [np.broadcast_to(part, one.load.shape)[at] for part in (one.rolling, one.sliding)]
+        frictions = [np.abs(r.evaluate(one.load[at], *speeds).friction) for r in (its, own)]
+        with np.errstate(all="ignore"):
+            factor = np.nan_to_num(frictions[0] / frictions[1], nan=1.0, posinf=1.0)
+        rings[own.conditions.radius] = one.load[at], factor
+    chain = Chain(*few.inner.chain.models, _Factor(rings), compiled=few.resolution.compiled)
+    return attrs.evolve(
+        few, inner=attrs.evolve(few.inner, chain=chain), outer=attrs.evolve(few.outer, chain=chain), known_maps={}
+    )
