@@ -57,6 +57,6 @@ def test_a_peer_that_cannot_be_had_is_said_with_the_reason():
 def test_faults_to_be_planted_stand_in_their_files_once_and_their_tests_are_there():
     for fault in plant.faults():
         plant.line_of(fault, (plant.TREE / fault.file).read_text(encoding="utf-8"))
-        for test in fault.tests:
-            path, _, name = test.partition("::")
+        for test in (*fault.tests, *[fault.seen_by] * ("::" in fault.seen_by)):
+            path, _, name = test.partition("[")[0].partition("::")
             assert f"def {name}" in (plant.TREE / path).read_text(encoding="utf-8"), (fault.file, test)

@@ -1,9 +1,9 @@
 """Plant small faults, one at a time, and see whether the tests find them: ``python tests/mutants/plant.py``.
 
 ``faults.toml`` lists files, the tests that should see a fault there, and faults: what stands there, what is planted,
-and, of one that no test can see, why. What stands there must occur exactly once in the file. ``results.csv`` has a row
-for each fault: what was found, by which test, which has passed without the fault. A fault that has a row is not planted
-again, so that a run may be interrupted at any time; ``--again survived`` plants those again that no test saw.
+which test saw it, having passed without it, and, of one that no test can see, why. What stands there must occur exactly
+once in the file. What saw a fault is written into the list, and such a fault is not planted again, so that a run may be
+interrupted at any time; ``--again nobody`` plants those again that no test saw.
 
 The work is done on a copy of the tree, whose compiled modules must be up to date (``python setup.py build_ext
 --inplace``): only what a fault changes is built again, with -O1, which is faster. Tests run in a fork of this process,
@@ -12,7 +12,7 @@ which has imported the libraries once; nothing of rollslip is imported before.
 
 import argparse
 import contextlib
-import csv
+import json
 import os
 import re
 import shutil
@@ -23,7 +23,6 @@ import tempfile
 import time
 import tomllib
 import traceback
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
@@ -35,8 +34,9 @@ import pytest
 
 HERE = Path(__file__).resolve().parent
 TREE = HERE.parents[1]
-RESULTS = HERE / "results.csv"
-LEFT_OUT = shutil.ignore_patterns(".git", ".hypothesis", "build", "_build", "*_cache", "htmlcov")
+TABLE = HERE / "faults.toml"
+NOBODY = "nobody"  # saw it
+LEFT_OUT = shutil.ignore_patterns(".git", ".venv", ".hypothesis", "build", "_build", "*_cache", "htmlcov")
 COMPILED = {".pyx", ".pxd", ".h"}
 MOST_SECONDS = 600.0  # a fault may make a test endless; a loaded machine makes all of them slow
 
@@ -44,9 +44,10 @@ MOST_SECONDS = 600.0  # a fault may make a test endless; a loaded machine makes 
 @attrs.frozen
 class Fault:
     file: str
+    tests: tuple[str, ...]
     old: str
     new: str
-    tests: tuple[str, ...]
+    seen_by: str = ""  # a test, what else ended the tests, or nobody; empty where it was not planted yet
     why: str = ""  # no test can see it
 
     @property
@@ -54,25 +55,10 @@ class Fault:
         return self.file, self.old, self.new
 
 
-@attrs.frozen
-class Finding:
-    file: str
-    line: int
-    old: str
-    new: str
-    outcome: str  # killed or survived
-    seen_by: str
-    seconds: float
-
-    @property
-    def key(self) -> tuple[str, str, str]:
-        return self.file, self.old, self.new
-
-
 def faults() -> list[Fault]:
-    table = tomllib.loads((HERE / "faults.toml").read_text(encoding="utf-8"))
+    table = tomllib.loads(TABLE.read_text(encoding="utf-8"))
     return [
-        Fault(section["file"], fault[0], fault[1], tuple(section["tests"].split()), *fault[2:])
+        Fault(section["file"], tuple(section["tests"].split()), *fault)
         for section in table["of"]
         for fault in section["faults"]
     ]
@@ -87,26 +73,24 @@ def line_of(fault: Fault, text: str) -> int:
     return text[: text.index(fault.old)].count("\n") + 1
 
 
-def known() -> dict[tuple[str, str, str], Finding]:
-    if not RESULTS.exists():
-        return {}
-    with RESULTS.open(newline="", encoding="utf-8") as stream:
-        rows = [
-            Finding(**{**row, "line": int(row["line"]), "seconds": float(row["seconds"])})
-            for row in csv.DictReader(stream)
-        ]
-    return {row.key: row for row in rows}
-
-
-def note(finding: Finding) -> None:
-    """Add a finding, in the order of the table: another process may have written in between."""
+def note(planted: Fault, seen_by: str) -> None:
+    """Write into the list what saw a fault: another process may have written in between."""
     with filelock.FileLock(Path(tempfile.gettempdir()) / "rollslip-mutants.lock"):
-        rows = {**known(), finding.key: finding}
-        kept = [rows[fault.key] for fault in faults() if fault.key in rows]
-        with RESULTS.open("w", newline="", encoding="utf-8") as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow([a.name for a in attrs.fields(Finding)])
-            writer.writerows(attrs.astuple(row) for row in kept)
+        lines, file = TABLE.read_text(encoding="utf-8").splitlines(), ""
+        for k, line in enumerate(lines):
+            if line.startswith("file = "):
+                file = tomllib.loads(line)["file"]
+            elif line.startswith("  ["):
+                old, new, *_ = tomllib.loads(f"row = {line.strip().removesuffix(',')}")["row"]
+                if (file, old, new) == planted.key:
+                    row = [old, new, seen_by, *filter(None, [planted.why])]
+                    lines[k] = f"  [{', '.join(map(quoted, row))}],"
+        TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def quoted(text: str) -> str:
+    """Return a text as TOML has it."""
+    return json.dumps(text, ensure_ascii=False) if "'" in text or not text.isprintable() else f"'{text}'"
 
 
 def _tested(tree: Path, tests: tuple[str, ...], log: Path) -> NoReturn:
@@ -204,23 +188,21 @@ def planted(fault: Fault, tree: Path, pristine: Path) -> Iterator[bool]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("only", nargs="*", help="plant only faults of files whose path holds one of these words")
-    parser.add_argument("--again", choices=["survived", "all"], help="plant again what has a row in results.csv")
+    parser.add_argument("--again", choices=[NOBODY, "all"], help="plant again what nobody saw, or all")
     parser.add_argument("--part", default="1/1", help="K/N: every N-th fault from the K-th on, for N processes")
     asked = parser.parse_args()
     part, parts = (int(number) for number in asked.part.split("/"))
     table = faults()
     for fault in table:
         line_of(fault, (TREE / fault.file).read_text(encoding="utf-8"))
-    rows = known()
-    again = {"survived": {key for key, row in rows.items() if row.outcome == "survived"}, "all": set(rows), None: set()}
     chosen = [
         fault
         for number, fault in enumerate(table)
         if number % parts == part - 1
-        and (fault.key not in rows or fault.key in again[asked.again])
+        and (not fault.seen_by or asked.again in ("all", fault.seen_by))
         and (not asked.only or any(word in fault.file for word in asked.only))
     ]
-    print(f"{len(table)} faults in the table, {len(rows)} have a row, {len(chosen)} are planted now")
+    print(f"{len(table)} faults are listed, {len(chosen)} are planted now")
     hypothesis.settings.register_profile(
         "planted",
         max_examples=40,
@@ -244,12 +226,13 @@ def main() -> None:
             if test in failing:
                 print(f"{test} fails without a fault, too; mend it, then see what finds {fault.new!r} in {fault.file}")
                 continue
-            note(Finding(fault.file, line, fault.old, fault.new, outcome, test, round(took, 1)))
+            note(fault, test or NOBODY)
             print(f"{outcome:8} {took:6.1f} s  {fault.file}:{line}  {fault.old!r} -> {fault.new!r}  {test}", flush=True)
-    counts, rows = Counter(row.outcome for row in known().values()), known()
-    unseen = [one for one in table if not one.why and one.key in rows and rows[one.key].outcome == "survived"]
-    print(f"{counts['killed']} of {counts.total()} were seen; {len(unseen)} were not, without a reason in the table")
-    sys.exit(bool(unseen or failing))
+    tried = [one for one in faults() if one.seen_by]
+    unseen = [one for one in tried if one.seen_by == NOBODY]
+    left = [one for one in unseen if not one.why]
+    print(f"{len(tried) - len(unseen)} of {len(tried)} were seen; {len(left)} were not, without a reason in the list")
+    sys.exit(bool(left or failing))
 
 
 if __name__ == "__main__":
