@@ -78,10 +78,13 @@ def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iter
 
 
 def in_people_s_unit(name: str, values: Iterable[float], unit: str) -> tuple[str, list[float | None]]:
-    """Return some values of a quantity in the unit in which people read the largest, and it; None where none is."""
+    """Return the unit in which people read the largest of some values, percent of shares, and them in it, or None."""
     values = list(values)
-    shown = _unit(name, values, unit)
-    return shown, [_told(value, unit, shown) for value in values]
+    shown = "%" if in_percent(name, unit) else ""
+    if unit != "1":
+        shown = shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
+    told = [float(f"{converted(x, unit, shown):.12g}") if math.isfinite(x) else None for x in values]
+    return shown, told
 
 
 def _has_points(dataset: "xr.Dataset") -> bool:
@@ -120,18 +123,6 @@ def of_points(dataset: "xr.Dataset") -> Sheet:
             else:
                 columns[label] = whole.ravel().tolist()
     return list(columns), [list(row) for row in zip(*columns.values(), strict=True)] if math.prod(shape) else []
-
-
-def _unit(name: str, values: Iterable[float], unit: str) -> str:
-    """The unit in which people read some values: that of the largest; percent of shares."""
-    if unit == "1":
-        return "%" if in_percent(name, unit) else ""
-    return shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
-
-
-def _told(value: float, unit: str, shown: str) -> float | None:
-    """A value in the unit of its column; None where there is none."""
-    return None if not math.isfinite(value) else float(f"{converted(value, unit, shown):.12g}")
 
 
 def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
