@@ -2,10 +2,7 @@
 
 import ast
 import math
-import os
 import re
-import subprocess
-import sys
 import textwrap
 import tomllib
 from importlib.resources import files
@@ -150,35 +147,6 @@ def test_several_models_make_one_package(compiled: bool, tmp_path: Path) -> None
     assert "tests/test_own_pair.py" not in texts
     with pytest.raises(FieldError, match="a package takes one film called 'own-pair'"):
         new("own-pair", "film,film", compiled, tmp_path)
-
-
-def test_two_laws_of_a_package_pass_the_kit_and_its_tests(tmp_path: Path) -> None:
-    made = new("own-pair", "film,traction:own-other", False, tmp_path)
-    environment = {**os.environ, "PYTHONPATH": f"{made / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n0", "-k", "worked or named"],
-        cwd=made, env=environment, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-@pytest.mark.slow
-def test_every_template_is_typed(tmp_path: Path) -> None:
-    """As strictly as rollslip: what a package begins with finds no fault of its author's tools."""
-    asked, paths = [], [str(tmp_path / f"own-{kind}{compiled:d}" / "src") for kind, compiled in FORMS]
-    for kind, compiled in FORMS:
-        made = new(f"own-{kind}{compiled:d}", kind, compiled, tmp_path)
-        asked += [
-            str(path) for path in sorted(made.rglob("*.py*")) if path.name != "setup.py" and path.suffix != ".pyx"
-        ]
-    config = tmp_path / "mypy.ini"
-    config.write_text("[mypy]\nstrict = True\n[mypy-rollslip.*]\nfollow_imports = silent\n")
-    roots = [str(ROOT / root) for root in ("framework", "kernels", "plugins")]
-    done = subprocess.run(
-        [sys.executable, "-m", "mypy", "--config-file", config, "--explicit-package-bases", *asked],
-        env={**os.environ, "MYPYPATH": os.pathsep.join([*paths, *roots])}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout
 
 
 # Of a file -----------------------------------------------------------------------------------------------------------
