@@ -19,10 +19,11 @@ from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.datasets import Bearing, Catalogue
-from rollslip.errors import DomainError, SceneError
+from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.motion.way_up import WayUp
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
@@ -920,3 +921,28 @@ def test_the_largest_drag_by_effective_friction_says_what_it_may_be_off():
     assert said.endswith("take --set study.steady-slip.friction=conventional where it matters")
     conventional = found.assign_attrs(friction="conventional")
     assert "2.7 %" not in topics(conventional)["largest drag"][0]
+
+
+def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):
+    """Its last torque is unknown, and how exact the most is; all else is what it was."""
+    scene = evolve(dragged(SHIPPED, brake(0.1)), {"accuracy.slices": 15})
+    whole, at = run(scene, points=40), WayUp.at
+
+    def ends(way, slips):
+        if max(slips) > 0.85:
+            raise ConvergenceError("no equilibrium")
+        return at(way, slips)
+
+    def unknown(way):
+        raise ConvergenceError("no equilibrium")
+
+    monkeypatch.setattr(WayUp, "at", ends)
+    monkeypatch.setattr(WayUp, "largest_error", property(unknown))
+    found = run(scene, points=40)
+    assert np.isnan(found.driving_torque[-1])
+    assert np.isnan(found.most_torque_error)
+    known = ~np.isnan(found.driving_torque)
+    assert known.sum() > 20
+    np.testing.assert_array_equal(found.driving_torque[known], whole.driving_torque[known])
+    np.testing.assert_array_equal(found.steady_slip, whole.steady_slip)
+    assert np.isfinite(found.attrs["curve_error"])

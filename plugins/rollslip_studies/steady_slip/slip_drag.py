@@ -1,11 +1,14 @@
 """The slip-drag curve: torques on the way up, where the cage runs away, and where the slip jumps to."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
+from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.spins import place_of, slip_of
 from rollslip.motion.torque_balance import TorqueBalance, nowhere
 from rollslip.motion.way_up import WayUp
@@ -36,7 +39,7 @@ def slip_drag(
         "jump_slip": math.nan if away is None else away.to,
         "most_torque": most,
         "most_torque_slip": most_slip,
-        "most_torque_error": way.largest_error,
+        "most_torque_error": _or_unknown(lambda: way.largest_error),
         "first_maximum_torque": math.nan if first is None else first.drag,
         "first_maximum_slip": math.nan if first is None else first.slip,
     }
@@ -47,7 +50,8 @@ def slip_drag(
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
     }
-    error = float(_left_out(slip, torque).max() / (np.abs(torque).max() or 1.0)) / _EXACTER
+    known = ~np.isnan(torque)
+    error = float(_left_out(slip[known], torque[known]).max() / (np.nanmax(np.abs(torque)) or 1.0)) / _EXACTER
     return {name: OUTPUTS[name].variable(value) for name, value in values.items()}, coords, error
 
 
@@ -58,10 +62,23 @@ def _curve(way: WayUp, end: float, points: int) -> tuple[Array, Array]:
     begin = place_of(own[1]) if own.size > 1 else place_of(0.5 * end)
     more = [slip_of(place) for place in np.linspace(begin, place_of(end), points)] if own.size < points else [end]
     if new := [one for one in more if one not in own]:
-        slip, torque = np.append(slip, new), np.append(torque, [motion.torque for motion in way.at(new)])
+        found = [_or_unknown(partial(_torque, way, one)) for one in new]
+        slip, torque = np.append(slip, new), np.append(torque, found)
     order = np.argsort(slip)
     inside = order[slip[order] <= end]
     return slip[inside], torque[inside]
+
+
+def _torque(way: WayUp, slip: float) -> float:
+    return way.at([slip])[0].torque
+
+
+def _or_unknown(found: Callable[[], float]) -> float:
+    """What is found, or NaN: neither the end of the curve nor an error is a reason to lose the answer."""
+    try:
+        return found()
+    except (DomainError, ConvergenceError):
+        return math.nan
 
 
 def _left_out(slip: Array, values: Array) -> Array:
