@@ -140,7 +140,7 @@ class Plan:
         ]
 
     def _repr_html_(self) -> str:
-        from rollslip.results.report import html_table
+        from rollslip.results.words import html_table
 
         lines = self.lines()
         return f"<p>{escape(repr(self))}</p>{html_table([*lines[0]], [[*line.values()] for line in lines])}"

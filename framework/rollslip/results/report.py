@@ -38,7 +38,7 @@ from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
-from rollslip.results.words import confidence, counted, warned
+from rollslip.results.words import confidence, counted, html_table, warned
 from rollslip.scene.schema import rows_of, schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
     Datasets = Mapping[str, xr.Dataset]
 
-__all__ = ["html_table", "is_report", "write_report"]
+__all__ = ["is_report", "write_report"]
 
 #: Attributes of any study: what they are called in the table of numbers, and their units.
 _NUMBERS: Final = {
@@ -455,25 +455,6 @@ def _tag(name: str, text: object) -> str:
 def _list(texts: "Iterator[str] | Sequence[str] | Mapping[str, None]") -> str:
     items = "".join(_tag("li", text) for text in texts)
     return f"<ul>{items}</ul>" if items else ""
-
-
-def html_table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> str:
-    """Return a table whose first column names its rows; a cell that is a list has one line for each item."""
-    if not rows:
-        return ""
-    columns = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
-    body = "".join(
-        f'<tr><th scope="row">{escape(str(first))}</th>{"".join(map(_cell, cells, head[1:]))}</tr>\n'
-        for first, *cells in rows
-    )
-    title = _tag("caption", caption) if caption else ""
-    return f'<div class="wide"><table>{title}<thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table></div>\n'
-
-
-def _cell(cell: object, head: str) -> str:
-    """Return a cell that knows its column, whose name stands before it where a screen is narrow."""
-    lines = "<br/>".join(escape(str(item)) for item in (cell if isinstance(cell, list) else [cell]))
-    return f'<td data-of="{escape(head)}">{lines}</td>' if lines else "<td></td>"
 
 
 _STYLE: Final = (

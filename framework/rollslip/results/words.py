@@ -4,6 +4,7 @@ import json
 import math
 import shlex
 from collections.abc import Iterable, Sequence
+from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.results.curves import percent as three_digits
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted",
-    "estimated", "first_line", "force", "force_unit", "in_python", "percent", "plain", "power", "rounded_up", "runs_at",
-    "runs_away", "span", "two", "warned",
+    "estimated", "first_line", "force", "force_unit", "html_table", "in_python", "percent", "plain", "power",
+    "rounded_up", "runs_at", "runs_away", "span", "two", "warned",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -219,3 +220,22 @@ def in_python(command: str) -> str:
             given += f", {option.removeprefix('--').replace('-', '_')}={json.dumps(words.pop(0))}"
     call = f"rollslip.{name}({f'rollslip.evolve(scene, {json.dumps(changes)})' if changes else 'scene'}{given})"
     return f"rollslip.report({call})" if "--report" in flags else call
+
+
+def html_table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> str:
+    """Return a table whose first column names its rows; a cell that is a list has one line for each item."""
+    if not rows:
+        return ""
+    columns = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
+    body = "".join(
+        f'<tr><th scope="row">{escape(str(first))}</th>{"".join(map(_cell, cells, head[1:]))}</tr>\n'
+        for first, *cells in rows
+    )
+    title = f"<caption>{escape(caption)}</caption>" if caption else ""
+    return f'<div class="wide"><table>{title}<thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table></div>\n'
+
+
+def _cell(cell: object, head: str) -> str:
+    """Return a cell that knows its column, whose name stands before it where a screen is narrow."""
+    lines = "<br/>".join(escape(str(item)) for item in (cell if isinstance(cell, list) else [cell]))
+    return f'<td data-of="{escape(head)}">{lines}</td>' if lines else "<td></td>"
