@@ -12,6 +12,7 @@ import abc
 import math
 import sys
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -34,8 +35,6 @@ POSITIVE: Final = (5e-324, sys.float_info.max)
 #: Range of a quantity that must not be negative.
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
-#: Where nothing was evaluated, as in tables of the catalogue, a consequence is told up to so many times the bound.
-_FARTHER: Final = 3.0
 
 
 @attrs.frozen(kw_only=True)
@@ -120,7 +119,7 @@ class Validity:
     @property
     def told(self) -> str:
         """The consequence from the bound to three times beyond it, for tables of the catalogue."""
-        edge, beyond = (self.high, _FARTHER) if self.high < math.inf else (self.low, 1.0 / _FARTHER)
+        edge, beyond = (self.high, 3.0) if self.high < math.inf else (self.low, 1.0 / 3.0)
         text = self.consequence_at(edge, edge * beyond)
         return text if self.error is None else f"{text} (at {edge:.3g} to {edge * beyond:.3g})"
 
@@ -182,12 +181,8 @@ def submodel(kind: str, *, factory: Callable[[], object] | None = None, default:
     if (factory is None) == (not default):
         raise TypeError(f"a submodel of kind {kind!r} takes a factory or the name of its default, one of them")
 
-    def named() -> object:
-        import rollslip
-
-        return rollslip.get_model(kind, default)
-
-    return attrs.field(factory=factory or named, metadata={"doc": doc, "unit": None, "kind": kind})
+    made = factory or (lambda: import_module("rollslip").get_model(kind, default))
+    return attrs.field(factory=made, metadata={"doc": doc, "unit": None, "kind": kind})
 
 
 #: What a drag or a law of a contact can take from the scene -> (SI unit, or None for a text, and meaning).
@@ -330,8 +325,8 @@ def evaluate_arrays(model: SliceModel, column: str, **members: "ArrayLike") -> "
                 f"({interval((low, high))})"
             )
     shape = np.broadcast_shapes(*(values.shape for values in arrays.values()))
-    columns = {name: values for name, values in arrays.items() if name in COLUMNS}
-    columns.update({name: np.full(shape, np.nan) for name in model.writes})
+    filled = {name: np.full(shape, np.nan) for name in model.writes}
+    columns = {name: values for name, values in arrays.items() if name in COLUMNS} | filled
     conditions: dict[str, Any] = {name: values for name, values in arrays.items() if name in CONDITIONS}
     model.evaluate(Slices.of_columns(Conditions(**conditions), columns))
     return columns[column]
@@ -386,8 +381,8 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
             high=code,
             made_for=f"the {FILM_REGIMES[name]} regime",
             consequence=f"its film {off}",
-            remedy=(remedy := "film 'moes', which covers all regimes"),
-            instead=remedy.split("'")[1],
+            remedy="film 'moes', which covers all regimes",
+            instead="moes",
             source=source,
         ),
     )
@@ -447,10 +442,8 @@ class FilmModel(SliceModel):
             Mean surface speed u [m/s], > 0.
         radius, modulus : array_like
             Equivalent radius R [m] and modulus E' [Pa].
-        viscosity : array_like
-            Dynamic viscosity at ambient pressure eta0 [Pa s].
-        pressure_viscosity : array_like
-            Pressure-viscosity coefficient alpha [1/Pa].
+        viscosity, pressure_viscosity : array_like
+            Dynamic viscosity at ambient pressure eta0 [Pa s] and pressure-viscosity coefficient alpha [1/Pa].
 
         Raises
         ------
