@@ -544,7 +544,14 @@ MODEL_PAGES = script(DOCS / "_ext" / "model_pages.py")
 def test_a_model_has_a_page_of_what_it_is_its_errors_what_it_was_held_against_and_its_cost():
     text = "\n".join(MODEL_PAGES.page("film", "martin"))
     assert text.startswith("film martin\n===========\n")
-    order = ["::\n", "made for", "References:", "Errors against references", "What it was held against", "\nCost\n----"]
+    order = [
+        "::\n",
+        "valid for",
+        "References:",
+        "Errors against references",
+        "What it was checked against",
+        "\nCost\n----",
+    ]
     places = [text.index(part) for part in order]
     assert places == sorted(places)
     [row] = [row for row in rows_of(TABLES / "film_error_ranges.csv") if row["formula"] == "martin"]

@@ -153,7 +153,7 @@ def model(kind, name):
         lines += [f"Writes {', '.join(f'``{member}``' for member in about['writes'])}; {compiled}.", ""]
     if about.get("made_for"):
         rows = [(v["bound"], v["outside"], v["remedy"], v["source"]) for v in about["made_for"]]
-        lines += table(("made for", "outside", "remedy", "rests on"), rows)
+        lines += table(("valid for", "outside", "remedy", "rests on"), rows)
     return lines
 
 
@@ -166,7 +166,7 @@ def validity():
                 for one in models_as_dict(name)[kind].get("made_for", ()):
                     rows.setdefault(tuple(one.values()), []).append(f"``{name}``")
     lines = table(
-        ("laws", "code", "made for", "outside", "remedy", "rests on"),
+        ("laws", "code", "valid for", "outside", "remedy", "rests on"),
         [(", ".join(names), *row) for row, names in sorted(rows.items())],
     )
     return [lines[0], "   :class: wrapping", *lines[1:]]
@@ -181,7 +181,7 @@ def data(thing):
     """Everything about one named set of data but its references."""
     lines = [literal_markup(thing.description), "", literal_markup(thing.source), ""]
     if own := getattr(thing, "grades", None):
-        lines += [literal_markup(f"Grades: {', '.join(f'{key} ({grade})' for key, grade in own.items())}."), ""]
+        lines += [literal_markup(f"Data quality: {', '.join(f'{key} ({grade})' for key, grade in own.items())}."), ""]
     if hasattr(thing, "minimum_temperature"):
         low, high = (format_quantity(T, "K") for T in (thing.minimum_temperature, thing.maximum_temperature))
         lines += [f"Range: {low} to {high}.", ""]

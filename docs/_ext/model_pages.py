@@ -47,7 +47,7 @@ def page(kind, name):
     if cited := get_class(kind, name).references:
         lines += ["References:", "", *(f"- {facts.citation(one)}" for one in cited), ""]
     lines += ["Errors against references", "-" * 25, "", *errors(name)]
-    return [*lines, "What it was held against", "-" * 24, "", *held(kind, name)]
+    return [*lines, "What it was checked against", "-" * 27, "", *held(kind, name)]
 
 
 def errors(name):

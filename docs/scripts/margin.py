@@ -58,7 +58,7 @@ if __name__ == "__main__":
         uncertainty_convergence="margin_convergence",
     )
     print("\n".join(sentences(found)))
-    quantities = ("drag reserve", "steady slip", "slip of running away", "critical slip")
+    quantities = ("drag reserve", "steady slip", "slip at which skidding begins", "critical slip")
     rows = []
     for name in quantities:
         one = found.sel(quantity=name)

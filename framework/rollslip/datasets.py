@@ -120,7 +120,7 @@ def _boundary(what: str) -> Any:
 
 @attrs.frozen(kw_only=True)
 class Catalogue:
-    """What a maker's catalogue lists of the bearing: read by makers' rules of least load and friction torque alone."""
+    """What a maker's catalogue lists of the bearing: for makers' rules of minimum load and friction torque."""
 
     series: str = field(
         default="", doc='dimension series of ISO 15 as designations have it: "2", "3", "10", "22"', bare=True
@@ -137,7 +137,7 @@ class Catalogue:
     minimum_load_factor: float | None = field(
         default=None,
         unit="1",
-        doc="SKF's factor k_r of the least load, 0.1 to 0.3 for one row with a cage",
+        doc="SKF's factor k_r of the minimum load, 0.1 to 0.3 for one row with a cage",
         validator=attrs.validators.optional(positive),
     )
     reference_speed: float | None = field(
@@ -280,7 +280,7 @@ class Bearing:
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rings and rollers")
     catalogue: Catalogue | None = field(
-        default=None, doc="what the catalogue lists, for makers' rules of least load and friction torque"
+        default=None, doc="what the catalogue lists, for makers' rules of minimum load and friction torque"
     )
     #: How `radial_clearance` came about in a scene; None where that is stated.
     mounted: MountedClearance | None = attrs.field(default=None, eq=False, repr=False, metadata={"key": None})

@@ -160,7 +160,7 @@ ISOTHERMAL: Final = Validity(
     error=lambda load: 100.0 * load**0.62 / 3.94,
     remedy="film 'inlet-correction' with thermal = 'murch-wilson'",
     instead="inlet-correction.film",
-    source="Murch and Wilson (1975), C_T = 3.94/(3.94 + Lt^0.62), for pure rolling (grade B)",
+    source="Murch and Wilson (1975), C_T = 3.94/(3.94 + Lt^0.62), for pure rolling (B)",
 )
 SMOOTH: Final = Validity(
     code="W02",
@@ -168,7 +168,7 @@ SMOOTH: Final = Validity(
     low=3.0,
     consequence="roughness, of which the film knows nothing, changes it",
     remedy="none in the box; smoother surfaces or a thicker oil avoid it",
-    source="Patir and Cheng (1978), by whom roughness matters below Lambda of about 3 (grade B)",
+    source="Patir and Cheng (1978), by whom roughness matters below Lambda of about 3 (B)",
     common=True,
 )
 
@@ -351,7 +351,7 @@ class ContactModel(SliceModel):
             high=0.25 * math.pi * 4e9,
             consequence="hard bearing steel yields, and an elastic law has nothing to say",
             remedy="a lower load, or a plastic law of contact",
-            source="ISO 76: a largest Hertz pressure of 4 GPa leaves a dent of 1e-4 of the roller's diameter (grade B)",
+            source="ISO 76: a largest Hertz pressure of 4 GPa leaves a dent of 1e-4 of the roller's diameter (B)",
         ),
     )
     reads = frozenset({"load", "radius", "modulus"})

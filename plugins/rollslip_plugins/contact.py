@@ -167,7 +167,7 @@ class Palmgren(_HertzLine):
     - Q: normal force, there in N [N]
     - l: length of the contact, there in mm [m]
 
-    Range: steel on steel, fitted to crowned rollers (grade B).
+    Range: steel on steel, fitted to crowned rollers (B).
 
     Examples
     --------

@@ -57,7 +57,7 @@ class Barus(PressureViscosity):
             error=_above_roelands,
             remedy="lubricant.pressure_viscosity_law = 'roelands', or 'yasutomi' with constants of the oil",
             instead="roelands",
-            source="Barus against Roelands at the same alpha; the range is that of most oils (grade C)",
+            source="Barus against Roelands at the same alpha; the range is that of most oils (C)",
         ),
     )
     factor: float = factor_of_oil()

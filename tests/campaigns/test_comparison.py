@@ -260,18 +260,18 @@ def test_slices_are_sorted_by_film_alone_where_no_law_states_its_regimes():
     found = compare(scene, film="moes,blok", study="friction-curve")
     assert found["grouping"].values.tolist() == ["film regime"]
     assert found.attrs["sorted_by"] == ""
-    (said,) = (sentence for sentence in findings(found) if sentence.startswith("slices"))
-    assert said.startswith("slices are sorted by film alone, since no traction compared states regimes of its law")
+    (said,) = (sentence for sentence in findings(found) if sentence.startswith("laminae"))
+    assert said.startswith("laminae are sorted by film alone, since no traction compared states regimes of its law")
 
 
 def test_a_reference_without_regimes_is_sorted_by_those_of_the_law_that_is_held_against_it():
     found = compare(SCENE, traction=["muraki"], reference="constant", study="friction-curve")
     assert found["grouping"].values.tolist()[2:] == ["strain rate", "heating", "elasticity"]
-    assert "slices of constant, whose law states no regimes, are sorted by film and those of traction 'muraki'" in (
+    assert "laminae of constant, whose law states no regimes, are sorted by film and those of traction 'muraki'" in (
         findings(found)
     )
     own = findings(compare(SCENE, traction=["constant"], reference="muraki", study="friction-curve"))
-    assert not any(sentence.startswith("slices") for sentence in own)
+    assert not any(sentence.startswith("laminae") for sentence in own)
 
 
 def test_a_law_of_a_stranger_states_its_own_regimes():
@@ -613,7 +613,7 @@ def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(tmp_pa
     critical = result["critical_cage_slip" if "ring" in result.dims else "critical_slip"]
     slip = float(critical.isel({critical.dims[1]: 0}).sel(combination="dowson-1968 + eyring"))
     assert f"dowson-1968 + eyring, {curve_names(result)[0]}" in says["info"]
-    assert f"critical slip {slip:.2%}" in says["info"]
+    assert f"slip at largest traction {slip:.2%}" in says["info"]
     for author in ("Moes H.", "Dowson D. Elastohydrodynamics", "Muraki", "Eyring H.", "Johnson K.L., Tevaarwerk"):
         assert author in says["cite"]
 
@@ -667,7 +667,7 @@ def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys
     for text in (*findings(found), *found.combination.values, "relative differences by regime", "lambda-blend"):
         assert text[1:] in page
     for name in curve_names(found):
-        rests_on = "critical slips with rollers at their epicyclic spin"
+        rests_on = "slips at largest traction with rollers in pure rolling"
         assert f"{name}, {rests_on}: combinations of models against moes + muraki." in page
         assert f"{name}, {rests_on}".capitalize() in page, "the caption of its table"
     for k, label in enumerate(found.combination.values):

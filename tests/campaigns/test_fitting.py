@@ -652,9 +652,9 @@ def test_another_minimum_is_told():
 def test_a_film_model_outside_its_regime_is_told():
     found = rollslip.fit(noisy(ONE), parameters="eyring_stress", film="blok", rig=RIG)
     told = warned(found)
-    assert "film 'blok' was made for the rigid-piezoviscous regime; 100 % of the rows is outside (" in told
+    assert "film 'blok' is valid for the rigid-piezoviscous regime; 100 % of the rows is outside (" in told
     assert "where its film is off by -93 to +63 % there" in told
-    assert "traction 'muraki' was made for" not in told, "what is fitted makes up for its own error"
+    assert "traction 'muraki' is valid for" not in told, "what is fitted makes up for its own error"
 
 
 # Estimation -----------------------------------------------------------------------------------------------------------

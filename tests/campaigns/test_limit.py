@@ -173,7 +173,7 @@ def test_it_is_said_where_a_limit_is_kept(bearing, keep, said, edges):
     assert json.loads(json.dumps(told, allow_nan=False)) == told
     assert told["one_way"]
     assert len(told["kept"]) == (0 if "none" in said else 1)
-    assert findings.sentences(found)[1].startswith("half_width goes one way over")
+    assert findings.sentences(found)[1].startswith("half_width is monotonic over")
 
 
 def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_path):

@@ -164,7 +164,7 @@ def test_the_family_is_told_before_it_runs():
     assert len(labels) == len(set(labels)) == 1 + 2 * 3 + 2 + 7
     assert labels[0] == PLANNED
     assert [one.label for one in family.of("effective-friction", "reference")] == [FINEST, HALF, EXACT]
-    assert "the scene states 15 slices" in family.notes[0]
+    assert "the scene states 15 laminae" in family.notes[0]
     assert family.choices[0].resolution == finest(SCENE)
 
 
@@ -292,7 +292,7 @@ def test_a_critical_slip_that_is_not_there_is_a_status():
     found = pareto(SCENE, study="friction-curve", choices="traction", traction="rising", rounds=1)
     one = found.isel(result=1).sel(choice="rising")
     assert np.isnan(one.difference)
-    assert re.match(r"none \(no critical slip: .*\), where the finest has \d", one.difference_status.item())
+    assert re.match(r"none \(no slip at largest traction: .*\), where the finest has \d", one.difference_status.item())
     assert not one.on_model_front
     scene = evolve(SCENE, {"models.traction": {"model": "lambda-blend", "hydrodynamic": "rising"}})
     found = pareto(scene, study="friction-curve", choices="slices,traction", traction="maxwell-eyring", rounds=1)
@@ -456,8 +456,8 @@ def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
     assert code == 0, err
     lines = out.splitlines()
     assert "3 numerical and 2 modelling choices and 0 films, 2 rounds each, against 3 references" in lines[1]
-    assert lines[1].endswith("the finest with 15 slices")
-    assert "the scene states 15 slices" in lines[2]
+    assert lines[1].endswith("the finest with 15 laminae")
+    assert "the scene states 15 laminae" in lines[2]
     assert any(line.startswith(" 5 slices") for line in lines)
     assert {path.name for path in (tmp_path / "o").iterdir()} >= {"pareto.nc", "pareto-friction.svg", "report.html"}
     assert not (tmp_path / "o.unfinished").exists()

@@ -96,7 +96,7 @@ def test_a_ranking_is_told_and_drawn(found):
     account = account_of(found)
     said = " ".join(account.sentences(found))
     assert "it is better than newtonian-thermal" in said
-    assert "cannot be told" in said
+    assert "cannot be determined" in said
     [table] = account.tables(found)
     assert [row[0] for row in table.rows] == list(found.law.to_numpy())
     assert list(without_units(with_units(account.record(found), found))) == []
@@ -129,7 +129,7 @@ def test_nothing_to_rank_is_refused(data):
 
 def test_few_conditions_are_said_to_be_too_few(found):
     told = account_of(found).sentences(found.isel(condition=slice(5)))
-    assert told[-1] == "which law is better cannot be told: 5 conditions are too few, 6 are needed at least"
+    assert told[-1] == "which law is better cannot be determined: 5 conditions are too few, 6 are needed"
 
 
 def test_one_law_with_values_is_no_ranking(tmp_path, monkeypatch, capsys):

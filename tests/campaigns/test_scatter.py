@@ -182,7 +182,7 @@ def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
     size, sigma = 0.2, 0.5
     table = {"cage": {"drag": {"constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": sigma}}}}}
     found = uncertainty(uncertain(constant(size), **table), samples=512, probability=0.99)
-    largest = float(found.value.sel(quantity="drag of running away")[0])
+    largest = float(found.value.sel(quantity="limit drag torque")[0])
     one = found.sel(quantity="drag reserve")
     for p in (0.01, 0.05, 0.5, 0.95):
         exact = largest / (size * math.exp(sigma * norm.ppf(1.0 - p)))
@@ -243,7 +243,7 @@ def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_most_that_is_carr
     away, runs = runaway(balance, 0.2, ""), running(balance, 0.2)
     found = reserve(balance, away, runs, 0.2)
     assert found.factor == pytest.approx(balance.torque(0.2) / 0.5, rel=1e-3)
-    assert found.status == "at least: up to a slip of 0.2 the cage does not run away"
+    assert found.status == "at least: no skidding up to a slip of 0.2"
 
 
 def points(statuses):
@@ -292,7 +292,7 @@ def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
     table = {"cage": {"drag": {"petroff-land": {"factor": {"distribution": "uniform", "low": 1.0, "high": 3.0}}}}}
     scene = uncertain(rollslip.evolve(scene, {"cage.drag": ["petroff-land"]}), **table)
     found = uncertainty(scene, samples=8, loads=4, probability=0.5)
-    loads, factors = found.value.sel(quantity="least radial load").to_numpy()[:4], found.input_value[0].to_numpy()[:4]
+    loads, factors = found.value.sel(quantity="minimum load").to_numpy()[:4], found.input_value[0].to_numpy()[:4]
     for load, factor in zip(loads, factors, strict=True):
         # at that load and factor the cage slips by the acceptable slip
         there = rollslip.evolve(
@@ -302,7 +302,7 @@ def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
                               output=["steady_slip"]).steady_slip  # fmt: skip
         assert float(np.nanmin(slip)) == pytest.approx(0.02, rel=5e-3)
     order = [str(name) for name in found.quantity.to_numpy()[:3]]
-    assert order == ["drag reserve", "steady slip", "least radial load"]
+    assert order == ["drag reserve", "steady slip", "minimum load"]
     assert [*findings.topics(found)][:3] == order
 
 
@@ -310,8 +310,12 @@ def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them()
     found = uncertainty(rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"]}), samples=64, probability=0.9)
     keys = list(map(str, found.input.to_numpy()))
     alpha = found.input_value[keys.index("lubricant.pressure_viscosity_factor")].to_numpy()
-    away, drag = (found.value.sel(quantity=f"{of} of running away").to_numpy() for of in ("slip", "drag"))
-    told = found.rank_correlation.sel(input="lubricant.pressure_viscosity_factor", acted="slip of running away")
+    away, drag = (
+        found.value.sel(quantity=of).to_numpy() for of in ("slip at which skidding begins", "limit drag torque")
+    )
+    told = found.rank_correlation.sel(
+        input="lubricant.pressure_viscosity_factor", acted="slip at which skidding begins"
+    )
     assert float(told) == pytest.approx(spearmanr(alpha, away).statistic)
     assert float(found.strength_correlation) == pytest.approx(spearmanr(away, drag).statistic)
     assert float(found.strength_correlation) < -0.3

@@ -65,7 +65,11 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
         ),
         (SCENE, {"probability": "99 %"}, "probability: a number is expected, not '99 %'"),
         (SCENE, {"samples": "64"}, "samples: a whole number, 2 or more, is expected, not '64'"),
-        (ACCEPTABLE, {"samples": 8, "loads": 9}, "loads: the samples of the least load are the first of all 8, not 9"),
+        (
+            ACCEPTABLE,
+            {"samples": 8, "loads": 9},
+            "loads: the samples of the minimum load are the first of all 8, not 9",
+        ),
         (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
         (
             uncertain(
@@ -105,8 +109,8 @@ def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
     ]
     found = uncertainty(SCENE, samples=8)
     warning, *left = json.loads(found.attrs["warnings"])
-    assert left[0].startswith("at 8 of 8 points judged: ")
-    assert "all points were judged" in left[-1]
+    assert left[0].startswith("at 8 of 8 points checked: ")
+    assert "all points were checked" in left[-1]
     assert "the scatter is the one that its data and models come with" in warning
     assert "So and Klaus" in warning
     assert not UncertaintySettings(uncertain(**ALPHA), samples=8).plan().scatter
@@ -138,7 +142,7 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
         SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction", output=["runaway_slip"]
     )  # fmt: skip
     slips = swept.runaway_slip.to_numpy()
-    told = found.quantile_value.sel(quantity="slip of running away")
+    told = found.quantile_value.sel(quantity="slip at which skidding begins")
     assert told.sel(probability=[0.1, 0.5]).to_numpy() == pytest.approx(slips, rel=1e-12)
     assert found.allowable_slip == told.sel(probability=0.1)
     assert found.margin == 1.0
@@ -184,7 +188,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False))
     monkeypatch.setattr(swept, "collect", lambda sweep, folder: _points(status, slips))
     found = run_margin(made, tmp_path / "failed")
-    one = found.sel(quantity="slip of running away")
+    one = found.sel(quantity="slip at which skidding begins")
     assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
     assert "4 of 64 points are crashed; they count as the worst and as the best" in found.attrs["warnings"]
     head, rows = sheet(found)
@@ -220,7 +224,8 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     assert float(found.allowable_slip) == np.inf
     _, first, *_, indices = sentences(found)
     begin = (
-        "the allowable slip lies beyond the range of slips, 95 %: so does the slip of running away with probability 0.9"
+        "the allowable slip lies beyond the range of slips, 95 %: so does the slip at which skidding begins with "
+        "probability 0.9"
         + ("; 8 samples are too few to tell how much less" if count == 8 else " (95 % interval: beyond the range too")
     )
     assert first.startswith(begin)
@@ -235,7 +240,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     assert [row[0] for row in printed.rows] == ["peak friction, inner ring", "peak friction, outer ring"]
     files = save_plots(found, tmp_path)
     assert [path.name for path in files] == ["uncertainty.svg"], "no figure of indices that are not there"
-    assert f"slip of running away: all {count} samples beyond the range or without end" in _words(files[0])
+    assert f"slip at which skidding begins: all {count} samples beyond the range or without end" in _words(files[0])
     told = account_of(found).paragraph(found)
     assert "inf" not in re.findall(r"\w+", told)
 
@@ -267,7 +272,7 @@ def test_rollers_that_do_not_drive_the_cage_allow_no_slip(tmp_path, monkeypatch)
         return found.assign(runaway_status=("sample", words))
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.9)
-    assert found.sel(quantity="slip of running away").value.to_numpy().tolist() == [0.0] * 16 + [0.3] * 48
+    assert found.sel(quantity="slip at which skidding begins").value.to_numpy().tolist() == [0.0] * 16 + [0.3] * 48
     assert float(found.allowable_slip) == 0.0
 
 
@@ -315,7 +320,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
         found = run_margin(sixteen(), tmp_path_factory.mktemp("ends"))
     told = record(found)
     assert told["points"] == {"critical": dict(counts)}
-    one = told["quantities"]["slip of running away"]
+    one = told["quantities"]["slip at which skidding begins"]
     assert one["unknown"] == failed(found) == 16 - counts["ok"]
     assert one["beyond_the_range"] == np.isnan(slips).sum() - one["unknown"]
     assert one["samples"] == one["known"] + one["beyond_the_range"] + one["unknown"] == 16
@@ -384,7 +389,7 @@ def test_the_command_writes_result_figures_and_report(tmp_path):
         cli, [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report"]
     )
     assert done.exit_code == 0, done.output
-    assert "does not run away, with probability 0.5" in done.output
+    assert "does not skid, with probability 0.5" in done.output
     assert {path.name for path in out.glob("*.*")} >= {
         "uncertainty.nc", "uncertainty.svg", "uncertainty-indices.svg", "report.html",
     }  # fmt: skip
@@ -404,7 +409,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert done.exit_code == 4, done.output
     assert "8 samples: none has a result" in done.output
-    assert "the allowable slip is not known: none of 8 samples says where the cage runs away" in done.output
+    assert "the allowable slip is not known: none of 8 samples says where skidding begins" in done.output
     assert "all 8 samples failed" in _words(out / "uncertainty.svg")
     again = re.search(r"compute points without a result again by: rollslip (.*), then go on by the same", done.output)[
         1
@@ -423,7 +428,7 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     file, *_ = save_plots(grid, tmp_path)
     assert file.name == "sweep-map.svg"
     rests_on = CLOSURES[SCENE.study["effective-friction"].get("closure", "free-roller")]
-    assert f"Critical cage slip of the inner ring {rests_on} over operation.radial_load" in file.read_text()
+    assert f"Cage slip at largest traction of the inner ring {rests_on} over operation.radial_load" in file.read_text()
     assert any(line.startswith(f"critical_cage_slip, inner ring {rests_on}: ") for line in sweep_sentences(grid))
     closures = {"study.effective-friction.closure": ["epicyclic", "outer-rolling"]}
     varied = rollslip.sweep(SCENE, closures, study="effective-friction")
@@ -468,8 +473,8 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
     monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False))
     monkeypatch.setattr(swept, "collect", points)
     found = run_margin(made, tmp_path / "made")
-    assert int(found.indexed_rows.sel(indexed="slip of running away")) == 8
-    assert found.first_order.sel(indexed="slip of running away").item() == pytest.approx(1.0, abs=0.5)
+    assert int(found.indexed_rows.sel(indexed="slip at which skidding begins")) == 8
+    assert found.first_order.sel(indexed="slip at which skidding begins").item() == pytest.approx(1.0, abs=0.5)
     assert "made of 8 of 16 rows" in " ".join(sentences(found))
     assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]
 

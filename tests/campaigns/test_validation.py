@@ -74,7 +74,7 @@ def test_values_beyond_the_range_are_larger_than_all_in_it():
 def test_values_that_are_not_known_leave_the_verdict_open():
     samples = np.array([0.5] * 90 + [math.nan] * 10)[:, None]
     [row], _ = held(OF, series_of((0.5, 0.01)), values_of(0.5), samples, "")
-    assert row.verdict == "cannot be told"
+    assert row.verdict == "cannot be determined"
     assert row.status == "10% of the samples have no value"
 
 
@@ -90,9 +90,9 @@ def test_too_few_samples_give_no_chi_square():
         ("rises", (1.0, 2.0, 3.0), "held"),
         ("rises", (1.0, 1.01), "not held"),  # less than the 2 % that count
         ("rises", (1.0, math.inf), "held"),
-        ("rises", (math.inf, math.inf), "cannot be told"),
+        ("rises", (math.inf, math.inf), "cannot be determined"),
         ("falls", (3.0, 2.0), "held"),
-        ("falls", (3.0, math.nan), "cannot be told"),
+        ("falls", (3.0, math.nan), "cannot be determined"),
         ("below", (0.1, 0.4), "held"),
         ("below", (0.1, 0.6), "not held"),
         ("above", (0.6, math.inf), "held"),
@@ -144,7 +144,7 @@ def test_predictions_of_another_program_stand_beside_models(tmp_path):
     plan = attrs.evolve(plan, combinations=())
     made = run_validation(plan)
     assert list(made.row_models.to_numpy()) == ["another", "another"]
-    assert list(made.row_verdict.to_numpy()) == ["inside", "cannot be told"]  # 11 % and 50 % measured
+    assert list(made.row_verdict.to_numpy()) == ["inside", "cannot be determined"]  # 11 % and 50 % measured
 
 
 @pytest.mark.parametrize(

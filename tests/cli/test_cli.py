@@ -72,25 +72,25 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
         done.stdout,
     )
     assert "\n".join(answer) in done.stdout
-    assert "inner ring: critical slip" in done.stdout
-    assert re.search(r"\n  the cage runs away at 42\.\d % cage slip, at a drag of 4\.0\d N m\n", done.stdout)
+    assert "inner ring: slip at largest traction" in done.stdout
+    assert re.search(r"\n  skidding begins at a cage slip of 42\.\d %, limit drag torque 4\.0\d N m\n", done.stdout)
     assert re.search(
-        r"\n  with the drags of the scene the cage runs at a slip of 0\.766 %, and could .* the drag", done.stdout
+        r"\n  with the drags of the scene the cage runs at a slip of 0\.766 %, with a drag reserve of ", done.stdout
     )
     assert "confidence: 'muraki' is 13 % (rms) off" in done.stdout
     notes = done.stdout.partition("\nnotes:\n")[2].splitlines()[:7]
     assert [line.split("; ")[0] for line in notes[:3]] == [
-        "  W20 'barus' was made for pressure <= 100 MPa",
-        "  W11 traction 'muraki' was made for pressure exponent ln(eta/eta0) <= 1",
-        "  W10 pressure 'hertz' was made for load parameter M >= 2",
+        "  W20 'barus' is valid for pressure <= 100 MPa",
+        "  W11 traction 'muraki' is valid for pressure exponent ln(eta/eta0) <= 1",
+        "  W10 pressure 'hertz' is valid for load parameter M >= 2",
     ]
     assert notes[0].endswith("; with roelands slip 3.2 % in place of 0.77 %")
     assert notes[4].startswith("  W23 the friction of 'muraki' is")
     assert all("; remedy: " in line for line in notes)
     folder = "1032930-70C-results"
     told = command("info", f"{folder}/effective-friction.nc", cwd=tmp_path).stdout
-    assert "pressure 'hertz' was made for load parameter M >= 2; " in told
-    assert "film 'moes' was made for film parameter Lambda >= 3; " in told.split("bounds left with less consequence")[1]
+    assert "pressure 'hertz' is valid for load parameter M >= 2; " in told
+    assert "film 'moes' is valid for film parameter Lambda >= 3; " in told.split("bounds left with less consequence")[1]
     names = {path.name for path in (tmp_path / "1032930-70C-results").iterdir()}
     assert {"effective-friction.nc", "friction-curve.nc", "report.html"} <= names
     assert sum(name.endswith(".svg") for name in names) >= 2
@@ -104,7 +104,7 @@ def test_json_is_json_and_says_null_with_a_status(tmp_path):
     said = json.loads(done.stdout)
     outer = said["studies"]["effective-friction"]["results"]["outer ring"]
     assert outer["critical_slip"] is None
-    assert outer["status"].startswith("no critical slip")
+    assert outer["status"].startswith("no slip at largest traction")
     stored = rollslip.open_result(tmp_path / "o" / "effective-friction.nc")
     inner = said["studies"]["effective-friction"]["results"]["inner ring"]["critical_slip"]
     assert inner == float(stored.critical_cage_slip.sel(ring="inner"))
@@ -248,7 +248,7 @@ def test_a_formula_outside_its_regime_warns(tmp_path):
         "next     rollslip run 1032930-70C --set=models.film=herrebrugh --study steady-slip"
     )
     whole = command("run", *changed, "-v", "--out", "p", cwd=tmp_path)
-    assert "\n  W09 film 'herrebrugh' was made for the elastic-isoviscous regime; " in whole.stdout
+    assert "\n  W09 film 'herrebrugh' is valid for the elastic-isoviscous regime; " in whole.stdout
     stored = rollslip.open_result(tmp_path / "o" / "friction-curve.nc")
     assert "herrebrugh" in stored.attrs["warnings"]
 
@@ -333,7 +333,7 @@ def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
 def test_plan_says_what_is_left_out_and_why(tmp_path):
     said = json.loads(command("plan", "1032930-70C", "--set", "bearing.profile=none", "--json", cwd=tmp_path).stdout)
     slices = next(part for part in said["parts"] if part["part"] == "slices")
-    assert (slices["included"], slices["choice"]) == (False, "one slice per contact")
+    assert (slices["included"], slices["choice"]) == (False, "one lamina per contact")
     assert "reason" in command("plan", "-v", "1032930-70C", cwd=tmp_path).stdout
     short = command("plan", "1032930-70C", cwd=tmp_path).stdout.splitlines()
     assert len(short) <= 10
@@ -394,7 +394,7 @@ def test_every_shipped_scene_runs(tmp_path):
 def test_grades_of_an_oil_are_told_with_their_legend(tmp_path):
     shown = command("models", "fva-3", cwd=tmp_path).stdout
     assert (
-        "grades      viscosity (A), density (A), pressure_viscosity (A), conductivity (A), eyring_stress (C)" in shown
+        "quality     viscosity (A), density (A), pressure_viscosity (A), conductivity (A), eyring_stress (C)" in shown
     )
     assert "(A) printed in a source that was read; (C) second-hand or recalled, with doubt" in shown
     assert "scatter     pressure_viscosity_factor uniform, scatter 0.05 (C): measured" in shown
@@ -414,7 +414,7 @@ def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_ha
     assert "but lubricant.pressure_viscosity is the same at every temperature" in done.stderr
     report = (tmp_path / "o" / "report.html").read_text(encoding="utf-8")
     told = "density (B), conductivity (C), pressure viscosity kind (C), viscosity (B)"
-    assert f"Grades: {told}. (B) from a standard reference" in report
+    assert f"Data quality: {told}. (B) from a standard reference" in report
 
 
 def test_help_lists_every_command_once_in_a_group_with_an_example_and_whole_sentences():

@@ -1059,7 +1059,7 @@ def test_a_force_that_few_cells_do_not_tell_comes_from_the_slices(monkeypatch):
     scene = scene_of.__wrapped__(5)  # of its own: tables are kept with the bearing
     rough, sliced = (motion(scene, tabulated=yes) for yes in (True, False))
     assert rough.forces == ()
-    assert "from every slice" in rough.way
+    assert "from every lamina" in rough.way
     y = random_state(sliced, 3)
     np.testing.assert_array_equal(rough.system.rates(0.0, y), sliced.system.rates(0.0, y))
 

@@ -154,7 +154,7 @@ def test_what_was_not_found_says_how_far_was_looked_and_what_to_type():
     away = found(bearing(slices=5), largest=0.2)
     assert math.isnan(away.slip)
     assert math.isnan(away.drag)
-    assert away.status.startswith("the cage does not run away up to a slip of 0.2, where the rollers carry")
+    assert away.status.startswith("no skidding up to a slip of 0.2, where the rollers carry")
     assert away.status.endswith("raise study.effective-friction.runaway_range to look further")
 
 
@@ -177,7 +177,7 @@ def test_where_a_law_has_no_value_the_range_ends(most):
     away = found(_with(bearing(slices=3), most))
     assert math.isnan(away.slip)
     assert "slides faster than" in away.status
-    assert away.status.startswith("it is not known" if most < 1.0 else "the cage does not run away up to")
+    assert away.status.startswith("it is not known" if most < 1.0 else "no skidding up to")
 
 
 def _with(assembly, most):
@@ -310,8 +310,8 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
     conventional, effective = (float(one.largest_drag) for one in both)
     said = near_running_away(few(), 0.4).text
     slip, off = re.fullmatch(
-        r"with a cage slip of 40 % the cage is near that of running away, (\S+) %, where effective friction is off by "
-        r"(\S+) % of the drag",
+        r"with a cage slip of 40 % the cage is near skidding, which begins at (\S+) %, where effective friction is off "
+        r"by (\S+) % of the drag",
         said,
     ).groups()
     assert float(slip) == pytest.approx(100 * float(both[0].largest_drag_slip), abs=1.0)
@@ -319,9 +319,7 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
 
 
 def test_beyond_the_slip_of_running_away_is_near_it():
-    assert near_running_away(few(), 0.5).text.startswith(
-        "with a cage slip of 50 % the cage is near that of running away"
-    )
+    assert near_running_away(few(), 0.5).text.startswith("with a cage slip of 50 % the cage is near skidding")
 
 
 @pytest.mark.parametrize(
@@ -342,5 +340,5 @@ def test_a_cage_that_runs_away_by_one_friction_only_is_near_it(exact, simple, sa
     if said is None:
         assert near is None
         return
-    assert near.text == f"with a cage slip of 40 % the cage is near that of running away, 42 %{said}"
+    assert near.text == f"with a cage slip of 40 % the cage is near skidding, which begins at 42 %{said}"
     assert near.off == math.inf

@@ -65,7 +65,9 @@ def test_what_takes_long_is_told_in_words():
     scene = load_scene(SCENE)
     assert foreseen(scene, {}, 0.5 * LONG, 0) == []
     (told,) = foreseen(scene, {}, 7200.0, 10**6)
-    assert told.startswith("this will take 1 h 0 min to 4 h 0 min of the processor, 1.0e+06 slices to evaluate; Ctrl-C")
+    assert told.startswith(
+        "this will take 1 h 0 min to 4 h 0 min of the processor, 1.0e+06 laminae to evaluate; Ctrl-C"
+    )
     (by_slices,) = foreseen(scene, {}, 0.0, 10**11)  # 20 ns each, whatever was estimated from small parts
     assert "this will take 16 min 40 s to 1 h 6 min of the processor" in by_slices
 

@@ -62,7 +62,7 @@ def test_rollers_that_jump_between_two_balances_are_told_of():
     assert row["found"] >= 0.5 * actual
     (said,) = (text for text in json.loads(result.attrs["warnings"]) if text.startswith("friction is off by about"))
     assert f"about {row['found']:.1e}, more than the tolerance of 0.001" in said
-    assert said.endswith("the instants; type --set accuracy.tolerance=exact")
+    assert said.endswith("the positions; type --set accuracy.tolerance=exact")
 
 
 def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
@@ -78,7 +78,7 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     assert after < 0.5 * before
     assert [text for text in json.loads(result.attrs["warnings"]) if text.startswith("friction is off by about")]
     (line,) = (one for one in json.loads(result.attrs["plan"]) if one["part"] == "load distribution")
-    assert line["resolution"] == "7 rollers, 96 instants of a pitch"
+    assert line["resolution"] == "7 rollers, 96 roller positions within a pitch"
     assert re.search(r"24 instants were seen to leave friction off by 1\.\de-02, so it was run again$", line["reason"])
 
 
@@ -161,11 +161,11 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     errors = {"instants": {"friction": 1e-2}}
     for order, typed in ((2.0, "5e-05"), (1.0, "5e-06")):
         (said,) = told(made, STUDY, Judgement(errors=errors, orders={"friction": order}))
-        assert f"with the order {order:.1f} of the instants; type --set accuracy.friction={typed}" in said
+        assert f"with the order {order:.1f} of the positions; type --set accuracy.friction={typed}" in said
     (said,) = told(made, STUDY, Judgement(errors=errors, orders={"friction": 0.1}))
-    assert "it does not fall with the instants; type --set accuracy.tolerance=exact" in said
+    assert "it does not fall with the positions; type --set accuracy.tolerance=exact" in said
     most = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, instants=128))
     assert "raise accuracy.friction; this is the finest" in told(most, STUDY, Judgement(errors=errors))[0]
     (said,) = told(made, STUDY, Judgement(errors={"instants": {"critical_slip": np.inf}}))
-    assert said.startswith("how far critical slip is off cannot be told")
+    assert said.startswith("how far critical slip is off cannot be determined")
     assert told(made, STUDY, Judgement(errors={"instants": {"friction": 9e-4}})) == []

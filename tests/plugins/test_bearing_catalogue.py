@@ -224,7 +224,7 @@ def test_less_than_the_least_load_of_skf_is_told():
     least = 0.2 * 6.0 * 0.705**2
     (told,) = implausible(scene("name = 'NU2210'", "300 N"))
     assert told.startswith("scene.toml:7: operation.radial_load: 300 N is ")
-    assert f"{100 * 0.3 / least:.3g} % of the least load that SKF's rule asks for" in told
+    assert f"{100 * 0.3 / least:.3g} % of SKF's catalogue minimum load" in told
     assert not implausible(scene("name = 'NU2210'", "600 N"))
 
 

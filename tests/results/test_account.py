@@ -120,7 +120,7 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
     account = account_of(dataset)
     assert account == PlainAccount("grip-of-a-stranger")
     assert account.sentences(dataset) == [
-        "2 m/s: critical spin slip 10.0 %, where the grip coefficient is largest, 0.0300",
+        "2 m/s: spin slip at largest traction 10.0 %, where the grip coefficient is largest, 0.0300",
         "4 m/s: grip still rises. In this range the grip coefficient reaches 0.0400",
         "depth of wear: 3.2 um",
         "time to failure: it does not fail",
@@ -128,7 +128,7 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
         "verdict: sound",
     ]
     assert account_of(dataset).lines(dataset) == [
-        "2 m/s: critical slip 10.00%, largest friction 0.03",
+        "2 m/s: slip at largest traction 10.00%, largest friction 0.03",
         "4 m/s: grip still rises",
         *account.sentences(dataset)[2:],
     ]
@@ -182,7 +182,7 @@ def test_a_study_without_an_account_is_drawn_and_reported(tmp_path):
         assert text in drawn
     write_report({"grip-of-a-stranger": dataset}, {"grip-of-a-stranger": [figure]}, tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "<li>2 m/s: critical spin slip 10.0 %" in page
+    assert "<li>2 m/s: spin slip at largest traction 10.0 %" in page
     assert "<li>Depth of wear: 3.2 um.</li>" in page
     assert "<figure>" in page
 

@@ -127,7 +127,7 @@ def test_the_critical_slip_is_written_at_its_maximum(everything, drawn):
         assert value in words(curve)
         assert value in words(chart)
         assert (value in words(rollers)) == (ring == "inner")
-        assert f"{ring.capitalize()} ring: critical cage slip {value}" in metadata(curve, "description")
+        assert f"{ring.capitalize()} ring: cage slip at largest traction {value}" in metadata(curve, "description")
 
 
 @pytest.mark.parametrize("scene", [COLD, evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})])
@@ -137,8 +137,8 @@ def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, sc
     path = only(save_plots(result, tmp_path))
     written, found = " ".join(words(path)), np.isfinite(result.critical_cage_slip.to_numpy())
     assert (FALLING in written) == found.any()
-    assert (f"critical slip {result.attrs['curves_with']};" in written) == found.any()
-    assert ("no critical slip" in written) == (not found.all())
+    assert (f"slip at largest traction {result.attrs['curves_with']};" in written) == found.any()
+    assert ("no slip at largest traction" in written) == (not found.all())
     dashed = r"stroke-dasharray: [^;]*; stroke-dashoffset: 0; stroke: #(?:0072b2|e69f00); stroke-width: 1\.4"
     assert len(re.findall(dashed, path.read_text())) == found.sum()
 
@@ -146,7 +146,7 @@ def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, sc
 def test_without_a_maximum_words_say_why(tmp_path):
     path = only(save_plots(contact(normal_force=(100.0, 300.0), max_slip=0.01), tmp_path))
     written = words(path)
-    assert "no critical slip: friction still rises at the end of the range" in written
+    assert "no slip at largest traction: friction still rises at the end of the range" in " ".join(written)
     assert not any(FALLING in text for text in written)
     assert "--set study.friction-curve.max_slip=0.1" in metadata(path, "description")
 
@@ -155,8 +155,8 @@ def test_words_name_the_curves_they_are_true_of(tmp_path):
     result = contact(normal_force=(50.0, 518.0))
     assert np.isfinite(result.critical_slip.to_numpy()).tolist() == [False, True]
     written = " ".join(words(only(save_plots(result, tmp_path))))
-    assert "50 N: no critical slip" in written
-    assert "518 N: no critical slip" not in written
+    assert "50 N: no slip at largest traction" in written
+    assert "518 N: no slip at largest traction" not in written
 
 
 def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
@@ -177,7 +177,7 @@ def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
 def test_a_closure_without_friction_on_the_outer_ring_gives_a_zero_line(tmp_path):
     result = effective(closure="outer-rolling", map_points=5, per_roller=True)
     paths = save_plots(result, tmp_path)
-    assert "outer ring: no critical slip: there is no friction in the range" in " ".join(words(paths[0]))
+    assert "outer ring: no slip at largest traction: there is no friction in the range" in " ".join(words(paths[0]))
     assert len(paths) == 3
 
 
@@ -251,7 +251,7 @@ def test_a_maximum_on_the_grid_is_not_doubled():
 def test_a_largest_friction_of_a_range_that_ends_rising_is_told_as_one():
     """Boundary friction first, and a film beyond: what is largest in the range need not be so in a longer one."""
     falling = make_curve([0.0, 0.1, 0.2, 0.3], [0.0, 2.0, 1.2, 1.0], 0.1, 2.0).finding()
-    assert falling == "a: critical cage slip 10.0 %, where the friction coefficient is largest, 2.00"
+    assert falling == "a: cage slip at largest traction 10.0 %, where the friction coefficient is largest, 2.00"
     rising = make_curve([0.0, 0.1, 0.2, 0.3], [0.0, 2.0, 1.0, 1.2], 0.1, 2.0).finding()
     assert rising == f"{falling}; at the end of the range, 30.0 %, it rises again"
     unknown = make_curve([0.0, 0.1, 0.2, 0.3], [0.0, 2.0, 1.2, 1.0], np.nan, np.nan).finding()

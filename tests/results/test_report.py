@@ -328,15 +328,15 @@ def test_it_says_what_was_found(page, results):
     text = Page(page).text
     for ring in ("inner", "outer"):
         value = float(results["effective-friction"].critical_cage_slip.sel(ring=ring))
-        assert f"{ring.capitalize()} ring: critical cage slip {percent(value)}" in text
+        assert f"{ring.capitalize()} ring: cage slip at largest traction {percent(value)}" in text
     for force, value in zip(("300 N", "518 N"), results["friction-curve"].critical_slip.values, strict=True):
-        assert f"{force}: critical slip {percent(value)}, where the friction coefficient is largest" in text
+        assert f"{force}: slip at largest traction {percent(value)}, where the friction coefficient is largest" in text
 
 
 def test_it_says_in_words_that_there_is_no_critical_slip(figures, tmp_path):
     flat = FrictionCurve(points=11, max_slip=1e-3).run(assemble(SCENE))
     text = Page(written({"friction-curve": flat}, {}, tmp_path)).text
-    assert "no critical slip: friction still rises at the end of the range, 0.001; look further with --set" in text
+    assert "no slip at largest traction: friction still rises at the end of the range, 0.001; look further" in text
     assert "--set study.friction-curve.max_slip=0.01" in text
     assert "In this range the friction coefficient reaches" in text
 

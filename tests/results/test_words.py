@@ -24,13 +24,13 @@ def results():
             0.1,
             4.0,
             "found",
-            f"{RUNS} 10 %, and could carry 4 times the drag",
+            f"{RUNS} 10 %, with a drag reserve of 4",
         ),
         (
             0.1,
             4.0,
-            "at least: up to a slip of 0.95 the cage does not run away",
-            f"{RUNS} 10 %, and could carry at least 4 times the drag",
+            "at least: no skidding up to a slip of 0.95",
+            f"{RUNS} 10 %, with a drag reserve of at least 4",
         ),
         (
             0.1,
@@ -41,7 +41,7 @@ def results():
         (
             0.1,
             1.0,
-            "at least: up to a slip of 0.95 the cage does not run away",
+            "at least: no skidding up to a slip of 0.95",
             f"{RUNS} 10 %",
         ),
         (
@@ -54,7 +54,7 @@ def results():
             0.5,
             0.9,
             "the cage skids: its drags are more than the rollers carry",
-            f"{RUNS} 50 %, beyond that of running away: there its drag "
+            f"{RUNS} 50 %, beyond that at which skidding begins: there its drag "
             "falls with slip faster than what the rollers carry",
         ),
     ],

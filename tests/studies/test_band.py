@@ -61,7 +61,7 @@ def test_where_a_quantity_makes_the_cage_run_away_the_band_has_no_upper_end():
     assert told["high"] is None
     assert 0.0 < told["low"] < float(dataset.steady_slip[0])
     said = " ".join(account_of(dataset).lines(dataset))
-    assert "to running away (5 to 95 %), most of it by cage.drag.constant-torque.size" in said
+    assert "to skidding (5 to 95 %), most of it by cage.drag.constant-torque.size" in said
     json.dumps(account_of(dataset).record(dataset), allow_nan=False)
 
 

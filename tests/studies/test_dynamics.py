@@ -268,7 +268,7 @@ def test_rollers_are_free(friction):
 
 # Events and stops ---------------------------------------------------------------------------------------------------
 
-PASSED = "cage slip passes that of running away"
+PASSED = "cage slip passes that of skidding"
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -296,7 +296,7 @@ def test_a_cage_that_runs_away_is_a_result():
 def test_slip_that_falls_below_that_of_running_away_is_an_event_and_no_end():
     start = 0.02 + run(bearing(), duration=1e-3, points=2).attrs["runaway_slip"]
     found = run(bearing(), duration=0.2, cage_slip=start, roller_slip=start, stop_at="critical")
-    assert list(found.event_what.values) == ["cage slip falls below that of running away"]
+    assert list(found.event_what.values) == ["cage slip falls below that of skidding"]
     assert list(found.event_rising.values) == [0]
 
 

@@ -206,7 +206,7 @@ def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, 
     found = study.run(assembly)
     assert 0.5 < foreseen / found.attrs["rate_evaluations"] < 2.0
     assert each > 0.0
-    assert set(study.cost(assembly)) == {"tables", "motion", "running away"}
+    assert set(study.cost(assembly)) == {"tables", "motion", "skidding"}
 
 
 @pytest.mark.slow

@@ -120,7 +120,7 @@ def test_figures_load_nothing_hold_no_bitmap_and_stay_small(drawn):
 def test_axes_say_what_they_show_in_which_unit(drawn):
     speeds, orbit, energy, centres = map(words, drawn)
     assert {"Cage speed [rpm]", r"Cage slip $S_\mathrm{c}$ [%]", "Time [s]", "roller 1", "without slip"} <= set(speeds)
-    assert {"runs away, 11 %", "passed while rising", "range of all rollers"} <= set(speeds)
+    assert {"skidding begins, 11 %", "passed while rising", "range of all rollers"} <= set(speeds)
     assert {"Sliding speed [m/s]", "Normal force [N]", "Smallest Λ [–]", "Pocket force [N]"} <= set(orbit)
     assert "Orbit position [°]" in orbit
     names = {"rings", "sliding at the inner ring", "sliding at the outer ring", "drag", "kept in the motion"}
@@ -187,8 +187,8 @@ def test_a_roller_is_shown_alone_only_if_its_orbits_can_be_seen():
 
 
 def test_a_far_slip_of_running_away_does_not_flatten_the_curve():
-    assert "runs away, 11 %" not in labels(motion())[0]
-    assert "runs away, 4 %" in labels(motion(critical=0.04))[0]
+    assert "skidding begins, 11 %" not in labels(motion())[0]
+    assert "skidding begins, 4 %" in labels(motion(critical=0.04))[0]
 
 
 def test_a_film_without_load_does_not_hide_the_thin_ones():
@@ -307,73 +307,74 @@ def test_the_cage_runs_away():
     # slip grows from 2 % by a factor e within 0.15 s
     passed = 0.15 * np.log(0.11 / 0.02)
     away = motion(running_away(), **RUNAWAY)
-    assert of("running away", away) == (
-        f"the cage runs away at 11.0 % cage slip, at a drag of 4 N m | cage slip passed the 11 % of running away at "
-        f"t = {passed:.3g} s while rising: the rollers' drive falls from there on, and the cage still runs away from "
-        "its rollers' drive at the end"
+    assert of("skidding", away) == (
+        "skidding begins at a cage slip of 11.0 %, limit drag torque 4 N m | cage slip passed the 11 % at which "
+        f"skidding begins at t = {passed:.3g} s while rising: the rollers' drive falls from there on, and the cage "
+        "still skids at the end"
     )
     assert of("steady slip", away) == "cage slip is not steady: it grows; at the end it is 56.1 %"
     stopped = away.assign_attrs(outcome="stopped", outcome_message="stop_at = critical.")
-    assert of("running away", stopped).endswith("and the cage was beyond it when the run was stopped")
+    assert of("skidding", stopped).endswith("and the cage was beyond it when the run was stopped")
     turned = motion(lambda t: 0.3 * np.sin(4.0 * t), **RUNAWAY)
-    assert of("running away", turned).endswith("and the cage was still beyond it at the end"), "slip falls again"
+    assert of("skidding", turned).endswith("and the cage was still beyond it at the end"), "slip falls again"
     assert of("motion", stopped).endswith("stopped at t = 0.5 s: stop_at = critical; what was computed is kept")
 
 
 def test_slip_beyond_that_of_running_away_is_not_called_a_runaway_if_it_is_none():
     settled = motion(relaxing(0.0, 0.2))
-    assert of("running away", settled).endswith("while rising: the rollers' drive falls from there on, but the cage "
+    assert of("skidding", settled).endswith("while rising: the rollers' drive falls from there on, but the cage "
                                                  "settled beyond it")  # fmt: skip
     there_and_back = motion(lambda t: 0.2 * np.sin(2.0 * np.pi * t))
-    assert "the cage runs away from" not in of("running away", there_and_back)
-    assert "but the cage came back | cage slip fell below the 11 % of running away" in of(
-        "running away", there_and_back
+    assert "the cage still skids" not in of("skidding", there_and_back)
+    assert "but the cage came back | cage slip fell below the 11 % at which skidding begins" in of(
+        "skidding", there_and_back
     )
     swinging = motion(lambda t: 0.11 + 0.05 * np.sin(100.0 * t + 0.1))
-    assert len(topics(swinging)["running away"]) == 4
+    assert len(topics(swinging)["skidding"]) == 4
 
 
 def test_slip_below_that_of_running_away_from_rest_and_without_one():
-    first = "the cage runs away at 11.0 % cage slip, at a drag of 4 N m | "
-    assert of("running away", motion()) == f"{first}cage slip stays below the 11 % of running away"
-    rest = of("running away", motion(relaxing(1.0, 0.03)))
+    first = "skidding begins at a cage slip of 11.0 %, limit drag torque 4 N m | "
+    assert of("skidding", motion()) == f"{first}cage slip stays below the 11 % at which skidding begins"
+    rest = of("skidding", motion(relaxing(1.0, 0.03)))
     fell = 0.1 * np.log(0.97 / 0.08)
     assert rest == (
-        f"{first}cage slip begins at 100 %, beyond the 11 % of running away | "
-        f"cage slip fell below the 11 % of running away at t = {fell:.3g} s"
+        f"{first}cage slip begins at 100 %, beyond the 11 % at which skidding begins | "
+        f"cage slip fell below the 11 % at which skidding begins at t = {fell:.3g} s"
     )
-    assert of("running away", motion(lambda t: 0.5 + 0.0 * t)).endswith(
-        "cage slip stays beyond the 11 % of running away"
+    assert of("skidding", motion(lambda t: 0.5 + 0.0 * t)).endswith(
+        "cage slip stays beyond the 11 % at which skidding begins"
     )
     unknown = motion(critical=float("nan"), runaway_status="no maximum in the range")
-    assert of("running away", unknown) == "no maximum in the range"
-    assert of("critical slip", unknown) == (
-        "critical slip of the inner ring's friction curve 20 % with rollers at their epicyclic spin"
+    assert of("skidding", unknown) == "no maximum in the range"
+    assert of("slip at largest traction", unknown) == (
+        "slip at largest traction of the inner ring's friction curve 20 % with rollers in pure rolling"
     )
 
 
 def test_effective_friction_is_not_trusted_from_half_the_slip_of_running_away_on():
     unsure = "the slip by up to 41 points, and slip comes near: run with --set study.dynamics.friction=conventional"
     for slip, told in ((0.054, False), (0.056, True), (0.2, True)):  # runs away at 11 %
-        said = of("running away", motion(lambda t, slip=slip: slip + 0.0 * t, friction="effective"))
+        said = of("skidding", motion(lambda t, slip=slip: slip + 0.0 * t, friction="effective"))
         assert (unsure in said) == told, said
-        assert unsure not in of("running away", motion(lambda t, slip=slip: slip + 0.0 * t))
+        assert unsure not in of("skidding", motion(lambda t, slip=slip: slip + 0.0 * t))
 
 
 def test_the_first_of_two_maxima_of_the_friction_curve_is_told():
     falls = "; friction falls already from a slip of 4 % on, then rises again"
-    assert of("critical slip", motion(first_maximum_slip=0.04)).endswith(f"spin{falls}")
-    assert "already" not in of("critical slip", motion(first_maximum_slip=0.2)), "the same maximum"
-    assert "already" not in of("critical slip", motion(first_maximum_slip=float("nan")))
+    assert of("slip at largest traction", motion(first_maximum_slip=0.04)).endswith(f"pure rolling{falls}")
+    assert "already" not in of("slip at largest traction", motion(first_maximum_slip=0.2)), "the same maximum"
+    assert "already" not in of("slip at largest traction", motion(first_maximum_slip=float("nan")))
     unknown = motion(first_maximum_slip=0.04).assign_attrs(critical_cage_slip=float("nan"), critical_status="rises")
-    assert of("critical slip", unknown) == f"critical slip of the inner ring's friction curve unknown: rises{falls}"
+    said = "slip at largest traction of the inner ring's friction curve unknown: rises"
+    assert of("slip at largest traction", unknown) == f"{said}{falls}"
 
 
 def test_a_result_of_an_older_version_says_that_it_does_not_know():
     older = motion(points=61)
     for name in ("slip", "drag", "status"):
         del older.attrs[f"runaway_{name}"]
-    assert of("running away", older) == "this result does not say where the cage runs away; run it again"
+    assert of("skidding", older) == "this result does not say where skidding begins; run it again"
     assert record(older)["runaway_slip"] is None
 
 
@@ -472,7 +473,7 @@ def test_the_record_has_all_single_values():
     assert found["events"] == [
         {
             "time": pytest.approx(0.15 * np.log(5.5), abs=1e-4),
-            "what": "cage slip passes that of running away",
+            "what": "cage slip passes that of skidding",
             "rising": True,
         }
     ]
@@ -489,7 +490,7 @@ def test_the_report_says_it(tmp_path, planar, drawn):
     for sentence in account_of(planar).sentences(planar):
         assert sentence[1:] in text
     assert "Energy ledger" in text
-    assert "cage slip passes that of running away1" in text
+    assert "cage slip passes that of skidding1" in text
     assert ". Tracks of the centres of inner ring and cage" in text
     assert "98,765" in text
     film = float(planar["film_parameter"].sel(ring="inner").min())

@@ -435,7 +435,7 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     sliding = np.abs(dropped.sliding_speed.sel(ring="inner")).mean("roller")
     assert record["sliding_distance_inner"] == pytest.approx(float(np.trapezoid(sliding, dropped.time)))
     assert topics["history"][0] == "radial load goes from 1.037 kN to 900 N between t = 0 and 0.5 s"
-    assert "stays below that of running away, nearest at" in topics["running away"][1]
+    assert "stays below that at which skidding begins, nearest at" in topics["skidding"][1]
     (row,) = account.answer(dropped).rows
     assert (row.key, row.value) == ("largest_cage_slip", record["largest_cage_slip"])
     assert rollslip.answer(dropped).verdict == "UNKNOWN"

@@ -140,7 +140,7 @@ def test_outer_rolling_leaves_the_outer_ring_without_friction():
     result = curve(STRAIGHT, closure="outer-rolling")
     assert not result.effective_friction.sel(ring="outer").any()
     assert np.isnan(result.critical_cage_slip.sel(ring="outer"))
-    assert result.critical_status.sel(ring="outer") == "no critical slip: there is no friction in the range"
+    assert result.critical_status.sel(ring="outer") == "no slip at largest traction: there is no friction in the range"
 
 
 @pytest.mark.quick
@@ -221,7 +221,7 @@ def test_the_first_of_two_maxima_is_told_where_the_critical_slip_is():
     assert f"friction falls already from a slip of {first:.2%} on, then rises again" in lines
     assert account_of(result).record(result)["inner ring"]["first_maximum_slip"] == first
     outer = sentences[1]
-    assert "no critical slip" in outer
+    assert "no slip at largest traction" in outer
     assert "falls with slip already from" in outer, "also where friction rises to the end of the range"
 
 
@@ -237,7 +237,7 @@ def test_a_single_maximum_is_told_once():
 @pytest.mark.quick
 def test_nobody_is_told_to_look_beyond_the_end_of_the_range():
     words = str(curve(STRAIGHT, points=9, max_cage_slip=0.995).critical_status.to_numpy()[1])
-    assert words == "no critical slip: friction still rises at the end of the range, 0.995"
+    assert words == "no slip at largest traction: friction still rises at the end of the range, 0.995"
 
 
 @given(load=st.floats(500.0, 5e3), factor=st.floats(1.2, 3.0))

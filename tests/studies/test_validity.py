@@ -266,7 +266,7 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
     (found,) = (one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter")
     assert (found.share, found.ring) == (0.25, ""), "both alike"
     (said,) = sentences(told([found], None))
-    assert said.startswith("pressure 'hertz' was made for load parameter M >= 2; 25 % of the contact force is out")
+    assert said.startswith("pressure 'hertz' is valid for load parameter M >= 2; 25 % of the contact force is out")
     assert "its mean by load is at most 58 % lower; remedy: models.pressure = 'light-contact'" in said
 
 
@@ -294,7 +294,7 @@ def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
 
 def test_a_bound_in_si_is_told_in_the_units_of_engineers():
     (said,) = sentences(told(outside([Barus()], tables(pressure=4e8)), None))
-    assert said.startswith("'barus' was made for pressure <= 100 MPa; 100 % of the contact force is outside, where the")
+    assert said.startswith("'barus' is valid for pressure <= 100 MPa; all loaded contacts are outside, where the")
     assert "is 266 % above Roelands's" in said, "exp(alpha p)/exp(k [(1 + p/p0)^z - 1]) = 3.655 by hand"
 
 
@@ -326,7 +326,7 @@ def test_warnings_come_by_share_times_consequence_and_small_ones_are_counted():
     *texts, rest = sentences(said, 1e-2)
     assert texts == [one.text for one in said[:2]]
     assert rest == (
-        "laws are outside what they were made for, too, where the consequence is not known or below "
+        "laws are outside their range of validity, too, where the consequence is not known or below "
         "accuracy.tolerance = 0.01: traction 'made-for-slow' (sliding speed <= 2.5 m/s; 75 % outside); rollslip run "
         "of the scene tells of each"
     )
@@ -356,12 +356,12 @@ def test_several_results_warn_of_a_bound_once_where_it_counts_most():
     ]
     first, more = together(results)
     few, first = first[:-3], first[-3:]
-    assert all("slices leave a relative error" in text for text in few)
+    assert all("laminae leave a relative error" in text for text in few)
     every = {(one["law"], one["made_for"]) for result in results for one in record_of(result)["told"]}
     assert len(first) + len(more) == len(every) >= 6
     largest = max((record_of(result)["approximation"]["rms"], result) for result in results)[1]
     assert first[0] == next(text for text in warned(largest) if "approximates" in text)
-    assert first[1].startswith("'barus' was made for")
+    assert first[1].startswith("'barus' is valid for")
     assert any(text.startswith("film 'moes' (film parameter Lambda >= 3;") for text in more)
     for result in results:
         assert all(one["text"] in warned(result) for one in record_of(result)["told"] if one["warned"])
@@ -394,7 +394,7 @@ def test_every_study_tells_it(study):
     drags = {"cage.drag": ["petroff-land", "rolling-resistance"]}
     found = run(evolve(PAPER, QUICK | drags | {"accuracy.tolerance": 1e-2}), study)
     assert sum("the law that it approximates" in text for text in warned(found)) == 1
-    assert any(text.startswith("pressure 'hertz' was made for load parameter M >= 2; ") for text in warned(found))
+    assert any(text.startswith("pressure 'hertz' is valid for load parameter M >= 2; ") for text in warned(found))
     bounds = json.loads(found.attrs["validity"])["bounds"]
     assert {row["law"] for row in bounds} == {
         "contact 'palmgren'", "film 'moes'", "pressure 'hertz'", "'barus'", "traction 'muraki'",
@@ -437,9 +437,7 @@ def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
 
     monkeypatch.setattr(EffectiveFriction, "judged_slices", refuses)
     found = run(evolve(PAPER, QUICK), "effective-friction")
-    assert (
-        warned(found)[0] == "whether models were used for what they were made for could not be judged: no slices here"
-    )
+    assert warned(found)[0] == "whether models are within their range of validity could not be checked: no slices here"
     assert np.isfinite(found.effective_friction).all()
 
 
@@ -461,7 +459,7 @@ def test_a_study_without_curves_is_judged_at_the_loads_of_the_bearing(monkeypatc
 
 @attrs.frozen
 class Slow(TractionModel):
-    """A law that was made for slow sliding, in a group of its own."""
+    """A law that is valid for slow sliding, in a group of its own."""
 
     name = "made-for-slow"
     equation = "mu = 0.01"
@@ -492,7 +490,7 @@ def test_a_law_of_a_stranger_states_it_the_same_way(monkeypatch):
     alone = {"models.traction": "made-for-slow", "study.effective-friction.runaway_range": 0}  # it jumps, and in Python
     found = run(evolve(PAPER, QUICK | alone), "effective-friction")
     (said,) = (text for text in warned(found) if "made-for-slow" in text)
-    assert said.startswith("traction 'made-for-slow' was made for sliding <= 0.01; ")
+    assert said.startswith("traction 'made-for-slow' is valid for sliding <= 0.01; ")
     assert said.endswith("; remedy: take another")
     (row,) = models_as_dict("made-for-slow")["traction"]["made_for"]
     assert row["outside"] == "it is 1 to 13 % off (at 0.01 to 0.03)"
@@ -517,7 +515,7 @@ def test_a_film_of_a_stranger_that_knows_its_regime_only_warns_as_before():
             slices.film_thickness[...] = 1e-6
 
     (said, *_) = sentences(told(outside([Rigid()], tables(load=1e6)), None))
-    assert said.startswith("film 'strange-film' was made for the rigid-isoviscous regime; 100 % of the contact force ")
+    assert said.startswith("film 'strange-film' is valid for the rigid-isoviscous regime; all loaded contacts are ")
     assert "where its film may be far off; remedy: film 'moes', which covers all regimes" in said
 
 

@@ -90,12 +90,12 @@ def motion(
     done = np.stack((energy - energy[0] + lost[0] + lost[1] + braked - gap, -lost[0], -lost[1], -braked))
     excess = np.asarray(slip(fine), dtype=float) - critical
     found = [
-        (float(fine[k]), "cage slip passes that of running away", bool(excess[k + 1] > 0.0))
+        (float(fine[k]), "cage slip passes that of skidding", bool(excess[k + 1] > 0.0))
         for k in np.flatnonzero(excess[:-1] * excess[1:] < 0.0)
     ]
     happened = sorted([*found, *events])
     over, each, contacts = ("time",), ("time", "roller"), ("ring", "time", "roller")
-    status = {"film_status": "of the loaded slices" if known else film}
+    status = {"film_status": "of the loaded laminae" if known else film}
     dataset = xr.Dataset(
         {
             "cage_speed": (over, cage_speed, about("rad/s", "cage speed")),
@@ -149,7 +149,7 @@ def motion(
             "runaway_status": "found",
             "critical_cage_slip": 0.2,
             "critical_status": "found",
-            "curves_with": "with rollers at their epicyclic spin",
+            "curves_with": "with rollers in pure rolling",
             "steady_cage_slip": float(cage_slip[-1]),
             "steady_status": "steady",
             "drag": json.dumps([{"name": "constant", "equation": "T = T0"}] if drag else []),

@@ -1,10 +1,10 @@
 """
-How much does the cage slip, and when does it run away?
-=======================================================
+How much does the cage slip, and when does it skid?
+===================================================
 
 The films of loaded rollers drive the cage, its drags brake it. Where both are equal, the cage runs. In scene
 ``turbine`` resistance to rolling makes all rollers brake at no slip, and they drive the more, the more the cage slips.
-The paper's bearing has no such resistance. Its rollers drive most at 42 %; beyond, the cage runs away.
+The paper's bearing has no such resistance. Its rollers drive most at 42 %; beyond, the cage skids.
 """
 
 import matplotlib.pyplot as plt
@@ -17,10 +17,10 @@ for axes, scene in zip(both, ("turbine", "1032930-50C"), strict=True):
     axes.plot(100 * result.cage_slip, 1e3 * result.driving_torque, label="drive of the rollers")
     axes.plot(100 * result.cage_slip, 1e3 * result.drag_torque, "--", label="drag on the cage")
     axes.plot(100 * result.steady_slip, 1e3 * result.torque, "ko", ms=5, label="steady slip")
-    away = 100 * float(result.largest_drag_slip)  # nan where it runs away nowhere
+    away = 100 * float(result.largest_drag_slip)  # nan where no skidding begins
     if away == away:
-        axes.axvline(away, color="C3", lw=0.8, label="the cage runs away")
+        axes.axvline(away, color="C3", lw=0.8, label="skidding begins")
     axes.set(title=scene, xlabel="Cage slip [%]", ylabel="Torque [mN m]")
     axes.legend()
     slip, reserve = float(result.steady_slip[0]), float(result.most_torque / result.torque[0])
-    print(f"{scene}: slip {slip:.1%}, could carry {reserve:.1f} times the drag")
+    print(f"{scene}: slip {slip:.1%}, drag reserve {reserve:.1f}")

@@ -46,12 +46,12 @@ class Resolution:
     """All numerical choices of a run."""
 
     #: Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
-    slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 20_000))
+    slices: int = parameter(default=101, doc="laminae along a roller", validator=in_range(1, 20_000))
     #: Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
     quadrature: str = parameter(default="equal", doc="where slices lie", validator=one_of("equal", "gauss"))
     #: Instants of a roller pitch; None to double them until the results stand still.
     instants: int | None = parameter(
-        default=None, doc="instants of a roller pitch", validator=attrs.validators.optional(at_least(1))
+        default=None, doc="roller positions within a pitch", validator=attrs.validators.optional(at_least(1))
     )
     #: "named" for the scene's hydrodynamic law, or the name of a law that serves in its place.
     traction: str = parameter(default="named", doc="hydrodynamic law")

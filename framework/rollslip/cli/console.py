@@ -89,12 +89,12 @@ def print_short_plan(plan: "Plan") -> None:
         for part in own:
             for name, error in part.errors.items():
                 errors[name] = errors.get(name, 0.0) + error
-        fine = f"{resolution.slices} slice{'s' * (resolution.slices != 1)} of a roller"
-        fine += f", {resolution.instants} instants of a pitch" if (resolution.instants or 1) > 1 else ""
+        fine = f"{resolution.slices} lamina{'e' * (resolution.slices != 1)} of a roller"
+        fine += f", {resolution.instants} roller positions within a pitch" if (resolution.instants or 1) > 1 else ""
         told = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
         unknown = [name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)]
         left = f"; relative errors of about {told}" if told else ""
-        left += f"; that of {' and '.join(unknown)} cannot be told" if unknown else ""
+        left += f"; that of {' and '.join(unknown)} cannot be determined" if unknown else ""
         click.echo(f"{study}: {fine}{left}; {duration_range(plan.seconds_of(study))}")
     if out := dict.fromkeys(part.part for part in plan.parts if not part.included):
         click.echo(f"left out: {', '.join(out)}")
@@ -113,7 +113,7 @@ def _print_size(plan: "Plan") -> None:
 
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
-        f"{plan.evaluations} slices to evaluate in {duration_range(plan.seconds)}; planned in {plan.planning:.2g} s"
+        f"{plan.evaluations} laminae to evaluate in {duration_range(plan.seconds)}; planned in {plan.planning:.2g} s"
     )
 
 
@@ -310,7 +310,7 @@ def _held(dataset: "xr.Dataset") -> Groups:
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),
             *([("clearance", json.loads(a["clearance"])["text"])] if "clearance" in a else []),
-            *([("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s")] if "evaluations" in a else []),
+            *([("evaluations", f"{a['evaluations']} laminae in {a['wall_time']:.2g} s")] if "evaluations" in a else []),
             *([("accuracy", accuracy_and_time(dataset))] if "accuracy" in a else []),
             *((about, "; ".join(texts)) for about, texts in account_of(dataset).topics(dataset).items()),
         ],
@@ -384,7 +384,7 @@ def scene_info(scene: Scene) -> Groups:
             ]
         sections[f"{raceway.ring} raceway"] = rows
     if grades:
-        sections["grades of the oil"] = [
+        sections["data quality of the oil"] = [
             *((f"({grade})", GRADES[grade]) for grade in sorted(set(grades.values()))),
             *((key.replace("_", " "), f"({grade})") for key, grade in grades.items()),
         ]

@@ -263,7 +263,7 @@ def _print_model(kind: str, name: str) -> None:
         click.echo("values")
         print_table(("key", "value"), _values(kind, load(find(kind, name)).data))
     if about.get("grades"):
-        click.echo(f"grades      {', '.join(f'{key} ({grade})' for key, grade in about['grades'].items())}")
+        click.echo(f"quality     {', '.join(f'{key} ({grade})' for key, grade in about['grades'].items())}")
         click.echo(f"            {legend(about['legend'])}")
     for one in about.get("scatter", ()):
         own = ", ".join(f"{key} {value}" for key, value in one.items() if key not in _SAID)
@@ -286,7 +286,7 @@ def _print_model(kind: str, name: str) -> None:
             [(r["name"], r["unit"], r["domain"], r["meaning"]) for r in about["reads"]],
         )
     if about.get("made_for"):
-        click.echo("made for; outside of it a result warns")
+        click.echo("valid for; outside of it a result warns")
         for v in about["made_for"]:
             code = f"{v['code']} " if v["code"] else ""
             click.echo(f"  {code}{v['bound']}; outside, {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}")

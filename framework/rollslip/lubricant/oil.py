@@ -95,7 +95,7 @@ def _positive_or_law(instance: object, attribute: "Attribute[Any]", value: objec
 
 def _known_grades(instance: object, attribute: "Attribute[Any]", value: Mapping[str, str]) -> None:
     if unknown := sorted(set(value.values()) - GRADES.keys()):
-        raise FieldError("grades", f"there is no grade {', '.join(unknown)}; there are {', '.join(GRADES)}")
+        raise FieldError("grades", f"there is no data quality {', '.join(unknown)}; there are {', '.join(GRADES)}")
 
 
 @frozen(kw_only=True)
@@ -203,7 +203,7 @@ class Lubricant:
         default=_NO_GRADES,
         converter=FrozenTable,
         validator=_known_grades,
-        metadata={"doc": "grade of each property"},
+        metadata={"doc": "data quality of each property"},
     )
     synonyms: tuple[str, ...] = ()
     models: Mapping[str, Any] = attrib(

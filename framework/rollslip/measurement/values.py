@@ -41,14 +41,14 @@ class Quantity:
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
     {
         "critical-slip": Quantity("1", "cage slip of the largest effective friction of a ring"),
-        "runaway-slip": Quantity("1", "cage slip at which the cage runs away"),
-        "runaway-drag": Quantity("N m", "largest drag torque of the cage that the rollers carry"),
+        "runaway-slip": Quantity("1", "cage slip at which skidding begins"),
+        "runaway-drag": Quantity("N m", "limit drag torque of the cage"),
         "cage-slip": Quantity("1", "cage slip of steady operation, the smallest that lasts"),
         "cage-speed": Quantity("rad/s", "speed of the cage in steady operation, at the smallest slip that lasts"),
         "friction-torque": Quantity("N m", "friction torque of the bearing in steady operation, at that slip"),
-        "least-load": Quantity("N", "least radial load that keeps the slip acceptable"),
+        "least-load": Quantity("N", "minimum radial load for an acceptable slip"),
         "largest-cage-slip": Quantity("1", "cage slip of steady operation, the largest that lasts"),
-        "largest-drag-slip": Quantity("1", "cage slip of the largest drag torque, beyond which no slip lasts"),
+        "largest-drag-slip": Quantity("1", "cage slip of the limit drag torque, beyond which no slip lasts"),
         "friction": Quantity("1", "traction coefficient of a contact", "contact"),
         "film-thickness": Quantity("m", "film thickness of a contact", "contact"),
     }

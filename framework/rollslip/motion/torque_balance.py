@@ -322,7 +322,7 @@ def runaway(balance: TorqueBalance, largest: float, allow: str) -> Runaway:
     try:
         way = balance.way(largest)
     except (DomainError, ConvergenceError) as error:
-        return Runaway(math.nan, math.nan, f"it is not known where the cage runs away: {error}")
+        return Runaway(math.nan, math.nan, f"it is not known where skidding begins: {error}")
     slip, torque = way.largest
     if (jump := way.runs_away) is not None:
         return Runaway(jump.slip, jump.drag, "found", jump.to, jump.error, torque, slip)
@@ -340,8 +340,7 @@ def nowhere(way: WayUp, allow: str) -> str:
     where = "where" if slip == way.end else f"and at {slip:.3g}"
     carried = format_quantity(torque, "N m", 3)
     return (
-        f"the cage does not run away up to a slip of {way.end:.4g}, {where} the rollers carry the largest drag, "
-        f"{carried}; {further}"
+        f"no skidding up to a slip of {way.end:.4g}, {where} the rollers carry the largest drag, {carried}; {further}"
     )
 
 
@@ -398,7 +397,7 @@ def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float
             return Reserve(away.drag / runs.drag, FOUND)
         if math.isnan(away.most):
             return Reserve(math.nan, away.status)
-        said = f"{AT_LEAST}: up to a slip of {balance.way(largest).end:.4g} the cage does not run away"
+        said = f"{AT_LEAST}: no skidding up to a slip of {balance.way(largest).end:.4g}"
         return Reserve(max(away.most / max(runs.drag, -balance.drag(0.0)), 1.0), said)
     if runs.status.startswith(DRIVEN):
         return Reserve(math.inf, f"{AT_LEAST}: {runs.status}")
@@ -441,9 +440,8 @@ def near_running_away(assembly: Assembly, slip: float | None = None) -> Near | N
     least = min(known, key=lambda one: one.drag)
     if slip < least.slip and carried < (1.0 - 2.0 * min(off, 0.5)) * least.drag:
         return None
-    where = (
-        f"with a cage slip of {100.0 * slip:.3g} % the cage is near that of running away, {100.0 * known[0].slip:.3g} %"
-    )
+    begins = f"{100.0 * known[0].slip:.3g} %"
+    where = f"with a cage slip of {100.0 * slip:.3g} % the cage is near skidding, which begins at {begins}"
     if len(known) < 2:
         return Near(f"{where}, and it does so by one of both frictions alone", off)
     return Near(f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag", off)

@@ -212,7 +212,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         found = validity.sentences(said, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands
         outside, off = [], None
-        found = [f"whether models were used for what they were made for could not be judged: {refusal}"]
+        found = [f"whether models are within their range of validity could not be checked: {refusal}"]
     found += implausible(plan.scene)
     found += validity.corrections(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
@@ -226,7 +226,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     ]
     if accuracy.slices is not None and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         found.append(
-            f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
+            f"{plan.estimated[study].resolution.slices} laminae leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
             "accuracy.slices=auto"
         )

@@ -146,7 +146,7 @@ class Plan:
         return f"<p>{escape(repr(self))}</p>{html_table([*lines[0]], [[*line.values()] for line in lines])}"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the plan as plain values, for JSON; an error that cannot be told is null."""
+        """Return the plan as plain values, for JSON; an error that cannot be determined is null."""
         return {
             "scene": self.scene.source,
             "studies": {name: attrs.asdict(study) | {"units": _units(study)} for name, study in self.studies.items()},
@@ -172,7 +172,7 @@ def _units(settings: Any) -> dict[str, str]:
 
 
 def part_as_dict(part: Part) -> dict[str, Any]:
-    """Return a line of a plan as plain values; an error that cannot be told is null."""
+    """Return a line of a plan as plain values; an error that cannot be determined is null."""
     errors = {name: error if math.isfinite(error) else None for name, error in part.errors.items()}
     return attrs.asdict(part) | {"errors": errors}
 
@@ -254,7 +254,7 @@ def plan(
         Part(
             part="viscosity at pressure",
             choice=stated.lubricant.pressure_viscosity_law.name,
-            resolution="every loaded slice",
+            resolution="every loaded lamina",
             reason="; ".join(
                 filter(
                     None,
@@ -355,7 +355,7 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
     seconds = max(seconds, _SLICE * evaluations)
     if seconds > LONG:
         said.append(
-            f"this will take {duration_range(seconds)} of the processor, {evaluations:.1e} slices to evaluate; "
+            f"this will take {duration_range(seconds)} of the processor, {evaluations:.1e} laminae to evaluate; "
             "Ctrl-C ends it, and rollslip plan says what the time goes to"
         )
     return said
@@ -464,7 +464,7 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
     return Part(
         part=kind,
         choice=f"{model.name} ({offer.package} {offer.version}, {compiled})",
-        resolution="every loaded slice",
+        resolution="every loaded lamina",
         reason="the scene names it" if kind in named else "default",
     )
 
@@ -476,6 +476,6 @@ def _inlet(film: FilmModel) -> Part:
         part="thermal inlet shear",
         included=bool(heating),
         choice=(heating or "isothermal inlet") + (f", starved by {starvation}" if starvation else ""),
-        resolution="every loaded slice" if heating else "",
+        resolution="every loaded lamina" if heating else "",
         reason=f"film model {film.name!r} asks for it" if heating else "the scene does not ask for it",
     )

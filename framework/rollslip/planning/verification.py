@@ -207,13 +207,13 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
             continue
         if accuracy.slices is not None and judgement.errors.get("slices", {}).get(result, 0.0) > tolerance:
             continue  # a number that the scene fixes is told of by itself
-        falls = f"falls with the order {order:.1f} of the instants" if seen else "does not fall with the instants"
+        falls = f"falls with the order {order:.1f} of the positions" if seen else "does not fall with the positions"
         falls = f"; it {falls}" if result in judgement.orders else ""
         what = (
-            f"{name} is off by about {error:.1e}, more than the tolerance of {tolerance:g}, as instants and slices "
+            f"{name} is off by about {error:.1e}, more than the tolerance of {tolerance:g}, as positions and laminae "
             f"other than those of the run show{falls}"
             if math.isfinite(error)
-            else f"how far {name} is off cannot be told: on other instants or slices it has no maximum there"
+            else f"how far {name} is off cannot be determined: on other positions or laminae it has no maximum there"
         )
         ratio = max(error / tolerance, 2.0) if math.isfinite(error) else 10.0
         finer = 0.5 * tolerance * ratio ** (-2.0 / min(max(order, _LEAST_ORDER), _MOST_ORDER))

@@ -181,7 +181,7 @@ class PlainAccount(Account):
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return critical slip and largest friction of each curve, and every single value."""
         slips = {
-            curve.name: f"critical slip {curve.critical_slip:.2%} {curve.rests_on}".rstrip()
+            curve.name: f"slip at largest traction {curve.critical_slip:.2%} {curve.rests_on}".rstrip()
             + f", largest friction {curve.critical_friction:.4g}"
             if curve.has_critical
             else curve.status
@@ -350,7 +350,7 @@ def capital(text: str) -> str:
 
 def _critical(dataset: "xr.Dataset", row: Mapping[str, Any]) -> str:
     """Critical slip of a curve, and what the curve rests on."""
-    return f"critical slip {row['critical_slip']:.2%} {dataset.attrs.get('curves_with', '')}".rstrip()
+    return f"slip at largest traction {row['critical_slip']:.2%} {dataset.attrs.get('curves_with', '')}".rstrip()
 
 
 def _named(texts: Mapping[str, str]) -> list[str]:

@@ -48,7 +48,7 @@ _PLACES: Final = tuple(
 )
 
 #: What a marker says that is the largest friction of a curve.
-_CRITICAL = "critical slip; friction falls beyond it"
+_CRITICAL = "slip at largest traction; friction falls beyond it"
 
 
 def plain_curves(dataset: "xr.Dataset") -> "Figure":
@@ -194,7 +194,7 @@ def finish(
     written.set_in_layout(False)
     if critical:
         rests_on = critical[0].rests_on  # on a line of its own, as wide as the figure is
-        words = f"critical slip {rests_on};\nfriction falls beyond it" if rests_on else _CRITICAL
+        words = f"slip at largest traction {rests_on};\nfriction falls beyond it" if rests_on else _CRITICAL
         handles = [*handles, Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER)]
     figure.legend(handles=handles, loc="outside upper left")
     rows_of_legend = sum(1 + str(handle.get_label()).count("\n") for handle in handles)

@@ -76,7 +76,7 @@ class Curve:
     first_slip, first_friction : float
         The first maximum, from which friction falls; NaN if there is none, or if the dataset does not tell.
     rests_on : str
-        What the curve rests on, of its dataset's attribute ``curves_with``: "with rollers at their epicyclic spin".
+        What the curve rests on, of its dataset's attribute ``curves_with``: "with rollers in pure rolling".
     """
 
     name: str
@@ -122,7 +122,7 @@ class Curve:
         quantity = self.against if self.against.endswith(" slip") else "slip"
         if self.has_critical:
             return (
-                f"{self.name}: critical {quantity} {percent(self.critical_slip)}"
+                f"{self.name}: {quantity} at largest traction {percent(self.critical_slip)}"
                 f"{self.rests_on and f' {self.rests_on}'}, where the {self.of} is largest, "
                 f"{digits(self.critical_friction, 3)}{self._first()}"
             )

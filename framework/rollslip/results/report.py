@@ -52,13 +52,13 @@ __all__ = ["is_report", "write_report"]
 
 #: Attributes of any study: what they are called in the table of numbers, and their units.
 _NUMBERS: Final = {
-    "instants": ("instants within a roller pitch", ""),
-    "instants_error": ("relative error left by the instants, estimated", "1"),
-    "slices": ("slices of a roller", ""),
-    "slices_error": ("relative error left by the slices, estimated", "1"),
+    "instants": ("roller positions within a pitch", ""),
+    "instants_error": ("relative error left by the roller positions, estimated", "1"),
+    "slices": ("laminae of a roller", ""),
+    "slices_error": ("relative error left by the laminae, estimated", "1"),
     "force_residual": ("relative residual of the forces", "1"),
     "moment_residual": ("relative residual of the moments", "1"),
-    "evaluations": ("slices evaluated", ""),
+    "evaluations": ("laminae evaluated", ""),
     "wall_time": ("wall time", "s"),
 }
 
@@ -313,7 +313,7 @@ def _oil(datasets: "Datasets") -> str:
         body += heading + _tag("p", f"Oil {oil['name']}. {oil['source'] or ''}")
         if grades := oil.get("grades"):  # results of before had none
             each = ", ".join(f"{key.replace('_', ' ')} ({grade})" for key, grade in grades.items())
-            body += _tag("p", f"Grades: {each}. {legend(grades.values())}.")
+            body += _tag("p", f"Data quality: {each}. {legend(grades.values())}.")
     for heading, named in _per_study(datasets, "data", structured=True):
         for one in named:
             body += heading + _tag("p", f"{one['kind'].capitalize()} {one['name']}. {one['source']} {one['validity']}")

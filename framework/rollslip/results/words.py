@@ -22,7 +22,7 @@ __all__ = [
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
-    "by effective friction the drag of running away is off by 2.7 % in the middle of 62 random bearings and by up to "
+    "by effective friction the limit drag torque is off by 2.7 % in the middle of 62 random bearings and by up to "
     "23 %, the slip by up to 41 points"
 )
 
@@ -37,7 +37,7 @@ IN_ROWS: Final = "of the least load that SKF's rule asks for"
 #: Share of the contact force outside a bound from which on it counts.
 TOLD_FROM: Final = 0.005
 #: How the warning begins that counts bounds which are no warnings of their own.
-REST: Final = "laws are outside what they were made for, too, where the consequence is"
+REST: Final = "laws are outside their range of validity, too, where the consequence is"
 #: Bounds that are told at once, at most, and the slip of a driven cage, without sign, that is told as none.
 _MOST, _NOTHING = 3, 1e-4
 
@@ -61,7 +61,9 @@ def runs_away(slip: float, drag: float, status: str) -> str:
     """Say where a cage runs away, or what was found instead; no full stop."""
     if math.isnan(slip):
         return status
-    return f"the cage runs away at {three_digits(slip)} cage slip, at a drag of {format_quantity(drag, 'N m', 3)}"
+    return (
+        f"skidding begins at a cage slip of {three_digits(slip)}, limit drag torque {format_quantity(drag, 'N m', 3)}"
+    )
 
 
 def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
@@ -73,11 +75,12 @@ def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     how = f"at a slip of {100.0 * slip:.3g} %" if slip > 0.0 else "without slip"
     said = f"with the drags of the scene the cage runs {how}"
     if slip > at:
-        return f"{said}, beyond that of running away: there its drag falls with slip faster than what the rollers carry"
+        where = "beyond that at which skidding begins"
+        return f"{said}, {where}: there its drag falls with slip faster than what the rollers carry"
     bound = status.startswith("at least")
     if not math.isfinite(reserve) or (bound and not reserve > 1.0):  # which says nothing
         return said
-    return f"{said}, and could carry {'at least ' * bound}{reserve:.3g} times the drag"
+    return f"{said}, with a drag reserve of {'at least ' * bound}{reserve:.3g}"
 
 
 def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list[str], list[str]]:

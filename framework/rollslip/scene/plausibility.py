@@ -265,7 +265,7 @@ RELATIONS: Final = (
         "radial_load",
         _over_least_load,
         "1",
-        "of the least load that SKF's rule asks for against slip (bearing.catalogue)",
+        "of SKF's catalogue minimum load (bearing.catalogue)",
         (1, math.inf),
         (-math.inf, math.inf),
         "SKF, general catalogue 17000, page 509: F = k_r (6 + 4 n/n_r) (d_m/100)^2 kN; makers' rules differ by a "
@@ -289,7 +289,7 @@ RELATIONS: Final = (
         "of the pitch diameter",
         (0, DEEPEST),
         (0, 2),
-        "SKF's bath drag, up to which the oil between the rollers was held against it: `rollslip.scene.supply`",
+        "SKF's bath drag, up to which the oil between the rollers was checked against it: `rollslip.scene.supply`",
     ),
     *(
         Relation(

@@ -162,12 +162,12 @@ class Accuracy:
         words={"exact": EXACT},
         usual=(EXACT, 0.1),
     )
-    critical_slip: float | None = _tolerance("the critical cage slip")
+    critical_slip: float | None = _tolerance("the cage slip at largest traction")
     friction: float | None = _tolerance("friction, of its largest value")
     cage_speed: float | None = _tolerance("the cage speed")
     slices: int | None = field(
         default=None,
-        doc="slices along a roller, where a profile or a tilt needs them; auto for as many as the tolerance needs",
+        doc="laminae along a roller, where a profile or a tilt needs them; auto for as many as the tolerance needs",
         validator=attrs.validators.optional(attrs.validators.and_(at_least(3), in_range(3, 10_000))),
         words={"auto": None},
         usual=(3, 1001),

@@ -29,12 +29,12 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
         return Part(
             part="slices",
             included=False,
-            choice="one slice per contact",
+            choice="one lamina per contact",
             resolution="1",
             reason="straight rollers and aligned rings load a contact evenly along its length",
         )
     uneven = " and ".join(["the profile"] * (bearing.profile.shape != "none") + ["the misalignment"] * tilted)
-    points = "equal slices" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
+    points = "equal laminae" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
     if scene.accuracy.slices is not None:
         why = "accuracy.slices fixes their number"
     return Part(
@@ -49,13 +49,14 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
 def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -> list[Part]:
     """Return how the load is spread over rollers and instants, and which rollers carry nothing."""
     bearing, instants = assembly.scene.bearing, assembly.resolution.instants
-    doubled = f"instants doubled until the curve moves by less than {assembly.scene.accuracy.tolerance:g}"
+    doubled = f"roller positions doubled until the curve moves by less than {assembly.scene.accuracy.tolerance:g}"
     loaded = int(np.count_nonzero(assembly.load_distribution(1).inner_force[0]))
     return [
         Part(
             part="load distribution",
             choice="quasi-static equilibrium of ring and rollers",
-            resolution=f"{bearing.rollers} rollers, " + (f"{instants} instants of a pitch" if instants else doubled),
+            resolution=f"{bearing.rollers} rollers, "
+            + (f"{instants} roller positions within a pitch" if instants else doubled),
             reason=f"one revolution is much shorter than the cage's transient; {why}",
             errors=errors,
             seconds=seconds,
@@ -84,7 +85,7 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
             Part(
                 part="boundary friction",
                 included=resolution.boundary,
-                choice="evaluated only on slices that need it",
+                choice="evaluated only on laminae that need it",
                 reason=f"a film is full from a film parameter of {limit:g}; {said}",
             )
         )
@@ -107,7 +108,7 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
             Part(
                 part="law of the full film",
                 choice=law,
-                resolution="every loaded slice",
+                resolution="every loaded lamina",
                 reason="serves in place of the one that the scene names, from which it differs by less than its share",
                 errors=errors["law"],
             )

@@ -41,9 +41,9 @@ JUDGED: Final = 5
 #: What can be chosen numerically and of models -> what it means, in the order in which it is told.
 AXES: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "slices": "number of equal slices",
+        "slices": "number of equal laminae",
         "quadrature": "points of Gauss and Legendre in their place",
-        "instants": "instants of a roller pitch",
+        "instants": "roller positions within a pitch",
         "table_tolerance": "error of tables",
         "integrator": "integrator",
         "integrator_tolerance": "relative tolerance of a step",

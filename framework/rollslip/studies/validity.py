@@ -313,8 +313,11 @@ def told(
             continue
         ring = f" of the {one.ring} ring" if one.ring else ""
         detail = f" ({one.detail})" if one.detail else ""
+        left = f"{_percent(one.share)} {what}{ring} is"
+        if left.startswith("100 % of the contact force"):
+            left = f"all loaded contacts{ring} are"
         text = (
-            f"{one.law} was made for {bound_of(one.validity)}; {_percent(one.share)} {what}{ring} is outside"
+            f"{one.law} is valid for {bound_of(one.validity)}; {left} outside"
             f"{f' {where}' if where else ''}{detail}, where {one.validity.consequence_at(*one.values)}; "
             f"remedy: {one.validity.remedy}"
         )

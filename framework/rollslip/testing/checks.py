@@ -121,7 +121,7 @@ def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(model:
         where = f"validity in {one.quantity!r}"
         refuse_unless(
             one.low <= one.high and (one.low > -math.inf or one.high < math.inf),
-            f"{where}: made for {one.low} to {one.high}; give one finite bound, or two that rise",
+            f"{where}: valid for {one.low} to {one.high}; give one finite bound, or two that rise",
         )
         for name in ("consequence", "remedy", "source"):
             text = getattr(one, name)

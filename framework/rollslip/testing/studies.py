@@ -124,7 +124,7 @@ def check_what_is_judged_is_an_output(study: Study) -> None:
         refuse_unless(key in _TOLERANCES, f"judged names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}")
         refuse_unless(name in study.outputs, f"judged names {name!r}, which is no output")
         values = np.asarray(_value(_result(study), name))
-        refuse_unless(values.dtype.kind == "f", f"{name} is held against a tolerance, but is no number")
+        refuse_unless(values.dtype.kind == "f", f"{name} is compared with a tolerance, but is no number")
         none = np.all(values == 0.0) and not study.outputs[name].floor
         refuse_unless(
             not none, f"{name} is 0, of which no error is a share; give the size that is none, Output(floor=)"

@@ -67,7 +67,7 @@ class ComparisonSettings(OfScene):
     film: Sequence[Any] | str = setting("Film models to compare.", default=(), metavar="A,B", many=True)
     contact: Sequence[Any] | str = setting("Contact models to compare.", default=(), metavar="A,B", many=True)
     reference: Any = setting(
-        "Traction that the others are held against; NAME,NAME for its film and contact too.", metavar="NAME",
+        "Traction that the others are compared with; NAME,NAME for its film and contact too.", metavar="NAME",
         more="Or a mapping of kind to model. Without it what is reported is no error but a difference.",
     )  # fmt: skip
     study: str | None = setting("Study with friction curves; by default the first of the scene.", metavar="STUDY")

@@ -45,9 +45,9 @@ STUDY: Final = SteadySlip.name
 ROWS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
         "cage_slip": ("1", "steady cage slip"),
-        "minimum_load": ("N", "least radial load of an acceptable slip"),
+        "minimum_load": ("N", "minimum radial load for an acceptable slip"),
         "acceptable_reserve": ("1", "driving torque at the acceptable slip over the drags there"),
-        "drag_reserve": ("1", "largest drag over the drags"),
+        "drag_reserve": ("1", "limit drag torque over the drag"),
         "friction_torque": ("N m", "friction torque of the bearing"),
         "film_parameter": ("1", "smallest film parameter"),
         "clearance": ("m", "operating clearance"),

@@ -204,13 +204,13 @@ def attribute_differences(
             explained[at] = np.add.reduceat(between, begins) / spread if spread > _ROUNDING**2 * whole else 0.0
     of, what = ("combination", curve), f"relative difference from {reference}"
     return dataset.assign(
-        mean_difference=(of, mean, about("1", f"{what} of the friction force summed over the slices of the curve")),
+        mean_difference=(of, mean, about("1", f"{what} of the friction force summed over the laminae of the curve")),
         bin_share=((curve, "bin"), share, about("1", "share of the contact force over the curve")),
         bin_difference=((*of, "bin"), difference, about("1", f"{what} within the bin")),
         bin_contribution=((*of, "bin"), contribution, about("1", "what the bin adds to mean_difference")),
         explained=((*of, "grouping"), explained, about("1", "share of the difference's variance between the bins")),
     ).assign_coords(
-        bin=("bin", np.concatenate(list(by.names.values())), about("1", "slices of the reference")),
+        bin=("bin", np.concatenate(list(by.names.values())), about("1", "laminae of the reference")),
         bin_grouping=("bin", np.repeat(list(by.names), sizes), about("1", "what they are sorted by")),
-        grouping=("grouping", np.array(list(by.names)), about("1", "what slices are sorted by")),
+        grouping=("grouping", np.array(list(by.names)), about("1", "what laminae are sorted by")),
     )

@@ -95,7 +95,7 @@ class Comparison:
         models = dict.fromkeys((kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen)
         several = f"{self.study} of {len(self.combinations)} combinations: {', '.join(self.combinations)}"
         slices = sum(plan.evaluations for plan in plans)
-        cost = f"about {slices} slices to evaluate, {duration_range(self.seconds)}"
+        cost = f"about {slices} laminae to evaluate, {duration_range(self.seconds)}"
         return [*filter(None, (headline_of(self.scene, models), several, self.exchanged, cost))]
 
     @property
@@ -334,9 +334,9 @@ def _costs(comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mappi
             about("1", "smallest film parameter Lambda without slip"),
         ),
         "film_location": (each, np.array(location), about("1", "which film thickness the film model returns")),
-        "seconds_per_slice": (each, seconds, about("s", "time of the chain per slice")),
+        "seconds_per_slice": (each, seconds, about("s", "time of the chain per lamina")),
         "cost": (each, seconds / cost[cheapest], about("1", f"time of the chain over that of {cheapest}")),
-        "evaluations": (each, evaluations, about("1", "slices evaluated by the study")),
+        "evaluations": (each, evaluations, about("1", "laminae evaluated by the study")),
     }
 
 
@@ -358,7 +358,7 @@ def _errors(comparison: Comparison, dataset: "xr.Dataset") -> "dict[str, xr.Data
             np.sqrt((found**2).mean(curves.slip)),
             "relative {}, root mean square over the points of the curve",
         ),
-        "critical_slip_error": (relative(curves.critical), "relative {} of the critical slip"),
+        "critical_slip_error": (relative(curves.critical), "relative {} of the slip at largest traction"),
         "peak_error": (relative("critical_friction"), "relative {} of the largest friction"),
     }
     return {name: values.assign_attrs(about("1", text.format(which))) for name, (values, text) in errors.items()}

@@ -115,7 +115,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
         axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2.5 else (1,)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    panels["costs"].set_xlabel("Time for a slice over that of the fastest [–]")
+    panels["costs"].set_xlabel("Time for a lamina over that of the fastest [–]")
     panels["costs"].set_ylabel("Relative difference, root mean square [%]")
     longest = max(len(str(handle.get_label())) for handle in sheet.handles)
     return sheet.done(columns=max(1, min(4, int(140 / (6 + longest)))))

@@ -78,7 +78,7 @@ def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[
     """Return name, head and rows of a table for each curve of a comparison; the film is the thinnest without slip."""
     which = "error" if dataset.attrs["reference_named"] else "difference"
     head = (
-        "combination", "critical slip", "friction", "film", "Lambda", f"rms {which}", f"max {which}",
+        "combination", "slip at largest traction", "friction", "film", "Lambda", f"rms {which}", f"max {which}",
         f"critical {which}", "cost",
     )  # fmt: skip
     found: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
@@ -109,7 +109,7 @@ def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[
 def captioned(dataset: "xr.Dataset", name: str) -> str:
     """Return what a table or figure of a curve is called: with what its critical slips rest on."""
     rests_on = dataset.attrs.get("curves_with", "")
-    return f"{name}, critical slips {rests_on}" if rests_on else name
+    return f"{name}, slips at largest traction {rests_on}" if rests_on else name
 
 
 def bin_tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
@@ -121,7 +121,9 @@ def bin_tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[l
             row = found.setdefault(one["curve"], {}).setdefault(bin["bin"], [bin["bin"], f"{bin['share']:.1%}"])
             row.append(f"{bin['difference']:+.2%}")
         if one["bins"]:
-            heads.setdefault(one["curve"], ["slices of the reference", "share of the force"]).append(one["combination"])
+            heads.setdefault(one["curve"], ["laminae of the reference", "share of the force"]).append(
+                one["combination"]
+            )
     order = dataset["bin"].to_numpy().tolist() if found else []
     return [
         (name, tuple(heads[name]), sorted(rows.values(), key=lambda row: order.index(row[0])))
@@ -147,7 +149,7 @@ def findings(dataset: "xr.Dataset") -> list[str]:
         f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
         if "bin" in dataset.dims
         else f"there are no differences, because {reference} failed",
-        f"cost is the time of the models over that of {label}, {1e9 * time:.3g} ns for a slice",
+        f"cost is the time of the models over that of {label}, {1e9 * time:.3g} ns for a lamina",
         f"film is the smallest without slip, of what the models return: {films}",
     ]
     if not dataset.attrs.get("sorted_by_own", 1):
@@ -162,9 +164,9 @@ def findings(dataset: "xr.Dataset") -> list[str]:
 def _sorting(law: str, reference: str) -> str:
     """Say by what slices are sorted where the reference's own law does not state it."""
     if law:
-        return f"slices of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
+        return f"laminae of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
     return (
-        "slices are sorted by film alone, since no traction compared states regimes of its law; "
+        "laminae are sorted by film alone, since no traction compared states regimes of its law; "
         "compare one that does as well, or give your law its regimes"
     )
 

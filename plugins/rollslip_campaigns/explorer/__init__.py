@@ -48,8 +48,8 @@ class ExplorerSettings(OfPoints):
         more='A mapping of keys to "LOW:HIGH" or "LOW:HIGH:NODES", or to lists of models.',
     )  # fmt: skip
     checks: int = setting(
-        "Random places at which it is held against runs, for each combination of models.", of=int, default=24, least=0,
-        metavar="N", shown=True,
+        "Random places at which it is checked against runs, for each combination of models.", of=int, default=24,
+        least=0, metavar="N", shown=True,
     )  # fmt: skip
     out: Any = setting("", more="The file, of which an older one is replaced; by default SCENE-explorer.html here.")
 

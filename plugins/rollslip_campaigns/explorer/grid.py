@@ -89,7 +89,7 @@ class Explorer:
     choices : mapping of str to tuple of str
         Models that can be chosen, by key.
     checks : int
-        Random places at which it is held against runs.
+        Random places at which it is checked against runs.
     """
 
     scene: "Scene"

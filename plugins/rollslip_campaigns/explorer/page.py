@@ -37,10 +37,10 @@ Array = NDArray[np.float64]
 GROUPS: Final[Mapping[str, str]] = {
     "effective_friction": "effective friction, of the largest on the ring",
     "normal_force": "normal force, of the largest on the ring",
-    "runaway_slip": "slip of running away, in points of slip",
-    "runaway_drag": "drag of running away",
+    "runaway_slip": "slip at which skidding begins, in points of slip",
+    "runaway_drag": "limit drag torque",
     "steady_cage_slip": "slip at which the cage runs, in points of slip",
-    "critical_cage_slip": "critical slip, in points of slip",
+    "critical_cage_slip": "slip at largest traction, in points of slip",
 }
 
 

@@ -150,7 +150,7 @@ def _course(dataset: "xr.Dataset") -> list[str]:
         return []
     turns = _turns(dataset)
     if not turns:
-        return [f"{name} goes one way over the {n} values with a result: none of them speaks for further passages"]
+        return [f"{name} is monotonic over the {n} values with a result: none of them suggests further passages"]
     more = f"--over {dataset.attrs['searched_key']}=LOW:HIGH:{2 * int(dataset.attrs['first']) - 1} looks at more"
     return [
         f"{name} turns back {turns} time{'s' * (turns != 1)} over the {n} values with a result: between two of the "

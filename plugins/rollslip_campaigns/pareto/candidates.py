@@ -109,11 +109,11 @@ class Family:
         for study in self.studies:
             of = {kind: len(self.of(study, kind)) for kind in ("numerical", "modelling", "film", "reference")}
             finest = self.of(study, "reference")[0].resolution
-            instants = f" and {finest.instants} instants" if (finest.instants or 1) > 1 else ""
+            instants = f" and {finest.instants} roller positions" if (finest.instants or 1) > 1 else ""
             lines.append(
                 f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
                 f"{self.rounds} round{'s' * (self.rounds != 1)} each, against {of['reference']} references, the finest "
-                f"with {finest.slices} slices{instants}"
+                f"with {finest.slices} laminae{instants}"
             )
         return [*lines, *self.notes]
 
@@ -151,7 +151,7 @@ def plan_family(asked: "ParetoSettings") -> Family:
     notes = []
     if scene.accuracy.slices is not None and made.assembly.slices > 1 and {"slices", "quadrature"} & {*wanted}:
         notes.append(
-            f"the scene states {scene.accuracy.slices} slices, and so has the finest; with "
+            f"the scene states {scene.accuracy.slices} laminae, and so has the finest; with "
             "--set accuracy.slices=auto more of them, and those of Gauss and Legendre, take part"
         )
     return Family(

@@ -265,8 +265,8 @@ class Sweep:
         for name, resolution in self.resolutions.chosen.items():
             laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
             lines.append(
-                f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.instants} "
-                "instants of a pitch, what scene and points far apart need for the error of "
+                f"{laws}computed at {resolution.slices} laminae ({resolution.quadrature}) and {resolution.instants} "
+                "roller positions within a pitch, what scene and points far apart need for the error of "
                 f"{self.scene.accuracy.tolerance:g} it states"
             )
         lines.append(f"{len(self.numbers)} points; of each {', '.join(self.outputs)}")

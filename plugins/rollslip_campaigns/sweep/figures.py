@@ -125,9 +125,9 @@ def models_apart(dataset: "xr.Dataset") -> str:
     else:
         scatter = f"the middle half of {(~known).sum()} ends beyond the range"
     return (
-        f"Critical cage slip of the inner ring{resting(dataset)} for {len(quantiles)} choices of {key}: median, middle "
-        "half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or their point failed): "
-        f"{apart}, {scatter}."
+        f"Cage slip at largest traction of the inner ring{resting(dataset)} for {len(quantiles)} choices of {key}: "
+        "median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or their point "
+        f"failed): {apart}, {scatter}."
     )
 
 
@@ -150,7 +150,7 @@ def _models(values: "xr.DataArray", key: str) -> "Figure":
     axes.set_yticks(np.arange(len(names))[::-1], [str(name) for name in names])
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)
-    return sheet.done("Critical cage slip [%]")
+    return sheet.done("Cage slip at largest traction [%]")
 
 
 def _given(dataset: "xr.Dataset", key: str) -> float:
@@ -265,7 +265,7 @@ def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
 
 
 def _name(values: "xr.DataArray") -> str:
-    name = "critical cage slip" if values.name == _RESULT else str(values.attrs["long_name"])
+    name = "cage slip at largest traction" if values.name == _RESULT else str(values.attrs["long_name"])
     return f"{name[:1].upper()}{name[1:]}"
 
 

@@ -160,7 +160,7 @@ def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
             said = _told(sweep, number)
         except Exception as error:  # somebody's law may raise anything; what was computed stands
             others.append(
-                f"whether laws were used for what they were made for could not be judged at "
+                f"whether laws are within their range of validity could not be checked at "
                 f"{sweep.design.shown(number)}: {in_words(error)}"
             )
             continue
@@ -172,12 +172,12 @@ def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
                 worst[key] = one
     ranked = sorted(worst, key=lambda key: (not worst[key].warned, not worst[key].measured, -worst[key].weight))
     first = [key for key in ranked[:_TOLD] if worst[key].warned]
-    found = [f"at {count[key]} of {len(numbers)} points judged: {worst[key].text}" for key in first]
+    found = [f"at {count[key]} of {len(numbers)} points checked: {worst[key].text}" for key in first]
     if more := [f"{worst[key].short} at {count[key]} of them" for key in ranked[len(first) :]]:
         found.append(counted(more))
     if found:
-        which = f"only {len(numbers)} of {len(sweep.numbers)} points were judged, which lie far apart"
-        whole = "all points were judged" if len(numbers) == len(sweep.numbers) else which
+        which = f"only {len(numbers)} of {len(sweep.numbers)} points were checked, which lie far apart"
+        whole = "all points were checked" if len(numbers) == len(sweep.numbers) else which
         found[-1] += f"; {whole}; rollslip run of the scene with the values of a point tells all of it"
     return [*found, *others[:1]]
 

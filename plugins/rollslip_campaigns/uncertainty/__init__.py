@@ -56,7 +56,7 @@ class UncertaintySettings(OfPoints):
         more="Samples are then 16384 at most.",
     )  # fmt: skip
     probability: float = setting("Of what is told.", of=float, default=0.99, metavar="P", shown=True)
-    loads: int | None = setting("Samples of the least load.  [default: 64]", of=int, least=0, metavar="N")
+    loads: int | None = setting("Samples of the minimum load.  [default: 64]", of=int, least=0, metavar="N")
     indices: int = setting("Rows for Sobol indices, 2^k.", of=int, default=0, least=0, metavar="N")
     seed: int = setting("Seed of the samples.", of=int, default=0, least=0, metavar="N")
 

@@ -23,10 +23,10 @@ __all__ = ["answer", "failed", "margin", "record", "reserve", "sentences", "shee
 #: What people act on, and what margin and allowable slip are of.
 RESERVE: Final = "drag reserve"
 STEADY: Final = "steady slip"
-LOAD: Final = "least radial load"
+LOAD: Final = "minimum load"
 #: How heads of columns of inputs begin.
 RANKED: Final = "rank correlation with "
-RUNAWAY: Final = "slip of running away"
+RUNAWAY: Final = "slip at which skidding begins"
 #: How well samples know a band: best.
 _KNOWN: Final = 3
 #: Rank correlation of slip and drag of running away below which the caveat is told.
@@ -58,7 +58,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         found |= {RESERVE: [reserve(dataset)], STEADY: [_steady(dataset)]}
     if LOAD in every:
         found[LOAD] = [_load(dataset)]
-    found |= {"running away": [_runs_away(dataset)], "allowable slip": [_allowable(dataset), *_caveat(dataset)]}
+    found |= {"skidding": [_runs_away(dataset)], "allowable slip": [_allowable(dataset), *_caveat(dataset)]}
     if "margin" in dataset:
         found["margin"] = [margin(dataset)]
     if rests_on := dataset.attrs.get("curves_with"):
@@ -204,7 +204,7 @@ def reserve(dataset: "xr.Dataset") -> str:
     said += f" ({_interval(dataset, low, high, _times, RESERVE)}); {_told(dataset, RESERVE, _times)}"
     bounded = int(dataset["bounded"])
     if bounded:
-        said += f"; in {bounded} of {n} samples nothing runs away in the range, and the reserve is a lower bound"
+        said += f"; in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
     skids, least, most = (float(dataset[f"skidding{end}"]) for end in ("", "_low", "_high"))
     if not skids > 0.0:
         return said
@@ -233,7 +233,7 @@ def _load(dataset: "xr.Dataset") -> str:
     p = float(dataset.attrs["probability"])
     value, low, high = _quantile(dataset, LOAD, p)
     if math.isnan(value):
-        return "the least radial load is not known: no sample has one"
+        return "the minimum load is not known: no sample has one"
     slip, ends = _percent(float(dataset.attrs["acceptable_slip"])), _interval(dataset, low, high, _force, LOAD)
     return (
         f"a radial load of {_force(value)} keeps the slip below {slip} with probability {p:g} ({ends}); "
@@ -246,24 +246,24 @@ def _caveat(dataset: "xr.Dataset") -> list[str]:
     if not rho < _AGAINST:
         return []
     return [
-        "this slip ranks oils the wrong way round: where a cage runs away at a small slip its rollers carry much drag "
-        f"(rank correlation of slip and drag there {rho:.2f}); judge by the reserve"
+        "this slip ranks oils the wrong way round: where skidding begins at a small slip the limit drag torque is "
+        f"large (rank correlation of slip and drag there {rho:.2f}); use the reserve"
     ]
 
 
 def _runs_away(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away: slip and drag, medians with their spread."""
     slip = dataset["quantile_value"].sel(quantity=RUNAWAY)
-    drag = dataset["quantile_value"].sel(quantity="drag of running away")
+    drag = dataset["quantile_value"].sel(quantity="limit drag torque")
     low, middle, high = (float(slip.sel(probability=p)) for p in (0.05, 0.5, 0.95))
     if math.isnan(middle):
-        return "no sample says where the cage runs away"
+        return "no sample says where skidding begins"
     if math.isinf(middle):
         beyond, n = int(dataset["beyond"].sel(quantity=RUNAWAY)), int(dataset["samples"].sel(quantity=RUNAWAY))
-        return f"the cage was not found to run away in {beyond} of {n} samples up to the end of the range"
+        return f"no skidding was found in {beyond} of {n} samples up to the end of the range"
     least, mean, most = (_torque(float(drag.sel(probability=p))) for p in (0.05, 0.5, 0.95))
     return (
-        f"the cage runs away at {_percent(middle)} cage slip, at a drag of {mean} "
+        f"skidding begins at a cage slip of {_percent(middle)}, limit drag torque {mean} "
         f"(medians; 5 to 95 %: {_percent(low)} to {_percent(high)}, {least} to {most})"
     )
 
@@ -272,7 +272,7 @@ def _allowable(dataset: "xr.Dataset") -> str:
     value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity=RUNAWAY))
     if math.isnan(value):
-        return f"the allowable slip is not known: none of {n} samples says where the cage runs away"
+        return f"the allowable slip is not known: none of {n} samples says where skidding begins"
     few = (
         f"{n} samples are too few to tell how much less it may be, which takes {dataset.attrs['fewest_samples']} and "
         "more where all points have a result"
@@ -283,7 +283,7 @@ def _allowable(dataset: "xr.Dataset") -> str:
         sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
         sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
         return f"{what}{sure}{dataset.attrs.get('look_further', '')}"
-    what = f"a cage that slips by at most {_percent(value)} does not run away, with probability {p:g}"
+    what = f"a cage that slips by at most {_percent(value)} does not skid, with probability {p:g}"
     if low == -math.inf:
         return f"{what}; {few}"
     # a high end is infinite where samples beyond the range say so: failed ones leave the low end unknown first
@@ -291,13 +291,13 @@ def _allowable(dataset: "xr.Dataset") -> str:
 
 
 def margin(dataset: "xr.Dataset") -> str:
-    """Return the probability that the steady slip is below that of running away, in a sentence."""
+    """Return the probability that the steady slip is below that at which skidding begins, in a sentence."""
     value, low, high = (float(dataset[f"margin{end}"]) for end in ("", "_low", "_high"))
     n = int(dataset["samples"].sel(quantity="steady slip"))
     if math.isnan(value):
-        return f"none of {n} samples tells both the steady slip and that of running away"
+        return f"none of {n} samples has both a steady slip and one at which skidding begins"
     return (
-        f"the cage runs below the slip at which it runs away with probability {value:.4g} "
+        f"the cage runs below the slip at which skidding begins with probability {value:.4g} "
         f"(95 % interval: {low:.4g} to {high:.4g}, {n} samples)"
     )
 

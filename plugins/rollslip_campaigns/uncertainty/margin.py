@@ -147,7 +147,7 @@ def plan_margin(asked: "UncertaintySettings") -> Margin:
     if until is not None and not until > 0.0:
         problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
     if loads > samples:
-        problems.append(f"loads: the samples of the least load are the first of all {samples}, not {loads}")
+        problems.append(f"loads: the samples of the minimum load are the first of all {samples}, not {loads}")
     if indices and (indices < 4 or indices & (indices - 1)):
         problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
     if not EffectiveFriction.of(scene).runaway_range:
@@ -266,7 +266,9 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
         known = ~np.isnan(slip) & ~np.isnan(away)
         margin = share(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
         skids = share(int(shares["skids"].sum()), int(shares["unknown"].sum()), n, CONFIDENCE)
-        variables |= _estimate("margin", margin, "probability that the steady slip is below that of running away")
+        variables |= _estimate(
+            "margin", margin, "probability that the steady slip is below that at which skidding begins"
+        )
         variables |= _estimate("skidding", skids, "probability that the cage has no balance of torques")
         said = "samples of which the reserve is a lower bound"
         variables["bounded"] = (), int(shares["bound"].sum()), about("1", said)
@@ -310,7 +312,11 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
         ("input", "acted"), ranks, about("1", "rank correlation of an uncertain quantity with what is acted on")
     )  # fmt: skip
     strong = _ranked(values[RUNAWAY], values[DRAG])
-    variables["strength_correlation"] = (), strong, about("1", "rank correlation of slip and drag of running away")
+    variables["strength_correlation"] = (
+        (),
+        strong,
+        about("1", "rank correlation of the slip at which skidding begins and the limit drag torque"),
+    )
     coords: dict[str, Any] = {
         "acted": ("acted", np.array(acted), about("1", "what is acted on")),
         "quantity": (

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["DRAG", "LOAD", "LOWEST", "RESERVE", "RUNAWAY", "STEADY", "least_loads", "of_friction", "shares_of"]
 
-RESERVE, STEADY, LOAD = "drag reserve", "steady slip", "least radial load"
-RUNAWAY, DRAG, LOWEST = "slip of running away", "drag of running away", "critical slip"
+RESERVE, STEADY, LOAD = "drag reserve", "steady slip", "minimum load"
+RUNAWAY, DRAG, LOWEST = "slip at which skidding begins", "limit drag torque", "critical slip"
 
 
 def of_friction(points: "xr.Dataset") -> dict[str, Array]:

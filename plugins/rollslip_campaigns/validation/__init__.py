@@ -81,7 +81,7 @@ class RankingSettings(Campaign):
     """Rank laws by their errors on conditions of DATA that they were not fitted to.
 
     Parameters are fitted to friction on all conditions but one, and the law is scored on that one, for every condition
-    in turn. What cannot be told with a confidence of 95 % is said to be so.
+    in turn. What cannot be determined with a confidence of 95 % is said to be so.
 
     Returns
     -------

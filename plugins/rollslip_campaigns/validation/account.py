@@ -36,7 +36,7 @@ class RankingAccount(Account):
     """How laws that were ranked are told."""
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Say which law predicts best, and of what it cannot be told."""
+        """Say which law predicts best, and of what it cannot be determined."""
         return ranking_findings.sentences(dataset)
 
     units: ClassVar[Mapping[str, str]] = dict.fromkeys(

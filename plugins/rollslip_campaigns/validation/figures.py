@@ -65,7 +65,7 @@ def _ratios(dataset: "xr.Dataset") -> "Figure":
         if not math.isnan(low):
             axes.plot([low, high], [place, place], color=colour, linewidth=1.0)
         if not math.isnan(ratio):
-            face = "white" if str(one["row_verdict"].item()) == "cannot be told" else colour
+            face = "white" if str(one["row_verdict"].item()) == "cannot be determined" else colour
             edge = ">" if ratio >= _MOST else "<" if ratio <= _LEAST else mark
             axes.plot(ratio, place, edge, color=colour, markerfacecolor=face, markersize=4)
     axes.axvline(1.0, color="0.6", linewidth=0.7, zorder=0)
@@ -121,7 +121,7 @@ def _series(dataset: "xr.Dataset") -> "Figure":
                 largest = max(largest, values["calculated_low"], top if math.isfinite(top) else 0.0)
                 axes.vlines(place, values["calculated_low"], top if math.isfinite(top) else 1e30, color=colour)
             if math.isfinite(values["calculated"]):
-                face = "white" if str(one["row_verdict"].item()) == "cannot be told" else colour
+                face = "white" if str(one["row_verdict"].item()) == "cannot be determined" else colour
                 axes.plot(place, values["calculated"], mark, color=colour, markerfacecolor=face, markersize=4.5)
                 largest = max(largest, values["calculated"])
     if logarithmic:
@@ -146,7 +146,7 @@ def _statements(dataset: "xr.Dataset") -> "Figure":
     sheet = _sheet(len(says) + 3, 0)
     axes = sheet.axes
     marks = {"held": ("o", "#0072B2", "#0072B2"), "not held": ("X", "#D55E00", "#D55E00"),
-             "cannot be told": ("o", "white", "0.4")}  # fmt: skip
+             "cannot be determined": ("o", "white", "0.4")}  # fmt: skip
     for k in range(dataset.sizes["statement"]):
         one = dataset.isel(statement=k)
         mark, face, edge = marks[str(one["statement_verdict"].item())]

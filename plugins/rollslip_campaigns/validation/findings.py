@@ -28,7 +28,7 @@ __all__ = [
 ROWS: Final = ("condition", "models", "measured, 95 %", "calculated, 95 %", "ratio, 95 %", "verdict")
 CHI_SQUARE: Final = ("data set", "series", "models", "chi-square", "degrees of freedom", "probability")
 STATEMENTS: Final = ("statement", "models", "verdict", "found")
-INSIDE, OUTSIDE, UNTOLD, HELD = "inside", "outside", "cannot be told", "held"
+INSIDE, OUTSIDE, UNTOLD, HELD = "inside", "outside", "cannot be determined", "held"
 
 
 def shown(value: float, unit: str, quantity: str, digits: int = 3) -> str:
@@ -122,7 +122,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         found["estimated"] = [f"not stated by the source and estimated: {'; '.join(estimated)}"]
     open_ = dataset["row_verdict"].to_numpy() == UNTOLD
     reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[open_]))
-    found["not told"] = [f"cannot be told: {reason}" for reason in reasons if reason]
+    found["not told"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
     return {name: texts for name, texts in found.items() if texts}
 
 
@@ -134,12 +134,12 @@ def _of_models(dataset: "xr.Dataset", name: str) -> str:
         judged = int((rows != UNTOLD).sum())
         parts.append(f"{int((rows == INSIDE).sum())} of {judged} values inside the 95 % band of both uncertainties")
         if judged < rows.size:
-            parts.append(f"of {rows.size - judged} it cannot be told")
+            parts.append(f"of {rows.size - judged} it cannot be determined")
     if said.size:
         judged = int((said != UNTOLD).sum())
         parts.append(f"{int((said == HELD).sum())} of {judged} statements hold")
         if judged < said.size:
-            parts.append(f"of {said.size - judged} it cannot be told")
+            parts.append(f"of {said.size - judged} it cannot be determined")
     seconds = dataset["seconds"].to_numpy()[dataset["row_models"].to_numpy() == name]
     if np.isfinite(seconds).any():
         parts.append(f"a value takes {format_quantity(float(np.nanmedian(seconds)), 's', 2)}")

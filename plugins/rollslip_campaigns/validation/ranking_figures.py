@@ -21,7 +21,7 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     if np.isfinite(dataset["error"].to_numpy()).any():
         caption = (
             "Error of each law on conditions that it was not fitted to, over the uncertainty of the data: every "
-            "condition, their geometric mean and its 95 % interval. Open: cannot be told from the first."
+            "condition, their geometric mean and its 95 % interval. Open: cannot be determined from the first."
         )
         yield "ranking", caption, _errors(dataset)
 

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
 __all__ = ["HEAD", "better", "cells", "record", "sentences"]
 
-HEAD: Final = ("law", "error, 95 %", "parameters", "time of a value", "better than", "cannot be told from")
+HEAD: Final = ("law", "error, 95 %", "parameters", "time of a value", "better than", "cannot be determined from")
 
 
 def better(dataset: "xr.Dataset", law: int) -> tuple[list[str], list[str]]:
-    """Return the laws that a law is better than, and those that it cannot be told from."""
+    """Return the laws that a law is better than, and those that it cannot be determined from."""
     names = [str(name) for name in dataset["law"].to_numpy()]
     errors, chance = dataset["error"].to_numpy(), dataset["probability"].to_numpy()[law]
     limit = 1.0 - float(dataset.attrs["confidence"])
@@ -49,7 +49,7 @@ def cells(dataset: "xr.Dataset") -> list[list[str]]:
 
 
 def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Say which law predicts best, what it is better than, and of what it cannot be told."""
+    """Say which law predicts best, what it is better than, and of what it cannot be determined."""
     names, errors = [str(name) for name in dataset["law"].to_numpy()], dataset["error"].to_numpy()
     conditions, fewest = dataset.sizes["condition"], int(dataset.attrs["fewest"])
     if not np.isfinite(errors).any():
@@ -61,7 +61,7 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     if conditions < fewest:
         return [
             *said,
-            f"which law is better cannot be told: {conditions} conditions are too few, {fewest} are needed at least",
+            f"which law is better cannot be determined: {conditions} conditions are too few, {fewest} are needed",
         ]
     worse, open_ = better(dataset, 0)
     if worse:
@@ -70,8 +70,8 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
         )
     if open_:
         said.append(
-            f"whether it is better than {', '.join(open_)} cannot be told: differences as large come by chance; more "
-            "conditions would tell, or less uncertain data"
+            f"whether it is better than {', '.join(open_)} cannot be determined: differences as large come by chance; "
+            "more conditions would show it, or less uncertain data"
         )
     for k in range(1, len(names)):
         worse, _ = better(dataset, k)

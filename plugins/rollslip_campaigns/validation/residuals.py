@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 _ERRORS: Final = 64
 #: Samples that each row needs for a covariance to mean something.
 _FOR_CHI2: Final = 10
-INSIDE, OUTSIDE, UNTOLD = "inside", "outside", "cannot be told"
+INSIDE, OUTSIDE, UNTOLD = "inside", "outside", "cannot be determined"
 HELD, BROKEN = "held", "not held"
 _BAND: Final = (0.025, 0.975)
 

@@ -132,7 +132,7 @@ class ScuffingIso(BulkAndFlash):
             return math.nan, f"ISO/TR 13989-1 has no factor of the kind of this oil, {self.taken}; {_NO_KIND}"
         factor = _KINDS[self.oil or "mineral"] * (1e3 * self.viscosity) ** -0.05
         rise = (0.85 + 1.4 * self.structural_factor) * factor * self.fzg_stage**2
-        source = f"ISO/TR 13989-1 (2000), gears, FZG load stage {self.fzg_stage}, {self.taken or self.oil} (grade B)"
+        source = f"ISO/TR 13989-1 (2000), gears, FZG load stage {self.fzg_stage}, {self.taken or self.oil} (B)"
         return _CELSIUS + 80.0 + rise, source.replace(", (", " (")
 
 
@@ -227,9 +227,7 @@ class ScuffingAgma(BulkAndFlash):
             return None
         else:
             mean = _MINERAL[self.oil or "mineral"] + _BY_VISCOSITY * math.log(1e6 * self.viscosity_40)
-        said = (
-            f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil or 'mineral'!r}, recalled (grade C)"
-        )
+        said = f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil or 'mineral'!r}, recalled (C)"
         if self.taken and self.oil not in _AIRCRAFT:
             said += f", {self.taken}"
         return _CELSIUS + mean * (1.0 + _SCATTER * NormalDist().inv_cdf(self.risk)), said

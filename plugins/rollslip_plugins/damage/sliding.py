@@ -185,7 +185,7 @@ class FilmParameter(DamageModel):
     def limit(self) -> tuple[float, str] | None:
         """The least film parameter that is allowed."""
         if self.allowed == _SMEARS:
-            return _SMEARS, "Hamrock and Anderson (1983), smearing of rolling bearings below it (grade B)"
+            return _SMEARS, "Hamrock and Anderson (1983), smearing of rolling bearings below it (B)"
         return _given(self.allowed)
 
 

@@ -274,7 +274,7 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
             f"two makers: rollers times length scatter by {rule.scatter:.1%} there, their number is right within 1, in "
             "series 10 within 2. Makers differ by 1 or 2 rollers; ask yours, and write what differs beside the "
             f"name. Clearance: middle of group {group} of ISO 5753-1, {low:g} to {high:g} um. Profile: that of "
-            "ISO/TS 16281 for rollers of unknown profile (D). Factor of the least load: SKF (A)."
+            "ISO/TS 16281 for rollers of unknown profile (D). Factor of the minimum load: SKF (A)."
         ),
         validity="Before mounting: a scene says what fits, speed and temperature leave of the clearance.",
         references=(ISO_15, ISO_5753, GOST_22696, ISO_76),

@@ -94,7 +94,7 @@ class InletCorrection(FilmModel):
 
     - ``murch-wilson``: C_T = 3.94/(3.94 + Lt^0.62), for pure rolling; as Wilson and Sheu print it, 0.254 = 1/3.94.
     - ``gupta``: C_T = [1 - 13.2 (p_H/E') Lt^0.42]/[1 + 0.213 (1 + 2.23 S^0.83) Lt^0.64], as Zhou and Hoeprich print it
-      after Zhu and Cheng. That its E' is ours follows from their G = alpha E' = 3745 for steel (grade B).
+      after Zhu and Cheng. That its E' is ours follows from their G = alpha E' = 3745 for steel (B).
 
     Where the surfaces bring a layer of oil ``oil_layer`` h_oil to the inlet and no more, Chevalier and others take
     h = h_ff h_oil/(h_ff^g + h_oil^g)^(1/g) with h_ff = C_T C_S h_film (the form is recalled, C; both limits are exact):

@@ -44,7 +44,7 @@ def _mapped(off: str) -> tuple[Validity, ...]:
             code=code,
             quantity=quantity,
             high=high,
-            consequence=f"its film was held against no solution; inside it is off by {off}",
+            consequence=f"its film is not checked against a numerical solution; inside it is off by {off}",
             remedy="film 'reynolds-line', where it finds a solution",
             source="reynolds-line: docs/scripts/film_error_map.py",
         )
@@ -174,7 +174,7 @@ class Herrebrugh(_PowerLaw):
 @attrs.frozen
 @explained
 class DowsonHigginson(_PowerLaw):
-    """Elastic, piezoviscous minimum film after Dowson and Higginson: h = 1.6 R G^0.6 U^0.7 W^-0.13 (grade B).
+    """Elastic, piezoviscous minimum film after Dowson and Higginson: h = 1.6 R G^0.6 U^0.7 W^-0.13 (B).
 
     Symbols:
 
@@ -270,7 +270,7 @@ class DowsonToyoda(_PowerLaw):
 class PanHamrock(FilmModel):
     """Elastic, piezoviscous film after Pan and Hamrock, at the middle of the contact or at its minimum.
 
-    Minimum h = 1.714 R W^-0.128 U^0.694 G^0.568, central h = 2.922 R W^-0.166 U^0.692 G^0.470 (grade B).
+    Minimum h = 1.714 R W^-0.128 U^0.694 G^0.568, central h = 2.922 R W^-0.166 U^0.692 G^0.470 (B).
 
     Symbols:
 

@@ -376,8 +376,8 @@ class GreenwoodTripp(_Blend):
     Range: elastic asperities of Gaussian height on flat surfaces whose mean planes are the film apart. Without a film
     they carry what their number and height allow, 26 MPa between steel surfaces with the defaults: far less than a
     heavily loaded contact, so that friction does not become that of the boundary alone. sigma beta eta is 0.03 to 0.05
-    and sigma/beta 1e-4 to 1e-2 for engineering surfaces (grade C); defaults are the upper end of the first and the
-    middle of the second on a logarithmic scale (grade D).
+    and sigma/beta 1e-4 to 1e-2 for engineering surfaces (C); defaults are the upper end of the first and the
+    middle of the second on a logarithmic scale (D).
 
     Examples
     --------

@@ -58,7 +58,7 @@ Pressure: TypeAlias = Literal["hertz", "mean"] | tuple[ArrayLike, ArrayLike]
 #: the mean stress, as in the closed forms; none.
 Heating: TypeAlias = Literal["field", "local-stress", "mean-stress", "none"]
 
-#: Heat capacity of an oil by volume [J/(m3 K)], 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (grade C).
+#: Heat capacity of an oil by volume [J/(m3 K)], 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (C).
 OIL_HEAT_CAPACITY: Final = 1.8e6
 #: Cells along the contact and modes across half the film, from one refinement to the next.
 GRIDS: Final = ((8, 3), (16, 4), (32, 6), (64, 10), (128, 16), (256, 24), (512, 32))
@@ -481,7 +481,7 @@ class MaxwellEyringField(TractionModel):
     beta tau tau0/(Gamma rho_f c_f) is of order 1 or more (1e-3 to 1e-2 for oils) an elastic film releases its energy
     faster than it is conducted, in an ever thinner band; such a slice is refused, and one for which the finest grid
     does not suffice. The heat capacity of oils is 1.7e6 to 1.9e6 J/(m3 K), 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K)
-    (grade C).
+    (C).
 
     Raises
     ------

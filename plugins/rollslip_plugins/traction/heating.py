@@ -58,7 +58,7 @@ NO_ASPERITIES: Final = Validity(
     consequence="asperities carry load, whose friction the law does not have",
     remedy="the law in a blend: traction 'lambda-blend'",
     instead="lambda-blend.hydrodynamic",
-    source="limit of the full film of 'lambda-blend' (grade C)",
+    source="limit of the full film of 'lambda-blend' (C)",
 )
 MEAN_PRESSURE: Final = Validity(
     code="W11",

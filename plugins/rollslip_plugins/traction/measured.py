@@ -56,7 +56,7 @@ class Gupta(TractionModel):
     - s0: slide-roll ratio at which the ramp from zero ends (``transition``) [1]
 
     Range: that of the measurement; constants belong to an oil, a load and a temperature. The default ones are those of
-    the boundary friction of Klebanov et al., which is the same form and no film's traction (grade C); no constants of
+    the boundary friction of Klebanov et al., which is the same form and no film's traction (C); no constants of
     Gupta's own were at hand.
 
     Raises

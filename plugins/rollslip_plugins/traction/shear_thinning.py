@@ -127,8 +127,8 @@ class LimitingShear(HeatedFilm):
     - eta_N: viscosity of the heated film [Pa s]
     - zeta, eta, beta, p, V, u, h, b, flash, K_f, K
 
-    Range: lambda is some 0.05 to 0.1 for bearing oils and falls with temperature (grade C); the default 0.08 is not
-    that of a named oil (grade D). The source's own tables were not at hand, and no measured curve has been compared.
+    Range: lambda is some 0.05 to 0.1 for bearing oils and falls with temperature (C); the default 0.08 is not
+    that of a named oil (D). The source's own tables were not at hand, and no measured curve has been compared.
 
     Examples
     --------

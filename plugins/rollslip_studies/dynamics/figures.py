@@ -86,13 +86,13 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         yield f"{name}-temperatures", caption, course(dataset)
     if history_findings.along(dataset):
         caption = (
-            f"Cage slip along the history, {which}, with the slip of running away and the critical slip of the bearing "
-            "held at the operation of each moment; a curve is missing where it is not known."
+            f"Cage slip along the history, {which}, with the slip at which skidding begins and that at largest "
+            "traction of the bearing held at the operation of each moment; a curve is missing where it is not known."
         )
         yield f"{name}-history", caption, slip_along(dataset)
         caption = (
-            f"Cage slip against the slip of running away at that moment, {which}: beyond the diagonal the cage runs "
-            "away. Numbers are times in seconds; a moment at which either is not known is left out."
+            f"Cage slip against that at which skidding begins at that moment, {which}: beyond the diagonal the cage "
+            "skids. Numbers are times in seconds; a moment at which either is not known is left out."
         )
         yield f"{name}-phase", caption, phase(dataset)
     yield f"{name}-energy", f"Energy ledger since the start, {which}.", _energy(dataset)
@@ -148,7 +148,7 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
         _slip_axis(cage, unslipped)
         if largest > _NEAR * away:
             cage.axhline((1.0 - away) * unslipped, linestyle=DASHES[1], **_QUIET)
-            sheet.key(f"runs away, {100 * away:.3g} %", linestyle=DASHES[1], **_QUIET)
+            sheet.key(f"skidding begins, {100 * away:.3g} %", linestyle=DASHES[1], **_QUIET)
     passages = runaway_passages(dataset)
     for moment, rising in passages:
         cage.plot(_scale(dataset) * moment, np.interp(_scale(dataset) * moment, time, speed), **_passage(rising))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: An event is the passing of the slip at which the cage runs away if this stands in what it is called.
-RUNAWAY: Final = "running away"
+RUNAWAY: Final = "skidding"
 #: Entries of the ledger, as the kernels call them, in words.
 _ENTRIES: Final = {
     "work_rings": "rings",
@@ -37,7 +37,7 @@ _ENTRIES: Final = {
 #: Share of the slip of running away from which on effective friction is not trusted.
 _NEAR: Final = 0.5
 #: What a result of an older version says.
-_OLD: Final = "this result does not say where the cage runs away; run it again"
+_OLD: Final = "this result does not say where skidding begins; run it again"
 #: Kinds of events that are spoken of one by one; the others are counted.
 _KINDS = 5
 
@@ -161,8 +161,8 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     said = {
         "motion": [_outcome(dataset)],
         "steady slip": [_steady(dataset)],
-        "running away": _running_away(dataset),
-        "critical slip": [_critical(dataset)],
+        "skidding": _running_away(dataset),
+        "slip at largest traction": [_critical(dataset)],
         "largest slip": [_largest(dataset)],
         "events": _events(dataset),
         "film": [_films(dataset)],
@@ -285,9 +285,9 @@ def _critical(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
     critical, rests_on = float(a["critical_cage_slip"]), str(a.get("curves_with", ""))
     if math.isnan(critical):
-        said = f"critical slip of the inner ring's friction curve unknown: {a['critical_status']}"
+        said = f"slip at largest traction of the inner ring's friction curve unknown: {a['critical_status']}"
     else:
-        said = f"critical slip of the inner ring's friction curve {_share(critical)} {rests_on}".rstrip()
+        said = f"slip at largest traction of the inner ring's friction curve {_share(critical)} {rests_on}".rstrip()
     first = float(a.get("first_maximum_slip", math.nan))
     if first < (math.inf if math.isnan(critical) else critical):
         said += f"; friction falls already from a slip of {_share(first)} on, then rises again"
@@ -303,7 +303,7 @@ def _running_away(dataset: "xr.Dataset") -> list[str]:
         said.append(
             f"{UNSURE}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
         )
-    value, passages = f"the {_share(away)} of running away", runaway_passages(dataset)
+    value, passages = f"the {_share(away)} at which skidding begins", runaway_passages(dataset)
     if not passages:
         return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]
     begun = len(said)
@@ -320,7 +320,7 @@ def _running_away(dataset: "xr.Dataset") -> list[str]:
         elif a["outcome"] == "stopped":
             sentence += "and the cage was beyond it when the run was stopped"
         elif slip[-1] >= slip.max():
-            sentence += "and the cage still runs away from its rollers' drive at the end"
+            sentence += "and the cage still skids at the end"
         else:
             sentence += "and the cage was still beyond it at the end"
         said.append(sentence)

@@ -49,10 +49,10 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     # what lies above the panel is in no legend
     if (away < top).any():
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
-        sheet.handles.append(axes.fill_between(t, away, max(top, 105.0), label="runs away", **tint))
-        sheet.line(t, away, "slip of running away", axes, color=MODEL_COLOURS[1], linestyle=DASHES[1])
+        sheet.handles.append(axes.fill_between(t, away, max(top, 105.0), label="skids", **tint))
+        sheet.line(t, away, "slip at which skidding begins", axes, color=MODEL_COLOURS[1], linestyle=DASHES[1])
     if (critical < top).any():
-        sheet.line(t, critical, "critical slip of the inner ring's curve", axes, color="0.35", linestyle="dotted")
+        sheet.line(t, critical, "slip at largest traction, inner ring", axes, color="0.35", linestyle="dotted")
     low = float(np.nanmin(slip)) if np.isfinite(slip).any() else 0.0
     axes.set_ylim(min(0.0, 1.1 * low), top)
     axes.set_ylabel("Cage slip [%]")
@@ -73,7 +73,7 @@ def phase(dataset: "xr.Dataset") -> "Figure":
     t = dataset["time"].to_numpy()
     slip, away = (100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along"))
     known = np.isfinite(slip) & np.isfinite(away)
-    axes.set_xlabel("Slip of running away [%]")
+    axes.set_xlabel("Slip at which skidding begins [%]")
     axes.set_ylabel("Cage slip [%]")
     if not known.any():
         said = "at no moment both slips are known"
@@ -88,7 +88,7 @@ def phase(dataset: "xr.Dataset") -> "Figure":
     axes.plot(np.where(known, away, np.nan), np.where(known, slip, np.nan), color=MODEL_COLOURS[0])
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
-    axes.text(0.02, 0.98, "runs away", transform=axes.transAxes, ha="left", va="top", color="0.25")
+    axes.text(0.02, 0.98, "skids", transform=axes.transAxes, ha="left", va="top", color="0.25")
     places = np.stack(((away - left) / (right - left), (slip - low) / (high - low)))[:, known]
     way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places)))))
     marks = np.searchsorted(way, np.linspace(0.0, way[-1], _MARKS))

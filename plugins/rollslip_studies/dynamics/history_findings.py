@@ -161,7 +161,7 @@ def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[
         return {first: topics[first], **warm, **{name: topics[name] for name in others}}
     own = warm | {
         "history": sentences(dataset),
-        "running away": [f"at the operation of the scene: {topics['running away'][0]}", *running_away(dataset)],
+        "skidding": [f"at the operation of the scene: {topics['skidding'][0]}", *running_away(dataset)],
         "largest slip": [largest_in_words(dataset)],
     }
     return {name: own.get(name, topics.get(name, [])) for name in (first, "history", *warm, *others)}
@@ -226,17 +226,17 @@ def running_away(dataset: "xr.Dataset") -> list[str]:
     """Say how near the cage came to running away, at the operation of each moment."""
     margin, when, limit = nearest(dataset)
     if math.isnan(margin):
-        return [f"along the way it is not known where the cage runs away: {dataset.attrs['history_status']}"]
+        return [f"along the way it is not known where skidding begins: {dataset.attrs['history_status']}"]
     where = f"{100 * limit:.3g} % at the operation of that moment"
     known = int(np.isfinite((dataset["runaway_slip_along"] - dataset["cage_slip"]).to_numpy()).sum())
     if known < dataset.sizes["time"]:
         where += f"; both slips are known at {known} of {dataset.sizes['time']} instants"
     if margin > 0.0:
         return [
-            f"along the way cage slip stays below that of running away, nearest at t = {when:.3g} s: "
+            f"along the way cage slip stays below that at which skidding begins, nearest at t = {when:.3g} s: "
             f"{100 * (limit - margin):.3g} % where it is {where}"
         ]
     return [
-        f"along the way the cage is beyond the slip of running away for {time_beyond(dataset):.3g} s, furthest at "
-        f"t = {when:.3g} s: {100 * (limit - margin):.3g} % where it is {where}"
+        f"along the way the cage is beyond the slip at which skidding begins for {time_beyond(dataset):.3g} s, "
+        f"furthest at t = {when:.3g} s: {100 * (limit - margin):.3g} % where it is {where}"
     ]

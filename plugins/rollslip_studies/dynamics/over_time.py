@@ -100,7 +100,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     nothing = np.full(times.size, np.nan)
     if not history.speeds_in_proportion():
         said = "not worked out where the speeds of both rings change, not in proportion to each other"
-        return Along(nothing, nothing, nothing, 0, f"the slip of running away along the way is {said}")
+        return Along(nothing, nothing, nothing, 0, f"the slip at which skidding begins along the way is {said}")
     now, spans = history.at(times), history.spans
     values, grids = list[Array](), list[Array]()
     names: list[str] = [name for name in history.conditions if name in history.varies]
@@ -190,7 +190,7 @@ def limit_of(study: EffectiveFriction, assembly: Assembly, history: History | No
 def away_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Runaway:
     """Where the cage runs away."""
     away = study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
-    unasked = f"it was not looked where the cage runs away: study.{study.name}.runaway_range is 0"
+    unasked = f"it was not looked where skidding begins: study.{study.name}.runaway_range is 0"
     return Runaway(math.nan, math.nan, unasked) if away is None else away
 
 

@@ -97,7 +97,7 @@ class Dynamics(Study):
         {
             "tables": "loads over the orbit and effective friction",
             "motion": "the study asks for cage and rollers in time",
-            "running away": "whether the cage runs away is told with every motion",
+            "skidding": "whether the cage skids is reported with every motion",
             "temperatures": "motions along temperatures, until these are those of their losses",
         }
     )
@@ -111,7 +111,7 @@ class Dynamics(Study):
     )
     friction: str = parameter(
         default="effective",
-        doc="of every loaded slice (conventional), effective friction of the raceways, or a constant; a plan "
+        doc="of every loaded lamina (conventional), effective friction of the raceways, or a constant; a plan "
         "chooses between the first two where it is not given",
         validator=one_of(*FRICTION),
     )
@@ -147,7 +147,7 @@ class Dynamics(Study):
     )
     stop_at: str = parameter(
         default="end",
-        doc="where the run ends: critical is where the cage runs away",
+        doc="where the run ends: critical is where skidding begins",
         validator=one_of("end", "critical"),
     )
     film_limit: float = parameter(
@@ -245,7 +245,7 @@ class Dynamics(Study):
         away, history = sum(told.values()), self.course(assembly)
         along_it = over_time.cost(history, lambda: self.moving(assembly), self.curved(assembly))
         motion = costs_of(self, assembly)
-        return {"running away": away, **along_it, **motion, **heating.cost(self, assembly, motion["motion"])}
+        return {"skidding": away, **along_it, **motion, **heating.cost(self, assembly, motion["motion"])}
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
         """Return steps, friction, level and integrator."""
@@ -584,7 +584,7 @@ class Dynamics(Study):
 
     def _film_status(self) -> str:
         if self.friction == "conventional":
-            return "of the loaded slices"
+            return "of the loaded laminae"
         return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"
 
 

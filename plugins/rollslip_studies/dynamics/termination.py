@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 #: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
 WATCHED: Final = (
-    ("cage slip passes that of running away", "cage slip falls below that of running away"),
+    ("cage slip passes that of skidding", "cage slip falls below that of skidding"),
     ("the smallest film parameter rises above its limit", "the smallest film parameter falls below its limit"),
     ("a contact of the inner ring closes: rollers carry it again", "the last contact of the inner ring opens"),
 )

@@ -66,7 +66,7 @@ class EffectiveFrictionAccount(PlainAccount):
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say where the cage runs away and runs, and what was found of each curve."""
-        said = {"running away": _runs_away(dataset), "steady slip": _runs(dataset)}
+        said = {"skidding": _runs_away(dataset), "steady slip": _runs(dataset)}
         return {about: [text] for about, text in said.items() if text} | PlainAccount.topics(_curves(dataset))
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
@@ -80,8 +80,9 @@ class EffectiveFrictionAccount(PlainAccount):
         if "instants_error" in a:
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(
-                f"{a['instants']} instants of a pitch and {a['slices']} slices of a roller leave relative errors of "
-                f"about {a['instants_error']:.1e} and {slices:.1e}; residual of the forces {a['force_residual']:.1e}"
+                f"{a['instants']} roller positions within a pitch and {a['slices']} laminae of a roller leave relative "
+                f"errors of about {a['instants_error']:.1e} and {slices:.1e}; residual of the forces "
+                f"{a['force_residual']:.1e}"
             )
         return said
 

@@ -38,7 +38,7 @@ _POINT: Final[dict[str, Any]] = {**MARKER, "markersize": 6, "linestyle": "none",
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure of each that the dataset has something to show for."""
-    name, closure = "effective-friction", f"closure {dataset.attrs['closure']}"
+    name, closure = "effective-friction", f"roller speed: {dataset.attrs['closure']}"
     caption = f"Effective friction of both raceways against cage slip, {closure}."
     yield name, caption, _effective_friction(dataset)
     if "roller_friction" in dataset:
@@ -131,13 +131,13 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     bar = figure.colorbar(filled, ax=list(panels), aspect=30, pad=0.02)
     bar.set_label(axis_label(dataset["friction_map"], r"$\mu_\mathrm{e}$", "–"))
     handles = [
-        Line2D([], [], label=f"closure {dataset.attrs['closure']}", **style),
+        Line2D([], [], label=f"roller speed: {dataset.attrs['closure']}", **style),
         Line2D([], [], color="black", linewidth=1.25, label="pure rolling, no friction"),
     ]
     if float(surface.min()) < 0.0:
         handles.append(Line2D([], [], color="black", linewidth=0.5, linestyle="dashed", label="negative"))
     if any(curve.has_critical for curve in curves(dataset)):
-        label = f"critical cage slip {dataset.attrs.get('curves_with', '')}".rstrip()
+        label = f"cage slip at largest traction {dataset.attrs.get('curves_with', '')}".rstrip()
         handles.append(Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label=label))
     figure.legend(handles=handles + point, loc="outside upper left", ncols=3)
     return figure

@@ -61,9 +61,9 @@ _SEARCH: Final = 40
 #: Closure -> what the rollers do, as it is told of a critical slip.
 CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "epicyclic": "with rollers at their epicyclic spin",
+        "epicyclic": "with rollers in pure rolling",
         "outer-rolling": "with rollers that roll on the outer ring",
-        "free-roller": "with rollers that both rings pull alike",
+        "free-roller": "with the roller speed from its balance of moments",
     }
 )
 
@@ -81,28 +81,28 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "critical_friction": Output(
             "ring", "1", "largest effective friction coefficient", status="critical_status", default=True
         ),
-        "critical_status": Output("ring", "1", "what was found of the critical slip"),
+        "critical_status": Output("ring", "1", "what was found of the slip at largest traction"),
         "first_maximum_slip": Output(
             "ring", "1", "cage slip from which effective friction first falls", status="critical_status"
         ),
         "first_maximum_friction": Output("ring", "1", "effective friction coefficient there", status="critical_status"),
         "runaway_slip": Output(
-            "", "1", "cage slip at which the cage runs away", status="runaway_status", also=("largest_drag_slip",)
+            "", "1", "cage slip at which skidding begins", status="runaway_status", also=("largest_drag_slip",)
         ),
         "runaway_drag": Output(
             "",
             "N m",
-            "largest drag torque that the rollers carry, there",
+            "limit drag torque",
             status="runaway_status",
             also=("limit_drag_torque", "largest_drag"),
         ),
-        "runaway_status": Output("", "1", "what was found of running away"),
+        "runaway_status": Output("", "1", "what was found of skidding"),
         "steady_cage_slip": Output(
             "", "1", "cage slip at which the drags are carried", status="steady_status", also=("slip", "steady_slip")
         ),
         "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
         "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
-        "drag_reserve": Output("", "1", "largest drag over the drags of the scene", status="reserve_status"),
+        "drag_reserve": Output("", "1", "limit drag torque over the drag of the scene", status="reserve_status"),
         "reserve_status": Output("", "1", "what was found of the reserve: found, at least, or why there is none"),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
@@ -141,9 +141,9 @@ class EffectiveFriction(Study):
     )
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
-            "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
-            "film regimes": "told of every loaded slice, over the slips of the curve",
-            "running away": "the balance of torques of freely spinning rollers, about its maximum and at the drags",
+            "friction": "the models of a contact on every loaded lamina, over the slips and in search of the largest",
+            "film regimes": "told of every loaded lamina, over the slips of the curve",
+            "skidding": "the balance of torques of freely spinning rollers, about its maximum and at the drags",
             "map": "the study asks for friction over cage slip and roller slip|over few loads that stand for all "
             "slices",
         }
@@ -168,7 +168,7 @@ class EffectiveFriction(Study):
     runaway_range: float = parameter(
         default=0.95,
         unit="1",
-        doc="largest cage slip at which it is looked whether the cage runs away, whatever the curve's; 0 for not",
+        doc="largest cage slip up to which skidding is looked for, whatever the curve's; 0 for not",
         validator=in_range(0.0, 0.99),
     )
     points: int = parameter(default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5))
@@ -231,7 +231,7 @@ class EffectiveFriction(Study):
         more, instants = assembly.slices / some.slices, resolution.instants or INSTANTS[-1]
         costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
         if self.runaway_range:
-            costs["running away"] = rollers(assembly, instants).seconds(self.runaway_range)
+            costs["skidding"] = rollers(assembly, instants).seconds(self.runaway_range)
         if self.map_points:
             sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
             maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
@@ -433,10 +433,10 @@ class EffectiveFriction(Study):
             before, instants = (friction, critical), 2 * instants
         what = f"effective friction still moves by {moved:.1e} (relative)"
         if np.isinf(moved):
-            what = "whether there is a critical slip still changes"
+            what = "whether there is a slip at largest traction still changes"
         raise ConvergenceError(
-            f"{what} from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} instants of a pitch; raise accuracy.tolerance, "
-            f"which is {tolerance:g}"
+            f"{what} from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} roller positions within a pitch; raise "
+            f"accuracy.tolerance, which is {tolerance:g}"
             + (f", or move the end of the range, {self.table}.max_cage_slip" if np.isinf(moved) else "")
         )
 

@@ -40,7 +40,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "critical_friction": Output(
             _OF_FORCE, "1", "largest friction coefficient", status="critical_status", default=True
         ),
-        "critical_status": Output(_OF_FORCE, "1", "what was found of the critical slip"),
+        "critical_status": Output(_OF_FORCE, "1", "what was found of the slip at largest traction"),
         "first_maximum_slip": Output(
             _OF_FORCE, "1", "slide-roll ratio from which friction first falls", status="critical_status"
         ),
@@ -69,7 +69,7 @@ class FrictionCurve(Study):
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
     judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "friction", "critical_slip": "critical_slip"})
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"friction": "the models of a contact on every loaded slice, over the slips and in search of the largest"}
+        {"friction": "the models of a contact on every loaded lamina, over the slips and in search of the largest"}
     )
     bearing_loads: ClassVar[bool] = False
 

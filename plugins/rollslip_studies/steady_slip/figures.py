@@ -90,7 +90,7 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
             said = f"{words}, {', '.join(percent(0.01 * value) for value in at)}"
             if stable and (band := rows["cage_slip"].band):
                 said += f"; where data scatter {span(*band)}"
-                ends = 100 * np.minimum(band, slip[-1])
+                ends = 100 * np.minimum(band, 10.0)  # an end beyond the axis has no tick
                 axes.plot(ends, [torque[0]] * 2, color="black", linewidth=0.9, marker="|", markersize=5, zorder=3)
             sheet.mark(at, torque, said, zorder=4, clip_on=False, **style)
     if "minimum_load" in rows:

@@ -75,9 +75,9 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
     return {
         "steady slip": _steady(dataset),
-        "largest drag": [_largest(dataset)],
+        "limit drag torque": [_largest(dataset)],
         **({"losses": _losses(dataset)} if "loss" in dataset and has_steady(dataset) else {}),
-        **({"least load": [_least_load(dataset)]} if "least_load" in dataset else {}),
+        **({"minimum load": [_least_load(dataset)]} if "least_load" in dataset else {}),
         **{f"limit of the {_what(dataset, name)}": [_limit(dataset, name)] for name in varied(dataset)},
         "inertia of the rollers": [_inertia(dataset)],
     }
@@ -91,7 +91,7 @@ def _band(dataset: "xr.Dataset", name: str) -> str:
     low, high = (one[end] if one[end] is not None else math.inf for end in ("low", "high"))
     what, ends = "load", f"{format_quantity(low, 'N', 3)} to {format_quantity(high, 'N', 3)}"
     if name == "steady_slip":
-        what, ends = "slip", f"{_percent(low)} to {_percent(high) if high < 1.0 else 'running away'}"
+        what, ends = "slip", f"{_percent(low)} to {_percent(high) if high < 1.0 else 'skidding'}"
     return f" [where data scatter the {what} is about {ends} (5 to 95 %), most of it by {one['most']}]"
 
 
@@ -244,7 +244,7 @@ def _largest(dataset: "xr.Dataset") -> str:
         reached = f"in this range the rollers drive the cage with up to {reached}"
         return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
-    said = f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}{_jump(dataset)}"
+    said = f"the limit drag torque is {most}, at a cage slip of {_percent(slip)}{_jump(dataset)}"
     said += _first(dataset)
     if dataset.attrs["friction"] == "effective":
         said += f"; {UNSURE}: take --set study.{dataset.attrs['study']}.friction=conventional where it matters"
@@ -270,7 +270,7 @@ def _least_load(dataset: "xr.Dataset") -> str:
     """Say which load a slip takes, beside what makers ask for, and what the rules of others still need."""
     slip, load = _percent(float(dataset.attrs["acceptable_slip"])), float(dataset["least_load"])
     if math.isnan(load):
-        said = f"no least radial load of a cage slip of {slip}: {dataset['least_load_status'].item()}"
+        said = f"no minimum load for a cage slip of {slip}: {dataset['least_load_status'].item()}"
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
         said += _band(dataset, "least_load")
@@ -281,7 +281,7 @@ def _least_load(dataset: "xr.Dataset") -> str:
         for maker, load, status in zip(makers, loads, told, strict=True)
         if math.isfinite(load)
     )
-    said += f"; makers ask for {asked}, for any oil and cage"
+    said += f"; catalogue minimum loads, for any oil and cage: {asked}"
     missing = zip(makers, told, strict=True)
     return said + "".join(f"; {maker}'s rule {status}" for maker, status in missing if status not in ("", "found"))
 

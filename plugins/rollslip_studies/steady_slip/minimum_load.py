@@ -77,7 +77,7 @@ def least_load(balance: Balances, load: float, slip: float, rough: Balances | No
         return math.nan, f"not found: {error}"
     if abs(least / slip - 1.0) > _SAME:  # on its way up the cage has jumped
         shown = format_quantity(found, "N", 4)
-        return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it has run away before"
+        return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it skids before"
     return found, "found"
 
 

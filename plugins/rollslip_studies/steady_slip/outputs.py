@@ -65,15 +65,15 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "largest_drag": Output(
             "",
             "N m",
-            "drag torque at which the cage runs away",
+            "limit drag torque",
             status="largest_drag_status",
             default=True,
             also=("limit_drag_torque", "runaway_drag"),
         ),
         "largest_drag_slip": Output(
-            "", "1", "cage slip at which it runs away", status="largest_drag_status", also=("runaway_slip",)
+            "", "1", "cage slip at which skidding begins", status="largest_drag_status", also=("runaway_slip",)
         ),
-        "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
+        "largest_drag_status": Output("", "1", "what was found of the limit drag torque"),
         "largest_drag_error": Output("", "1", "relative error left of it", status="largest_drag_status"),
         "largest_drag_low": Output("", "1", "least slip within a thousandth of it", status="largest_drag_status"),
         "largest_drag_high": Output("", "1", "largest slip within a thousandth of it", status="largest_drag_status"),
@@ -84,7 +84,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             status="jump_slip_status",
         ),
         "jump_slip_status": Output("", "1", "what was found of the slip to which it jumps"),
-        "drag_reserve": Output("", "1", "largest drag over the drags of the scene", status="reserve_status"),
+        "drag_reserve": Output("", "1", "limit drag torque over the drag of the scene", status="reserve_status"),
         "reserve_status": Output("", "1", "what was found of the reserve: found, at least, or why there is none"),
         "most_torque": Output("", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"),
         "most_torque_slip": Output("", "1", "cage slip there"),
@@ -107,14 +107,12 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "least_load": Output(
             "",
             "N",
-            "least radial load that keeps the slip acceptable",
+            "minimum radial load for an acceptable slip",
             status="least_load_status",
             also=("minimum_load",),
         ),
-        "least_load_status": Output("", "1", "what was found of the least load"),
-        "makers_least_load": Output(
-            "maker", "N", "least radial load that a maker of bearings asks for", status="makers_status"
-        ),
+        "least_load_status": Output("", "1", "what was found of the minimum load"),
+        "makers_least_load": Output("maker", "N", "catalogue minimum load of a maker", status="makers_status"),
         "makers_status": Output("maker", "1", "what the rule of a maker takes that the scene does not give"),
         "acceptable_reserve": Output(
             "",

@@ -13,7 +13,7 @@ from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import FASTER, VARIED
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
-RUNS_AWAY, LEAVES = "slip runs away", "slip leaves the range"
+RUNS_AWAY, LEAVES = "the cage skids", "slip leaves the range"
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL: Final = 1e-3
 #: What a branch may miss of a range that it goes through, relative.

@@ -120,14 +120,14 @@ class SteadySlip(Study):
     )
     friction: str = parameter(
         default="conventional",
-        doc="friction of every slice, or the effective friction of the raceways",
+        doc="friction of every lamina, or the effective friction of the raceways",
         validator=one_of("conventional", "effective"),
     )
     inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
     acceptable_slip: float | None = parameter(
         default=0.05,
         unit="1",
-        doc="cage slip of which the least radial load is sought, beside the loads that makers ask for",
+        doc="acceptable cage slip, of which the minimum load is sought, beside those of catalogues",
         validator=attrs.validators.optional(in_range(0.0, 1.0, open=True)),
     )
     radial_load: tuple[float, ...] = _range("radial_load")
@@ -209,7 +209,7 @@ class SteadySlip(Study):
             Part(
                 part="friction of the raceways",
                 choice=assembly.resolution.friction or self.friction,
-                resolution="every loaded slice" if self.friction == "conventional" else "curves of the raceways",
+                resolution="every loaded lamina" if self.friction == "conventional" else "curves of the raceways",
                 reason=reason,
             )
         ]
@@ -422,7 +422,7 @@ class SteadySlip(Study):
             before, instants = torque, 2 * instants
         raise ConvergenceError(
             f"the driving torque still moves by {moved:.1e} (relative) from {instants // 4} to {instants // 2} "
-            f"instants of a pitch; raise accuracy.tolerance, which is {tolerance:g}"
+            f"roller positions within a pitch; raise accuracy.tolerance, which is {tolerance:g}"
         )
 
     def _judged(self, balance: TorqueBalance) -> Array:

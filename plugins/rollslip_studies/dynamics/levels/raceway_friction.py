@@ -31,7 +31,7 @@ T = TypeVar("T")
 #: Friction by name -> what it is.
 FRICTION: Final = {
     "effective": "the effective friction of the raceways, tabulated once",
-    "conventional": "the friction of every loaded slice",
+    "conventional": "the friction of every loaded lamina",
     "constant": "one coefficient",
 }
 
@@ -216,7 +216,7 @@ def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[Fri
     if tilts(assembly):
         return (), f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force"
     if assembly.slices < _FEW:
-        return (), f"{_SLICED}: {assembly.slices} slices cost no more than a table of them"
+        return (), f"{_SLICED}: {assembly.slices} laminae cost no more than a table of them"
     if any(raceway.chain.alone for raceway in assembly.raceways):
         return (), f"{_SLICED}: a law runs in Python, and may depend on more than a table knows"
     tolerance, tables = settings.table_tolerance(assembly), list[FrictionTable]()
