@@ -28,11 +28,7 @@ WORDS = {
     r"\bgoes one way\b|\bspeaks? for\b": "is monotonic; suggests",
 }
 #: Names in results and keys, which stay, and what authors of packages read; as they do kernels' errors.
-STAYS = {
-    "critical slip", "critical slip{label}", "closure: what the rollers spin at",
-    "{', '.join(map(str, paths))}: cannot be told as a result of its study: {what} ({type(error).__name__}); another "
-    "program has changed it, or another version of its package wrote it: run the scene again",
-}  # fmt: skip
+STAYS = {"critical slip", "critical slip{label}", "closure: what the rollers spin at"}
 #: Pages that engineers read; in theory and trust a word of the paper, or of the kernels, may be what it is about.
 PAGES = ("start", "howto", "questions")
 #: Words that a page may use, as it says what they mean: the paper's.

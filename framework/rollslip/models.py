@@ -381,8 +381,8 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
             high=code,
             made_for=f"the {FILM_REGIMES[name]} regime",
             consequence=f"its film {off}",
-            remedy="film 'moes', which covers all regimes",
-            instead="moes",
+            remedy=(remedy := "film 'moes', which covers all regimes"),
+            instead=remedy.split("'")[1],
             source=source,
         ),
     )

@@ -90,7 +90,7 @@ class Raises(TractionModel):
 
 @attrs.frozen
 class Rising(TractionModel):
-    """A friction that only rises, so that there is no critical slip."""
+    """A friction that only rises, so that there is no slip at largest traction."""
 
     name, equation, references = "rising", "mu = V/(10 u)", ("nobody",)
     reads = frozenset({"sliding_speed", "rolling_speed"})

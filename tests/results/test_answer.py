@@ -142,7 +142,7 @@ def test_a_quantity_is_told_once_by_the_study_that_knows_it_best_and_a_contradic
         ("operation.temperature", "K", [338.15, 348.15], [0.1, 0.2], "temperature 65 to 75 degC: slip 10 to 20 %"),
         ("bearing.mounting.clearance_deviation", "m", [-15e-6, 15e-6], [0.1, 0.2],
          "clearance deviation -15 to 15 um: slip 10 to 20 %"),
-        ("lubrication.starvation_constant", "1", [1e-8, 9e-8], [0.1, 0.2], "starvation constant: slip 10 to 20 %"),
+        ("lubrication.starvation_constant", "1", [1e-8, 9e-8], [0.1, 0.2], "starvation constant x 0.33 to 3.0: slip 10 to 20 %"),
         ("lubricant.viscosity_factor", "1", [0.9, 1.1], [0.1, 0.11], None),
         ("lubricant.viscosity_factor", "1", [0.5, 2.0], [0.001, 0.004], None),
     ],

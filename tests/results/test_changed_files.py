@@ -88,7 +88,7 @@ def test_changed_attributes_are_told_or_refused_in_one_sentence(result, tmp_path
 def test_a_report_with_figures_of_changed_attributes_is_refused(result, tmp_path, attribute):
     save(result.assign_attrs({attribute: '{"told": [7]}'}), tmp_path / "r.nc")
     said = answer("report", tmp_path / "r.nc", "--out", tmp_path / "r.html")
-    assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be determined as a result of its study: "), said
+    assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be read as a result of its study: "), said
     assert not (tmp_path / "r.html").exists()
 
 
@@ -123,10 +123,10 @@ def test_info_says_what_is_missing(result, tmp_path, name):
 def test_a_result_without_a_variable_is_refused(result, tmp_path, variable):
     save(result.drop_vars(variable), tmp_path / "r.nc")
     said = answer("info", tmp_path / "r.nc")
-    assert "r.nc: cannot be determined as a result of its study: " in said
+    assert "r.nc: cannot be read as a result of its study: " in said
     assert f"No variable named '{variable}'" in said  # in the words of xarray
     said = answer("report", tmp_path / "r.nc", "--out", tmp_path / "r.html")
-    assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be determined"), said
+    assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be read"), said
 
 
 def change_attribute(file):

@@ -58,7 +58,7 @@ def test_answer_notes_and_figures_are_those_of_all_studies(result):
     assert [*result.figures] == [name for one in studies for name in rollslip.plot(one)]
     stored = [text for one in studies for text in json.loads(one.attrs["warnings"])]
     assert set(result.warnings) <= set(stored)
-    assert any("least load that SKF's rule asks for" in text for text in result.warnings)
+    assert any("SKF's catalogue minimum load" in text for text in result.warnings)
 
 
 def test_it_shows_its_answer_first_and_then_what_it_holds(result):

@@ -164,7 +164,7 @@ def _told(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Critical:
     """What the maxima of a curve are: the largest, and the first if it is another."""
     slip, friction = curve.slip, curve.friction
     if not maxima:
-        return Critical(np.nan, np.nan, "no critical slip: there is no friction in the range")
+        return Critical(np.nan, np.nan, "no slip at largest traction: there is no friction in the range")
     at, height = maxima[0]
     found = height - friction[-1] > _FLAT * height
     first = maxima[-1] if found or len(maxima) > 1 else (math.nan, math.nan)
@@ -173,4 +173,5 @@ def _told(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Critical:
     rises = friction[-1] - friction[-2] > _FLAT * height
     what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
     further = look_further(curve.allow, float(slip[-1]), curve.most)
-    return Critical(np.nan, np.nan, f"no critical slip: friction {what} the range, {slip[-1]:.4g}{further}", *first)
+    said = f"no slip at largest traction: friction {what} the range, {slip[-1]:.4g}{further}"
+    return Critical(np.nan, np.nan, said, *first)

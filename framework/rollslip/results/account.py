@@ -68,8 +68,9 @@ _COMMON: Final[Mapping[str, str]] = {
     **dict.fromkeys(
         ("accuracy", "beyond_the_range", "computed", "counts", "degrees_of_freedom", "done", "errors", "evaluations",
          "instants_error", "known", "missing", "number", "points", "resolutions", "samples", "slices_error", "total",
-         "unknown", "values", "weight", "writers"), "1"
+         "reserve to slipping", "slip", "unknown", "values", "weight", "writers"), "1"
     ),
+    "friction torque": "N m",
 }  # fmt: skip
 #: Name, caption and figure of all that a result has something to show for.
 Figures: TypeAlias = "Iterator[tuple[str, str, Figure]]"

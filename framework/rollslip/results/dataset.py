@@ -163,7 +163,7 @@ def telling(*paths: str | os.PathLike[str]) -> Iterator[None]:
         what = str(error.args[0] if isinstance(error, KeyError) and error.args else error).partition(". ")[0]
         what = f"there is no {what!r} in it" if isinstance(error, KeyError) and " " not in what else _shown(what)
         raise OutputError(
-            f"{', '.join(map(str, paths))}: cannot be told as a result of its study: {what} ({type(error).__name__}); "
+            f"{', '.join(map(str, paths))}: cannot be read as a result of its study: {what} ({type(error).__name__}); "
             "another program has changed it, or another version of its package wrote it: run the scene again"
         ) from error
 

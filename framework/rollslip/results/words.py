@@ -33,7 +33,7 @@ SWITCHED_OFF: Final = "every drag is switched off by cage.drag = [], as in no be
 LOWER_BOUNDS: Final = "no rolling resistance: slip a lower bound, friction torque lacks it"
 
 #: Part of a warning that the row of makers' minimum loads tells, too.
-IN_ROWS: Final = "of the least load that SKF's rule asks for"
+IN_ROWS: Final = "of SKF's catalogue minimum load"
 #: Share of the contact force outside a bound from which on it counts.
 TOLD_FROM: Final = 0.005
 #: How the warning begins that counts bounds which are no warnings of their own.

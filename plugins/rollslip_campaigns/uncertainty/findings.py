@@ -62,7 +62,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     if "margin" in dataset:
         found["margin"] = [margin(dataset)]
     if rests_on := dataset.attrs.get("curves_with"):
-        found["critical slip"] = [f"critical slips are {rests_on}"]
+        found["critical slip"] = [f"slips at largest traction are {rests_on}"]
     if "indexed" in dataset.coords:
         of = dataset["indexed"].to_numpy()
         found["indices"] = [_shares(dataset.sel(indexed=name)) for name in of] or [_NO_INDICES]
