@@ -272,7 +272,9 @@ def in_new_process(code, **environment):
     return done.stdout.split()
 
 
-USE = "import os, _thread, threading, time\nfrom test_chain_at_size import *\nchain = Chain(*PAPER)\n"
+USE = (
+    "import os, _thread, threading, time; import numpy as np\nfrom test_chain_at_size import *; chain = Chain(*PAPER)\n"
+)
 
 
 def test_threads_are_made_for_large_tables_only():
