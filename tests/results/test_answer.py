@@ -290,7 +290,7 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
     result = rollslip.run(scene, "steady-slip")
     row = answer_of(result)["minimum_load"]
     assert row.value == float(result.least_load) > 0.0
-    assert row.note.endswith(", for a slip below 1 %, beside a preload of 0.10 µm")
+    assert row.note.endswith("for a slip below 1 %")
     assert "makers" in str(answer_of(result))
 
 

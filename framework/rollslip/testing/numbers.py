@@ -52,9 +52,9 @@ SIZES: Final[Mapping[str, tuple[str, float, float]]] = {
 JUMP: Final = 1e-6
 #: Each halves an interval; 60 are the digits of a float and what zero is apart from what is no slip any more.
 HALVINGS: Final = 60
-#: Instructions of Python for one evaluation beyond which a law without a compiled form is told to be slow: the laws in
-#: the box that have none need up to 1300 for any number of slices, a test holds that.
-INSTRUCTIONS: Final = 1500
+#: Lines of its package for one evaluation beyond which a law without a compiled form is told to be slow: the laws in
+#: the box that have none need a third of it for any number of slices, a test holds that.
+LINES: Final = 50
 #: Relative step below which two values are rounding.
 ROUNDING: Final = 1e-12
 
@@ -150,15 +150,14 @@ def _scaled(slices: Slices, model: SliceModel, member: str, factor: float) -> Sl
     return evaluate(model, other)
 
 
-def instructions(model: SliceModel, slices: Slices) -> int:
-    """Return how many instructions of Python one evaluation takes, after one that may compile."""
-    count, before = 0, sys.gettrace()
+def lines_run(model: SliceModel, slices: Slices) -> int:
+    """Return how many lines of the law's own package one evaluation goes through, after one that may compile."""
+    count, before, package = 0, sys.gettrace(), type(model).__module__.partition(".")[0]
 
     def trace(frame: Any, event: str, _: object) -> Any:
         nonlocal count
-        frame.f_trace_opcodes, frame.f_trace_lines = True, False
-        count += event == "opcode"
-        return trace
+        count += event == "line"
+        return trace if frame.f_globals.get("__name__", "").partition(".")[0] == package else None
 
     with np.errstate(all="ignore"):
         model.evaluate(copy_of(slices))
@@ -180,12 +179,12 @@ def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
     few = picked(slices, slice(0, max(len(slices) // 4, 1)))
     if len(slices) < 8:
         raise Inapplicable("there are too few slices that it takes")
-    many, less = instructions(model, slices), instructions(model, few)
+    many, less = lines_run(model, slices), lines_run(model, few)
     why = "they grow with the slices: put arrays in place of the loop" if many > 2 * less else "evaluate it less often"
-    if many > INSTRUCTIONS:
+    if many > LINES:
         raise Questionable(
-            f"evaluate() takes {many:,} instructions of Python for {len(slices)} slices and {less:,} for {len(few)}; "
-            f"laws of the box without a compiled form take up to {INSTRUCTIONS:,} for any number; {why}, or compile "
+            f"evaluate() goes through {many:,} lines of Python for {len(slices)} slices and {less:,} for {len(few)}; "
+            f"laws of the box without a compiled form take less than {LINES} for any number; {why}, or compile "
             "it: rollslip plugins new FOLDER --add-compiled"
         )
 

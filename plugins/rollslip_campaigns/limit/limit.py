@@ -136,7 +136,7 @@ class Limit:
 def _share(text: float | str) -> float:
     try:
         return read_quantity(text, "1") if "%" in str(text) else float(text)
-    except (UnitError, ValueError):
+    except (UnitError, ValueError, TypeError):
         return math.nan
 
 

@@ -126,10 +126,8 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
     least, status = float(dataset["least_load"]), str(dataset["least_load_status"].item())
     row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
     below = f"for a slip below {plain(100.0 * acceptable)} %"
-    if preload > 0.0:
-        if status.startswith(ANY_LOAD):
-            return Row(**row, text="none", note=f"preloaded by {two(1e6 * preload)} µm")
-        below += f", beside a preload of {two(1e6 * preload)} µm"
+    if preload > 0.0 and status.startswith(ANY_LOAD):
+        return Row(**row, text="none", note=f"preloaded by {two(1e6 * preload)} µm")
     if math.isnan(least):
         none = status.startswith(ANY_LOAD)
         why = (
@@ -143,7 +141,8 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
         )
         return Row(**row, text="none" if none else "not found", note=why)
     one = json.loads(dataset.attrs.get("band", "{}")).get("least_load")
-    load = load if least >= _READABLE * load else least  # in the unit of the load, if that leaves digits to read
+    low = least if one is None else one["low"]
+    load = load if low >= _READABLE * load else low  # in the unit of the load, if that leaves digits to read
     if one is None or one["high"] is None:
         return Row(**row, value=least, text=force(least, load), note=below)
     band = one["low"], one["high"]
