@@ -402,14 +402,17 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     from rich import box
     from rich.table import Table
 
-    rows = list(rows)
-    table, needed = Table(box=box.SIMPLE_HEAD, pad_edge=False), 0
-    for head, *cells in zip(header, *rows, strict=True):
-        words = [word for cell in (head, *cells) for word in cell.split()]
-        widest = max(map(len, words), default=0)
-        needed += widest + 3  # with what stands between columns
-        table.add_column(head.replace("[", "\\["), min_width=widest)
-    for row in rows:
+    columns = list(zip(header, *rows, strict=True))
+    widths = [max((len(word) for cell in cells for word in cell.split()), default=0) for cells in columns]
+    between = 3 * len(columns) - 1  # and at both ends
+    width = max(shutil.get_terminal_size((120, 24)).columns, sum(widths) + between)
+    missing = [max(map(len, cells)) - w for cells, w in zip(columns, widths, strict=True)]
+    for _ in range(min(width - between - sum(widths), sum(missing))):  # rich would take from narrow ones as well
+        widest = missing.index(max(missing))
+        widths[widest], missing[widest] = widths[widest] + 1, missing[widest] - 1
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for (head, *_), w in zip(columns, widths, strict=True):
+        table.add_column(head.replace("[", "\\["), width=w)
+    for row in zip(*(cells for _, *cells in columns), strict=True):
         table.add_row(*(cell.replace("[", "\\[") for cell in row))
-    width = max(shutil.get_terminal_size((120, 24)).columns, needed)
     terminal(width=width).print(table)
