@@ -313,6 +313,19 @@ def test_a_note_that_there_is_not_cannot_be_left_out():
         assert told in f"{done.exception} {done.stderr}"
 
 
+def test_a_minimum_load_below_the_weight_of_the_rollers_is_told_as_that():
+    """Their weight is left out of the balance of loads."""
+    result = rollslip.run(rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 5}), "steady-slip")
+    weight = result.attrs["rollers_weight"]
+    scene = json.loads(result.attrs["scene_resolved"])["bearing"]
+    volume = 0.25 * math.pi * scene["roller_diameter"] ** 2 * scene["roller_length"]
+    assert weight == pytest.approx(9.81 * 7850.0 * scene["rollers"] * volume, rel=0.02)
+    row = answer_of(result.assign(least_load=result.least_load * 0.0 + 1e-3 * weight))["minimum_load"]
+    assert row.text.startswith("below ")
+    assert row.note.endswith("; rollers weigh as much, which is left out")
+    assert row.band == (0.0, weight)
+
+
 def test_a_page_and_a_notebook_show_the_same_rows(ran):
     *_, datasets = ran
     answer = answer_of(*datasets.values())

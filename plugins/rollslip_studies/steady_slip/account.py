@@ -140,6 +140,9 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
             else status
         )
         return Row(**row, text="none" if none else "not found", note=why)
+    if least < (weight := float(dataset.attrs.get("rollers_weight", 0.0))):
+        said = f"{below}; rollers weigh as much, which is left out"
+        return Row(**row, value=least, text=f"below {force(weight, weight)}", note=said, band=(0.0, weight))
     one = json.loads(dataset.attrs.get("band", "{}")).get("least_load")
     low = least if one is None else one["low"]
     load = load if low >= _READABLE * load else low  # in the unit of the load, if that leaves digits to read
