@@ -341,6 +341,7 @@ class SteadySlip(Study):
                 "instants": instants,
                 "curve_error": error,
                 "slices": assembly.slices,
+                "rollers_weight": 9.81 * assembly.roller_mass * assembly.scene.bearing.rollers,
                 **errors,
                 **table_records(balance.tables),
                 **({} if self.acceptable_slip is None else {"acceptable_slip": self.acceptable_slip}),
