@@ -135,7 +135,7 @@ def test_every_shipped_oil_says_how_uncertain_it_is():
 
 
 def test_the_distribution_is_that_of_the_points(tmp_path):
-    # the slip of running away falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
+    # the slip at which skidding begins falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
     found = uncertainty(uncertain(**ALPHA), samples=32, probability=0.9, out=tmp_path / "kept")
     factors = np.sort(found.input_value.to_numpy()[0])[[-4, -16]].tolist()  # of 32, 3.2 and 16 lie below
     swept = rollslip.sweep(
@@ -147,18 +147,18 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
     assert found.allowable_slip == told.sel(probability=0.1)
     assert found.margin == 1.0
     rows = {row[0]: dict(zip(head, row, strict=True)) for head, body in [sheet(found)] for row in body}
-    away, drag = rows["slip of running away"], rows["drag of running away"]
+    away, drag = rows["slip at which skidding begins"], rows["limit drag torque"]
     assert away["median"] == pytest.approx(100.0 * slips[1], rel=1e-11)
     assert [away[name] for name in ("unit", "bound", "samples", "beyond the range", "without a value")] == [
         "%", "at least", 32, 0, 0,
     ]  # fmt: skip
     assert away["with probability 0.9"] == pytest.approx(100.0 * float(found.allowable_slip), rel=1e-11)
     assert quantity(f"{drag['median']} {drag['unit']}", "N m") == pytest.approx(
-        float(found.quantile_value.sel(quantity="drag of running away", probability=0.5)), rel=1e-11
+        float(found.quantile_value.sel(quantity="limit drag torque", probability=0.5)), rel=1e-11
     )
     printed, decides = account_of(found).tables(found)
-    assert f"at least {two(away['with probability 0.9'])}" in next(row for row in printed.rows if "slip of" in row[0])
-    ranks = found.rank_correlation.sel(acted="slip of running away").to_numpy()
+    assert f"at least {two(away['with probability 0.9'])}" in next(row for row in printed.rows if "skidding" in row[0])
+    ranks = found.rank_correlation.sel(acted="slip at which skidding begins").to_numpy()
     assert [row[-1] for row in decides.rows] == [f"{rank:+.2f}" for rank in ranks]
     assert found.margin_low == pytest.approx(0.025 ** (1 / 32))  # Clopper and Pearson where all of 32 hold
     assert rollslip.open_result(tmp_path / "kept" / "uncertainty.nc").identical(found)
@@ -193,7 +193,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     assert "4 of 64 points are crashed; they count as the worst and as the best" in found.attrs["warnings"]
     head, rows = sheet(found)
     assert head[-2:] == ["beyond the range", "without a value"]
-    assert next(row[-2:] for row in rows if row[0] == "slip of running away") == [1, 4]
+    assert next(row[-2:] for row in rows if row[0] == "slip at which skidding begins") == [1, 4]
     whole = np.where(np.isnan(slips), np.inf, slips)
     for treated in (-np.inf, np.inf):
         values = np.where(np.array(status) == "ok", whole, treated)

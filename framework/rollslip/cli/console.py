@@ -407,9 +407,9 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     between = 3 * len(columns) - 1  # and at both ends
     width = max(shutil.get_terminal_size((120, 24)).columns, sum(widths) + between)
     missing = [max(map(len, cells)) - w for cells, w in zip(columns, widths, strict=True)]
-    for _ in range(min(width - between - sum(widths), sum(missing))):  # rich would take from narrow ones as well
-        widest = missing.index(max(missing))
-        widths[widest], missing[widest] = widths[widest] + 1, missing[widest] - 1
+    left = width - between - sum(widths)
+    for k in sorted(range(len(columns)), key=missing.__getitem__):  # the long ones wrap; rich would cut short ones, too
+        widths[k], left = widths[k] + min(missing[k], left), left - min(missing[k], left)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for (head, *_), w in zip(columns, widths, strict=True):
         table.add_column(head.replace("[", "\\["), width=w)
