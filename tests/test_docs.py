@@ -434,6 +434,7 @@ def test_operations_are_counted_as_the_table_has_them(monkeypatch):
     assert operations.counted == {"arithmetic": 8, "functions": 2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["1032930-30C", "1032930-50C", "1032930-70C"])
 def test_scenes_of_the_paper_say_what_the_defaults_make_of_their_bearing(name, monkeypatch):
     monkeypatch.syspath_prepend(DOCS / "scripts")

@@ -20,6 +20,7 @@ def oils():
     return rollslip.compare("gearbox", oil="iso-vg-68, iso-vg-220, nope")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("oil", ["iso-vg-68", "iso-vg-220"])
 def test_each_is_told_as_its_run_tells_it(oils, oil):
     alone = rollslip.run(rollslip.evolve(rollslip.load_scene("gearbox"), {"lubricant": oil}), "steady-slip")
@@ -106,6 +107,7 @@ def test_what_cannot_be_compared_is_refused(asked, said):
         rollslip.compare("gearbox", **asked)
 
 
+@pytest.mark.slow
 def test_the_command_prints_a_table_and_json_has_its_numbers(tmp_path):
     asked = ["compare", "turbine", "--cage", "brass,polyamide", "--out", str(tmp_path / "out")]
     told = CliRunner().invoke(cli, asked)

@@ -195,6 +195,7 @@ def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
     assert float(found.rank_correlation.sel(acted="steady slip")[0]) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     largest = float(
         rollslip.sweep(constant(1.0), {"operation.radial_load": ["3415 N"]}, study="effective-friction",
@@ -306,6 +307,7 @@ def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
     assert [*findings.topics(found)][:3] == order
 
 
+@pytest.mark.slow
 def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them():
     found = uncertainty(rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"]}), samples=64, probability=0.9)
     keys = list(map(str, found.input.to_numpy()))

@@ -135,7 +135,7 @@ def test_every_shipped_oil_says_how_uncertain_it_is():
 
 
 def test_the_distribution_is_that_of_the_points(tmp_path):
-    # the slip at which skidding begins falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
+    # where skidding begins falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
     found = uncertainty(uncertain(**ALPHA), samples=32, probability=0.9, out=tmp_path / "kept")
     factors = np.sort(found.input_value.to_numpy()[0])[[-4, -16]].tolist()  # of 32, 3.2 and 16 lie below
     swept = rollslip.sweep(
@@ -332,6 +332,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
     )
 
 
+@pytest.mark.slow
 def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST", 32)
     options = {"samples": 48, "probability": 0.95}
@@ -354,6 +355,7 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
         run_margin(UncertaintySettings(uncertain(**ALPHA), **options | {"seed": 1}).plan(), tmp_path / "cut")
 
 
+@pytest.mark.slow
 def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST", 32)
     wide = uncertainty(uncertain(**ALPHA), samples=256, probability=0.8, until=0.5)
@@ -382,6 +384,7 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
     assert ends[1e-9][1] - ends[1e-9][0] > ends[None][1] - ends[None][0]
 
 
+@pytest.mark.slow
 def test_the_command_writes_result_figures_and_report(tmp_path):
     out = tmp_path / "made"
     arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]

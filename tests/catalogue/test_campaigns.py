@@ -184,6 +184,7 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
     assert rollslip("limit", "--help", path=tmp_path, ROLLSLIP_DISABLED_PLUGINS="rollslip-other")[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [

@@ -173,6 +173,7 @@ def check_a_larger_seal_resists_more(seal):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "told"), [("diameter**2", "lip: 7 ok\n"), ("1", "  failed    check_a_larger_seal_resists")]
 )

@@ -358,6 +358,7 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
     assert "the misalignment" in rows["slices"]["reason"]
 
 
+@pytest.mark.slow
 def test_report_from_stored_results(tmp_path):
     command("run", "1032930-30C", "--set", "accuracy.slices=5", "--no-plots", "--out", "o", cwd=tmp_path)
     command("report", "o/effective-friction.nc", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path)
@@ -381,6 +382,7 @@ def test_the_fine_result_agrees_with_the_default_one(slices, tolerance):
     assert float(np.abs(ratio - 1.0)) < 1e-3
 
 
+@pytest.mark.slow
 def test_every_shipped_scene_runs(tmp_path):
     for entry in (files("rollslip") / "scenes").iterdir():
         if entry.name.endswith(".toml"):

@@ -430,6 +430,7 @@ def test_notes_say_what_leaving_the_range_of_a_law_does_to_the_result(notes, sai
     assert counted_notes(notes) == f"{said} (-v)"
 
 
+@pytest.mark.slow
 def test_what_another_law_does_to_the_answer_is_what_a_run_with_it_gives():
     """Ratios of few slices against whole runs: Roelands for Barus, the light contact for Hertz, an inlet that heats."""
     scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9})

@@ -76,6 +76,7 @@ def test_what_is_computed_from_it_shows_itself_as_a_dataset(result):
     assert list(inner.studies) == ["effective-friction"]
 
 
+@pytest.mark.slow
 def test_what_is_next_runs_in_python_where_the_scene_has_no_file(scene, result, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     first, *_ = result.answer.next

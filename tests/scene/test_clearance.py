@@ -327,6 +327,7 @@ damage = "flash-temperature"
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("study", "level"),
     [
@@ -351,6 +352,7 @@ def test_every_study_has_the_clearance_of_the_mounting_and_tells_its_sum(study, 
         assert any(not np.array_equal(found[name].values, loose[name].values, equal_nan=True) for name in numbers)
 
 
+@pytest.mark.slow
 def test_temperatures_of_a_motion_change_the_clearance_once():
     light = "".join(f", {part}_capacity = '1 mJ/K'" for part in ("oil", "inner_ring", "outer_ring", "rollers"))
     more = CAGE.replace("LEVEL", "cage-set") + f"thermal = {{ model = 'network', oil_flow = '5 g/s'{light} }}\n"

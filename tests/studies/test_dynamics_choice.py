@@ -174,6 +174,7 @@ def test_at_cage_set_friction_that_sets_in_at_once_is_stiff():
     assert "more than the 10000/s up to which an explicit method takes fewer rates" in found.reasons["integrator"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["cage-set", "pocket"])
 @pytest.mark.parametrize("number", [0, 3, 5, 8, 10, 16, 18, 22])
 def test_no_rival_goes_through_a_random_bearing_with_many_fewer_rates(number, level):

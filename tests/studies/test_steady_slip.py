@@ -884,6 +884,7 @@ def test_steady_slips_alone_are_those_of_the_whole_study(name):
 NEAR = evolve(SHIPPED, {"study.steady-slip.friction": "effective", "study.steady-slip.points": 8})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "friction"),
     [

@@ -336,6 +336,7 @@ def test_runaways_of_film_and_of_bulk_are_told_apart():
     assert bulk.settled_status.item() == bulk.status.item()
 
 
+@pytest.mark.slow
 def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
     oil = {"name": "iso-vg-68"}
     found = balanced({"lubricant": oil, "operation.temperature": "50 degC"}, oil_flow="0.1 kg/s")
@@ -343,6 +344,7 @@ def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
     assert "its data hold from 0 degC to 120 degC" in found.limit_status.item()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("duration", ["0 s", "10 min"])
 def test_a_plan_foresees_how_many_steady_slips_a_balance_takes(duration, monkeypatch):
     scene = evolve(SCENE, {"models.thermal": network(), "study.thermal-balance.duration": duration})

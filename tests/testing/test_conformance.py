@@ -255,6 +255,7 @@ def test_the_kit_does_not_need_pytest():
 # The process ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_good_model_passes_in_a_process_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     findings = check_in_subprocess("traction", "kragelsky")

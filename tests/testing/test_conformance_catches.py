@@ -34,6 +34,7 @@ def as_long_as_users_search():
     settings.load_profile("short")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [*SOUND, *SOUND_NUMBERS, *SOUND_PRESSURES], ids=lambda model: model.name)
 def test_what_the_faults_are_laid_over_is_sound(model):
     failed = [finding for finding in conformance(model) if finding.status not in ("ok", "skipped")]
