@@ -40,11 +40,11 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 #: Column -> member that it is held against, and the least and largest ratio; bearings give some 1e-5 to 1e-3 of film,
-#: 1e-3 to 1e-1 of width, 0.1 to 1 of stiffness, 1e-5 to 1e-2 of resistance, which may also be none.
+#: 1e-3 to 1e-1 of width, 0.1 to 1 of stiffness, elastic foundations 20, 1e-5 to 1e-2 of resistance, which may be none.
 SIZES: Final[Mapping[str, tuple[str, float, float]]] = {
     "film_thickness": ("radius", 1e-9, 1e-2),
     "half_width": ("radius", 1e-6, 0.5),
-    "stiffness": ("modulus", 1e-4, 10.0),
+    "stiffness": ("modulus", 1e-4, 100.0),
     "resistance": ("load", 0.0, 0.1),
 }
 #: Part of the largest friction that it may go up or down by between two adjacent slips.
