@@ -336,7 +336,7 @@ def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
     Without one commands are those of Python, for a scene that stands in no file.
     """
     given = sorted(answers, key=lambda each: -max((row.known for row in each[1].rows), default=-1))
-    best, faults = dict[str, Row](), list[str]()
+    best, faults = dict[str, Row](), [fault for _, one in given for fault in one.faults]
     for study, one in given:
         for row in (attrs.evolve(row, by=row.by or study) for row in one.rows):
             known = best.setdefault(row.key, row)

@@ -45,7 +45,9 @@ class DynamicsAccount(Account):
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the slip at the end, along a history the largest, and measures of damage on the way."""
         row = history_findings.row(dataset) if history_findings.along(dataset) else findings.row(dataset)
-        return Answer(rows=(row, *damage.rows(dataset)), commands=NEXT_OF_OTHERS)
+        cut = dataset.attrs["outcome"] in ("failed", "interrupted")
+        faults = (findings.outcome(dataset).partition(": ")[2],) if cut else ()
+        return Answer(rows=(row, *damage.rows(dataset)), commands=NEXT_OF_OTHERS, faults=faults)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

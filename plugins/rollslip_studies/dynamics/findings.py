@@ -159,7 +159,7 @@ def runaway_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Say what a motion found, by what it is about, the most important first; no sentence has its full stop."""
     said = {
-        "motion": [_outcome(dataset)],
+        "motion": [outcome(dataset)],
         "steady slip": [_steady(dataset)],
         "skidding": _running_away(dataset),
         "slip at largest traction": [_critical(dataset)],
@@ -245,7 +245,8 @@ def energy_in_words(joules: float) -> str:
     return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
 
 
-def _outcome(dataset: "xr.Dataset") -> str:
+def outcome(dataset: "xr.Dataset") -> str:
+    """Say how the motion ended, and why if it did not come to its end."""
     a = dataset.attrs
     who = f"{a['level']}, {a['friction']} friction, {a['integrator']}"
     end, why = f"{a['outcome']} at {_time(float(dataset['time'][-1]))}", _why(a)
