@@ -87,7 +87,6 @@ def test_gauss_slices_carry_the_forces_of_a_motion():
         np.testing.assert_allclose(np.nan_to_num(ring), force, atol=2 * loads.error * force.sum())
 
 
-@pytest.mark.slow
 def test_stages_run_in_numpy_where_a_resolution_says_so():
     fast, plain = (STUDY.run(assemble(SCENE, Resolution(slices=7, instants=1, compiled=c))) for c in (True, False))
     np.testing.assert_allclose(plain.effective_friction, fast.effective_friction, rtol=1e-10)
@@ -132,7 +131,6 @@ def test_a_resolution_is_a_value():
         Resolution().slices = 3
 
 
-@pytest.mark.slow
 def test_a_map_takes_more_slices_than_a_table_holds():
     """More loaded slices than are evaluated at a time, for fewer speeds than parts of them."""
     study = EffectiveFriction(points=5, map_points=2, max_cage_slip=0.3)

@@ -65,6 +65,7 @@ def seals(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_strangers_kind_is_listed_and_what_is_of_it_is_made(seals):
     assert python(ASKED, seals) == [[0.942, True, True]]
     code, said, _ = rollslip("models", path=seals)

@@ -239,6 +239,7 @@ def weaker(self, slices):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "name"),
     [

@@ -298,6 +298,7 @@ def sentences(scene):
     return "\n".join(line for topic in topics(run(scene, "steady-slip")).values() for line in topic)
 
 
+@pytest.mark.slow
 def test_a_torque_far_from_the_formulas_is_told_and_one_near_them_is_not():
     near, bare = sentences(named("NU210E")), sentences(named("NU210E", **{"cage.drag": ["churning"]}))
     assert "times what makers' formulas give (palmgren-torque " in near

@@ -249,6 +249,7 @@ def test_commands_that_are_named_next_work_as_pasted(ran):
     assert float(slip[0]) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "code"),
     [

@@ -35,7 +35,15 @@ COMMANDS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: "-".join(command[:2]))
+#: Those that take long.
+SLOW = {"limit", "uncertainty", "pareto", "plugins"}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(one, marks=pytest.mark.slow if one[0] in SLOW else ()) for one in COMMANDS],
+    ids=["-".join(one[:2]) for one in COMMANDS],
+)
 def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for example in ("twin-disc.csv", "rig.toml"):

@@ -34,6 +34,7 @@ def of_run(scene):
     return with_bands(scene, rollslip.run(scene, "steady-slip"))
 
 
+@pytest.mark.slow
 def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with_load():
     """One quantity of known quantiles: the ends are the least loads at these values, each computed for itself."""
     deviation, torque = 0.4, 0.3

@@ -244,6 +244,7 @@ def test_a_ring_that_turns_back_is_followed_and_slips_are_told_where_they_refer_
     assert np.allclose(mirrored.cage_speed, -back.cage_speed, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_jump_in_load_is_a_kink_of_the_slip_and_no_step_goes_over_it():
     to = {"study.dynamics.relative_tolerance": 1e-9}
     jump = {"shape": "step", "to": "700 N", "at": "0.2345 s"}
@@ -303,6 +304,7 @@ def test_a_sweep_is_another_one_where_a_history_comes_from_another_file(tmp_path
     assert keys[0] == keys[1] != keys[2]
 
 
+@pytest.mark.slow
 def test_what_is_uncertain_of_a_history_is_sampled_by_a_sweep_and_no_matter_of_a_steady_margin():
     within = f"{HISTORY}.inner_speed.within"
     uncertain = {within: {"distribution": "uniform", "low": "0.2 s", "high": "0.4 s"}}

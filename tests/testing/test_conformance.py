@@ -201,6 +201,7 @@ def test_every_check_is_named_as_a_sentence_and_says_why():
 # The class -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_test_class_gives_one_test_a_model_and_check(pytester):
     pytester.makepyfile(
         """
