@@ -137,6 +137,38 @@ def test_what_an_interrupt_leaves_half_built_ends_in_silence(monkeypatch, capsys
     assert capsys.readouterr().err == "interrupted; nothing was left behind\n"
 
 
+def test_an_interrupt_that_a_library_makes_an_error_of_its_own_stays_one(monkeypatch, capsys) -> None:
+    """As Python 3.11 does where a class with ``__set_name__`` is being made."""
+
+    def run(**_: object) -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt as interrupt:
+            raise RuntimeError("Error calling __set_name__") from interrupt
+
+    program = import_module("rollslip.cli.main")
+    monkeypatch.setattr(program.cli, "main", run)
+    with pytest.raises(SystemExit, match="130"):
+        program.main([])
+    assert capsys.readouterr().err == "interrupted; nothing was left behind\n"
+
+
+def test_after_an_interrupt_nothing_but_exit_functions_runs() -> None:
+    """Objects of libraries that were half imported may not survive the end of the interpreter."""
+    program = """
+import atexit, os, signal, sys
+program = __import__("rollslip.cli.main", fromlist=["main"])
+class Late:
+    def __del__(self, write=os.write): write(2, b"late")
+sys.late = Late()
+atexit.register(print, "exit function", file=sys.stderr)
+program.cli.main = lambda **_: signal.raise_signal(signal.SIGINT)
+program.main()
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "interrupted; nothing was left behind\nexit function\n")
+
+
 def test_a_package_that_hangs_is_named_with_a_way_round_it(tmp_path: Path) -> None:
     (tmp_path / "hanging.py").write_text("import time\ntime.sleep(30.0)\n")
     information = tmp_path / "rollslip_hanging-1.0.dist-info"

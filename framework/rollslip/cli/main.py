@@ -122,10 +122,10 @@ def _terminated(number: int, *_: object) -> NoReturn:
     raise SystemExit(128 + number)
 
 
-def _heard(into: ExitStack) -> None:
+def _heard(into: ExitStack) -> list[int]:
     """Let no interrupt be lost: where Python ignores what is raised, in finalizers, it is raised again outside.
 
-    Finalizers of what was half built when an interrupt came have nothing to tell.
+    Finalizers of what was half built when an interrupt came have nothing to tell. Returned is what comes.
     """
     before, came = sys.unraisablehook, list[int]()
 
@@ -147,6 +147,7 @@ def _heard(into: ExitStack) -> None:
         signal.signal(signal.SIGINT, interrupted)
     sys.unraisablehook = ignored
     into.callback(setattr, sys, "unraisablehook", before)
+    return came
 
 
 class _Sink(io.FileIO):
@@ -207,6 +208,9 @@ def main(arguments: Sequence[str] | None = None) -> Any:
         code = INTERRUPTED
     if arguments is not None:
         signal.signal(signal.SIGINT, heard)
+    elif code == INTERRUPTED:  # a library that was half imported when it came may not survive the interpreter's end
+        atexit._run_exitfuncs()
+        os._exit(code)
     sys.exit(code)
 
 
@@ -225,12 +229,12 @@ def _program(arguments: Sequence[str] | None) -> Any:
         errors, _ = _patient(sys.stderr, stack)
         stack.enter_context(redirect_stdout(output))
         stack.enter_context(redirect_stderr(errors))
-        _heard(stack)
+        came = _heard(stack)
         _seldom_collected(stack, arguments)
         # matrices here are small: more threads would only wait, a quarter of a second of processor time in a run
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         try:
-            code: Any = _run(arguments)
+            code: Any = _run(arguments, came)
         except SystemExit as leaving:
             code = leaving.code
         except KeyboardInterrupt:  # a second one, while the first was told
@@ -249,13 +253,23 @@ def _program(arguments: Sequence[str] | None) -> Any:
     return code
 
 
-def _run(arguments: Sequence[str] | None) -> int:
+def _run(arguments: Sequence[str] | None, came: Sequence[int]) -> int:
     """Run the command line; return its exit code, after an error in one sentence."""
     try:
         cli.main(args=arguments, standalone_mode=False, prog_name="rollslip")
-    except (KeyboardInterrupt, click.Abort):
+    except (KeyboardInterrupt, click.Abort, Exception) as error:
+        if not came and isinstance(error, Exception) and not isinstance(error, click.Abort):
+            return _told(error)
+        # what is imported or built while an interrupt comes may turn it into an error of its own
         click.echo("interrupted; nothing was left behind", err=True)
         return INTERRUPTED
+    return OK
+
+
+def _told(error: Exception) -> int:
+    """Tell an error in one sentence and return its exit code; raise it if it is a fault of this program."""
+    try:
+        raise error
     except click.ClickException as error:
         error.show()
         return error.exit_code
@@ -269,6 +283,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         missing = f"a library cannot be imported: {error}; memory is too short, or it is damaged: install it again"
         click.echo(str(error) if error.name == "ROLLSLIP_SIMD" else missing, err=True)
         return BAD_SCENE
+    except BrokenPipeError:
+        return OK  # the reader of our output has left; there is nobody to tell
     except OSError as error:
         if wants_memory(error):
             return _short_of_memory(error)
@@ -276,8 +292,6 @@ def _run(arguments: Sequence[str] | None) -> int:
             raise
         click.echo(f"{error.filename}: cannot be used ({error.strerror}); name another place", err=True)
         return BAD_SCENE
-    except BrokenPipeError:
-        return OK  # the reader of our output has left; there is nobody to tell
     except Exception as error:
         if wants_memory(error):
             return _short_of_memory(error)
@@ -286,7 +300,6 @@ def _run(arguments: Sequence[str] | None) -> int:
             raise
         click.echo(f"{type(error).__name__}: {error}; {notes[0]}", err=True)  # somebody's model, not a fault of ours
         return BAD_PLUGIN
-    return OK
 
 
 def _short_of_memory(error: Exception) -> int:
