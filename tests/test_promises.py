@@ -115,6 +115,7 @@ def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
         ("campaigns.uncertainty.scatter", "rollslip.planning.scatter"),
         ("campaigns.uncertainty.band", "rollslip_studies.steady_slip.band"),
         ("motion.history.settings", "rollslip_studies.dynamics.history.settings"),
+        ("motion.way_up", "rollslip_studies.motion.way_up"),
         ("motion.planar", "rollslip_studies.dynamics.levels.planar"),
         ("studies.dynamics", "rollslip_studies.dynamics"),
         ("studies.effective_friction.study", "rollslip_studies.effective_friction.study"),

@@ -24,9 +24,9 @@ from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
-from rollslip.motion.losses import power_balance
-from rollslip.motion.torque_balance import rollers, runaway
 from rollslip.studies.thermal_balance.model import PLACES, thermal_model
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.torque_balance import rollers, runaway
 
 COUNT, WORKERS, SCENES = 128, 2, 100
 SLICES, RANGE, POINTS = 12, 0.95, 41

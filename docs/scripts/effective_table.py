@@ -17,8 +17,8 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.effective_table import effective_table
 from rollslip_kernels.motion import raceway as compiled
+from rollslip_studies.motion.effective_table import effective_table
 
 SCENES = ("1032930-30C", "1032930-50C", "1032930-70C")
 TOLERANCES = (1e-2, 1e-3, 1e-5)

@@ -23,12 +23,12 @@ import numpy as np
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
-from rollslip.motion.effective_table import effective_table
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_plugins import contact, pressure_viscosity
 from rollslip_plugins.film import formulas
 from rollslip_plugins.traction import blend, boundary, eyring, heating, stress
+from rollslip_studies.motion.effective_table import effective_table
 
 ARITHMETIC = set(
     """add subtract multiply divide true_divide negative positive absolute fabs sign copysign sqrt square maximum

@@ -19,9 +19,9 @@ import numpy as np
 from output import DOCS, write_table
 
 from rollslip import evolve, get_model, load_scene
-from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.planning.plan import plan
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
 INSTANT, QUIET = 2e-5, 1 / 6
 SPANS = {"pocket": 0.3, "planar": 0.1}

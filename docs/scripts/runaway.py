@@ -22,8 +22,8 @@ from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
-from rollslip.motion.torque_balance import rollers, runaway
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
+from rollslip_studies.motion.torque_balance import rollers, runaway
 
 COUNT, WORKERS, SCENES, HELD = 224, 2, 200, 64
 SLICES, INSTANTS, RANGE, POINTS = 24, 2, 0.95, 25

@@ -26,14 +26,14 @@ from output import write_table
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError
-from rollslip.motion.losses import power_balance
-from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location, structure
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip_plugins.data.cylindrical import CATALOGUE
 from rollslip_plugins.torque import Palmgren, Skf
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.torque_balance import TorqueBalance
 from rollslip_studies.steady_slip.minimum_load import static_rating
 from rollslip_studies.steady_slip.study import SteadySlip
 

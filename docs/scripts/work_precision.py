@@ -20,11 +20,11 @@ from scipy.special import ellipj
 from rollslip import available, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError
-from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import python_system
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
 SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})
 DURATION = {"cage-set": 0.05, "pocket": 0.01}

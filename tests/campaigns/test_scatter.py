@@ -21,7 +21,6 @@ from rollslip.bearing.assembly import assemble
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
-from rollslip.motion.torque_balance import Runaway, Running, reserve, rollers, runaway, running
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import scattering, with_scatter
 from rollslip.scene.distributions import LogNormal
@@ -30,6 +29,7 @@ from rollslip_campaigns.uncertainty.samples import least_loads, of_friction, sha
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
+from rollslip_studies.motion.torque_balance import Runaway, Running, reserve, rollers, runaway, running
 from scattered import SCATTERED as SCENE
 from scattered import constant, uncertain
 

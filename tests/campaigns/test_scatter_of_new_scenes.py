@@ -12,7 +12,6 @@ from scipy.stats import norm
 
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.torque_balance import rollers
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import scattering, with_scatter
@@ -20,6 +19,7 @@ from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
 from rollslip.structure import Location
+from rollslip_studies.motion.torque_balance import rollers
 from rollslip_studies.steady_slip.band import bands
 
 #: Standard deviations of logarithms by what is known of each: land, churning, rolling, hysteresis.

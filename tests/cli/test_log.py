@@ -7,7 +7,7 @@ import pytest
 
 import rollslip
 from rollslip.cli import main
-from rollslip.motion.time_integration import InitialValueProblem, integrate
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
 PLAN = ["plan", "1032930-70C", "--study", "friction-curve"]
 
@@ -52,7 +52,7 @@ def test_an_unknown_level_is_refused_with_those_that_there_are(capsys):
 
 def test_an_integration_tells_its_steps(caplog):
     problem = InitialValueProblem(rates=lambda t, y: -y, y=np.ones(1), atol=np.full(1, 1e-9))
-    with caplog.at_level(logging.DEBUG, "rollslip.motion"):
+    with caplog.at_level(logging.DEBUG, "rollslip_studies.motion"):
         found = integrate(problem, rollslip.get_model("integrator", "rk45"), np.array([0.0, 1.0]), rtol=1e-6)
     (said,) = caplog.messages
     assert said.startswith(f"rk45 finished at t = 1 s: {found.steps} steps, {found.rejected} rejected, ")

@@ -14,7 +14,6 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.motion.carried import LEDGER
@@ -27,6 +26,7 @@ from rollslip_studies.dynamics.levels import raceway_friction as friction_module
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 from strategies import NumpyForm
 
 FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cage.inertia": 3.3e-3}
@@ -722,7 +722,7 @@ def test_a_table_is_held_beyond_its_ends_and_passes_no_nan_on_silently():
 @pytest.mark.quick
 @pytest.mark.parametrize("slips", [False, True])
 def test_effective_tables_are_right_to_their_tolerance(slips):
-    from rollslip.motion.effective_table import effective_table
+    from rollslip_studies.motion.effective_table import effective_table
 
     assembly = bearing()
     loads = build_load_map(assembly, 2e-2)

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from rollslip.errors import OutputError
-from rollslip.motion.checkpoints import Checkpoints
-from rollslip.motion.time_integration import Event, Trajectory
 from rollslip.results.dataset import open_result
+from rollslip_studies.motion.checkpoints import Checkpoints
+from rollslip_studies.motion.time_integration import Event, Trajectory
 
 TIMES = np.linspace(0.0, 1.0, 11)
 
@@ -199,7 +199,7 @@ class Slow(DragModel):
 Slow.calls, Slow.running = 0, False
 rollslip.register(Slow)
 from rollslip_studies.dynamics import study as dynamics
-from rollslip.motion import time_integration
+from rollslip_studies.motion import time_integration
 whole, more = time_integration.integrate, {}
 if "EVERY" in os.environ:
     more = {"every": float(os.environ["EVERY"])}

@@ -19,10 +19,10 @@ from scipy.optimize import brentq, minimize_scalar
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError
-from rollslip.motion import effective_table as tables
-from rollslip.motion.effective_table import curve_table, effective_table, map_table
 from rollslip.testing.samples import decades
 from rollslip_kernels.motion import raceway as compiled
+from rollslip_studies.motion import effective_table as tables
+from rollslip_studies.motion.effective_table import curve_table, effective_table, map_table
 
 ROLLING = 30.0
 REACH = 8.0 * ROLLING

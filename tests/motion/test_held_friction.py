@@ -9,11 +9,11 @@ import pytest
 
 from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.motion.leapfrog import Leapfrog
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
 CONSTANT = FrictionSettings(name="constant", coefficient=0.05, transition=0.05)
 #: Slices, drags and friction: the coefficient, curve and map, the table, and the chain of all slices, with resistances.

@@ -10,9 +10,9 @@ from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import as_stated
 from rollslip.models import DragModel
-from rollslip.motion.losses import power_balance
-from rollslip.motion.torque_balance import TorqueBalance, effective_curves
 from rollslip.results.account import account_of
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.torque_balance import TorqueBalance, effective_curves
 
 SHIPPED = evolve(load_scene("1032930-50C"), {"lubricant.density": "930 kg/m3"})
 DRAGS = ["petroff-land", "churning", "rolling-resistance", "hysteresis", "pocket-friction", "constant-torque"]

@@ -16,7 +16,6 @@ from rollslip.bearing.raceway import RINGS
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
-from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
 from rollslip_kernels.motion import planar as kernels
 from rollslip_kernels.motion import raceway as friction_kernels
@@ -28,6 +27,7 @@ from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels import planar as planar_module
 from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 from tabled import REFERENCES, numbers_of
 
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}

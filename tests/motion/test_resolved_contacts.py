@@ -9,12 +9,12 @@ import pytest
 
 from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.motion.leapfrog import Leapfrog
 from rollslip_kernels.motion.rosenbrock import DormandPrince
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
 SCENE = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2}
 FRICTION = FrictionSettings(name="constant", coefficient=0.01, transition=0.5)
@@ -217,7 +217,7 @@ def test_a_motion_with_impacts_goes_on_bit_by_bit_from_what_was_kept(level, name
         )
         return integrate(problem, get_model("integrator", name), times[done:], rtol=1e-5, **options)
 
-    monkeypatch.setattr("rollslip.motion.time_integration._MANY", 100)
+    monkeypatch.setattr("rollslip_studies.motion.time_integration._MANY", 100)
     whole = run(moved(moving, 3), keep=lambda number, part: kept.append(part), every=-1.0)
     assert whole.outcome == "finished"
     assert np.abs(moving.outputs(whole.t, whole.y)["pocket_force"]).max() > 1.0

@@ -15,10 +15,10 @@ from rollslip.bearing.critical import locate, slip_grid
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import DomainError
 from rollslip.models import NO_LIMITS, TractionModel
-from rollslip.motion import torque_balance as module
-from rollslip.motion.torque_balance import Runaway, near_running_away, reserve, rollers, runaway, running
 from rollslip_kernels.slices import Slices
 from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.motion import torque_balance as module
+from rollslip_studies.motion.torque_balance import Runaway, near_running_away, reserve, rollers, runaway, running
 from rollslip_studies.steady_slip.study import SteadySlip
 from tabled import REFERENCES, rows_of
 

@@ -10,10 +10,10 @@ from scipy.integrate import OdeSolver
 
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError
-from rollslip.motion import time_integration
-from rollslip.motion.time_integration import Event, InitialValueProblem, integrate
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import System, python_system
+from rollslip_studies.motion import time_integration
+from rollslip_studies.motion.time_integration import Event, InitialValueProblem, integrate
 
 SCIPY = ("rk23", "rk45", "dop853", "radau", "bdf", "lsoda")
 #: Name of an integrator, and whether it is given a compiled system.

@@ -13,10 +13,10 @@ import way_up_scenes as scenes
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
-from rollslip.motion.spins import place_of, slip_of
-from rollslip.motion.torque_balance import RANGE, rollers, runaway, running
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
+from rollslip_studies.motion.spins import place_of, slip_of
+from rollslip_studies.motion.torque_balance import RANGE, rollers, runaway, running
 from tabled import REFERENCES, rows_of
 
 

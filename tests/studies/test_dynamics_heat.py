@@ -12,8 +12,6 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, SceneError
-from rollslip.motion import time_integration
-from rollslip.motion.checkpoints import Checkpoints
 from rollslip.results.account import account_of
 from rollslip.results.style import save_figures
 from rollslip.studies.answers import Keep
@@ -21,6 +19,8 @@ from rollslip_studies.dynamics import heating
 from rollslip_studies.dynamics.figures import motion_figures
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.motion import time_integration
+from rollslip_studies.motion.checkpoints import Checkpoints
 
 LINKS = ("oil_inner_ring", "oil_rollers", "oil_outer_ring")
 CUT = dict.fromkeys(
@@ -94,7 +94,7 @@ def test_after_a_long_time_temperatures_are_those_of_the_thermal_balance(tmp_pat
 
 @pytest.mark.slow
 def test_heat_of_rolling_and_of_a_land_on_a_turning_ring_is_made_where_the_balance_has_it():
-    """Places by the ledger against those by `rollslip.motion.losses`, at a slip of 26 %."""
+    """Places by the ledger against those by `rollslip_studies.motion.losses`, at a slip of 26 %."""
     changes = {
         "operation.outer_speed": "-1000 rpm",
         "cage.drag": ["petroff-land", "rolling-resistance"],

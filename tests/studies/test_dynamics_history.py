@@ -13,9 +13,6 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
-from rollslip.motion import time_integration
-from rollslip.motion.checkpoints import Checkpoints
-from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
 from rollslip.studies.answers import Keep
 from rollslip_campaigns.sweep.point import compute
@@ -28,6 +25,9 @@ from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.motion import time_integration
+from rollslip_studies.motion.checkpoints import Checkpoints
+from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 
 HISTORY = "study.dynamics.history"

@@ -22,8 +22,6 @@ from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
-from rollslip.motion.torque_balance import TorqueBalance
-from rollslip.motion.way_up import WayUp
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
@@ -33,6 +31,8 @@ from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.motion.torque_balance import TorqueBalance
+from rollslip_studies.motion.way_up import WayUp
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.branches import follow
 from rollslip_studies.steady_slip.figures import steady_figures

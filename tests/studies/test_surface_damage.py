@@ -8,7 +8,6 @@ import pytest
 from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
-from rollslip.motion.losses import power_balance
 from rollslip.results.account import account_of, answer
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
@@ -16,6 +15,7 @@ from rollslip.results.words import LOWER_BOUNDS
 from rollslip.scene.interchange import read_foreign, write_foreign
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
+from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.surface_damage.figures import damage_figures
 
@@ -35,7 +35,7 @@ def result():
 @pytest.mark.parametrize("profile", ["none", "iso16281"])
 @pytest.mark.parametrize("slip", [0.03, 0.4])
 def test_power_over_all_contacts_is_what_the_bearing_loses_by_sliding(profile, slip):
-    """The power density over every area against another sum: F V of each roller, in rollslip.motion.losses."""
+    """The power density over every area against another sum: F V of each roller, in rollslip_studies.motion.losses."""
     scene = evolve(SCENE, {"bearing.profile": profile, "cage.drag": ["petroff-land", "rolling-resistance"]})
     assembly = plan(scene, "steady-slip").assembly.with_resistance()
     balance = SteadySlip().balance(assembly)

@@ -11,13 +11,13 @@ from scipy.linalg import expm
 from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
-from rollslip.motion.losses import Loss, PowerBalance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.scene.reading import from_raw
 from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.model import ThermalModel
+from rollslip_studies.motion.losses import Loss, PowerBalance
 from rollslip_studies.thermal_balance.balance import Curve, Heated, State
 from rollslip_studies.thermal_balance.figures import thermal_figures
 from rollslip_studies.thermal_balance.study import _jumps

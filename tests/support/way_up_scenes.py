@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
-from rollslip.motion.torque_balance import TorqueBalance
+from rollslip_studies.motion.torque_balance import TorqueBalance
 
 FREE, CATALOGUE, WIDE = 7, 11, 13
 OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")

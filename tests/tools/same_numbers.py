@@ -21,9 +21,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 import way_up_scenes as scenes
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
-from rollslip.motion.spins import Motions
-from rollslip.motion.torque_balance import runaway, running
 from rollslip_studies.effective_friction import raceways, study
+from rollslip_studies.motion.spins import Motions
+from rollslip_studies.motion.torque_balance import runaway, running
 from rollslip_studies.steady_slip.minimum_load import least_load
 
 RANGE, SCENES = 0.95, 1000

@@ -14,7 +14,6 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.errors import RollslipError
-from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import progress_in_notebook
@@ -25,7 +24,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies import validity
-from rollslip.studies.answers import Keep, total
+from rollslip.studies.answers import Keep, Store, total
 from rollslip.studies.law_outputs import law_outputs
 
 if TYPE_CHECKING:
@@ -102,9 +101,7 @@ def execute(
         assembly = plan.assemblies[study]
         before = assembly.inner.chain.evaluated
         try:
-            store = (
-                None if kept is None else Checkpoints(kept, scene_hash(plan.scene) + running.digest(assembly), study)
-            )
+            store = None if kept is None else Store(kept, scene_hash(plan.scene) + running.digest(assembly), study)
             dataset = running.run(assembly, Keep(store=store, progress=progress))
         except BoundBrokenError as broken:
             taken_back.append(str(broken))

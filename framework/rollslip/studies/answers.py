@@ -1,13 +1,13 @@
 """What a study answers with, where plan and campaigns ask it: outputs, resolution with errors, lines of a plan."""
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import attrs
 
 from rollslip.bearing.raceway import Array, Ring
 from rollslip.bearing.resolution import LeftOut, Resolution
-from rollslip.motion.checkpoints import Checkpoints
 from rollslip.results.dataset import about
 from rollslip.studies.accuracy import Errors
 
@@ -169,9 +169,18 @@ class Evaluated:
     force: Array
 
 
+@attrs.frozen
+class Store:
+    """Where a long study may leave what it has computed, in a form of its own, and whose it is."""
+
+    folder: Path  # made when something is written
+    scene_hash: str  # of the scene that is run, and of what else its results hang on
+    study: str
+
+
 @attrs.frozen(kw_only=True)
 class Keep:
     """Where a long study leaves what it has computed so far, and whom it tells how far it has come."""
 
-    store: Checkpoints | None = None
+    store: Store | None = None
     progress: Callable[[str, float], None] | None = None

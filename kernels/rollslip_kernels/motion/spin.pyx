@@ -14,7 +14,7 @@
   at each of which a roller goes in the sense of its torque to the first balance of torque and change of its spin. Such
   motions are ordered, so what is sent round from both ends of a bracket encloses all that repeat, and where both have
   met there is one. Rows are not evaluated any more as soon as they have come to what they were an orbit before.
-- How torques are made of forces stands in the framework's module `rollslip.motion.torque_balance`.
+- How torques are made of forces stands in the Python module `torque_balance` of the studies.
 """
 
 import numpy as np

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.motion.torque_balance import AT_LEAST, DRIVEN, FOUND, NOWHERE, SKIDS
+from rollslip_studies.motion.torque_balance import AT_LEAST, DRIVEN, FOUND, NOWHERE, SKIDS
 from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
 
 if TYPE_CHECKING:

@@ -30,9 +30,9 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
-from rollslip.motion.time_integration import Trajectory
-from rollslip.motion.torque_balance import near_running_away
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.motion.time_integration import Trajectory
+from rollslip_studies.motion.torque_balance import near_running_away
 
 #: What a plan chooses -> the finest of it that needs nothing more from a scene.
 OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}

@@ -19,10 +19,10 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.motion.time_integration import Trajectory
 from rollslip.studies.timing import timed
 from rollslip_studies.dynamics.choice import Movable, with_few_slices
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.motion.time_integration import Trajectory
 
 #: Evaluations of the rates that a look takes, its time of the processor [s] at most, and its first stretch [s].
 _ENOUGH: Final = 20_000

@@ -24,9 +24,6 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.losses import power_balance
-from rollslip.motion.time_integration import Trajectory
-from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.studies.answers import Part
 from rollslip.studies.thermal_balance.model import ThermalModel, from_bearing, thermal_model
 from rollslip.studies.timing import timed
@@ -36,6 +33,9 @@ from rollslip_studies.dynamics.history.temperature_path import CLEARANCE, Therma
 from rollslip_studies.dynamics.history.time_functions import constant
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.termination import explained
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.time_integration import Trajectory
+from rollslip_studies.motion.torque_balance import TorqueBalance
 
 #: Single values of a motion that heats its bearing.
 VALUES: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")

@@ -19,7 +19,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError
-from rollslip.motion.torque_balance import Runaway
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.estimates import slices_and_instants
@@ -33,6 +32,7 @@ from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.motion.torque_balance import Runaway
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -4,7 +4,7 @@
   (`rollslip_studies.dynamics.choice`); each level is one compiled right-hand side (`rollslip_studies.dynamics.levels`).
 - Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
   the energy is stored, as the plainest measure of how far a result can be trusted.
-- Slip past that of running away, where the balance of torques has its fold (`rollslip.motion.way_up`), is an event,
+- Slip past that of running away, where the balance of torques has its fold (`motion.way_up`), is an event,
   located in time, and ends the run if the scene says so; a cage that runs away is a result, not a failure.
 - What was computed is kept, however the run ends: the outcome is an attribute in words.
 """
@@ -27,7 +27,6 @@ from rollslip.errors import SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
-from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
@@ -56,6 +55,8 @@ from rollslip_studies.dynamics.termination import (
     stored,
 )
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
+from rollslip_studies.motion.checkpoints import Checkpoints
+from rollslip_studies.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip_studies.surface_damage.over_motion import over_motion
 
 if TYPE_CHECKING:
@@ -363,7 +364,8 @@ class Dynamics(Study):
             self._of_planar(assembly)
         heat = heating.heated(self, assembly, kept.progress)
         assembly, history = (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
-        settings, store = self.curved(assembly), kept.store
+        settings = self.curved(assembly)
+        store = None if kept.store is None else Checkpoints(*attrs.astuple(kept.store))
         raceways = settings.loaded(assembly, assembly.resolution.instants or over_time.INSTANTS)
         critical, away = over_time.critical_of(settings, raceways), over_time.away_of(settings, raceways)
         limit = over_time.limit_of(settings, assembly, history)

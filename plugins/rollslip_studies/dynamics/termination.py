@@ -12,11 +12,11 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
-from rollslip.motion.time_integration import Trajectory
 from rollslip.studies.answers import Evaluated
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.effective_friction.raceways import LoadedRaceways, regime_variables
 from rollslip_studies.friction_curve.study import balanced_load
+from rollslip_studies.motion.time_integration import Trajectory
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,12 +25,12 @@ from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.spins import Spins
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Output
 from rollslip.units import format_quantity
+from rollslip_studies.motion.spins import Spins
 
 #: Error of a map's loads relative to the tolerance.
 _MAP_SHARE = 1e-3

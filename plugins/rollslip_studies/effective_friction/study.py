@@ -9,7 +9,7 @@
   is against the direction in which rolling speeds are positive, hence the sign in ``LoadedContacts``.
 - The map over cage slip and roller slip, which needs no closure, is stored beside the curve.
 - The critical slip of a curve is that of its closure. Where the cage runs away, the balance of torques with freely
-  spinning rollers on both rings says (`rollslip.motion.way_up`), and it is told first; so does the same balance say at
+  spinning rollers on both rings says (`motion.way_up`), and it is told first; so does the same balance say at
   which slip the cage runs where the scene gives drags.
 """
 
@@ -28,7 +28,6 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.torque_balance import Runaway, TorqueBalance, look_along, reserve, rollers, runaway, running
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
@@ -42,6 +41,15 @@ from rollslip_studies.effective_friction.raceways import (
     evaluated_together,
     largest_change,
     regime_variables,
+)
+from rollslip_studies.motion.torque_balance import (
+    Runaway,
+    TorqueBalance,
+    look_along,
+    reserve,
+    rollers,
+    runaway,
+    running,
 )
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from rollslip.studies.study import Study
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
-    from rollslip.motion.torque_balance import Orbit, TorqueBalance
+    from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 
 #: Tolerance of the slip of the largest drag, where nothing depends on it.
 _ANY_SLIP: Final = 0.1

@@ -9,10 +9,10 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.losses import power_balance
-from rollslip.motion.torque_balance import Orbit, TorqueBalance
 from rollslip.results.dataset import about
 from rollslip.studies.steady_slip.torque import Duty, by_formula
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 
 

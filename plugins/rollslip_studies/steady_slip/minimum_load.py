@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from rollslip.bearing.search import bracketed, secants
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.torque_balance import RANGE, TorqueBalance
 from rollslip.results.words import AT_REST, SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.values import Scene
 from rollslip.units import format_quantity
+from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
 __all__ = ["RULES", "Rule", "asked_by_makers", "least_load", "static_rating"]
 

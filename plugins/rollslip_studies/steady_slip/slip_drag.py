@@ -9,10 +9,10 @@ import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.spins import place_of, slip_of
-from rollslip.motion.torque_balance import TorqueBalance, nowhere
-from rollslip.motion.way_up import WayUp
 from rollslip.results.dataset import about
+from rollslip_studies.motion.spins import place_of, slip_of
+from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
+from rollslip_studies.motion.way_up import WayUp
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 
 #: How many times as exact a cubic is between neighbours as with a point left out.

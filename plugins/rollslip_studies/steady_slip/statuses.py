@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
-from rollslip.motion.torque_balance import Orbit, TorqueBalance
-from rollslip.motion.way_up import Steady, WayUp
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.units import format_quantity
+from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
+from rollslip_studies.motion.way_up import Steady, WayUp
 from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import FASTER, VARIED
 

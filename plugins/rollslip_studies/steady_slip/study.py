@@ -1,9 +1,9 @@
 """Study steady-slip: at which cage slips a bearing runs on, found without integrating in time.
 
 - The rollers drive the cage, drags resist it; where both are in balance the slip is steady
-  (`rollslip.motion.torque_balance`). Traction has a maximum, so there are two such slips or none: at the smaller one
+  (`motion.torque_balance`). Traction has a maximum, so there are two such slips or none: at the smaller one
   more slip brings more torque and the cage holds it, at the larger one it runs away.
-- Steady slips, the slip-drag curve and its maxima all come from one way up (`rollslip.motion.way_up`): the motions of
+- Steady slips, the slip-drag curve and its maxima all come from one way up (`motion.way_up`): the motions of
   the rollers while the drag is raised slowly from none. It goes on until the cage all but stands, whatever the range
   of the curve, so that it is known where the cage runs, and where it runs away.
 - The positions of the orbit are doubled until the torque stands still; what the last doubling still moved is reported,
@@ -27,8 +27,16 @@ from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.effective_table import table_records
-from rollslip.motion.torque_balance import (
+from rollslip.results.dataset import about
+from rollslip.scene.changes import evolve
+from rollslip.scene.values import Scene
+from rollslip.studies import estimates
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
+from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.timing import timed
+from rollslip_studies.effective_friction.raceways import regime_variables, unloaded
+from rollslip_studies.motion.effective_table import table_records
+from rollslip_studies.motion.torque_balance import (
     RANGE,
     Near,
     Orbit,
@@ -41,15 +49,7 @@ from rollslip.motion.torque_balance import (
     runaway,
     running,
 )  # fmt: skip
-from rollslip.motion.way_up import Steady, WayUp
-from rollslip.results.dataset import about
-from rollslip.scene.changes import evolve
-from rollslip.scene.values import Scene
-from rollslip.studies import estimates
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
-from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.timing import timed
-from rollslip_studies.effective_friction.raceways import regime_variables, unloaded
+from rollslip_studies.motion.way_up import Steady, WayUp
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
 from rollslip_studies.steady_slip.evaluated import evaluated_slices

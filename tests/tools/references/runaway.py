@@ -1,4 +1,4 @@
-"""Where a cage runs away, by another way than rollslip.motion: one roller is integrated in time over an orbit.
+"""Where a cage runs away, by another way than rollslip_studies.motion: one roller is integrated in time over an orbit.
 
 J dw_r/dt = r (F_i - F_o) at a constant cage speed, with the laws of the scene in their NumPy forms, one roller, 15
 slices and Radau's method. The spin with which it comes back is found by shooting; the torque Z <R_i F_i + R_o F_o>, at

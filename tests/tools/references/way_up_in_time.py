@@ -24,8 +24,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 
 import way_up_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
-from rollslip.motion.spins import SLOW, place_of, slip_of
 from rollslip_kernels.slices import Slices
+from rollslip_studies.motion.spins import SLOW, place_of, slip_of
 
 TABLE = Path(__file__).with_name("way_up_in_time.csv")
 RANGE, TURN = 0.95, 2.0 * math.pi

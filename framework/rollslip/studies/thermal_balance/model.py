@@ -1,7 +1,7 @@
 """What a model of kind ``thermal`` must offer: how the heat of the losses leaves a bearing, and what it heats.
 
 - A model has nodes, each with one temperature, and says what heat flows into each. It knows nothing of films and slips:
-  losses come as power by place (`rollslip.motion.losses`), temperatures go to the scene by its own keys.
+  losses come as power by place (`rollslip_studies.motion.losses`), temperatures go to the scene by its own keys.
 - One node *leads*: all balances are found by going through its temperature while the other nodes follow.
 - Heat is conserved: what flows into all nodes is what is lost less what is carried away. The conformance kit holds it.
 """

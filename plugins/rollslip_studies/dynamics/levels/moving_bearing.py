@@ -11,9 +11,9 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import DomainError, RollslipError
-from rollslip.motion.effective_table import table_records
 from rollslip_kernels.motion.system import System
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, RacewayFriction
+from rollslip_studies.motion.effective_table import table_records
 
 #: Friction coefficient of the traction under which a roller is taken to lean on its pocket, where that is a measure.
 _LEANING: Final = 0.05

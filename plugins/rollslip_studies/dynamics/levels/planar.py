@@ -26,13 +26,13 @@ from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import field, non_negative, positive
 from rollslip.models import DragModel
-from rollslip.motion.effective_table import table_records
 from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
 from rollslip_studies.dynamics.levels.load_map import resistances
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact
 from rollslip_studies.dynamics.levels.raceway_friction import DEEP, FrictionSettings, raceway_friction, usual_force
+from rollslip_studies.motion.effective_table import table_records
 
 _SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
 _CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)

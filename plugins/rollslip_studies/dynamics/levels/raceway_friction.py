@@ -19,10 +19,10 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array, Raceway
 from rollslip.errors import RollslipError
-from rollslip.motion.effective_table import EffectiveTable, effective_table
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import Slices
 from rollslip_studies.dynamics.levels.load_map import LoadMap, build_load_map
+from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
 
 _log = logging.getLogger(__name__)
 

@@ -3,7 +3,7 @@
 - Where tractions have passed their maximum a roller sticks to one ring and slides on the other, and mostly it may do so
   on either: an imperfect pitchfork. From small slip goes on one of both motions. The other begins at a fold, and only a
   cage from larger slips ever gets to it. All lie between those of rollers sent round from both ends
-  (`rollslip.motion.spins`), which tell whether there is more than one.
+  (`rollslip_studies.motion.spins`), which tell whether there is more than one.
 - Where a motion ends on the way up, rollers go to the one that they come to from there. At a maximum of the torque the
   slip jumps to the next slip of the way that carries the drag. The cage runs away at the first maximum beyond which the
   slip at least doubles, or nothing in the range carries the drag.
@@ -25,7 +25,7 @@ import numpy as np
 from rollslip.bearing.raceway import Array
 from rollslip.bearing.search import bracketed, vertex
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.spins import TWO, Motion, Motions, place_of, slip_of
+from rollslip_studies.motion.spins import TWO, Motion, Motions, place_of, slip_of
 
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
 _SMALLEST, _STEP = 1e-4, 0.25

@@ -11,7 +11,7 @@
   resistances (against rolling on both surfaces), M the friction of the roller in its pocket under the force P that
   carries it round, and < > the mean over the orbit. T drives the cage.
 - Of the motions that repeat after an orbit it takes the one that rollers are in while the drag is raised slowly from
-  none: `rollslip.motion.spins` finds motions, `rollslip.motion.way_up` their order. It does not depend on what was
+  none: `motion.spins` finds motions, `motion.way_up` their order. It does not depend on what was
   asked before.
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
@@ -28,10 +28,10 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.effective_table import EffectiveTable, effective_table
-from rollslip.motion.spins import Conventional, Motion, Motions, place_of, slip_of
-from rollslip.motion.way_up import WayUp, way_up
 from rollslip.units import format_quantity
+from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
+from rollslip_studies.motion.spins import Conventional, Motion, Motions, place_of, slip_of
+from rollslip_studies.motion.way_up import WayUp, way_up
 
 #: Loads that stand for the slices of a roller on the way up.
 _FEW: Final = 8
@@ -130,7 +130,7 @@ class TorqueBalance:
         return self.motions.like(instants=self.instants, few=_FEW)
 
     def way(self, largest: float = RANGE, *, steps: int = 0) -> WayUp:
-        """Return the way up over the cage slips up to the largest, `rollslip.motion.way_up.way_up`."""
+        """Return the way up over the cage slips up to the largest, `rollslip_studies.motion.way_up.way_up`."""
         key = largest, steps
         if key not in self._ways:
             self._ways[key] = way_up(self._few, largest, self.motions, steps=steps)

@@ -14,18 +14,15 @@ import numpy as np
 
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
-from rollslip.motion.time_integration import Event, Trajectory
+from rollslip.studies.answers import Store
+from rollslip_studies.motion.time_integration import Event, Trajectory
 
 _NUMBERS = ("last_t", "last_step", "steps", "rejected", "evaluations", "jacobians", "wall_time", "processor_time")
 
 
 @attrs.frozen
-class Checkpoints:
+class Checkpoints(Store):
     """Parts of one run."""
-
-    folder: Path  # where they are; made when the first is written
-    scene_hash: str  # of the scene that is run
-    study: str  # its study
 
     def parts(self) -> list[Path]:
         """Return the files that are there, in order."""

@@ -4,7 +4,7 @@
   F_i V_i + F_o V_o by sliding, 2 (F_Ri u_i + F_Ro u_o) by resistance to rolling and M w_r in its pocket; a drag on the
   cage loses -T (w_c - w_b) against the body b that bears its reaction: a ring, or what stands still.
 - The rings put in Z <R_i (F_i + F_Ri)> w_i and Z <R_o (F_o - F_Ro)> w_o, and what drives the cage from their lands.
-  With the torques of `rollslip.motion.torque_balance`, identically::
+  With the torques of `rollslip_studies.motion.torque_balance`, identically::
 
       power of the rings = sum of the losses + w_c (excess torque on the cage) + Z <w_r G>
 
@@ -19,8 +19,8 @@ import numpy as np
 from rollslip.bearing.drags import TotalResistance
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.models import ResistanceModel
-from rollslip.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_kernels.slices import COLUMNS, Slices
+from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 
 __all__ = ["Loss", "PowerBalance", "power_balance"]
 
