@@ -37,7 +37,7 @@ PROMISED = {
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
         PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",
     "rollslip.lubricant.pressure": "PressureViscosity",
-    "rollslip.measurement": "Measurement load_measurement",
+    "rollslip_campaigns.measurement": "Measurement load_measurement",
     "rollslip.models": """ContactModel Domain Drag DragModel FINITE FilmModel IntegratorModel NON_NEGATIVE NO_LIMITS
         POSITIVE PocketFriction PressureModel ResistanceModel SCENE_VALUES SliceModel
         TractionModel Validity evaluate_arrays from_scene in_unit
@@ -115,6 +115,7 @@ def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
         ("campaigns.uncertainty.scatter", "rollslip.planning.scatter"),
         ("campaigns.uncertainty.band", "rollslip_studies.steady_slip.band"),
         ("motion.history.settings", "rollslip_studies.dynamics.history.settings"),
+        ("measurement", "rollslip_campaigns.measurement"),
         ("motion.way_up", "rollslip_studies.motion.way_up"),
         ("motion.planar", "rollslip_studies.dynamics.levels.planar"),
         ("studies.dynamics", "rollslip_studies.dynamics"),

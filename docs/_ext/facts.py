@@ -20,13 +20,13 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
-from rollslip.measurement import QUANTITIES
 from rollslip.results.answer import RULES
 from rollslip.scene.distributions import DISTRIBUTIONS, Correlation
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
 from rollslip.units import format_quantity
+from rollslip_campaigns.measurement import QUANTITIES
 from rollslip_campaigns.sweep.definition import SweepTable
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 

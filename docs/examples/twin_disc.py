@@ -8,8 +8,8 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from rollslip.measurement.rig import RigData, load_rig
 from rollslip_campaigns.fit.problem import rig_problem
+from rollslip_campaigns.measurement.rig import RigData, load_rig
 
 HERE = Path(__file__).parent
 SLIPS = (0.05, 0.1, 0.2, 0.4, 0.6, 1, 1.5, 2, 3, 5, 7, 10)  # %

@@ -14,11 +14,11 @@ import numpy as np
 from output import write_table
 
 from rollslip.errors import ConvergenceError
-from rollslip.measurement.rig import Rig, RigContact, RigData
 from rollslip.scene import LubricantTable
 from rollslip_campaigns.fit.fit import fit_parameters
 from rollslip_campaigns.fit.least_squares import LEVELS
 from rollslip_campaigns.fit.problem import parameters_named, rig_problem
+from rollslip_campaigns.measurement.rig import Rig, RigContact, RigData
 
 REPEATS = 500
 SLIPS = (0.0005, 0.001, 0.002, 0.004, 0.006, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)

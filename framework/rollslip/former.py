@@ -42,6 +42,7 @@ _ROOTS: Final = {
     "rollslip.campaigns": "rollslip_campaigns",
     "rollslip.motion.history": "rollslip_studies.dynamics.history",
     "rollslip.motion": "rollslip_studies.motion",
+    "rollslip.measurement": "rollslip_campaigns.measurement",
     "rollslip.studies": "rollslip_studies",
 }
 #: What they left behind: the interface of studies, and folders of models that one of them asks.

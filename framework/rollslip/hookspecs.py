@@ -99,7 +99,7 @@ def bearings() -> Iterable[Any]:  # type: ignore[empty-body]
 
 @hookspec
 def measurements() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Data sets this plugin offers: values of `rollslip.measurement.Measurement`."""
+    """Data sets this plugin offers: values of `rollslip_campaigns.measurement.Measurement`."""
 
 
 @hookspec

@@ -29,7 +29,6 @@ from rollslip.cli import main
 from rollslip.errors import ConvergenceError, PluginError, SceneError
 from rollslip.fields import parameter
 from rollslip.lubricant import lubricant_from_table
-from rollslip.measurement.rig import EXAMPLE, Rig, RigContact, RigData, TractionRow, load_rig, read_data
 from rollslip.models import FINITE, POSITIVE, TractionModel
 from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
@@ -41,6 +40,7 @@ from rollslip_campaigns.fit.fit import fit_parameters
 from rollslip_campaigns.fit.least_squares import LEVELS, estimate
 from rollslip_campaigns.fit.oil import write_oil
 from rollslip_campaigns.fit.problem import parameters_named, rig_problem, with_values
+from rollslip_campaigns.measurement.rig import EXAMPLE, Rig, RigContact, RigData, TractionRow, load_rig, read_data
 from tabled import REFERENCES, TABLES, rows_of
 
 ROOT = Path(__file__).parents[2]

@@ -10,10 +10,10 @@ from rollslip import open_result, validate
 from rollslip.catalogue.registry import get_model
 from rollslip.cli.main import main
 from rollslip.errors import PluginError, SceneError
-from rollslip.measurement.values import Row, Series, Statement, Step
 from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.structure import FrozenTable
+from rollslip_campaigns.measurement.values import Row, Series, Statement, Step
 from rollslip_campaigns.validation import ValidationSettings
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import form, read_predictions

@@ -10,11 +10,11 @@ import pytest
 
 pytestmark = pytest.mark.quick
 
-BOX = Path(str(files("rollslip_plugins.data.measurements")))
+BOX = Path(str(files("rollslip_campaigns.measurement.sets")))
 FOLDERS = sorted(path for path in BOX.iterdir() if path.is_dir() and path.name != "__pycache__")
 PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 OFFERED = PROJECT["entry-points"]["rollslip.measurement"]
-MODULE = "rollslip_plugins.data.measurements"
+MODULE = "rollslip_campaigns.measurement.sets"
 #: Bytes of a folder: single numbers and short tables, no raw signals.
 MOST = 200_000
 #: Licences under which data may be passed on, by the beginning of their names.

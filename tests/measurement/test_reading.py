@@ -9,11 +9,11 @@ import pytest
 
 from rollslip.catalogue.scaffold import package
 from rollslip.errors import RollslipError, SceneError
-from rollslip.measurement import QUANTITIES, load_measurement, load_measurements
+from rollslip_campaigns.measurement import QUANTITIES, load_measurement, load_measurements
 
 pytestmark = pytest.mark.quick
 
-BOX = Path(str(files("rollslip_plugins.data.measurements")))
+BOX = Path(str(files("rollslip_campaigns.measurement.sets")))
 
 
 @pytest.fixture

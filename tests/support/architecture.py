@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 #: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
 #: Studies of the box and campaigns are roots of their own, right of all.
 ORDER = (
-    "shelf", "lubricant", "catalogue", "scene", "measurement", "bearing", "results", "studies", "planning",
+    "shelf", "lubricant", "catalogue", "scene", "bearing", "results", "studies", "planning",
     "testing", "cli", "rollslip_studies", "rollslip_campaigns",
 )  # fmt: skip
 #: Roots whose modules stand in these folders.
@@ -29,7 +29,7 @@ WRITTEN = {".py", ".pyi", ".pyx", ".pxd", ".h", ".toml", ".in", ".csv", ".txt", 
 #: their place, contacts of a rig. None of them knows of it.
 CAMPAIGNS = {
     ("uncertainty", "sweep"), ("explorer", "sweep"), ("limit", "sweep"), ("pareto", "comparison"),
-    ("pareto", "sweep"),
+    ("pareto", "sweep"), ("fit", "measurement"), ("validation", "measurement"),
     ("validation", "comparison"),
     ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip

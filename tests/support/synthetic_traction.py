@@ -5,12 +5,12 @@ import itertools
 
 import numpy as np
 
-from rollslip.measurement import Measurement
-from rollslip.measurement.rig import Rig, RigContact, RigData
-from rollslip.measurement.values import ContactSeries, Row
 from rollslip.scene.values import LubricantTable, ModelChoice, Models
 from rollslip.structure import FrozenTable
 from rollslip_campaigns.fit.problem import rig_problem
+from rollslip_campaigns.measurement import Measurement
+from rollslip_campaigns.measurement.rig import Rig, RigContact, RigData
+from rollslip_campaigns.measurement.values import ContactSeries, Row
 
 RIG = Rig(
     rig=RigContact(radius=0.01, roughness=(0.05e-6, 0.05e-6)),

@@ -1,4 +1,4 @@
-"""The rules of what sees a whole bearing: thermal and damage models, formulas of the friction torque, data sets.
+"""The rules of what sees a whole bearing: thermal and damage models, formulas of the friction torque.
 
 - Heat is conserved and flows from warm to cold.
 - Damage models are held against slices that the laws of a bearing evaluated (`_contacts`), since they rest on these.
@@ -15,12 +15,10 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
-from rollslip.errors import DomainError, RollslipError
-from rollslip.measurement import Measurement
+from rollslip.errors import DomainError
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
-from rollslip.studies.study import settings
 from rollslip.studies.surface_damage.model import Contacts, DamageModel
 from rollslip.studies.thermal_balance.model import PLACES, ROLES, ThermalModel
 from rollslip.testing.rules import (
@@ -290,37 +288,3 @@ def check_an_oil_without_density_is_refused_in_words_or_not_needed(formula: Torq
         except DomainError:
             continue
         refuse_unless(known == sum(_torque(formula, duty).values()), "without a density the torque is another one")
-
-
-# Data sets ------------------------------------------------------------------------------------------------------------
-
-
-@rule(Measurement)
-def check_a_data_set_says_what_it_is_and_whence(measurement: Measurement) -> None:
-    """Reports, `rollslip cite` and whoever doubts a number ask for it."""
-    refuse_unless(
-        measurement.description.strip() and "\n" not in measurement.description,
-        f"its description is {measurement.description!r}; say in one line what was measured on what",
-    )
-    refuse_unless(
-        measurement.references and all(map(is_citation, measurement.references)),
-        f"its references are {measurement.references!r}; {CITATIONS_WANTED}",
-    )
-    refuse_unless(measurement.licence.strip(), "it names no licence; say 'facts' where it holds single numbers only")
-
-
-@rule(Measurement)
-def check_every_row_makes_a_bearing(measurement: Measurement) -> None:
-    """An oil, a model or a cage that cannot be put together is found by its author and not by its users."""
-    of_bearings = [(series, series.scene) for series in measurement.series if series.scene is not None]
-    if not any(series.rows for series, _ in of_bearings):
-        raise Inapplicable("it has no numbers of a bearing")
-    for series, scene in of_bearings:
-        study = series.quantity.partition("/")[0] if "/" in series.quantity else None
-        for row in series.rows:
-            try:
-                changed = evolve(scene, row.changes)
-                assemble(changed)
-                settings(changed, study)
-            except RollslipError as error:
-                raise Nonconformance(f"series {series.name!r}, {row.label}: {error}") from error

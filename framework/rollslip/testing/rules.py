@@ -11,12 +11,11 @@ from typing import Any, Final
 import numpy as np
 from hypothesis import assume
 
-from rollslip.catalogue.kinds import kind_of
+from rollslip.catalogue.kinds import kind_of, usable_kinds
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.measurement import Measurement
 from rollslip.models import (
     ContactModel,
     Drag,
@@ -97,10 +96,10 @@ def kinds_of(model: object) -> Iterator[type | str]:
         yield from () if of is None else (of.name,)
         return
     yield "value"
-    beside = (Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel, TorqueFormula)
+    beside = (Engine, Lubricant, Study, ThermalModel, DamageModel, TorqueFormula)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     of = kind_of(model) or kind_of(type(model))
-    if of is not None and of.rules:  # a kind of a stranger
+    if of is not None and of.rules:  # a kind that brings its own
         importlib.import_module(of.rules)
         yield of.base
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
@@ -114,6 +113,9 @@ def checks_of(model: object) -> list[Check]:
 
 def all_checks() -> list[Check]:
     """Return every check there is, once."""
+    for of in usable_kinds():
+        if of.rules:
+            importlib.import_module(of.rules)
     return list(dict.fromkeys(check for checks in _RULES.values() for check in checks))
 
 

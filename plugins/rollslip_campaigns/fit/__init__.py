@@ -44,7 +44,7 @@ class FitSettings(Campaign):
 
     data: Any = setting(
         "", default=attrs.NOTHING, of=Path, argument="DATA.csv", first=True,
-        more="Data file, see `rollslip.measurement.rig.read_data`, or what is read of one.",
+        more="Data file, see `rollslip_campaigns.measurement.rig.read_data`, or what is read of one.",
     )  # fmt: skip
     parameters: str | Iterable[str] = setting(
         "What to fit, separated by commas.", default=attrs.NOTHING, metavar="NAME,NAME",

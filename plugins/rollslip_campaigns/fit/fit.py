@@ -13,10 +13,10 @@ import numpy as np
 
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
-from rollslip.measurement.rig import Rig, RigData, load_rig, read_data
 from rollslip_campaigns.fit.least_squares import Report, estimate
 from rollslip_campaigns.fit.problem import Array, Parameter, RigProblem, friction_at, parameters_named, rig_problem
 from rollslip_campaigns.fit.result import Fit, dataset_of
+from rollslip_campaigns.measurement.rig import Rig, RigData, load_rig, read_data
 
 if TYPE_CHECKING:
     import xarray as xr

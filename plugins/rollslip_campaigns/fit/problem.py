@@ -24,11 +24,11 @@ from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import OilTable
 from rollslip.lubricant.temperature import Constant
-from rollslip.measurement.rig import Rig, RigData
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
 from rollslip.structure import Location
 from rollslip.units import format_quantity
+from rollslip_campaigns.measurement.rig import Rig, RigData
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Names = Sequence[str] | str
 _PREDICTIONS = "What another program gives for one data set; may be repeated."
-_DATA = "Names, folders, or data sets that are read: `rollslip.measurement.Measurement`."
+_DATA = "Names, folders, or data sets that are read: `rollslip_campaigns.measurement.Measurement`."
 
 
 @attrs.frozen(eq=False)

@@ -21,9 +21,9 @@ from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import OutputError, SceneError
 from rollslip.files import content_of, decoded, readable, whole_file
-from rollslip.measurement import Measurement, load_measurement
-from rollslip.measurement.values import Series
 from rollslip.units import as_written
+from rollslip_campaigns.measurement import Measurement, load_measurement
+from rollslip_campaigns.measurement.values import Series
 from rollslip_campaigns.validation.residuals import Value
 
 __all__ = [

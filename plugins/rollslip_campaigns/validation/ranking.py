@@ -28,8 +28,6 @@ from numpy.typing import NDArray
 
 from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError
-from rollslip.measurement import Measurement
-from rollslip.measurement.values import ContactSeries, Series
 from rollslip.planning.campaign import listed
 from rollslip.results.dataset import about
 from rollslip_campaigns.fit.least_squares import estimate, minimise
@@ -41,6 +39,8 @@ from rollslip_campaigns.fit.problem import (
     parameters_named,
     rig_problem,
 )
+from rollslip_campaigns.measurement import Measurement
+from rollslip_campaigns.measurement.values import ContactSeries, Series
 from rollslip_campaigns.validation.predictions import Predictions
 from rollslip_campaigns.validation.validate import Combination, Validation, nominal_values, plan_validation
 

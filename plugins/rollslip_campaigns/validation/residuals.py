@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.measurement.values import Series, Statement
+from rollslip_campaigns.measurement.values import Series, Statement
 
 __all__ = ["BROKEN", "HELD", "INSIDE", "OUTSIDE", "UNTOLD", "Group", "Judged", "Said", "Value", "held", "verdict_on"]
 

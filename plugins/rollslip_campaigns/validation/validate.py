@@ -27,8 +27,6 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
-from rollslip.measurement import Measurement
-from rollslip.measurement.values import ContactSeries, Series, Statement
 from rollslip.models import SliceModel
 from rollslip.planning.campaign import listed
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
@@ -43,6 +41,8 @@ from rollslip.studies.study import settings
 from rollslip.units import quantity as in_unit
 from rollslip_campaigns.comparison.choices import KINDS, read_choice, refuse
 from rollslip_campaigns.fit.problem import RigProblem, rig_problem
+from rollslip_campaigns.measurement import Measurement
+from rollslip_campaigns.measurement.values import ContactSeries, Series, Statement
 from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_campaigns.validation.findings import shown
 from rollslip_campaigns.validation.observables import observe

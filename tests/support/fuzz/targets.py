@@ -23,7 +23,6 @@ from fuzz import stages
 from rollslip import open_result
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import OutputError, PluginError, RollslipDeprecationWarning, SceneError
-from rollslip.measurement.rig import EXAMPLE, load_rig, read_data
 from rollslip.results.dataset import save
 from rollslip.scene import Scene, resolved, scene_hash
 from rollslip.scene.changes import evolve, parse_set
@@ -32,6 +31,7 @@ from rollslip.scene.schema import schema
 from rollslip.structure import structure
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, format_quantity, quantity
+from rollslip_campaigns.measurement.rig import EXAMPLE, load_rig, read_data
 
 ROOT = Path(__file__).parents[3]
 FOLDER = Path(tempfile.mkdtemp(prefix="rollslip-fuzz-"))

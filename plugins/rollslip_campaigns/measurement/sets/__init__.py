@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from rollslip.hookspecs import hookimpl
-from rollslip.measurement import Measurement, load_measurements
+from rollslip_campaigns.measurement import Measurement, load_measurements
 
 
 @hookimpl

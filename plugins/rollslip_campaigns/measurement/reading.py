@@ -17,8 +17,15 @@ import attrs
 
 from rollslip.errors import SceneError, nearest
 from rollslip.files import content_of, decoded, readable
-from rollslip.measurement.rig import FilmRow, Rig, RigData, TractionRow, load_rig, read_data
-from rollslip.measurement.values import (
+from rollslip.references import Reference
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import Scene
+from rollslip.structure import FrozenTable, Location, structure
+from rollslip.toml import parse
+from rollslip.units import UnitError, as_written, check_unit, quantity
+from rollslip_campaigns.measurement.rig import FilmRow, Rig, RigData, TractionRow, load_rig, read_data
+from rollslip_campaigns.measurement.values import (
     FORM,
     QUANTITIES,
     ContactSeries,
@@ -32,13 +39,6 @@ from rollslip.measurement.values import (
     StatementTable,
     Step,
 )
-from rollslip.references import Reference
-from rollslip.scene.changes import evolve
-from rollslip.scene.reading import load_scene
-from rollslip.scene.values import Scene
-from rollslip.structure import FrozenTable, Location, structure
-from rollslip.toml import parse
-from rollslip.units import UnitError, as_written, check_unit, quantity
 
 __all__ = ["FILE", "load_measurement", "load_measurements"]
 

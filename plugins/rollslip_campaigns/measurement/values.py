@@ -16,11 +16,11 @@ import attrs
 
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.fields import field, one_of, positive
-from rollslip.measurement.rig import FilmRow, Rig, RigData, TractionRow
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, attributes
 from rollslip.units import format_quantity
+from rollslip_campaigns.measurement.rig import FilmRow, Rig, RigData, TractionRow
 
 __all__ = [
     "EXPECTED", "FORM", "LICENCES", "MEASUREMENT", "QUANTITIES", "READ", "ContactSeries", "Measured", "Measurement",
@@ -217,7 +217,7 @@ class Statement(Measured):
 
 @attrs.frozen(kw_only=True)
 class Measurement:
-    """A data set that models are held against; `rollslip.measurement.load_measurement` reads one from its folder.
+    """A data set that models are held against; `load_measurement` reads one from its folder.
 
     Attributes
     ----------
@@ -293,10 +293,12 @@ MEASUREMENT: Final = Kind(
         contents="the door; the data set is in the folder `data` beside it",
         use="rollslip validate ${model}",
         needs=(),
+        package="rollslip_campaigns.measurement",
         files={
             "data/measurement.toml": "measurement.toml",
             "data/scene.toml": "measurement_scene.toml",
             "data/cage-slip.csv": "measurement.csv",
         },
     ),
+    rules="rollslip_campaigns.measurement.rules",
 )
