@@ -21,7 +21,6 @@ from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
 from rollslip.results.answer import RULES
-from rollslip.scene.distributions import DISTRIBUTIONS, Correlation
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
@@ -29,6 +28,7 @@ from rollslip.units import format_quantity
 from rollslip_campaigns.measurement import QUANTITIES
 from rollslip_campaigns.sweep.definition import SweepTable
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from rollslip_studies.variation.distributions import DISTRIBUTIONS, Correlation
 
 ROOT = Path(__file__).parents[2]
 #: Head of a table of keys.

@@ -16,12 +16,12 @@ from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.planning.new_scene import ASSUMED, new_scene
-from rollslip.planning.quantities import quantities
-from rollslip.planning.scatter import with_scatter
-from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location
 from rollslip_studies.motion.torque_balance import reserve, rollers, runaway, running
+from rollslip_studies.variation.distributions import read_uncertainty
+from rollslip_studies.variation.quantities import quantities
+from rollslip_studies.variation.scatter import with_scatter
 
 #: Bearing, oil, speed and load of each scene, at 70 degC.
 SCENES = {

@@ -17,9 +17,12 @@ from rollslip.errors import RollslipDeprecationWarning
 
 #: What changed its name.
 _RENAMED: Final = {
-    "rollslip.campaigns.sweep.distributions": "rollslip.scene.distributions",
+    "rollslip.campaigns.sweep.distributions": "rollslip_studies.variation.distributions",
     "rollslip.campaigns.uncertainty.band": "rollslip_studies.steady_slip.band",
-    "rollslip.campaigns.uncertainty.scatter": "rollslip.planning.scatter",
+    "rollslip.campaigns.uncertainty.scatter": "rollslip_studies.variation.scatter",
+    "rollslip.planning.quantities": "rollslip_studies.variation.quantities",
+    "rollslip.planning.scatter": "rollslip_studies.variation.scatter",
+    "rollslip.scene.distributions": "rollslip_studies.variation.distributions",
     "rollslip.bearing.load_map": "rollslip_studies.dynamics.levels.load_map",
     "rollslip.motion.continuation": "rollslip_studies.steady_slip.branches",
     **{

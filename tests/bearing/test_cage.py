@@ -12,13 +12,13 @@ from rollslip.catalogue import discovery
 from rollslip.errors import PluginError, SceneError
 from rollslip.models import DragModel
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.quantities import quantities
 from rollslip.scene import resolved, scene_hash
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import DENSITY
 from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
+from rollslip_studies.variation.quantities import quantities
 
 pytestmark = pytest.mark.quick
 

@@ -21,15 +21,15 @@ from rollslip.bearing.assembly import assemble
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
-from rollslip.planning.quantities import quantities
-from rollslip.planning.scatter import scattering, with_scatter
-from rollslip.scene.distributions import LogNormal
 from rollslip_campaigns.uncertainty import UncertaintySettings, findings
 from rollslip_campaigns.uncertainty.samples import least_loads, of_friction, shares_of
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
 from rollslip_studies.motion.torque_balance import Runaway, Running, reserve, rollers, runaway, running
+from rollslip_studies.variation.distributions import LogNormal
+from rollslip_studies.variation.quantities import quantities
+from rollslip_studies.variation.scatter import scattering, with_scatter
 from scattered import SCATTERED as SCENE
 from scattered import constant, uncertain
 
@@ -81,13 +81,17 @@ def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeyp
     share = Scatter(distribution="lognormal", parameters={"deviation_of_ln": 0.7}, grade="(D)", source="an estimate")
     quantity = quantities(assemble(SCENE), {})["cage.land_clearance"]
     declared = attrs.evolve(quantity, attribute=field.evolve(metadata={**field.metadata, "scatter": share}))
-    monkeypatch.setattr("rollslip.planning.scatter.quantities", lambda assembly, studies: {declared.key: declared})
+    monkeypatch.setattr(
+        "rollslip_studies.variation.scatter.quantities", lambda assembly, studies: {declared.key: declared}
+    )
     assert scattering(assemble(SCENE)) == {}, "the scene states it"
     cage = {key: value for key, value in SCENE.raw["cage"].items() if key != "land_clearance"}
     scene = rollslip.evolve(SCENE, {"cage": cage})
     assert list(scattering(assemble(scene))) == ["cage.land_clearance"]
     nothing = attrs.evolve(declared, value=0.0)
-    monkeypatch.setattr("rollslip.planning.scatter.quantities", lambda assembly, studies: {nothing.key: nothing})
+    monkeypatch.setattr(
+        "rollslip_studies.variation.scatter.quantities", lambda assembly, studies: {nothing.key: nothing}
+    )
     assert scattering(assemble(scene)) == {}, "a share of nothing is nothing"
 
 
@@ -325,7 +329,7 @@ def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them()
 
 
 def test_a_scene_without_any_scatter_says_what_to_write(monkeypatch):
-    monkeypatch.setattr("rollslip.planning.scatter.scattering", lambda assembly: {})
+    monkeypatch.setattr("rollslip_studies.variation.scatter.scattering", lambda assembly: {})
     with pytest.raises(SceneError, match="state what is uncertain"):
         with_scatter(SCENE)
 

@@ -13,14 +13,14 @@ from scipy.stats import norm
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.planning.new_scene import ASSUMED, new_scene
-from rollslip.planning.quantities import quantities
-from rollslip.planning.scatter import scattering, with_scatter
-from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
 from rollslip.structure import Location
 from rollslip_studies.motion.torque_balance import rollers
 from rollslip_studies.steady_slip.band import bands
+from rollslip_studies.variation.distributions import read_uncertainty
+from rollslip_studies.variation.quantities import quantities
+from rollslip_studies.variation.scatter import scattering, with_scatter
 
 #: Standard deviations of logarithms by what is known of each: land, churning, rolling, hysteresis.
 DRAGS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.30, "hysteresis": 0.7}

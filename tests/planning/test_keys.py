@@ -10,10 +10,10 @@ from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.planning.keys import example, keys, keys_of
-from rollslip.planning.quantities import quantities
 from rollslip.scene.changes import parse_set
 from rollslip.studies.study import settings
 from rollslip.units import quantity
+from rollslip_studies.variation.quantities import quantities
 
 SCENE = load_scene("1032930-70C")
 

@@ -12,9 +12,9 @@ from rollslip.cli.models import kinds_of
 from rollslip.datasets import BearingData, Family
 from rollslip.errors import UnknownNameError
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.scatter import with_scatter
 from rollslip.scene.reading import parse_scene
 from rollslip_plugins.data.cylindrical import CATALOGUE, RULES
+from rollslip_studies.variation.scatter import with_scatter
 from tabled import REFERENCES, rows_of
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "bearing_catalogue.csv"

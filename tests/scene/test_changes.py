@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError, RollslipError, SceneError
 from rollslip.planning.provenance import scene_told
-from rollslip.planning.quantities import quantities
 from rollslip.scene import FrozenTable, ModelChoice, Scene, resolved, scene_hash
 from rollslip.scene.changes import SHORT, evolve, parse_set
 from rollslip.scene.reading import load_scene, parse_scene
 from rollslip.scene.schema import schema
 from rollslip.structure import structure
+from rollslip_studies.variation.quantities import quantities
 from scene_samples import SCENE, scene_with
 
 pytestmark = pytest.mark.quick

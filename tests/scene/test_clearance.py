@@ -13,11 +13,11 @@ from rollslip.bearing.assembly import assemble
 from rollslip.datasets import Bearing, Catalogue, Material, Mounting
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.scatter import with_scatter
 from rollslip.scene.clearance import operating, share, spun, usual_fit
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.scene.values import resolved, scene_hash
 from rollslip_plugins.data.cylindrical import CATALOGUE
+from rollslip_studies.variation.scatter import with_scatter
 
 STEEL = Material()
 PLAIN = Bearing(

@@ -17,7 +17,6 @@ from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Span, parameter
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
 from rollslip.planning.plausibility import implausible, implausible_along
-from rollslip.planning.quantities import quantities
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
 from rollslip.scene.values import Scene
@@ -25,6 +24,7 @@ from rollslip.structure import FrozenTable, attributes, key_of, types_of
 from rollslip.studies.study import study_class
 from rollslip_plugins.traction.shear_thinning import Carreau
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
+from rollslip_studies.variation.quantities import quantities
 from scene_samples import line_of, scene_with
 
 pytestmark = pytest.mark.quick

@@ -95,7 +95,7 @@ def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):
     assert "band" in dataset.attrs
     del dataset.attrs["band"]
     assert with_bands(SCENE, dataset.assign(steady_slip=("steady", np.array([np.nan])))).attrs.get("band") is None
-    monkeypatch.setattr("rollslip.planning.scatter.scattering", lambda assembly: {})
+    monkeypatch.setattr("rollslip_studies.variation.scatter.scattering", lambda assembly: {})
     assert with_bands(SCENE, dataset).attrs.get("band") is None
     assert Band(0.5, math.inf, "x").high == math.inf
 

@@ -44,8 +44,8 @@ SHARED = {
     "rollslip_studies.surface_damage.findings", "rollslip_studies.surface_damage.figures",
     "rollslip_studies.thermal_balance.figures",
 }  # fmt: skip
-#: A folder of studies that is none of them: a bearing in time, which several ask.
-COMMON = "rollslip_studies.motion"
+#: Folders of studies that are none of them: a bearing in time, and what varies, which several ask.
+COMMON = {"rollslip_studies.motion", "rollslip_studies.variation"}
 #: Package -> the folder, or the module, that alone may import it.
 ONLY = {"matplotlib": ("results", "figures"), "click": ("cli", "command"), "sqlite3": ("journal",)}
 #: Where names of models and studies may stand as defaults of scene or study.
@@ -309,6 +309,11 @@ def entangled(root: Path = ROOT) -> list[str]:
                 continue
             if one[0] == two[0] == "rollslip_campaigns" and (one[-1], two[1]) not in CAMPAIGNS:
                 found.append(f"{module} imports {other}")
-            if two[0] == "rollslip_studies" and ".".join(two) != COMMON and other not in SHARED and module not in FACES:
+            if (
+                two[0] == "rollslip_studies"
+                and ".".join(two) not in COMMON
+                and other not in SHARED
+                and module not in FACES
+            ):
                 found.append(f"{module} imports {other}, which is no shared module of a study")
     return found

@@ -8,13 +8,13 @@ import attrs
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import SceneError
-from rollslip.planning.quantities import quantities
 from rollslip.scene.changes import Quantity, unknown
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
 from rollslip_campaigns.explorer.grid import Dial, Explorer
 from rollslip_campaigns.sweep.sampling import read_overs
 from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.variation.quantities import quantities
 
 if TYPE_CHECKING:
     from rollslip_campaigns.explorer import ExplorerSettings

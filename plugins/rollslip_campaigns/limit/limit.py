@@ -26,7 +26,6 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.plan import duration_range, estimate
-from rollslip.planning.quantities import quantities
 from rollslip.results.dataset import about, save
 from rollslip.scene.changes import Quantity, evolve, unknown
 from rollslip.scene.values import Scene
@@ -50,6 +49,7 @@ from rollslip_campaigns.sweep.point import unpacked
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs
 from rollslip_campaigns.sweep.sweep import plan_sweep, study_with
+from rollslip_studies.variation.quantities import quantities
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -18,11 +18,11 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.packages import edited
 from rollslip.fields import at_least, non_negative, one_of, parameter, positive
 from rollslip.references import Citation
-from rollslip.scene.distributions import Uncertainty, shown
 from rollslip.scene.values import Scene, resolved, scene_hash
 from rollslip.structure import FrozenTable
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sampling import SAMPLINGS, Design, plain_names
+from rollslip_studies.variation.distributions import Uncertainty, shown
 
 __all__ = ["OF_POINTS", "Resolutions", "Sweep", "SweepTable", "SweepWork", "here", "name_of"]
 

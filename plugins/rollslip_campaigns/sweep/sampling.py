@@ -27,9 +27,9 @@ from numpy.typing import NDArray
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
-from rollslip.scene.distributions import Distribution, LogUniform, Uniform
 from rollslip.toml import thawed
 from rollslip.units import as_written, check_typed, evenly, format_quantity, typed_range, unit_given
+from rollslip_studies.variation.distributions import Distribution, LogUniform, Uniform
 
 __all__ = [
     "REPLICATES",

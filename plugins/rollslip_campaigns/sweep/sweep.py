@@ -31,10 +31,8 @@ from rollslip.planning.campaign import listed
 from rollslip.planning.plan import estimate, require_memory
 from rollslip.planning.plausibility import implausible_along
 from rollslip.planning.provenance import cited, data_references
-from rollslip.planning.quantities import quantities
 from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, evolve, full_key, unknown
-from rollslip.scene.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
 from rollslip.structure import FrozenTable, Location, structure
@@ -44,6 +42,8 @@ from rollslip.units import as_written, format_quantity
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
 from rollslip_campaigns.sweep.journal import died, journals
 from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart, probabilities, read_axis, read_overs
+from rollslip_studies.variation.distributions import Distribution, Uncertainty, read_uncertainty
+from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["FILE", "open_sweep", "plan_sweep", "store_sweep", "study_with", "with_engine"]
 

@@ -16,7 +16,7 @@
   that of 2^(k-1). Where an interval may end them they are computed so too, else all in one run.
 - All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
 - Data that scatter are those of the scene's table ``[uncertainty]``; without one what data and fields declare of
-  themselves (`rollslip.planning.scatter`).
+  themselves (`rollslip_studies.variation.scatter`).
 - Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
 """
 
@@ -33,7 +33,6 @@ from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
 from rollslip.planning.plan import duration_range
-from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import UNITS, about
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
@@ -56,6 +55,7 @@ from rollslip_campaigns.uncertainty.samples import (
 )
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
+from rollslip_studies.variation.scatter import with_scatter
 
 if TYPE_CHECKING:
     import xarray as xr

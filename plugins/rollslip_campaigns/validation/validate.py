@@ -30,11 +30,8 @@ from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
 from rollslip.planning.campaign import listed
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
-from rollslip.planning.quantities import quantities
-from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
-from rollslip.scene.distributions import DISTRIBUTIONS, read_uncertainty
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.study import settings
@@ -48,6 +45,9 @@ from rollslip_campaigns.validation.findings import shown
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
 from rollslip_campaigns.validation.residuals import UNTOLD, Group, Judged, Said, Value, held, verdict_on
+from rollslip_studies.variation.distributions import DISTRIBUTIONS, read_uncertainty
+from rollslip_studies.variation.quantities import quantities
+from rollslip_studies.variation.scatter import with_scatter
 
 if TYPE_CHECKING:
     import xarray as xr

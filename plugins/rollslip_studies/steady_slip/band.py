@@ -27,11 +27,8 @@ from rollslip.bearing.search import secants
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
 from rollslip.models import FINITE, SliceModel
-from rollslip.planning.quantities import quantities
-from rollslip.planning.scatter import with_scatter
 from rollslip.results.curves import or_none
 from rollslip.scene.changes import Quantity, evolve
-from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
@@ -39,6 +36,9 @@ from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance, rollers
 from rollslip_studies.steady_slip.evaluated import evaluated_slices
 from rollslip_studies.steady_slip.losses import acceptable_reserve
+from rollslip_studies.variation.distributions import read_uncertainty
+from rollslip_studies.variation.quantities import quantities
+from rollslip_studies.variation.scatter import with_scatter
 
 if TYPE_CHECKING:
     import xarray as xr

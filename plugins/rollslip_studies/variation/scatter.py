@@ -16,11 +16,11 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
-from rollslip.planning.quantities import quantities
 from rollslip.scene.changes import Quantity
 from rollslip.scene.clearance import clearance_scatter
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
+from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["scattering", "with_scatter"]
 
