@@ -181,8 +181,8 @@ def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, 
     files = [*first, *(file for group in figures.values() for file in group if file not in first)]
     named = [(file.stem, file.read_text(encoding="utf-8")) for file in files]
     named[len(first) :] = sorted(named[len(first) :], key=lambda one: _width(one[1]) > _WIDE)
-    drawings, colours = adapting([svg for _, svg in named])
-    drawn = [_figure(svg, number, name) for number, ((name, _), svg) in enumerate(zip(named, drawings, strict=True), 1)]
+    colours = adapting([svg for _, svg in named])
+    drawn = [_figure(svg, number, name) for number, (name, svg) in enumerate(named, 1)]
     lead, others = "".join(drawn[: len(first)]), "".join(drawn[len(first) :])
     return lead, f'<div class="figures">{others}</div>' if others else "", colours if named else ""
 
@@ -491,7 +491,7 @@ figure { margin: 0; break-inside: avoid; }
 figure.wide-one { grid-column: 1 / -1; }
 figure:not(.wide-one) { max-width: 32rem; }
 .sheet { overflow-x: auto; }
-figure svg { display: block; width: 100%; height: auto; fill: var(--x000000); }
+figure svg { display: block; width: 100%; height: auto; }
 figcaption { margin-top: .5rem; color: var(--quiet); max-width: 46rem; }
 details > summary { cursor: pointer; }
 summary:has(h2) { list-style: none; }

@@ -290,7 +290,7 @@ _OKLAB: Final = np.array(
 #: Exponent of darkness on white: below one, what is pale there, an orange for instance, is no dark brown here; at 0.55
 #: every colour of the palette has a contrast of 3 to its ground, as WCAG 2.2 (1.4.11) asks for.
 _LIFT: Final = 0.55
-_COLOUR: Final = re.compile(r"#[0-9a-f]{6}\b")
+_DRAWN: Final = re.compile(r"\b(fill|stroke): (#[0-9a-f]{6})\b")
 
 
 def _oklab(colour: str) -> Any:
@@ -317,15 +317,12 @@ def on_dark(colour: str) -> str:
     return "#" + "".join(f"{round(255.0 * part):02x}" for part in encoded)
 
 
-def adapting(svgs: list[str]) -> tuple[list[str], str]:
-    """Return drawings whose colours follow the page that they stand in, and the style sheet that it needs.
+def adapting(svgs: list[str]) -> str:
+    """Return the style sheet by which drawings follow a page that is dark.
 
-    On paper, and on a screen that is set to light, they are as they were.
+    On paper, on a light screen, and where style sheets are not understood, they are as they were.
     """
+    drawn = sorted(set().union(*(_DRAWN.findall(svg) for svg in svgs)))
+    rules = "".join(f'figure [style*="{part}: {of}"]{{{part}:{on_dark(of)}!important}}' for part, of in drawn)
     # black is left out in a drawing wherever it is the default
-    found = sorted({"#000000"}.union(*(_COLOUR.findall(svg) for svg in svgs)))
-    light, dark = (
-        "".join(f"--x{colour[1:]}:{shown(colour)};" for colour in found) for shown in (lambda colour: colour, on_dark)
-    )
-    sheet = f":root{{{light}}}\n@media screen and (prefers-color-scheme: dark){{:root{{{dark}}}}}\n"
-    return [_COLOUR.sub(lambda colour: f"var(--x{colour[0][1:]})", svg) for svg in svgs], sheet
+    return f"@media screen and (prefers-color-scheme: dark){{figure svg{{fill:{INK}}}{rules}}}\n"
