@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from architecture import COMMON
 from rollslip import register
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli import console
@@ -27,7 +28,7 @@ TELLING = sorted(
     path.parent
     for kind in (ROOT / "plugins" / "rollslip_studies", ROOT / "plugins" / "rollslip_campaigns")
     for path in kind.glob("*/__init__.py")
-    if path.parent.name != "explorer"
+    if path.parent.name != "explorer" and f"{kind.name}.{path.parent.name}" not in COMMON
 )
 
 
