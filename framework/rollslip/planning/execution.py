@@ -24,7 +24,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies import validity
-from rollslip.studies.answers import Keep, Store, total
+from rollslip.studies.answers import Keep, Store
 from rollslip.studies.law_outputs import law_outputs
 
 if TYPE_CHECKING:
@@ -89,8 +89,8 @@ def execute(
 ) -> "xr.Dataset":
     """Return the result of one study of a plan.
 
-    What is seen afterwards to be off by more than its tolerance is run again, once, with more slices and instants
-    where it is soon done and would help (`rollslip.planning.verification.again`); the plan in the result says so.
+    What is seen afterwards to be off by more than its tolerance is run again with more slices and instants where it is
+    soon done and would help (`rollslip.planning.verification.again`); the plan in the result says so.
     """
     running = plan.studies[study]
     for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one
@@ -113,7 +113,7 @@ def execute(
         estimated = plan.estimated[study]
         unwatched = plan.assembly.at(estimated.resolution)
         judgement = judge(running, unwatched, estimated, dataset)
-        finer = None if exactly else again(running, unwatched, estimated, judgement)
+        finer = None if exactly else again(running, unwatched, estimated, judgement, spent)
         if finer is None:
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
@@ -123,7 +123,7 @@ def execute(
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items()}
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),
-        "accuracy": json.dumps(accuracy_rows(plan, study, total(judgement.errors), "a posteriori")),
+        "accuracy": json.dumps(accuracy_rows(plan, study, judgement.total, "a posteriori")),
         "cost": json.dumps(cost),
         "taken_back": json.dumps(taken_back),
     }

@@ -113,8 +113,11 @@ class Plan:
         return attrs.evolve(self, estimated={**self.estimated, study: estimated}).at(study, estimated.resolution)
 
     def again(self, study: str, estimated: Estimated) -> "Plan":
-        """Return the plan with another resolution for a study, which its lines tell; costs are as they were."""
-        before = {part.part: part.seconds for part in self.parts if part.study == study}
+        """Return the plan with another resolution for a study, which its lines tell; costs grow with its numbers."""
+        few, many = (
+            one.slices * (one.instants or 1) for one in (self.estimated[study].resolution, estimated.resolution)
+        )
+        before = {part.part: many / few * part.seconds for part in self.parts if part.study == study and part.seconds}
         made = attrs.evolve(self, estimated={**self.estimated, study: estimated}).at(study, estimated.resolution)
         lines = [
             attrs.evolve(part, study=study, seconds=before.get(part.part))

@@ -10,7 +10,7 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.planning.plan import Plan
+from rollslip.planning.plan import LONG, Plan
 from rollslip.scene.values import EXACT
 from rollslip.studies.accuracy import Errors, Probe, apart, difference, errors_between
 from rollslip.studies.answers import Estimated, total
@@ -45,6 +45,16 @@ class Judgement:
     errors: Mapping[str, Errors]  # part -> key of [accuracy] -> relative error
     #: Key of [accuracy] -> order with which the error was seen to fall with the instants; only where it is needed.
     orders: Mapping[str, float] = attrs.field(factory=dict)
+    #: What more slices and instants at once move: curves and maxima by key of [accuracy], single values by name; and
+    #: what more of each part alone does, where both move more than the tolerance.
+    at_once: Errors = attrs.field(factory=dict)
+    alone: Mapping[str, Errors] = attrs.field(factory=dict)
+
+    @property
+    def total(self) -> Errors:
+        """Sum over the parts, or what both move at once where that is more."""
+        parts = total(self.errors)
+        return {name: max(parts.get(name, 0.0), self.at_once.get(name, 0.0)) for name in (*parts, *self.at_once)}
 
 
 def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.Dataset") -> Judgement:
@@ -61,7 +71,8 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     order with which it falls: that says how much the witness itself leaves. All that is done with few slices, on
     few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is always
     held against one with the slices of the run: of two maxima of nearly the same height few slices may have another
-    one for the largest. Of a study without curves nothing is known beyond its own estimate.
+    one for the largest. Slices and instants may err against each other, so at few slips, or for single values of the
+    result, twice as many of both are taken at once. Of a study without curves nothing is known beyond its own estimate.
     """
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
     if resolution.instants is None or curved is None:
@@ -108,7 +119,20 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
         errors["instants"] = of_instants(assembly)
     if over(1.0, total(errors)) and "slices" in errors and m > SOME:
         errors["slices"] = of_slices(min(m, FEW))
-    return Judgement(errors=errors, orders=orders)
+
+    def moved_by(finer: Assembly) -> dict[str, float]:
+        found: Errors = study.witnessed(finer, dataset)
+        if not found and len(errors) > 1 and not curved.followed:
+            probe, pair = Probe(partial(curved.curves, few), curved.slip_range), (assembly, finer)
+            seen = (probe.measure(partial(curved.curves, at), (at.resolution.instants or m,))[0] for at in pair)
+            found = difference(*seen)
+        return {name: error / apart(1, 2) for name, error in found.items()}
+
+    twice = attrs.evolve(resolution, slices=2 * resolution.slices, quadrature="gauss")
+    at_once = moved_by(assembly.at(attrs.evolve(twice, instants=2 * m + 1)))
+    each = {"slices": twice, "instants": attrs.evolve(resolution, instants=2 * m + 1)}
+    alone = {part: moved_by(assembly.at(each[part])) for part in errors} if over(1.0, at_once) else {}
+    return Judgement(errors=errors, orders=orders, at_once=at_once, alone=alone)
 
 
 def _off(study: Study, curved: Study, at: Assembly, own: "xr.Dataset | None", m: int) -> Callable[[int], Errors]:
@@ -143,31 +167,32 @@ def _seen(study: Study, curved: Study, at: Assembly, instants: int, times: int =
     return xr.Dataset(*some[0]).isel({made.curves_of.slip: slice(None, None, times if points else 1)})
 
 
-def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Judgement) -> Estimated | None:
+def again(
+    study: Study, assembly: Assembly, estimated: Estimated, judgement: Judgement, seconds: float = 0.0
+) -> Estimated | None:
     """Return the resolution with which a run is made again that was seen to be off; None if that would not help.
 
-    Slices take the second order of their rule, instants the order that was seen, where rollers may jump the first at
-    least; four times as many at most. A run is not made again that kept its tolerance, whose error does not fall, or
-    which is not the curves themselves and so would take long; nor is one that was made again already.
+    Slices take the second order of their rule, instants the order that was seen, a half at least: few may err alike.
+    Four times as many at most, and again up to the finest. A run is not made again that kept its tolerance, which is
+    not the curves themselves, or that would take a minute by the ``seconds`` of the last one.
     """
     accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
-    off = {name: error for name, error in total(judgement.errors).items() if error > accuracy.of(name)}
-    if accuracy.exact or estimated.seen or not off or study.curved(assembly) is not study:
+    off = {name: error for name, error in judgement.total.items() if error > accuracy.of(name)}
+    if accuracy.exact or not off or study.curved(assembly) is not study:
         return None
     numbers, most = _numbers(resolution), _numbers(best)
+    at_once = _wanted_at_once(judgement, {name: accuracy.of(name) for name in off})
     numbers_then, left = dict(numbers), dict[str, Errors]()
-    least = _OF_JUMPS if study.followed else -math.inf
     for part, errors in judgement.errors.items():
-        seen = judgement.orders if part == "instants" else dict.fromkeys(errors, _MOST_ORDER)
-        orders = {name: max(min(seen.get(name, 1.0), _MOST_ORDER), least) for name in errors}
-        if any(name in off and order < _LEAST_ORDER for name, order in orders.items()):
-            return None
+        least = _MOST_ORDER if part == "slices" else _OF_JUMPS if study.followed else _LEAST_ORDER
+        orders = {name: max(min(judgement.orders.get(name, 1.0), _MOST_ORDER), least) for name in errors}
         wanted = [(errors[name] / (_AIM * accuracy.of(name))) ** (1.0 / orders[name]) for name in errors if name in off]
-        times = min(max(1.0, *wanted), _MOST_TIMES) if wanted else 1.0
+        times = min(max(1.0, at_once[part], *wanted), _MOST_TIMES)
         numbers_then[part] = max(min(math.ceil(times * numbers[part]), most[part]), numbers[part])
         share = numbers[part] / numbers_then[part]
         left[part] = {name: error * share ** orders[name] for name, error in errors.items()}
-    if numbers_then == numbers:
+    more = math.prod(numbers_then.values()) / math.prod(numbers.values())
+    if more == 1.0 or more * seconds > LONG:
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
     return attrs.evolve(
@@ -176,6 +201,19 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
         errors={**estimated.errors, **left},
         seen=f"{' and '.join(f'{numbers[part]} {part}' for part in judgement.errors)} were seen to leave {found}",
     )
+
+
+def _wanted_at_once(judgement: Judgement, tolerances: Errors) -> dict[str, float]:
+    """How many times as many of each part what both move at once asks for: of what moves it alone, else of both."""
+    parts, wanted = [*judgement.errors], dict.fromkeys(judgement.errors, 0.0)
+    for name, tolerance in tolerances.items():
+        left = {part: judgement.alone.get(part, {}).get(name, 0.0) for part in parts}
+        for part, error in left.items():
+            rest = max(2.0 * _AIM * tolerance - sum(left.values()) + error, _AIM * tolerance)
+            wanted[part] = max(wanted[part], math.sqrt(error / rest))
+        if max(wanted.values()) <= 1.0:
+            wanted = dict.fromkeys(parts, math.sqrt(judgement.at_once.get(name, 0.0) / (2.0 * _AIM * tolerance)))
+    return wanted
 
 
 def _numbers(of: Resolution) -> dict[str, int]:
@@ -199,7 +237,7 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
     accuracy, estimated, said = plan.scene.accuracy, plan.estimated[study], list[str]()
     numbers, best = _numbers(estimated.resolution), _numbers(finest(plan.scene))
     most = all(numbers[part] >= best[part] for part in judgement.errors)
-    for result, error in total(judgement.errors).items():
+    for result, error in judgement.total.items():
         tolerance, name = accuracy.of(result), result.replace("_", " ")
         order = judgement.orders.get(result, _MOST_ORDER)
         seen = order >= _LEAST_ORDER
@@ -217,11 +255,11 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
         )
         ratio = max(error / tolerance, 2.0) if math.isfinite(error) else 10.0
         finer = 0.5 * tolerance * ratio ** (-2.0 / min(max(order, _LEAST_ORDER), _MOST_ORDER))
-        remedy = f"raise accuracy.{result}; this is the finest that a plan takes"
-        if not most:
-            remedy = (
-                f"type --set accuracy.{result}={finer:.0e}" if finer > EXACT else "type --set accuracy.tolerance=exact"
-            )
+        key = result if hasattr(accuracy, result) else "tolerance"
+        typed = f"accuracy.{key}={finer:.0e}" if finer > EXACT else "accuracy.tolerance=exact"
+        remedy = f"raise accuracy.{key}; this is the finest that a plan takes" if most else f"type --set {typed}"
+        if accuracy.slices is not None and result in judgement.at_once:  # which slices may leave, too
+            remedy = "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
         running = plan.studies[study]
         if result == "critical_slip" and running.followed and "points" in (points := attrs.asdict(running)):
             remedy += f", or go along more slips by --set {running.table}.points={_DENSER * points['points'] - 2}"

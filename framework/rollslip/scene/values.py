@@ -174,8 +174,8 @@ class Accuracy:
     )
 
     def of(self, result: str) -> float:
-        """Return the tolerance of a result: critical_slip, friction or cage_speed."""
-        own: float | None = getattr(self, result)
+        """Return the tolerance of a result: of critical_slip, friction or cage_speed its own, where there is one."""
+        own: float | None = getattr(self, result, None)
         return self.tolerance if own is None else own
 
     @property

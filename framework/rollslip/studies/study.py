@@ -213,6 +213,13 @@ class Study(estimates.Curved, abc.ABC):
             return estimates.by_doubling(self.run, self.judged, self.acts, assembly)
         return estimates.by_curves(curved, assembly, cheaper_laws=cheaper_laws)
 
+    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> Mapping[str, float]:
+        """Return by how much single values of a result are off, by a bearing with more slices and instants at once.
+
+        Relative, by the names under which people are told.
+        """
+        return {}
+
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return the resolution that a result is verified against, and how that is said."""
         return finest(scene), "against the finest"

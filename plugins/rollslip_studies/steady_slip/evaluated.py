@@ -8,6 +8,7 @@ import attrs
 from rollslip.bearing.raceway import RINGS
 from rollslip.studies.answers import Estimated, Evaluated
 from rollslip.studies.study import Study
+from rollslip_studies.effective_friction.raceways import unloaded
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
@@ -35,3 +36,10 @@ def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> lis
             s = contacts.slices
             found.append(Evaluated(0, ring, s.load, s.rolling_speed, s.sliding_speed, contacts.force))
     return found
+
+
+def loaded(assembly: "Assembly") -> "Assembly":
+    """Refuse a bearing in which nothing drives the rollers; else the difference of two roundings would."""
+    if not assembly.load_distribution(2).inner_force.any():
+        raise unloaded(assembly.scene, "nothing drives the cage")
+    return assembly

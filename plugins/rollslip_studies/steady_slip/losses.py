@@ -1,8 +1,12 @@
-"""What a bearing loses to friction at its steady slips, as variables of the result, and its viscosity ratio."""
+"""What a bearing loses to friction at its steady slips, its viscosity ratio, and by how much numbers are off.
+
+Slices and instants are chosen by the torque that drives the cage, relative to the largest. Resistance to rolling, the
+thinnest film and the load that keeps a slip hang on other slices, and that load on those of another load.
+"""
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -14,6 +18,14 @@ from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Slip and reserve that an answer shows no digits of.
+_SMALL, _PLENTY = 1e-3, 1e3
+#: Relative steps of slips and loads by which an excess is differentiated.
+_STEP: Final = 1e-3
 
 
 def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -65,3 +77,68 @@ def acceptable_reserve(balance: TorqueBalance, slip: float) -> tuple[float, str]
         return float(balance.torques(np.array([slip]))[0]) / drag, "found"
     except (DomainError, ConvergenceError) as error:
         return math.nan, str(error)
+
+
+def numbers_off(
+    balance: TorqueBalance, at_load: Callable[[float], TorqueBalance], dataset: "xr.Dataset"
+) -> dict[str, float]:
+    """Return what is off, relative, by its name; what an answer shows no digits of is left out.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the finer bearing.
+    at_load : callable
+        The same at a radial load [N].
+    dataset : Dataset
+        The result.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            found = dict(_off(balance, at_load, dataset))
+    except (DomainError, ConvergenceError):  # of a motion beside those that were asked for
+        return {}
+    return {name: error if error == error else math.inf for name, error in found.items()}
+
+
+def _off(
+    balance: TorqueBalance, at_load: Callable[[float], TorqueBalance], dataset: "xr.Dataset"
+) -> Iterator[tuple[str, float]]:
+    lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
+    if lasting.size and not balance.rolls_freely:
+        yield from _steady(balance, dataset.isel(steady=int(lasting[0]))).items()
+    acceptable = dataset.attrs.get("acceptable_slip", math.nan)
+    if 0.0 < (own := float(dataset.get("acceptable_reserve", math.nan))) < _PLENTY:
+        yield "reserve to slipping", _apart(own, acceptable_reserve(balance, acceptable)[0])
+    load = float(dataset.get("least_load", math.nan))
+    if load > dataset.attrs.get("rollers_weight", 0.0):
+        over, more = (at_load(one).excess(acceptable) for one in (load, (1.0 + _STEP) * load))
+        yield "minimum load", _STEP * abs(over / (more - over)) if more != over else math.inf
+
+
+def _steady(balance: TorqueBalance, one: "xr.Dataset") -> dict[str, float]:
+    """What is off at a steady slip: the slip by one secant, friction torque and thinnest film."""
+    slip = float(one["steady_slip"])
+    start = float(one["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
+    slips = slip * np.array([1.0, 1.0 + _STEP])
+    here, beside = (each[0] for each in balance.motions.at(slips, np.full(2, start)))
+    over, more = (motion.torque + balance.drag(motion.slip) for motion in (here, beside))
+    orbit = balance.orbit_of(here)
+    o = balance.assembly.scene.operation
+    torque = power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed)
+    films = [
+        contacts.slices.film_thickness.min() / contacts.slices.conditions.roughness
+        for contacts in balance.evaluated(orbit)
+        if contacts.total
+    ]
+    found = {
+        "friction torque": _apart(float(one["friction_torque"]), torque),
+        "film parameter": _apart(float(np.nanmin(one["film_parameter"])), min(films)),
+    }
+    if abs(slip) >= _SMALL:
+        found["cage slip"] = _STEP * abs(over / (more - over)) if more != over else math.inf
+    return found
+
+
+def _apart(one: float, finer: float) -> float:
+    return abs(one / finer - 1.0)

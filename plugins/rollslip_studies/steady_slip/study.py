@@ -34,7 +34,7 @@ from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
-from rollslip_studies.effective_friction.raceways import regime_variables, unloaded
+from rollslip_studies.effective_friction.raceways import regime_variables
 from rollslip_studies.motion.effective_table import table_records
 from rollslip_studies.motion.torque_balance import (
     RANGE,
@@ -52,8 +52,8 @@ from rollslip_studies.motion.torque_balance import (
 from rollslip_studies.motion.way_up import Steady, WayUp
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
-from rollslip_studies.steady_slip.evaluated import evaluated_slices
-from rollslip_studies.steady_slip.losses import acceptable_reserve, losses
+from rollslip_studies.steady_slip.evaluated import evaluated_slices, loaded
+from rollslip_studies.steady_slip.losses import acceptable_reserve, losses, numbers_off
 from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip_studies.steady_slip.slip_drag import slip_drag
@@ -176,6 +176,8 @@ class SteadySlip(Study):
         away = self._near_running_away(assembly)
         study = self if away is None else attrs.evolve(self, friction="conventional")
         found = estimates.by_curves(study, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
+        instants = max(found.resolution.instants or 0, fewest_instants(assembly))
+        found = attrs.evolve(found, resolution=attrs.evolve(found.resolution, instants=instants))
         if away is None:
             return found
         reason = f"{away.text}; widen accuracy.friction beyond that to have it"
@@ -295,7 +297,7 @@ class SteadySlip(Study):
         ConvergenceError
             If doubling the positions does not settle it.
         """
-        assembly = _loaded(assembly).with_resistance()
+        assembly = loaded(assembly).with_resistance()
         balance, errors = self._converged(assembly)
         instants = balance.instants
         way = self._way(balance)
@@ -365,7 +367,7 @@ class SteadySlip(Study):
 
         A cage that nothing drags has slip 0, which nothing needs to hold.
         """
-        assembly = _loaded(assembly).with_resistance()
+        assembly = loaded(assembly).with_resistance()
         balance = self._doubled(assembly)[0] if assembly.resolution.instants is None else self.balance(assembly)
         way = self._way(balance)
         if balance.rolls_freely:
@@ -510,6 +512,12 @@ class SteadySlip(Study):
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
         )
 
+    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+        """Return by how much numbers of the answer are off."""
+        finer = finer.with_resistance()
+        balance = self.balance(finer)
+        return numbers_off(balance, self._balances(finer, balance.instants, "radial_load"), dataset)
+
     def _followed(
         self,
         assembly: Assembly,
@@ -539,13 +547,6 @@ class SteadySlip(Study):
                     raise ConvergenceError(f"{of}: {error}; narrow {self.table}.{name}") from error
                 found.append(branch)
         return found
-
-
-def _loaded(assembly: Assembly) -> Assembly:
-    """Refuse a bearing in which nothing drives the rollers; else the difference of two roundings would."""
-    if not assembly.load_distribution(2).inner_force.any():
-        raise unloaded(assembly.scene, "nothing drives the cage")
-    return assembly
 
 
 def _moved(before: Array, after: Array) -> float:
