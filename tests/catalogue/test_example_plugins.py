@@ -161,6 +161,7 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
         ("traction", "circular", "rollslip-circular"),
         ("traction", "klebanov-2022", "rollslip-klebanov"),
         ("film", "ertel-grubin", "rollslip-plain-c-film"),
+        ("film", "shared-load", "rollslip-shared-load"),
         ("lubricant", "example-oil", "rollslip-example-oil"),
     }
     listed = [(kind, name) for name, kind, _ in SCAFFOLDED if kind != "campaign"]  # which is a command itself

@@ -1,0 +1,1 @@
+"""A mixed film whose load oil and asperities share, found through the entry point in pyproject.toml."""
