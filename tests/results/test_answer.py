@@ -428,7 +428,8 @@ def moved(code, slip=(0.02, 0.02), torque=(1.0, 1.0), reserve=(4.0, 4.0)):
     ],
 )  # fmt: skip
 def test_notes_say_what_leaving_the_range_of_a_law_does_to_the_result(notes, said):
-    assert counted_notes(notes) == f"{said} (-v)"
+    assert counted_notes(notes, "-v") == f"{said} (-v)"
+    assert counted_notes(notes) == said
 
 
 @pytest.mark.slow
@@ -485,6 +486,14 @@ def test_all_rows_stay_on_a_narrow_terminal_and_what_is_below_them_is_shortened(
     assert [line.split()[2] for line in lines if line.startswith("  operating")] == [str(k) for k in range(8)]
     assert [line.split()[0] for line in lines if line[2:3].isalpha()][8:] == ["assumed", "notes", "next"]
     assert lines[-2].endswith("(-v)")
+    assert answer.lines(width, more=".notes")[-2].endswith("(.notes)")
+
+
+@pytest.mark.quick
+def test_notes_in_python_and_on_pages_do_not_refer_to_an_option_of_the_command_line():
+    answer = Answer(notes=(moved("W1", slip=(0.02, 0.03)), Note(code="W2", short="", text="", weight=1.0)))
+    assert str(answer).endswith("W2 not evaluated (.notes)")
+    assert "-v" not in f"{answer}{answer.html()}"
 
 
 @pytest.mark.quick

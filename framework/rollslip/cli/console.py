@@ -141,7 +141,7 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
 def print_answer(answer: Answer) -> None:
     """Print an answer, with its verdict in colour where somebody sees that."""
     if not sys.stdout.isatty():
-        click.echo(str(answer))
+        click.echo("\n".join(answer.lines()))
         return
     from rich.text import Text
 

@@ -256,7 +256,7 @@ class Answer:
         kept = sorted(self.rows, key=lambda row: not row.alarm)[:MOST_ROWS]
         return [row for row in self.rows if row in kept]
 
-    def groups(self, more: str = "-v") -> list[tuple[str, list[str]]]:
+    def groups(self, more: str = "") -> list[tuple[str, list[str]]]:
         """Return what stands below the rows, by its heading; ``more`` is where notes are told in full."""
         return [
             ("assumed", list(self.assumed)),
@@ -264,15 +264,15 @@ class Answer:
             ("next", list(self.next)),
         ]
 
-    def lines(self, width: int = 0) -> list[str]:
+    def lines(self, width: int = 0, more: str = "-v") -> list[str]:
         """Return the lines of a terminal: no wider than it, `MOST_LINES` at most, what matters least left out.
 
-        Commands are not wrapped: as one line they can be pasted.
+        Commands are not wrapped: as one line they can be pasted. ``more`` is where notes are told in full.
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, 40)
         head = _wrapped(["   ".join(filter(None, (self.verdict, ", ".join(self.case))))], width)
-        rows, groups = [(row.label, row.text, row.note) for row in self.shown()], self.groups()
-        for _ in _shortened(rows, groups, width):
+        rows, groups = [(row.label, row.text, row.note) for row in self.shown()], self.groups(more)
+        for _ in _shortened(rows, groups, width, f" ({more})"):
             below = [line for name, texts in groups for line in
                      aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
             parts = [part for part in (head, aligned(rows, width), below) if part]
@@ -327,7 +327,7 @@ class Answer:
     _repr_html_ = html
 
     def __str__(self) -> str:
-        return "\n".join(self.lines())
+        return "\n".join(self.lines(more=".notes"))
 
 
 def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
@@ -473,12 +473,12 @@ def _ends(low: float, high: float) -> str:
 # Notes ---------------------------------------------------------------------------------------------------------------
 
 
-def counted_notes(notes: Iterable[Note], more: str = "-v") -> str:
+def counted_notes(notes: Iterable[Note], more: str = "") -> str:
     """Say what the laws outside their range do to the result, the worst first; ``more`` is where all are told."""
-    every = list(notes)
+    every, where = list(notes), f" ({more})" if more else ""
     if all(note.moved is None for note in every):
         codes = list(dict.fromkeys(note.code or note.short for note in every))
-        return f"{len(codes)} on laws outside their range: {' '.join(codes)} ({more})" if codes else ""
+        return f"{len(codes)} on laws outside their range: {' '.join(codes)}{where}" if codes else ""
     moving = [note for note in every if note.most[1] >= _UNMOVED]
     first = [note for note in moving if note.most[1] > _MUCH][:_FEW]
     rest = moving[len(first) :]
@@ -492,7 +492,7 @@ def counted_notes(notes: Iterable[Note], more: str = "-v") -> str:
         said.append(f"{len(rest)} more below {limit}" if first else none)
     unknown = [note.code or note.short for note in every if note.moved is None]
     said += [f"{' '.join(unknown)} not evaluated"] if unknown else []
-    return f"{'; '.join(said) or 'none moves slip or torque by 1 %'} ({more})" if every else ""
+    return f"{'; '.join(said) or 'none moves slip or torque by 1 %'}{where}" if every else ""
 
 
 def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
@@ -532,7 +532,8 @@ def _headed(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
         yield f"{'' if k else name:<{_HEADING}}", text
 
 
-def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, list[str]]], width: int) -> Iterator[None]:
+def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, list[str]]], width: int,
+               more: str) -> Iterator[None]:  # fmt: skip
     """Shorten an answer step by step, what matters least first; all rows stay as long as that can be."""
     (_, assumed), (_, notes), (_, after) = groups
     yield
@@ -541,9 +542,9 @@ def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, lis
         yield
         assumed.pop()
     yield
-    assumed[:] = [_line(text, width) for text in assumed]
+    assumed[:] = [_line(text, width, more) for text in assumed]
     yield
-    notes[:] = [_line(text, width) for text in notes]
+    notes[:] = [_line(text, width, more) for text in notes]
     yield
     del assumed[1:]
     yield
@@ -559,9 +560,9 @@ def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, lis
     yield
 
 
-def _line(text: str, width: int) -> str:
+def _line(text: str, width: int, more: str) -> str:
     """What of a text below the rows stands on one line: its first parts, and where more is told."""
-    more = " (-v)" if text.endswith(" (-v)") else ""
+    more = more if text.endswith(more) else ""
     room = width - _HEADING - 4 - len(more)
     parts = text.removesuffix(more).split("; ")
     while len("; ".join(parts)) > room and len(parts) > 1:
