@@ -121,7 +121,7 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
     account = account_of(dataset)
     assert account == PlainAccount("grip-of-a-stranger")
     assert account.sentences(dataset) == [
-        "2 m/s: spin slip at largest traction 10.0 %, where the grip coefficient is largest, 0.0300",
+        "2 m/s: spin slip at largest traction 10.0 %, grip coefficient there 0.0300",
         "4 m/s: grip still rises. In this range the grip coefficient reaches 0.0400",
         "depth of wear: 3.2 um",
         "time to failure: it does not fail",

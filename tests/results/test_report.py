@@ -331,7 +331,7 @@ def test_it_says_what_was_found(page, results):
         value = float(results["effective-friction"].critical_cage_slip.sel(ring=ring))
         assert f"{ring.capitalize()} ring: cage slip at largest traction {percent(value)}" in text
     for force, value in zip(("300 N", "518 N"), results["friction-curve"].critical_slip.values, strict=True):
-        assert f"{force}: slip at largest traction {percent(value)}, where the friction coefficient is largest" in text
+        assert f"{force}: slip at largest traction {percent(value)}, friction coefficient there" in text
 
 
 def test_it_says_in_words_that_there_is_no_critical_slip(figures, tmp_path):

@@ -123,8 +123,8 @@ class Curve:
         if self.has_critical:
             return (
                 f"{self.name}: {quantity} at largest traction {percent(self.critical_slip)}"
-                f"{self.rests_on and f' {self.rests_on}'}, where the {self.of} is largest, "
-                f"{digits(self.critical_friction, 3)}{self._first()}"
+                f"{self.rests_on and f' {self.rests_on}'}, {self.of} there {digits(self.critical_friction, 3)}"
+                f"{self._first()}"
             )
         finite = np.flatnonzero(np.isfinite(self.friction))
         if not finite.size or not np.any(self.friction > 0.0):
