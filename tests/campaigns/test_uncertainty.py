@@ -431,7 +431,7 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     file, *_ = save_plots(grid, tmp_path)
     assert file.name == "sweep-map.svg"
     rests_on = CLOSURES[SCENE.study["effective-friction"].get("closure", "free-roller")]
-    assert f"Cage slip at largest traction of the inner ring {rests_on} over operation.radial_load" in file.read_text()
+    assert f"Cage slip at largest traction of the inner ring {rests_on} over radial load" in file.read_text()
     assert any(line.startswith(f"critical_cage_slip, inner ring {rests_on}: ") for line in sweep_sentences(grid))
     closures = {"study.effective-friction.closure": ["epicyclic", "outer-rolling"]}
     varied = rollslip.sweep(SCENE, closures, study="effective-friction")

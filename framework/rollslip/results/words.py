@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted",
-    "estimated", "first_line", "force", "force_unit", "html_table", "in_python", "percent", "plain", "power",
-    "rounded_up", "runs_at", "runs_away", "span", "two", "warned",
+    "estimated", "first_line", "force", "force_unit", "html_table", "in_python", "of_key", "percent", "plain",
+    "power", "rounded_up", "runs_at", "runs_away", "span", "two", "warned",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -199,6 +199,21 @@ def rounded_up(load: float, unit: str = "N") -> str:
     """Return a load that is no less, in two digits, in N or kN."""
     size = 10.0 ** (math.floor(math.log10(load)) - 1)
     return f"{plain(math.ceil(load / size) * size * (1e-3 if unit == 'kN' else 1.0))} {unit}"
+
+
+def of_key(key: str) -> str:
+    """Return what a key of a scene is called where there is little room, with its table where it has but one word.
+
+    Examples
+    --------
+    >>> of_key("operation.radial_load"), of_key("cage.drag.churning.factor"), of_key("lubricant.eyring_stress")
+    ('radial load', 'churning factor', 'Eyring stress')
+    >>> of_key("lubricant.name"), of_key("models.film.model")
+    ('lubricant', 'film')
+    """
+    *tables, name = key.removesuffix(".name").removesuffix(".model").split(".")
+    named = f"{tables[-1]} {name}" if len(tables) > 1 and "_" not in name else name
+    return named.replace("_", " ").replace("eyring ", "Eyring ")
 
 
 def in_python(command: str) -> str:

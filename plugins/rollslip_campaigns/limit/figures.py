@@ -10,7 +10,7 @@ import numpy as np
 
 from rollslip.results.sheet import Sheet
 from rollslip.results.style import DASHES, MODEL_COLOURS, plain_decades, unit_label
-from rollslip.results.words import in_percent
+from rollslip.results.words import in_percent, of_key
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import headline, kept_spans
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
@@ -51,10 +51,9 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
         plain_decades(axes.xaxis)
     if dataset.attrs["searched_key"] == "operation.radial_load" and in_percent(dataset.attrs["output"], "1"):
         mark_loads(sheet, catalogue_loads(dataset), of_x)
-    over = _name(", ".join(dataset.attrs["searched_key"].split(".")[-2:]))
     return sheet.done(
-        f"{over} [{unit_label(of_x)}]",
-        f"{_name(dataset.attrs['output'])} [{unit_label(of_y)}]",
+        f"{_name(of_key(dataset.attrs['searched_key']))} [{unit_label(of_x)}]",
+        f"{_name(dataset['result'].attrs['long_name'])} [{unit_label(of_y)}]",
         columns=3 if len(sheet.handles) <= 3 else 1,
     )
 
@@ -67,6 +66,5 @@ def _shown(values: "xr.DataArray", given: str) -> tuple[Any, str]:
     return converted(numbers, unit, shown), shown
 
 
-def _name(key: str) -> str:
-    text = key.replace("_", " ")
+def _name(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}"

@@ -28,7 +28,7 @@ from rollslip.results.style import (
     seamless,
     unit_label,
 )
-from rollslip.results.words import in_percent
+from rollslip.results.words import in_percent, of_key
 from rollslip.units import UnitError, converted, shown_unit
 from rollslip_campaigns.sweep.findings import axes as axes_of
 from rollslip_campaigns.sweep.findings import by_name, named_dims, resting
@@ -77,14 +77,14 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         if len(numbers) == 2 and few:
             if "steady" in values.dims:
                 values, said = values.isel(steady=0), said.replace(" over ", ", the smallest, over ")
-            caption = f"{said}{key_of[numbers[0]]} and {key_of[numbers[1]]}; {_HATCHED}."
+            caption = f"{said}{' and '.join(of_key(key_of[key]) for key in numbers)}; {_HATCHED}."
             yield (
                 f"sweep-map{ending}",
                 caption,
                 _map(values, numbers, panels, [_given(dataset, key) for key in numbers]),
             )
         elif len(numbers) == 1 and values.notnull().any([*{*values.dims} - {numbers[0]}]).sum() > 1:
-            caption = f"{said}{key_of[numbers[0]]}{f', by {key_of[choices[0]]}' if choices else ''}."
+            caption = f"{said}{of_key(key_of[numbers[0]])}{f', by {of_key(key_of[choices[0]])}' if choices else ''}."
             loads = {}
             if key_of[numbers[0]] == "operation.radial_load" and in_percent(name, "1"):
                 least = {"minimum load": float(dataset["least_load"].median())} if "least_load" in dataset else {}
@@ -125,9 +125,9 @@ def models_apart(dataset: "xr.Dataset") -> str:
     else:
         scatter = f"the middle half of {(~known).sum()} ends beyond the range"
     return (
-        f"Cage slip at largest traction of the inner ring{resting(dataset)} for {len(quantiles)} choices of {key}: "
-        "median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or their point "
-        f"failed): {apart}, {scatter}."
+        f"Cage slip at largest traction of the inner ring{resting(dataset)} for {len(quantiles)} choices of "
+        f"{of_key(key)}: median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or "
+        f"their point failed): {apart}, {scatter}."
     )
 
 
@@ -260,7 +260,7 @@ def _units(coordinate: "xr.DataArray") -> tuple[str, str]:
 def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
     """Values of what was varied and the label of their axis, in the unit in which they were asked for."""
     values, (unit, given) = coordinate.to_numpy(), _units(coordinate)
-    name = str(coordinate.attrs.get("key", coordinate.name)).rpartition(".")[2].replace("_", " ")
+    name = of_key(str(coordinate.attrs.get("key", coordinate.name)))
     return converted(values, unit, given), f"{name[0].upper()}{name[1:]} [{unit_label(given)}]"
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from rollslip.results.sheet import Sheet
 from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, plain_decades
+from rollslip.results.words import of_key
 from rollslip_campaigns.uncertainty.findings import RESERVE, RUNAWAY, STEADY, margin, reserve, topics
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ __all__ = ["uncertainty_figures"]
 def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure."""
     if RESERVE in dataset["quantity"].to_numpy():
-        yield "uncertainty-reserve", f"Reserve of drag: {reserve(dataset)}.", _reserve(dataset)
+        yield "uncertainty-reserve", f"Drag reserve: {reserve(dataset)}.", _reserve(dataset)
     said = margin(dataset) if "margin" in dataset else topics(dataset)["allowable slip"][0]
     yield "uncertainty", f"Margin of cage slip: {said}.", _margin(dataset)
     if np.isfinite(dataset["rank_correlation"].to_numpy()).any():
@@ -48,7 +49,7 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     shown = known[np.isfinite(known) & (known > 0.0)]
     if shown.size:
         below = np.arange(1, known.size + 1)[np.isfinite(known) & (known > 0.0)] / n
-        label = f"reserve of drag: share of {n} samples below"
+        label = f"drag reserve: share of {n} samples below"
         axes.plot(shown, 100 * below, color=MODEL_COLOURS[0], drawstyle="steps-post", label=label)
         if unknown:
             axes.fill_between(
@@ -63,7 +64,7 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     axes.axvline(1.0, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="below 1 the cage skids")
     axes.set_ylim(0.0, 103.0)
     sheet.handles = axes.get_legend_handles_labels()[0]
-    return sheet.done("Largest drag over the drags of the scene [–]", "Share of samples [%]")
+    return sheet.done("Limit drag torque over the drags of the scene [–]", "Share of samples [%]")
 
 
 def _ranks(dataset: "xr.Dataset") -> "Figure":
@@ -80,7 +81,7 @@ def _ranks(dataset: "xr.Dataset") -> "Figure":
 
 def _of_inputs(dataset: "xr.Dataset", order: Any, each: float, names: Any, label: str, bars: Any) -> Sheet:
     """Draw a panel for each name, whose rows are what scatters, `each` so high [mm]; `bars` draws into one."""
-    keys, places = [_short(key) for key in dataset["input"].to_numpy()[order]], np.arange(order.size)
+    keys, places = [of_key(str(key)) for key in dataset["input"].to_numpy()[order]], np.arange(order.size)
     size = 2 * ONE_COLUMN[0], (24 + each * len(keys)) * MM
     sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
     for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
@@ -92,12 +93,6 @@ def _of_inputs(dataset: "xr.Dataset", order: Any, each: float, names: Any, label
         axes.spines["left"].set_visible(False)
         axes.set_xlabel(label)
     return sheet
-
-
-def _short(key: object) -> str:
-    """Key of an uncertain quantity, as an axis has room for it."""
-    parts = str(key).split(".")
-    return " ".join(parts[-2:] if parts[-1] == "factor" else parts[-1:]).replace("_", " ")
 
 
 def _margin(dataset: "xr.Dataset") -> "Figure":

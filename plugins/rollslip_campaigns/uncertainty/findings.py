@@ -199,7 +199,7 @@ def reserve(dataset: "xr.Dataset") -> str:
     p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity=RESERVE))
     value, low, high = _quantile(dataset, RESERVE, round(1.0 - p, 12))
     if math.isnan(value):
-        return f"the reserve of drag is not known: none of {n} samples has one"
+        return f"the drag reserve is not known: none of {n} samples has one"
     said = f"the rollers carry at least {_times(value)} the drag of the scene, with probability {p:g}"
     said += f" ({_interval(dataset, low, high, _times, RESERVE)}); {_told(dataset, RESERVE, _times)}"
     bounded = int(dataset["bounded"])
