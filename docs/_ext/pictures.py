@@ -3,8 +3,8 @@
 import matplotlib.pyplot as plt
 from matplotlib import cycler
 
-#: Okabe & Ito (2008): told apart with every kind of colour vision.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+#: Those of rollslip.results.style, told apart with every kind of colour vision.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#C07F00", "#3A92C8")
 
 
 def reset(gallery_conf, fname):

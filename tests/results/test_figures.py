@@ -139,7 +139,7 @@ def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, sc
     assert (FALLING in written) == found.any()
     assert (f"slip at largest traction {result.attrs['curves_with']};" in written) == found.any()
     assert ("no slip at largest traction" in written) == (not found.all())
-    dashed = r"stroke-dasharray: [^;]*; stroke-dashoffset: 0; stroke: #(?:0072b2|e69f00); stroke-width: 1\.4"
+    dashed = r"stroke-dasharray: [^;]*; stroke-dashoffset: 0; stroke: #(?:0072b2|c07f00); stroke-width: 1\.4"
     assert len(re.findall(dashed, path.read_text())) == found.sum()
 
 
@@ -342,10 +342,13 @@ def contrast(one, other):
     return (high + 0.05) / (low + 0.05)
 
 
-def test_every_colour_of_the_palette_is_seen_on_a_dark_ground():
+def test_every_colour_of_the_palette_is_seen_on_white_and_on_a_dark_ground():
     """Graphical objects need a contrast of 3 (WCAG 2.2, 1.4.11)."""
     assert contrast("#ffffff", "#000000") == pytest.approx(21.0)
-    colours = {*MODEL_COLOURS, *RING_COLOURS.values(), *map(to_hex, light_to_dark().colors)}
+    lines = {*MODEL_COLOURS, *RING_COLOURS.values()}
+    colours = lines | {*map(to_hex, light_to_dark().colors)}  # the palest ends of areas may fade on white
+    assert min(contrast(one, "#ffffff") for one in lines) >= 3.0
+    assert min(contrast(one, GROUND) for one in RING_COLOURS.values()) >= 3.0, "where nothing turns the page dark"
     least = min(colours, key=lambda one: contrast(on_dark(one.lower()), GROUND))
     assert contrast(on_dark(least.lower()), GROUND) >= 3.0, least
     assert contrast(INK, GROUND) >= 7.0

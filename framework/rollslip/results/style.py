@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from matplotlib.ticker import ScalarFormatter
 
 #: Okabe & Ito (2008), "Color universal design": the blue and the orange are told apart with every kind of colour
-#: vision, and in grey.
-RING_COLOURS: Final = {"inner": "#0072B2", "outer": "#E69F00"}
+#: vision, and in grey. The orange and the sky blue are darker than theirs, which thin lines lack contrast with on white.
+RING_COLOURS: Final = {"inner": "#0072B2", "outer": "#C07F00"}
 #: The same palette for models that are compared, and dashes that tell them apart in grey.
-MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#C07F00", "#3A92C8")
 DASHES: Final = ("solid", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (5, 1.5, 1, 1.5, 1, 1.5)))
 #: Nunez, Anderton & Renslow (2018): lightness rises evenly, for grey print and every kind of colour vision.
 SEQUENTIAL: Final = "cividis"
