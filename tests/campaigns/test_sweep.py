@@ -27,12 +27,13 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
 from rollslip.engine import Engine, cores
-from rollslip.errors import EngineError, OutputError, PluginError, SceneError
+from rollslip.errors import EngineError, OutputError, PluginError, RollslipError, SceneError
 from rollslip.models import TractionModel
 from rollslip.results.account import account_of
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import resolved, scene_hash
 from rollslip.studies import study as studies
+from rollslip_campaigns.limit import LimitSettings
 from rollslip_campaigns.sweep import findings, point
 from rollslip_campaigns.sweep import run as sweep_run
 from rollslip_campaigns.sweep.definition import Resolutions, here
@@ -239,6 +240,17 @@ def test_tables_of_the_scene_count_and_all_their_faults_are_said_with_lines():
     with pytest.raises(SceneError) as error:
         plan_sweep(parse_scene(text + bad, "own.toml"))
     assert [one.partition(": ")[0] for one in error.value.problems] == [f"own.toml:{line + k}" for k in (4, 5, 7)]
+
+
+def test_what_is_swept_takes_the_place_of_a_value_that_the_scene_could_not_run_with():
+    hot = rollslip.evolve(rollslip.load_scene("gearbox"), {"operation.temperature": "250 degC"})
+    over = ["operation.temperature=60degC:80degC:2", "models.film=moes,blok"]
+    made = plan_sweep(hot, over, study="friction-curve")
+    assert (made.design.size, made.scene.operation.temperature) == (4, 333.15)
+    assert LimitSettings(hot, over[0].rpartition(":")[0], "friction<=1", study="friction-curve").plan()
+    for over in ("operation.radial_load=1kN:2kN:2", "operation.temperature=300degC:400degC:2"):
+        with pytest.raises(RollslipError, match=r"operation.temperature: .* at 250 degC"):
+            plan_sweep(hot, over, study="friction-curve")
 
 
 def test_a_sample_out_of_range_is_refused_with_a_remedy():

@@ -48,7 +48,7 @@ from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import unpacked
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs
-from rollslip_campaigns.sweep.sweep import plan_sweep, study_with
+from rollslip_campaigns.sweep.sweep import assembled, plan_sweep, study_with
 from rollslip_studies.variation.quantities import quantities
 
 if TYPE_CHECKING:
@@ -153,7 +153,8 @@ def plan_limit(asked: "LimitSettings") -> Limit:
             [f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"]
         )
     ((key, text),) = over.items()
-    known = quantities(assemble(base), settings(base, name))
+    base, assembly = assembled(base, over)
+    known = quantities(assembly, settings(base, name))
     if key not in known:
         raise SceneError([f"{key}: {unknown(key, known)}"])
     quantity = known[key]

@@ -45,7 +45,7 @@ from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart, probabili
 from rollslip_studies.variation.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 
-__all__ = ["FILE", "open_sweep", "plan_sweep", "store_sweep", "study_with", "with_engine"]
+__all__ = ["FILE", "assembled", "open_sweep", "plan_sweep", "store_sweep", "study_with", "with_engine"]
 
 #: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
 _TRIED = 1000
@@ -72,7 +72,8 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
     name = study_with(base, table.study, table.output)
     cls = study_class(name, base)
     names = _noted(problems, lambda: named_outputs(cls, table.output), ())
-    studies, assembly = settings(base, name), assemble(base)
+    base, assembly = assembled(base, {**dict(_flat(table.over)), **over})
+    studies = settings(base, name)
     require_memory(studies, assembly)
     known = quantities(assembly, studies)
     sampled = table.samples is not None
@@ -204,6 +205,25 @@ def _without_tables(scene: Scene) -> Scene:
         key: value for key, value in dict(scene.raw or resolved(scene)).items() if key not in ("sweep", "uncertainty")
     }
     return attrs.evolve(scene, sweep=None, uncertainty=None, raw=FrozenTable(raw))
+
+
+def assembled(scene: Scene, over: Mapping[str, object]) -> tuple[Scene, Assembly]:
+    """Assemble the scene; where it cannot be, with the first of the values that take the place of its own."""
+    try:
+        return scene, assemble(scene)
+    except RollslipError:
+        try:
+            changed = evolve(scene, {key: _first(values) for key, values in over.items()})
+            return changed, assemble(changed)
+        except RollslipError:
+            pass  # what is wrong is told of the scene as it was written
+        raise
+
+
+def _first(values: object) -> object:
+    if isinstance(values, str):
+        return values.split(",")[0].split(":")[0]
+    return values[0] if isinstance(values, Sequence) and values else values
 
 
 def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Iterator[tuple[str, object, Location]]:
