@@ -1,0 +1,40 @@
+"""What is written beside pyproject.toml for conda and docker says the same as it."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import yaml
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+
+ROOT = Path(__file__).parents[1]
+PACKAGING = ROOT / "docs" / "packaging"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+RECIPE = yaml.safe_load((PACKAGING / "recipe.yaml").read_text(encoding="utf-8"))
+#: What conda calls otherwise; the other one brings a window.
+IN_CONDA = {"matplotlib": "matplotlib-base"}
+
+
+def as_in_conda(requirements):
+    found = {(one.name.lower(), str(one.specifier)) for one in map(Requirement, requirements)}
+    return sorted(f"{IN_CONDA.get(name, name)} {versions}".strip() for name, versions in found)
+
+
+def test_the_conda_recipe_asks_for_what_the_project_asks_for():
+    project, needs = PROJECT["project"], RECIPE["requirements"]
+    assert sorted(needs["run"]) == sorted(
+        [f"python {project['requires-python']}", *as_in_conda(project["dependencies"])]
+    )
+    assert sorted(needs["host"]) == sorted(["python", "pip", *as_in_conda(PROJECT["build-system"]["requires"])])
+    assert RECIPE["context"]["version"] == project["version"]
+    assert RECIPE["build"]["python"]["entry_points"] == [f"{name} = {of}" for name, of in project["scripts"].items()]
+    assert (RECIPE["about"]["summary"], RECIPE["about"]["license"]) == (project["description"], project["license"])
+    assert (ROOT / RECIPE["about"]["license_file"]).is_file()
+
+
+def test_the_image_has_a_python_that_the_project_runs_on():
+    text = (PACKAGING / "Dockerfile").read_text(encoding="utf-8")
+    (version,) = re.findall(r"^ARG PYTHON=(.+)$", text, re.MULTILINE)
+    assert version in SpecifierSet(PROJECT["project"]["requires-python"])
+    assert f"Programming Language :: Python :: {version}" in PROJECT["project"]["classifiers"]
