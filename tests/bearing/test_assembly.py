@@ -107,6 +107,17 @@ def test_what_is_taken_from_another_bearing_is_the_same_to_the_last_bit(changes,
     assert taken.cage == alone.cage
 
 
+def test_a_bearing_under_another_load_is_that_of_a_scene_with_it_to_the_last_bit():
+    there = assemble(evolve(SCENE, {"operation.radial_load": "2 kN"})).with_resistance()
+    before = assemble(SCENE).with_resistance()
+    before.load_distribution(2)
+    taken = before.at_load(2000.0)
+    assert taken.scene.operation == there.scene.operation
+    assert (taken.inner.chain, taken.cage) == (before.inner.chain, there.cage)
+    np.testing.assert_array_equal(taken.load_distribution(2).inner_load, there.load_distribution(2).inner_load)
+    assert before.load_distribution(2).inner_force.sum() > 1.2 * taken.load_distribution(2).inner_force.sum()
+
+
 def test_what_is_wrong_with_an_oil_is_said_beside_another_bearing_too():
     scene = evolve(SCENE, {"operation.temperature": "-90 degC", "operation.roller_temperature": "-90 degC"})
     said = []

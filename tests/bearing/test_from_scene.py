@@ -65,6 +65,16 @@ def test_a_drag_knows_the_load():
         assert drag.torque(300.0, 700.0, 0.0) == pytest.approx(-3415e-6, rel=1e-15)
 
 
+def test_under_another_load_a_law_and_a_drag_know_it():
+    with taken_back():
+        register(Starved)
+        register(Flange)
+        for changes in ({"models.traction": "starved"}, {"cage.drag": ["flange"]}):
+            found = assemble(evolve(PAPER, changes)).with_resistance().at_load(500.0)
+            given = [found.traction] if "models.traction" in changes else found.cage.drags.torques
+            assert [one.load for one in given] == [500.0]
+
+
 def test_what_a_scene_does_not_give_a_law_of_a_contact_is_said():
     @attrs.frozen
     class OnLand(Starved):

@@ -168,6 +168,17 @@ class Assembly:
         position, widths, drop = self.known_loads.get(key) or self.known_loads.setdefault(key, made())
         return attrs.evolve(self, resolution=resolution, position=position, widths=widths, drop=drop)
 
+    def at_load(self, radial_load: float) -> "Assembly":
+        """Return the same bearing under another radial load [N], to search for one: its scene keeps the text it has."""
+        cage, scene = self.cage, self.scene
+        scene = attrs.evolve(scene, operation=attrs.evolve(scene.operation, radial_load=radial_load))
+        if any("radial_load" in taken_from_scene(model) for model in (*self.models.values(), *cage.named)):
+            made, chain = assemble(scene, self.resolution), self.inner.chain
+            made = made.with_bounds(*chain.bounds)
+            return made.with_resistance() if chain.resists else made
+        known = {**self.known_cage, "cage": ((scene, self.kinematics, self.lubricant, self.inner.conditions), cage)}
+        return attrs.evolve(self, scene=scene, known_loads={}, known_maps={}, known_cage=known)
+
     def coarser(self) -> "Assembly":
         """Return the same bearing with half as many slices, to estimate what the slices leave."""
         return self.at(attrs.evolve(self.resolution, slices=self.slices // 2))

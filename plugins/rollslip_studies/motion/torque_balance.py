@@ -189,14 +189,18 @@ class TorqueBalance:
             self._known[cage_slip] = self.orbit_of(self._on_way(cage_slip))
         return self._known[cage_slip]
 
-    def torques(self, cage_slips: Array) -> Array:
-        """Return the torques on the cage at several slips [N m], (n,), on the way up through these alone."""
+    def torques(self, cage_slips: Array, *, few: bool = False) -> Array:
+        """Return the torques on the cage at several slips [N m], (n,), on the way up through these alone.
+
+        By few loads of a roller it is as exact as the way up is while it is searched.
+        """
+        motions = self._few if few else self.motions
         out, order, below = np.empty(cage_slips.size), np.argsort(cage_slips), None
-        found = self.motions.at(cage_slips[order])
+        found = motions.at(cage_slips[order])
         for k, here in zip(order.tolist(), found, strict=True):
             if len(here) > 1:
                 known = below or self._below(float(cage_slips[k]))
-                here = self.motions.at(cage_slips[k : k + 1], known.share[:1])[0]
+                here = motions.at(cage_slips[k : k + 1], known.share[:1])[0]
             below = here[0]
             out[k] = below.torque
         return out

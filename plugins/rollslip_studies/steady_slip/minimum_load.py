@@ -36,16 +36,17 @@ NO_LOAD: Final = ("no load serves", "the cage does not hold a slip")
 _FOUND: Final = 1e-4
 #: Load from which the search begins where the scene has none [N].
 _ANY: Final = 1.0
-#: Step of a logarithm by which a rough excess is differentiated, and how far secants may lead from there.
-_STEP, _FAR = 0.01, 0.5
-#: By how much the least steady slip at that load may be another, relative.
-_SAME: Final = 1e-2
+#: By how much the least steady slip at that load may be another, relative, and how far the drag is above what the
+#: rollers drive where no balance can be.
+_SAME, _CLEAR = 1e-2, 1e-3
+#: Slips before it at which that is looked at, and how far apart their logarithms are.
+_BEFORE, _APART = 24, 0.25
 
 
 Balances = Callable[[float], TorqueBalance]
 
 
-def least_load(balance: Balances, load: float, slip: float, rough: Balances | None = None) -> tuple[float, str]:
+def least_load(balance: Balances, load: float, slip: float) -> tuple[float, str]:
     """Return the radial load [N] at which the steady slip is a given one, and "found", or NaN and why there is none.
 
     Parameters
@@ -56,8 +57,6 @@ def least_load(balance: Balances, load: float, slip: float, rough: Balances | No
         Where the search begins [N].
     slip : float
         The cage slip, above 0.
-    rough : callable, optional
-        The same by fewer positions and slices, from whose load the search goes on.
     """
 
     def excess(log: float) -> float:
@@ -66,25 +65,48 @@ def least_load(balance: Balances, load: float, slip: float, rough: Balances | No
     if balance(load).rolls_freely:
         return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}"
     try:
-        found = math.nan if rough is None else _near(excess, lambda log: rough(math.exp(log)).excess(slip), load)
+        begin = math.log(load or _ANY)
+        over, drag = excess(begin), -balance(math.exp(begin)).drag(slip)
+        found = _near(excess, begin, over, drag)
         if math.isnan(found):
-            found, status = _searched(excess, load, slip)
+            found, status = _searched(excess, begin, over, slip)
             if status:
                 return math.nan, status
-        there = balance(found)
-        least = next((one.slip for one in there.way(max(RANGE, slip)).steady(there.drag)), math.inf)
+        skids = _skids_before(balance(found), slip)
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}"
-    if abs(least / slip - 1.0) > _SAME:  # on its way up the cage has jumped
+    if skids:  # on its way up the cage has jumped
         shown = format_quantity(found, "N", 4)
         return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it skids before"
     return found, "found"
 
 
-def _searched(excess: Callable[[float], float], load: float, slip: float) -> tuple[float, str]:
+def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:
+    """The load to which secants over its square lead, with which that drives rollers which resists; NaN if nowhere."""
+    torque, steps = over + drag, math.log(_WIDER)
+    guess = -0.5 * math.log(torque / drag) if torque > 0.0 < drag else math.copysign(steps, -over)
+    guess = min(max(guess, -steps), steps) or _FOUND
+
+    def squared(square: float) -> float:
+        return excess(begin + 0.5 * math.log(square))
+
+    at = math.exp(2.0 * guess)
+    value = squared(at)
+    slope = (value - over) / (at - 1.0)
+    if not slope > 0.0:
+        return math.nan
+    start = at - value / slope
+    within = min(at, 1.0) / _WIDER**2, max(at, 1.0) * _WIDER**2
+    if not within[0] <= start <= within[1]:
+        return math.nan
+    found = secants(squared, start, slope, tolerance=_FOUND * start, within=within)
+    return math.exp(begin) * math.sqrt(found[0]) if found and found[1] > 0.0 else math.nan
+
+
+def _searched(excess: Callable[[float], float], begin: float, over: float, slip: float) -> tuple[float, str]:
     """The load at which an excess over its logarithm passes zero, or NaN and why there is none."""
-    begin = at = before = math.log(load or _ANY)
-    over = value = last = excess(begin)
+    at = before = begin
+    value = last = over
     step = -math.log(_WIDER) if over > 0.0 else math.log(_WIDER)
     while (value > 0.0) == (over > 0.0):
         if abs(at - begin) > math.log(_FARTHEST):
@@ -97,14 +119,14 @@ def _searched(excess: Callable[[float], float], load: float, slip: float) -> tup
     return math.exp(bracketed(excess, before, at, last, value, tolerance=_FOUND)), ""
 
 
-def _near(excess: Callable[[float], float], rough: Callable[[float], float], load: float) -> float:
-    """The load at which an excess passes zero near that of a rough one, by secants; NaN if they do not lead there."""
-    at = math.log(_searched(rough, load, math.nan)[0])
-    if math.isnan(at):
-        return math.nan
-    slope = (rough(at + _STEP) - rough(at - _STEP)) / (2.0 * _STEP)
-    found = secants(excess, at, slope, tolerance=_FOUND, within=(at - _FAR, at + _FAR)) if slope > 0.0 else None
-    return math.exp(found[0]) if found and found[1] > 0.0 else math.nan
+def _skids_before(there: TorqueBalance, slip: float) -> bool:
+    """Whether a bearing that is balanced at a slip is so at another one on the way up before."""
+    before = (1.0 - _SAME) * slip * np.exp(-_APART * np.arange(_BEFORE))
+    dragged = np.array([there.drag(at) for at in before.tolist()])
+    if (there.torques(before, few=True) < -(1.0 - _CLEAR) * dragged).all():
+        return False
+    found = next((one.slip for one in there.way(max(RANGE, slip)).steady(there.drag)), math.inf)
+    return abs(found / slip - 1.0) > _SAME
 
 
 def static_rating(bearing: Bearing) -> float:

@@ -66,8 +66,6 @@ if TYPE_CHECKING:
 _MOST_INSTANTS: Final = 256
 #: And beyond which these go on for no maximum.
 _MOST_OF_A_JUMP: Final = 16
-#: Slices of a bearing from which the search for the least load goes on.
-_ROUGH: Final = 12
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 #: Error of tables, with which it is tried whether effective friction is enough.
@@ -503,10 +501,15 @@ class SteadySlip(Study):
 
     def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
         """Return the least radial load of a slip, and what makers ask for."""
-        few = attrs.evolve(assembly.resolution, slices=min(_ROUGH, assembly.slices), quadrature="equal")
-        rough = self._balances(assembly.at(few), min(instants, fewest_instants(assembly)), "radial_load")
-        load = assembly.scene.operation.radial_load
-        load, status = least_load(self._balances(assembly, instants, "radial_load"), load, slip, rough)
+        bearing, last = assembly.with_resistance(), dict[float, TorqueBalance]()
+
+        def balance(load: float) -> TorqueBalance:
+            if load not in last:
+                last.clear()
+                last[load] = self._balance(bearing.at_load(load), instants)
+            return last[load]
+
+        load, status = least_load(balance, assembly.scene.operation.radial_load, slip)
         makers, statuses = asked_by_makers(assembly.scene)
         return self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
