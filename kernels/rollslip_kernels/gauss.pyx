@@ -8,7 +8,7 @@
 
 import numpy as np
 
-from libc.math cimport M_PI, copysign, cos, fabs, hypot, sqrt
+from libc.math cimport M_PI, copysign, cos, fabs, sqrt
 
 cdef enum:
     LANES = 4        # sums go on in so many, which the compiler takes for a vector
@@ -82,10 +82,10 @@ cdef void eigenvalues(double *diagonal, double *beside, double *first, Py_ssize_
             continue
         turns += 1
         half, y = 0.5 * (diagonal[high - 1] - diagonal[high]), beside[high - 1]
-        x = diagonal[low] - (diagonal[high] - y * (y / (half + copysign(hypot(half, y), half))))
+        x = diagonal[low] - (diagonal[high] - y * (y / (half + copysign(sqrt(half * half + y * y), half))))
         y = beside[low]
         for k in range(low, high):
-            r = hypot(x, y)
+            r = sqrt(x * x + y * y)   # roots of loads are far from overflow, and hypot takes an eighth of a rule
             c, s = 1.0, 0.0
             if r > 0.0:
                 c, s = x / r, y / r

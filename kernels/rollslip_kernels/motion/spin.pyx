@@ -21,7 +21,7 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport NAN, exp, fabs, hypot
+from libc.math cimport NAN, exp, fabs, sqrt
 
 from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
@@ -748,9 +748,9 @@ cdef class Spin:
             rolling = self._rolls(which, k, slip[at])
             if ring.nodes != NULL:
                 ring.traction[at] = _of_curve(ring, sliding) * ring.force[k]
-                ring.resistance[at] = ring.held[k] * rolling / hypot(rolling, self.slow)
+                ring.resistance[at] = ring.held[k] * rolling / _length(rolling, self.slow)
                 continue
-            rolling = hypot(rolling, self.slow) if self.slow > 0.0 else rolling
+            rolling = _length(rolling, self.slow) if self.slow > 0.0 else rolling
             if n + ring.first[k + 1] - ring.first[k] > ring.room:   # two at one position may need more than all loads
                 with gil:
                     PyErr_SetObject(IndexError, f"a table of {ring.room} slices has no room for {count} rollers")
@@ -781,7 +781,7 @@ cdef class Spin:
                 n += 1
             if ring.resists:
                 rolling = self._rolls(which, k, slip[at])
-                rest *= rolling / hypot(rolling, self.slow)
+                rest *= rolling / _length(rolling, self.slow)
             ring.traction[at], ring.resistance[at] = sum, rest
         return FOUND
 
@@ -799,7 +799,7 @@ cdef class Spin:
         spin[0] = self.radius * (inner - inner_resistance - outer - outer_resistance)
         if self.pocket > 0.0:
             slides = self.rolling * (1.0 - slip)
-            spin[0] -= self.pocket * self.radius / self.orbit * fabs(spin[0] + along) * slides / hypot(slides, SLIDES)
+            spin[0] -= self.pocket * self.radius / self.orbit * fabs(spin[0] + along) * slides / _length(slides, SLIDES)
         cage[0] = spin[0] + along
 
     cdef int _balanced(self, const double *lowest, const double *highest, double *at, double *slope, double leap,
@@ -998,6 +998,11 @@ cdef class Spin:
         last, previous = (a * (1.0 - h) + e * f) / determinant, (f * (1.0 - b) + g * a) / determinant
         for k in range(K):
             x[k] += first[k] * last + second[k] * previous
+
+
+cdef inline double _length(double x, double y) noexcept nogil:
+    """Root of the squares of two speeds, which are far from overflow: hypot took a twelfth of a search."""
+    return sqrt(x * x + y * y)
 
 
 cdef inline double _longest(const double *bracket, double x) noexcept nogil:

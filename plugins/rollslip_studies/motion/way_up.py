@@ -74,15 +74,20 @@ class Jump:
 
 @attrs.frozen
 class Steady:
-    """A steady slip on the way up, the torque that it carries [N m], and by how much its excess grows with slip [N m].
-
-    The cage holds it where that is above zero: with more slip more torque is left to speed it up.
-    """
+    """A steady slip on the way up, and the torque that it carries [N m]."""
 
     slip: float
     torque: float
-    slope: float
     motion: Motion = attrs.field(eq=False, repr=False)
+    _rise: Callable[[], float] = attrs.field(eq=False, repr=False)
+
+    @cached_property
+    def slope(self) -> float:
+        """By how much its excess of torque grows with slip [N m].
+
+        The cage holds it where that is above zero: with more slip more torque is left to speed it up.
+        """
+        return self._rise()
 
 
 @attrs.frozen(eq=False)
@@ -189,11 +194,13 @@ class WayUp:
             value = motion.torque + drag(at)
             return value if abs(value) > _STEADY * abs(motion.torque) else 0.0
 
+        def rise() -> float:
+            beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
+            left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))
+            return (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (right.slip - left.slip)
+
         bracketed(excess, low, high, below, over, relative=_STEADY)
-        beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
-        left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))
-        slope = (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (right.slip - left.slip)
-        return Steady(motion.slip, -drag(motion.slip), slope, motion)
+        return Steady(motion.slip, -drag(motion.slip), motion, rise)
 
 
 class _Search:

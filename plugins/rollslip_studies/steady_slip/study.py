@@ -369,7 +369,7 @@ class SteadySlip(Study):
         balance = self._doubled(assembly)[0] if assembly.resolution.instants is None else self.balance(assembly)
         way = self._way(balance)
         if balance.rolls_freely:
-            found = [Steady(0.0, 0.0, np.inf, balance.motions.at(np.zeros(1))[0][0])]
+            found = [Steady(0.0, 0.0, balance.motions.at(np.zeros(1))[0][0], lambda: np.inf)]
         else:
             found = way.steady(balance.drag)
         return balance, found, status_of(balance, way, [one.slip for one in found])
