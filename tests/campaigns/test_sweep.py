@@ -198,7 +198,7 @@ def test_more_samples_of_a_sobol_sequence_begin_with_the_first_ones(sampling):
          "has no 'critical_slop'; did you mean 'critical_slip'? There are: friction,"),
         (OVER, {"output": ["largest_cage_slip"]},
          "study 'friction-curve' has no 'largest_cage_slip'; study 'dynamics' has it. There are: friction,"),
-        (OVER, {"study": "friction-curves"}, "no study is called 'friction-curves'; did you mean 'friction-curve'?"),
+        (OVER, {"study": "friction-curves"}, "no study is called 'friction-curves'; did you mean 'friction-curve'"),
         (OVER, {"time_limit": "5 mm"}, "'5 mm' is a length, here a time is expected"),
         ({"operation.radial_load": "1:2:10000", "operation.temperature": "300:350:10000"}, {},
          "100000000 points are more"),

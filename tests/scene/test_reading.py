@@ -40,7 +40,7 @@ def test_a_scene_is_read_in_si_with_all_defaults() -> None:
     assert scene.operation.roller_temperature == scene.operation.temperature == 343.15
     assert scene.models.contact == ModelChoice(name="palmgren")
     assert scene.models.traction.name == "lambda-blend"
-    assert list(scene.study) == ["effective-friction", "curve"]
+    assert list(scene.study) == ["effective-friction", "friction-curve"]
     assert scene.study["effective-friction"]["slip"] == ("0 %", "30 %")
     assert scene.cage is None
     assert (scene.accuracy.tolerance, scene.accuracy.slices) == (1e-3, None)
@@ -259,6 +259,13 @@ def test_all_faults_come_at_once_in_the_order_of_the_file() -> None:
     ]
 
 
+def test_names_that_are_looked_up_later_are_told_with_the_faults_of_values() -> None:
+    text = scene_with(rollers="rolers = 28", film='film = "mos"\ntorque = ["skf", "ksf"]') + "[study.dynamic]"
+    found = [problem.split("; ")[0].partition(": ")[2] for problem in problems_of(text)]
+    wrong = ("models.film", "film", "mos"), ("models.torque", "torque", "ksf"), ("study.dynamic", "study", "dynamic")
+    assert found[2:] == [f"{key}: no {kind} is called {name!r}" for key, kind, name in wrong]
+
+
 def test_an_empty_scene_lists_what_is_required() -> None:
     problems = problems_of("")
     assert [problem.split(" (")[0] for problem in problems] == [
@@ -273,7 +280,7 @@ def test_a_missing_key_says_what_is_expected() -> None:
     ]
 
 
-@pytest.mark.parametrize("table", ["bearing", "lubricant", "study", "cage", "models", "plugins", "study.curve"])
+@pytest.mark.parametrize("table", ["bearing", "lubricant", "study", "cage", "models", "plugins", "study.dynamics"])
 def test_a_table_is_a_table(table: str) -> None:
     problems = problems_of(f"{table} = 1\n")
     assert any(p.startswith(f"scene.toml:1: {table}: a table") and p.endswith("is expected, not 1") for p in problems)

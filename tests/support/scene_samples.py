@@ -30,7 +30,7 @@ film = "moes"
 [study.effective-friction]
 slip = ["0 %", "30 %"]
 
-[study.curve]
+[study.friction-curve]
 """
 LINES = SCENE.splitlines()
 

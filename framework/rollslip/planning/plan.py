@@ -28,7 +28,7 @@ from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.models import FilmModel, PressureModel, SliceModel
 from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF
-from rollslip.scene.reading import load_scene
+from rollslip.scene.reading import load_scene, unknown_names
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
@@ -212,7 +212,8 @@ def _at_once(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembl
             first.append(error)
             problems += error.problems if isinstance(error, SceneError) else [str(error)]
     if first:
-        raise SceneError([*dict.fromkeys(problems)]) if len(first) > 1 else first[0]
+        every = dict.fromkeys([*problems, *unknown_names(scene.raw or {}, Location(scene.origins))])
+        raise first[0] if len(first) == 1 and len(every) == len({*problems}) else SceneError([*every])
     chosen, stated = found
     return chosen, stated
 

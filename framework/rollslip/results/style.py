@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.ticker import ScalarFormatter
 
 #: Okabe & Ito (2008), "Color universal design": the blue and the orange are told apart with every kind of colour
-#: vision, and in grey. The orange and the sky blue are darker than theirs, which thin lines lack contrast with on white.
+#: vision, and in grey. Orange and sky blue are darker than theirs, which have too little contrast for lines on white.
 RING_COLOURS: Final = {"inner": "#0072B2", "outer": "#C07F00"}
 #: The same palette for models that are compared, and dashes that tell them apart in grey.
 MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#C07F00", "#3A92C8")

@@ -19,15 +19,17 @@ from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import FOLLOWS, before_mounting, in_operation, listed
 from rollslip.scene.plausibility import impossible_relations
-from rollslip.scene.values import Scene, resolved
+from rollslip.scene.values import Models, Scene, resolved
 from rollslip.structure import FrozenTable, Location, bare_key, fields_of, structure, thawed
 from rollslip.toml import KeyPath, parse
 from rollslip.units import as_written
 
-__all__ = ["NAMED", "checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes"]
+__all__ = ["NAMED", "checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes", "unknown_names"]
 
 #: Tables that may start from the values of a named set that a plugin offers; they are of the kind of that name.
 NAMED: Final = ("bearing", "surface")
+#: Keys of models, each the kind that it takes.
+_KINDS: Final = frozenset(key for key, _ in fields_of(Models))
 
 
 def shipped_scenes() -> list[str]:
@@ -115,8 +117,32 @@ def checked_scene(
         scene = attrs.evolve(scene, bearing=in_operation(scene, complete, Location(origins), problems))
         problems += impossible_relations(scene, complete, Location(origins))
     if scene is None or problems:
-        raise SceneError(problems)
+        raise SceneError([*problems, *unknown_names(raw, Location(origins))])
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)
+
+
+def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
+    """Return the faults of names of models, studies and the oil, whose tables are read only once all else is right."""
+    from rollslip.catalogue.discovery import find
+
+    wanted = [("lubricant", where.at("lubricant").at("name"), raw.get("lubricant"), "name")]
+    for table in ("models", "study"):
+        below, at = raw.get(table), where.at(table)
+        for key, given in below.items() if isinstance(below, Mapping) else ():
+            if table == "study":
+                wanted.append(("study", at.at(key), key, ""))
+            elif key in _KINDS:
+                several = given if isinstance(given, list | tuple) else (given,)
+                wanted += [(key, at.at(key), one, "model") for one in several]
+    problems = []
+    for kind, place, named, key in wanted:
+        name = named.get(key) if isinstance(named, Mapping) else named
+        try:
+            if isinstance(name, str):
+                find(kind, name)
+        except PluginError as error:
+            problems.append(place.says(str(error)))
+    return problems
 
 
 def _with_named_data(raw: dict[str, object], where: Location, problems: list[str]) -> dict[str, object]:

@@ -19,9 +19,9 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.catalogue.discovery import available, get_class
+from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import SceneError, UnknownNameError
 from rollslip.references import Citation
 from rollslip.results.curves import Curves
 from rollslip.scene.values import DEFAULT_STUDY, Scene
@@ -360,12 +360,11 @@ def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
 
 def study_class(name: str, scene: Scene | None = None) -> type[Study]:
     """Return the class of a study."""
-    if name not in (known := available("study")):
-        near = nearest(name, known)
-        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(known)}"
+    try:
+        cls: type[Study] = get_class("study", name)
+    except UnknownNameError as error:
         where = Location({} if scene is None else scene.origins, ("study", name))
-        raise SceneError([where.says(f"no study is called {name!r}; {hint}")])
-    cls: type[Study] = get_class("study", name)
+        raise SceneError([where.says(str(error))]) from error
     return cls
 
 
