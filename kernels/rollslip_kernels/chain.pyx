@@ -22,12 +22,14 @@ from libc.math cimport INFINITY
 from libc.stdlib cimport free, malloc
 from libc.string cimport memcpy
 
-from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_COLUMNS, rs_model, rs_slices
+from rollslip_abi cimport (
+    ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_ALWAYS, ROLLSLIP_N_COLUMNS, rs_model, rs_slices,
+)
 from rollslip_blocks cimport rs_active_blocks, rs_blocks, rs_range
 from rollslip_errors cimport rs_raise_pending
 from rollslip_stage cimport rs_cut, rs_new_capsule, rs_new_model
 
-from rollslip_kernels.layout import COLUMNS, CONDITIONS, layout
+from rollslip_kernels.layout import COLUMNS, CONDITIONS, PLACES, layout
 from rollslip_kernels.slices import Conditions, Slices
 
 cdef extern from *:
@@ -82,6 +84,7 @@ cdef struct chain_t:
     rs_range ranges[MAX_CHECKS]
     int begins[MAX_STAGES + 2]   # of the ranges of the table's own columns, and of what each stage writes
     Py_ssize_t block
+    int placed       # number of the first check of a column that says where a slice is, or -1
     refusal_t last   # of the chain as a stage
 
 
@@ -116,6 +119,8 @@ cdef class Chain:
             self.chain.columns[c] = check_t(k, output, offsets[name], low, high)
         for c, (k, name, output, low, high) in enumerate(conditions):
             self.chain.conditions[c] = check_t(k, output, offsets[name], low, high)
+        placed = [c for c, row in enumerate(columns) if row[1] in PLACES]
+        self.chain.placed = placed[0] if placed else -1
         self.column_names, self.condition_names = (tuple(row[1] for row in rows) for rows in (columns, conditions))
         self.chain.n_columns, self.chain.n_conditions = len(columns), len(conditions)
         self.chain.n_stages, self.chain.block = len(stages), block
@@ -143,7 +148,7 @@ cdef class Chain:
         no member, and a slice of -1 if the status does not exist).
         """
         cdef rs_slices table
-        _bind(&table, slices)
+        _bind(&table, slices, self.chain.placed >= 0)
         if stop < 0:
             stop = table.n
         if not 0 <= start <= stop <= <Py_ssize_t>table.n:
@@ -218,7 +223,7 @@ cdef class Bound:
 
     cdef int _bind(self) except -1:
         self.table, self.conditions = self.slices._table, self.slices.conditions
-        _bind(&self.bound, self.slices)
+        _bind(&self.bound, self.slices, self.chain.chain.placed >= 0)
         return 0
 
     def __call__(self):
@@ -331,14 +336,14 @@ cdef size_t _abreast(job_t *job, double *room) noexcept nogil:
     A row takes as long as some 20 slices beside its own. Rows that are refused are not done.
     """
     cdef size_t n = job.table.n, wide = ABREAST // n if n else 0, row = 0, some, k
-    cdef int column
+    cdef int column, count = ROLLSLIP_N_ALWAYS if job.table.position == NULL else ROLLSLIP_N_COLUMNS
     cdef rs_slices table = job.table
     cdef double **columns = &table.approach
     cdef double **own = &job.table.approach
     if wide < 2 or job.rows < 2:
         return 0
-    _point(&table, room, ABREAST)
-    for column in range(ROLLSLIP_N_COLUMNS):
+    _point(&table, room, ABREAST, 0, count)
+    for column in range(count):
         for k in range(min(wide, job.rows)):
             memcpy(columns[column] + k * n, own[column], n * sizeof(double))
     while row < job.rows:
@@ -496,7 +501,11 @@ cdef int _outside(const chain_t *c, const rs_slices *part, int stage, int output
 cdef int _call_chain(const rs_slices *s, const void *params) noexcept nogil:
     """A chain seen as a stage."""
     cdef chain_t *chain = <chain_t *>params  # a copy of the capsule's own, for what it remembers
-    cdef int status = _run(chain, s, &chain.last)
+    cdef int status
+    if chain.placed >= 0 and s.position == NULL:   # who calls does not say where slices are
+        chain.last = refusal_t(0, chain.columns[chain.placed].stage, chain.placed, True, 0)
+        return 1
+    status = _run(chain, s, &chain.last)
     if status == PYTHON_RAISED:
         with gil:
             if PyErr_Occurred() != NULL:
@@ -506,8 +515,11 @@ cdef int _call_chain(const rs_slices *s, const void *params) noexcept nogil:
     return <int>(chain.last.slice if chain.last.slice >= 0 else s.n) + 1
 
 
-def problem(capsule):
-    """Return in words what keeps ``capsule`` from being used as a stage, or an empty string."""
+def problem(capsule, bint placed=False):
+    """Return in words what keeps ``capsule`` from being used as a stage, or an empty string.
+
+    ``placed`` says that it reads a column of PLACES: then it must have been built with them.
+    """
     cdef const rs_model *given
     if not PyCapsule_IsValid(capsule, ROLLSLIP_MODEL):
         return f"must return None or a capsule named {ROLLSLIP_MODEL.decode()!r}, got {capsule!r}"
@@ -517,6 +529,9 @@ def problem(capsule):
     if given.size > sizeof(rs_slices):
         return (f"reads {given.size} bytes of rs_slices, this rollslip has {sizeof(rs_slices)}: "
                 "it needs a newer rollslip")
+    if placed and given.size < sizeof(rs_slices):
+        return (f"reads where slices are, but knows only {given.size} bytes of rs_slices, and these stand behind them: "
+                "rebuild it against this version")
     if given.evaluate == NULL:
         return "gave a table whose evaluate is NULL"
     return ""
@@ -544,7 +559,7 @@ def bound(slices):
     if made == NULL:
         raise MemoryError
     capsule = rs_new_capsule(made, "rollslip.slices", slices)
-    _bind(made, slices)
+    _bind(made, slices, slices._places is not None)
     return capsule
 
 
@@ -552,38 +567,47 @@ cdef object READ = None   # conditions that are in VALUES: as a rule those of th
 cdef rs_slices VALUES
 
 
-cdef int _bind(rs_slices *s, slices) except -1:
-    """Point ``s`` at the rows of a table, in the order of COLUMNS, and copy the conditions."""
+cdef int _bind(rs_slices *s, slices, bint placed) except -1:
+    """Point ``s`` at the rows of a table, in the order of COLUMNS, and copy the conditions.
+
+    At those of PLACES only if they are ``placed``: else they are NULL.
+    """
     global READ, VALUES
     cdef Py_buffer buffer
     cdef double *values
+    cdef double[:, ::1] rows
     cdef int k
     conditions = slices.conditions
     if conditions is not READ:
         values = &s.length
         for k, name in enumerate(CONDITIONS):
             values[k] = getattr(conditions, name)
+        _point(s, NULL, 0, ROLLSLIP_N_ALWAYS, ROLLSLIP_N_COLUMNS)
         VALUES = s[0]
         READ = conditions
     s[0] = VALUES
     # a typed memoryview costs three times as much; the table itself outlives the call, or is kept by who binds it
     PyObject_GetBuffer(slices._table, &buffer, PyBUF_STRIDES | PyBUF_WRITABLE | PyBUF_FORMAT)
     try:
-        if (buffer.ndim != 2 or buffer.shape[0] != ROLLSLIP_N_COLUMNS or buffer.format != b"d"
+        if (buffer.ndim != 2 or buffer.shape[0] != ROLLSLIP_N_ALWAYS or buffer.format != b"d"
                 or buffer.strides[1] != sizeof(double) and buffer.shape[1] > 1 or buffer.strides[0] % sizeof(double)):
-            raise ValueError(f"a table of slices is one of {ROLLSLIP_N_COLUMNS} rows of doubles")
+            raise ValueError(f"a table of slices is one of {ROLLSLIP_N_ALWAYS} rows of doubles")
         s.n = buffer.shape[1]
-        _point(s, <double *>buffer.buf, buffer.strides[0] // <Py_ssize_t>sizeof(double))
+        _point(s, <double *>buffer.buf, buffer.strides[0] // <Py_ssize_t>sizeof(double), 0, ROLLSLIP_N_ALWAYS)
     finally:
         PyBuffer_Release(&buffer)
+    if placed:
+        rows = slices.places()
+        _point(s, &rows[0, 0] if s.n else <double *>&s.n, s.n, ROLLSLIP_N_ALWAYS, ROLLSLIP_N_COLUMNS)
     return 0
 
 
-cdef void _point(rs_slices *s, double *table, Py_ssize_t apart) noexcept nogil:
+cdef void _point(rs_slices *s, double *table, Py_ssize_t apart, int first, int end) noexcept nogil:
+    """Point columns ``first`` to ``end`` at the rows of a table."""
     cdef double **columns = &s.approach
     cdef int k
-    for k in range(ROLLSLIP_N_COLUMNS):
-        columns[k] = table + k * apart
+    for k in range(first, end):
+        columns[k] = table + (k - first) * apart
 
 
 cdef int _call_python(const rs_slices *s, const void *params) noexcept nogil:
@@ -604,6 +628,8 @@ cdef object _as_slices(const rs_slices *s, writes):
     cdef int k
     arrays = {}
     for k, name in enumerate(COLUMNS):
+        if columns[k] == NULL:
+            continue
         access = PyBUF_WRITE if name in writes else PyBUF_READ
         arrays[name] = np.frombuffer(PyMemoryView_FromMemory(<char *>columns[k], s.n * sizeof(double), access))
     return Slices.of_columns(Conditions(**{name: values[k] for k, name in enumerate(CONDITIONS)}), arrays)

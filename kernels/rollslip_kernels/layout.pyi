@@ -3,5 +3,6 @@ from typing import Final
 
 CONDITIONS: Final[Mapping[str, tuple[str, str]]]
 COLUMNS: Final[Mapping[str, tuple[str, str]]]
+PLACES: Final[tuple[str, ...]]
 
 def layout() -> tuple[int, dict[str, int]]: ...

@@ -20,7 +20,7 @@ cdef extern from *:
     enum:
         RS_N_CONDITIONS
 
-from rollslip_abi cimport ROLLSLIP_N_COLUMNS, rs_slices
+from rollslip_abi cimport ROLLSLIP_N_ALWAYS, ROLLSLIP_N_COLUMNS, rs_slices
 
 
 cdef dict _described(const rs_member *members, int count):
@@ -35,6 +35,8 @@ cdef dict _placed(const rs_member *members, int count):
 CONDITIONS = _described(RS_CONDITIONS, RS_N_CONDITIONS)
 #: Column -> (SI unit, meaning).
 COLUMNS = _described(RS_COLUMNS, ROLLSLIP_N_COLUMNS)
+#: Columns that are there only where a stage reads one of them.
+PLACES = tuple(COLUMNS)[ROLLSLIP_N_ALWAYS:]
 
 
 def layout():

@@ -4,6 +4,7 @@
 - ``Conditions`` is frozen and apart from the columns: one raceway's geometry, steel and oil are the same for
   all of its slices, and a kernel hoists them out of its loop.
 - A column that nobody filled is NaN, so that a stage that reads it is refused instead of served old numbers.
+- Where a slice is, ``PLACES``, stands in a table of its own, made when somebody asks: few laws do.
 """
 
 import math
@@ -13,9 +14,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip_kernels.layout import COLUMNS, CONDITIONS
+from rollslip_kernels.layout import COLUMNS, CONDITIONS, PLACES
 
-__all__ = ["COLUMNS", "CONDITIONS", "Column", "Conditions", "Slices"]
+__all__ = ["COLUMNS", "CONDITIONS", "PLACES", "Column", "Conditions", "Slices"]
 
 Column = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ class Conditions:
     shear_modulus: float = math.nan
 
 
-_ROWS: Final = {name: row for row, name in enumerate(COLUMNS)}
+_ROWS: Final = {name: row for row, name in enumerate(COLUMNS) if name not in PLACES}
 _set: Final = object.__setattr__
 _LARGE: Final = 1024  # slices
 
@@ -51,11 +52,11 @@ def _rows(n: int) -> NDArray[np.float64]:
     begin at one place of their pages, as those of 512 k slices would, fight for the same few lines of a cache.
     """
     if n < _LARGE:
-        return np.empty((len(COLUMNS), n))
+        return np.empty((len(_ROWS), n))
     apart = -(-n // 512) * 512 + 40
-    memory = np.empty(len(COLUMNS) * apart + 8)
+    memory = np.empty(len(_ROWS) * apart + 8)
     first = -(memory.__array_interface__["data"][0] // 8) % 8
-    return memory[first : first + len(COLUMNS) * apart].reshape(len(COLUMNS), apart)[:, :n]
+    return memory[first : first + len(_ROWS) * apart].reshape(len(_ROWS), apart)[:, :n]
 
 
 class Slices:
@@ -76,9 +77,10 @@ class Slices:
     array([20000., 30000.])
     """
 
-    __slots__ = ("_table", "conditions", *COLUMNS)
+    __slots__ = ("_places", "_table", "conditions", *COLUMNS)
 
     _table: NDArray[np.float64]
+    _places: NDArray[np.float64] | None
     conditions: Conditions
 
     def __init__(self, n: int, conditions: Conditions | None = None, **columns: Any) -> None:
@@ -86,22 +88,37 @@ class Slices:
         table = _rows(n)
         table.fill(math.nan)
         _set(self, "_table", table)
+        _set(self, "_places", None)
         for name, values in columns.items():
             if name not in COLUMNS:
                 raise TypeError(f"Slices has no column {name!r}; it has {', '.join(COLUMNS)}")
-            table[_ROWS[name]] = values
+            if name in _ROWS:
+                table[_ROWS[name]] = values
+            else:
+                getattr(self, name)[...] = values
 
     def __getattr__(self, name: str) -> Column:
         """Make a column's view of the table when it is first asked for: few ask for all, and they cost most of all."""
-        if name not in _ROWS or not hasattr(self, "_table"):
+        if name not in COLUMNS or not hasattr(self, "_table"):
             raise AttributeError(f"these slices have no {name!r}")
-        row: Column = self._table[_ROWS[name]]
+        if name in _ROWS:
+            row: Column = self._table[_ROWS[name]]
+        else:
+            row = self.places()[PLACES.index(name)]
         _set(self, name, row)
         return row
 
+    def places(self) -> NDArray[np.float64]:
+        """Return the rows of ``PLACES``, made if nobody has asked for one of them before."""
+        if self._places is None:
+            _set(self, "_places", np.full((len(PLACES), len(self)), math.nan))
+        made = self._places
+        assert made is not None
+        return made
+
     def __setattr__(self, name: str, values: Any) -> None:
         """Take values into the table, which is what a chain reads; conditions are replaced."""
-        if name in _ROWS:
+        if name in COLUMNS:
             getattr(self, name)[...] = values
         else:
             _set(self, name, values)
@@ -119,6 +136,7 @@ class Slices:
         _set(other, "conditions", self.conditions)
         _set(other, "_table", _rows(rows.shape[1]))
         other._table[:] = rows
+        _set(other, "_places", None if self._places is None else self._places[:, order].copy())
         return other
 
     @classmethod

@@ -22,7 +22,7 @@ from rollslip.errors import DomainError, PluginError
 from rollslip.models import interval
 from rollslip_kernels import chain as compiled
 from rollslip_kernels.layout import layout
-from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES
 from rollslip_plugins.contact import Iso16281, Lundberg, Palmgren
 from rollslip_plugins.film.formulas import Martin, Moes, PanHamrock, Regime
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
@@ -119,7 +119,8 @@ def test_every_member_arrives_under_its_name(language):
         seen.update({name: [getattr(part, name)[i] for i in range(3)] for name in COLUMNS})
         seen["n"] = part.n if language == "C" else len(part.friction)
 
-    stage = Stage(capsule=foreign_capsule(lambda part: keep(part) or 0)) if language == "C" else Stage(keep)
+    capsule = foreign_capsule(lambda part: keep(part) or 0) if language == "C" else None
+    stage = Stage(keep, capsule, reads=frozenset(COLUMNS))  # where slices are is there for who reads it
     slices = marked()
     Chain(stage)(slices)
     assert seen.pop("n") == 3
@@ -351,10 +352,12 @@ def test_a_python_stage_cannot_change_its_inputs(name, child):
     def spoil(part):
         getattr(part, name)[:] = 0.0
 
-    slices, stage = bearing_slices(), Stage(spoil)
+    slices, stage = bearing_slices(), Stage(spoil, reads=frozenset({name} & {*PLACES}))
+    for place in PLACES:
+        getattr(slices, place)[:] = 1.0
     with pytest.raises(ValueError, match="read-only"):
         Chain(LambdaBlend(boundary=stage) if child else stage)(slices)
-    np.testing.assert_array_equal(getattr(slices, name), getattr(bearing_slices(), name))
+    np.testing.assert_array_equal(getattr(slices, name), 1.0 if name in PLACES else getattr(bearing_slices(), name))
 
 
 @pytest.mark.parametrize("child", [False, True], ids=["stage", "child of a blend"])
@@ -657,7 +660,7 @@ def test_a_gathered_child_sees_the_columns_of_its_slices():
         getattr(slices, name)[:] = row * 1000.0 + np.arange(600)
     thin = np.arange(600) % 3 == 0
     slices.film_thickness[:] = BEARING.roughness * np.where(thin, 1e-3, 10.0)
-    Chain(LambdaBlend(boundary=Stage(evaluate), hydrodynamic=Constant()))(slices)
+    Chain(LambdaBlend(boundary=Stage(evaluate, reads=frozenset(PLACES)), hydrodynamic=Constant()))(slices)
     np.testing.assert_array_equal(slices.friction[thin], np.arange(600)[thin])
 
 

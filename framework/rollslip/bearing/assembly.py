@@ -276,7 +276,23 @@ class Assembly:
             )
             for raceway in self.raceways
         ]
-        return self.slices, self.resolution.quadrature, *sides
+        return self.slices, self.resolution.quadrature, self.inner.chain.placed, *sides
+
+    def places(self, ring: Ring, angle: Array, roller: Array | None = None) -> dict[str, Array]:
+        """Return where slices of rollers are, as `LoadedContacts` takes it; nothing where no law asks.
+
+        By their angles from the line of load [rad] and their numbers. The axis of a roller is that of the outer ring,
+        so that V_t = gamma w_i R_i sin(psi) on the inner one, gamma the misalignment, and none on the outer.
+        """
+        if not self.inner.chain.placed:
+            return {}
+        known = {"position": self.position, "orbit_angle": angle, "transverse_speed": self.across(ring) * np.sin(angle)}
+        return known if roller is None else known | {"roller": roller}
+
+    def across(self, ring: Ring) -> float:
+        """Largest transverse sliding speed of a ring over the orbit [m/s]."""
+        k, tilt = self.kinematics, self.scene.operation.misalignment if ring == "inner" else 0.0
+        return tilt * k.direction * k.inner_speed * k.inner_radius
 
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
         """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""

@@ -24,7 +24,7 @@ from rollslip.catalogue.discovery import origin
 from rollslip.errors import DomainError, PluginError, RollslipError, in_words
 from rollslip.models import FINITE, SliceModel, in_unit, interval
 from rollslip_kernels import chain as kernels
-from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -93,7 +93,7 @@ def stage(model: SliceModel) -> object:
 def _checked(model: SliceModel, capsule: object | None) -> object:
     if capsule is None:
         return kernels.python_stage(_blaming(model), model.writes)
-    if problem := kernels.problem(capsule):
+    if problem := kernels.problem(capsule, not {*PLACES}.isdisjoint(model.reads)):
         raise PluginError(f"model {model.name!r}: {_who(model)} {problem}; {origin(type(model))}")
     return capsule
 
@@ -217,6 +217,11 @@ class Chain:
         """Whether one thread at a time is to evaluate it, as where a model runs in Python."""
         return self._threads == 1
 
+    @property
+    def placed(self) -> bool:
+        """Whether a model reads where slices are."""
+        return any(not model.reads.isdisjoint(PLACES) for model in self.models)
+
     def __call__(self, slices: Slices) -> None:
         """Evaluate all models on ``slices``, in place."""
         refusal = self._chain.run(slices) if len(slices) < _LARGE else self._run_large(slices)
@@ -257,6 +262,8 @@ class Chain:
         step = -(-_PART // block) * block
         starts, outcomes = iter(range(0, n, step)), dict[int, Any]()
         others: list[Future[None]] = []
+        if self.placed:
+            slices.places()  # before threads ask for them
         held = [slices]  # what is taken back below waits in its queue, and is not to keep the table
 
         def work() -> None:
@@ -368,8 +375,8 @@ def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices:
     value = float(getattr(slices, member)[index])
     if value != value:
         unit, meaning = COLUMNS[member]
-        return (
-            f"{model.name}: slice {index} has no {member} ({meaning}, {unit}); "
-            "give it, or put a stage that fills it before this one"
-        )
+        remedy = "give it, or put a stage that fills it before this one"
+        if member in PLACES:
+            remedy = "what evaluates it takes rollers or slices together; give it, or take another study or level"
+        return f"{model.name}: slice {index} has no {member} ({meaning}, {unit}); {remedy}"
     return f"{model.name}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed})"

@@ -10,19 +10,20 @@
   A law with a kink, such as film model ``regime``, needs many, or all the slices.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, Literal
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.chain import Chain, Guarded, Job
+from rollslip.bearing.chain import Chain, Guarded, Job, along
 from rollslip.bearing.regimes import LIGHT, groups, regime_limits
 from rollslip_kernels.chain import Bound
 from rollslip_kernels.gauss import rules
-from rollslip_kernels.slices import Conditions, Slices
+from rollslip_kernels.slices import PLACES, Conditions, Slices
 
 Array = NDArray[np.float64]
 Ring = Literal["inner", "outer"]
@@ -44,9 +45,14 @@ class Raceway:
     chain: Chain
     deflection: Chain
 
-    def evaluate(self, load: Array, rolling_speed: Any, sliding_speed: Any) -> Slices:
-        """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them."""
-        slices = Slices(load.size, self.conditions, load=load, rolling_speed=rolling_speed, sliding_speed=sliding_speed)
+    def evaluate(self, load: Array, rolling_speed: Any, sliding_speed: Any, **places: Any) -> Slices:
+        """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them.
+
+        ``places`` are columns that say where they are, as a law may ask (`Chain.placed`).
+        """
+        slices = Slices(
+            load.size, self.conditions, load=load, rolling_speed=rolling_speed, sliding_speed=sliding_speed, **places
+        )
         self.chain(slices)
         return slices
 
@@ -66,11 +72,22 @@ class LoadedContacts:
         Direction of the rollers' orbit, 1 or -1.
     count : ndarray, optional
         How many rollers each one stands for, (rollers,); by default one.
+    places : mapping, optional
+        Where they are, if a law asks: ``position`` (n,), and of each roller what else `PLACES` has, (rollers,).
     """
 
-    def __init__(self, raceway: Raceway, load: Array, widths: Array, orbit: float, count: Array | None = None) -> None:
+    def __init__(
+        self,
+        raceway: Raceway,
+        load: Array,
+        widths: Array,
+        orbit: float,
+        count: Array | None = None,
+        places: Mapping[str, Array] = MappingProxyType({}),
+    ) -> None:
         slices, first = load.shape[1], 0
-        if widths.ndim == 1 and np.array_equal(load, load[:, ::-1]):  # one half of a roller carries what the other does
+        # one half of a roller carries what the other does
+        if not places and widths.ndim == 1 and np.array_equal(load, load[:, ::-1]):
             first = slices // 2
             load, widths = load[:, first:], 2.0 * widths[first:]
             widths[0] /= 1.0 + slices % 2
@@ -88,11 +105,12 @@ class LoadedContacts:
         self.force = load[loaded] * self.width
         self.total = float(self.force.sum())
         self.load = load[loaded]
+        self.places = {name: of[column if name == "position" else self.owner] for name, of in places.items()}
 
     @cached_property
     def slices(self) -> Slices:
         """The table, made when it is first asked for."""
-        return Slices(self.force.size, self.raceway.conditions, load=self.load)
+        return Slices(self.force.size, self.raceway.conditions, load=self.load, **self.places)
 
     @cached_property
     def _evaluate(self) -> "Bound | Guarded":
@@ -124,7 +142,7 @@ class LoadedContacts:
         the load are the same, and its force is. ``whole`` takes all rollers for one, where they run at the same speeds.
         """
         first = self._first[[0, -1]] if whole else self._first
-        if int(np.diff(first).max(initial=0)) <= count:
+        if self.places or int(np.diff(first).max(initial=0)) <= count:
             return self
         nodes, weights = rules(self.load, self.width, np.ascontiguousarray(first), count)
         return LoadedContacts(self.raceway, nodes, weights, self.orbit)
@@ -153,7 +171,12 @@ class LoadedContacts:
         most = 2 * self.force.size + _LANES  # two are sent at once through a position, which may have all of it
         if table is None or len(table) < most:
             table = Slices(most, raceway.conditions)
-        return stage, table, (stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists)
+        ring = stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists
+        if not raceway.chain.placed:
+            return stage, table, ring
+        table.places()
+        unknown = np.full(self.load.size, np.nan)
+        return stage, table, (*ring, np.array([self.places.get(name, unknown) for name in PLACES]))
 
     def mean(self, pull: Array) -> Array:
         """Mean friction by force along the orbit, of its sums by force [N]; NaN if there is no load."""
@@ -185,6 +208,8 @@ class LoadedContacts:
 
         if self.total == 0.0:
             return np.full_like(rolling, np.nan)
+        if self.places:
+            return self.mean(along([self.job(rolling, sliding)])[0][0])
         probes = np.linspace(0, rolling.size - 1, PROBES).astype(int)
         rule = load_rule(self.load, self.force, over(probes), tolerance)
         return over(slice(None))(rule)

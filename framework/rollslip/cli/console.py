@@ -371,7 +371,8 @@ def scene_info(scene: Scene) -> Groups:
             ("composite roughness", format_quantity(c.roughness, "m", 4)),
         ]
         if load.max() > 0.0:
-            slices = raceway.evaluate(np.array([load.max()]), u, 0.0)
+            places = assembly.places(raceway.ring, np.zeros(1), np.zeros(1)) | {"position": 0.0}
+            slices = raceway.evaluate(np.array([load.max()]), u, 0.0, **places)
             M, L = moes_groups(slices)
             code = int(film_by_regime(*groups(slices))[1][0])
             rows += [

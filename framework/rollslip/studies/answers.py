@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import attrs
@@ -167,6 +168,8 @@ class Evaluated:
     rolling: Any
     sliding: Any
     force: Array
+    #: Where the slices are, columns of `PLACES`, if a law asks.
+    places: Mapping[str, Any] = MappingProxyType({})
 
 
 @attrs.frozen

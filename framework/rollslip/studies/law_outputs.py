@@ -46,7 +46,8 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
         for name, (unit, meaning) in law.outputs.items():
             values = np.array([_means(law, name, group, assembly) for group in groups])
             called = f"{law.name.replace('-', '_')}_{name}" if name in dataset.variables else name
-            values = values if len(dims) == 2 else values.mean(axis=1)
+            if len(dims) == 1:
+                values = values.mean(axis=1) if values.size else np.full(len(groups), np.nan)
             found[called] = dims, values, about(unit, meaning) | {LAW: law.name}
     return found
 

@@ -345,8 +345,9 @@ def _rolling(assembly: Assembly) -> list[Evaluated]:
         (assembly.inner, loads.inner_load, speeds.inner_rolling),
         (assembly.outer, loads.outer_load, speeds.outer_rolling),
     ):
-        contacts = LoadedContacts(raceway, load[0], assembly.widths, 1.0)
-        found.append(Evaluated(0, raceway.ring, contacts.slices.load, float(rolling), 0.0, contacts.force))
+        places = assembly.places(raceway.ring, loads.psi[0], np.arange(float(loads.psi.shape[1])))
+        one = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
+        found.append(Evaluated(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places))
     return found
 
 

@@ -34,7 +34,7 @@ from rollslip.models import (
 from rollslip.results.words import REST, TOLD_FROM
 from rollslip.studies.answers import Evaluated
 from rollslip.units import format_quantity
-from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
 
 __all__ = [
     "Difference",
@@ -148,7 +148,11 @@ def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
             np.concatenate([np.broadcast_to(getattr(one, name), len(one.load)) for one in those])
             for name in ("load", "rolling", "sliding", "force")
         )
-        slices = raceway.evaluate(load, rolling, sliding)
+        places = {
+            name: np.concatenate([np.broadcast_to(one.places[name], len(one.load)) for one in those])
+            for name in those[0].places
+        }
+        slices = raceway.evaluate(load, rolling, sliding, **places)
         starts = np.cumsum([0, *(len(one.load) for one in those[:-1])], dtype=np.intp)
         tables.append(Filled(raceway.ring, slices, force.astype(float), starts))
     return tables
@@ -274,6 +278,7 @@ def difference(traction: TractionModel, tables: Sequence[Filled], assembly: Asse
     for table in tables:
         own, force = table.slices, table.force
         columns = {name: getattr(own, name) for name in ("load", "rolling_speed", "sliding_speed")}
+        columns |= {name: getattr(own, name) for name in (PLACES if chain.placed else ())}
         other = Slices(len(own), own.conditions, **columns)
         chain(other)
         size = np.add.reduceat(force * np.abs(other.friction), table.starts)

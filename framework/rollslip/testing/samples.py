@@ -65,6 +65,10 @@ MAGNITUDES: Final[Mapping[str, tuple[float, float, float]]] = {
     "film_viscosity": (1e-4, 0.6, 1e12),
     "film_thermoviscosity": (1e-3, 0.0656, 0.3),
     "resistance": (1e-4, 100.0, 1e5),
+    "position": (1e-6, 5e-3, 0.1),
+    "orbit_angle": (1e-3, 1.0, 6.3),
+    "roller": (1.0, 5.0, 100.0),
+    "transverse_speed": (1e-6, 1e-2, 10.0),
 }
 #: What a scene may give a drag, of a bearing of 180 mm pitch diameter.
 SCENE: Final[Mapping[str, float | str]] = {

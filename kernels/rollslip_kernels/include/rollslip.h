@@ -6,7 +6,8 @@
  *   hoists it out of its loop instead of streaming constant columns through the cache.
  * - Members are only ever appended; a change of meaning raises ROLLSLIP_ABI.
  * - All values are float64 in SI units; arrays hold n values and do not overlap.
- * - A scalar that the lubricant does not know is NaN; no stage that reads it is bound. */
+ * - A scalar that the lubricant does not know is NaN; no stage that reads it is bound.
+ * - A column of ROLLSLIP_PLACES is NULL unless a stage of the chain reads one of them. */
 #ifndef ROLLSLIP_H
 #define ROLLSLIP_H
 #include <stddef.h>
@@ -46,7 +47,15 @@
     X(friction,             "1",    "traction coefficient mu, with the sign of the sliding speed") /* traction -> */ \
     X(film_viscosity,       "Pa s", "viscosity of the oil at the mean pressure and the inlet temperature") /* oil -> */ \
     X(film_thermoviscosity, "1/K",  "its fall with temperature -dln(eta)/dT at that pressure") /* oil -> */ \
-    X(resistance,           "N/m",  "rolling resistance of one surface per length, against its rolling") /* drag -> */
+    X(resistance,           "N/m",  "rolling resistance of one surface per length, against its rolling") /* drag -> */ \
+    ROLLSLIP_PLACES(X)
+
+/* Where a slice is, filled where somebody asks */
+#define ROLLSLIP_PLACES(X) \
+    X(position,             "m",    "place along the roller, from its middle") /* in */ \
+    X(orbit_angle,          "rad",  "place of the roller on its orbit, from the line of load") /* in */ \
+    X(roller,               "1",    "number of the roller, from 0") /* in */ \
+    X(transverse_speed,     "m/s",  "sliding speed along the axis, ring less roller, by the tilt of the rings") /* in */
 
 #define ROLLSLIP_CONDITION(name, unit, meaning) double name;
 #define ROLLSLIP_COLUMN(name, unit, meaning) double *name;
@@ -58,7 +67,11 @@ typedef struct {
     ROLLSLIP_COLUMNS(ROLLSLIP_COLUMN)
 } rs_slices;
 
-enum { ROLLSLIP_N_COLUMNS = 0 ROLLSLIP_COLUMNS(ROLLSLIP_COUNTED) };
+enum {
+    ROLLSLIP_N_COLUMNS = 0 ROLLSLIP_COLUMNS(ROLLSLIP_COUNTED),
+    ROLLSLIP_N_PLACES = 0 ROLLSLIP_PLACES(ROLLSLIP_COUNTED),
+    ROLLSLIP_N_ALWAYS = ROLLSLIP_N_COLUMNS - ROLLSLIP_N_PLACES   /* columns that every table has */
+};
 
 /* 0: done; k > 0: slice k-1 of the block is outside the model's domain; -1: a Python error is set. */
 typedef int (*rs_evaluate)(const rs_slices *slices, const void *params);

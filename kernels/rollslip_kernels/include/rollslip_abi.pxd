@@ -6,6 +6,8 @@ cdef extern from "rollslip.h" nogil:
     enum:
         ROLLSLIP_ABI
         ROLLSLIP_N_COLUMNS
+        ROLLSLIP_N_PLACES
+        ROLLSLIP_N_ALWAYS
     const char *ROLLSLIP_MODEL
     const char *ROLLSLIP_DRAG
 
@@ -37,6 +39,10 @@ cdef extern from "rollslip.h" nogil:
         double *film_viscosity
         double *film_thermoviscosity
         double *resistance
+        double *position
+        double *orbit_angle
+        double *roller
+        double *transverse_speed
 
     ctypedef int (*rs_evaluate)(const rs_slices *, const void *) noexcept nogil
 

@@ -615,6 +615,7 @@ cdef class Carried:
         room += 13 * Z
         for ring in range(RINGS):
             room = rs_place_held(&p.held[ring], Z, room)
+            p.raceway[ring].turns = p.c.turns
         self.kept = (inner, outer, tuple(drags), load, columns, last, cells)
 
     cdef _more(self, double pull):

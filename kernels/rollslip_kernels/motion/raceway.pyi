@@ -19,7 +19,15 @@ def effective(
     row_limits: Sequence[float] = ...,
     rolling_scale: float = ...,
 ) -> object: ...
-def conventional(chain: Chain, slices: Slices, rollers: int, widths: ArrayLike, resists: bool) -> object: ...
+def conventional(
+    chain: Chain,
+    slices: Slices,
+    rollers: int,
+    widths: ArrayLike,
+    resists: bool,
+    position: ArrayLike | None = ...,
+    across: float = ...,
+) -> object: ...
 def with_table(
     raceway: object,
     values: ArrayLike,

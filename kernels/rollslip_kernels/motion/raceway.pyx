@@ -65,10 +65,12 @@ def _coefficients(nodes):
     return np.stack((value, slope, 3.0 * rise - 2.0 * slope - after, slope + after - 2.0 * rise), axis=1)
 
 
-def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists):
+def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists, position=None, double across=0.0):
     """Return a raceway that runs a compiled chain on every loaded slice; ``resists`` if it fills the resistance.
 
-    ``slices`` is the table to work in, with room for those of all rollers; ``widths`` are those of a roller's [m].
+    ``slices`` is the table to work in, with room for those of all rollers; ``widths`` are those of a roller's [m], and
+    ``position`` their places, with which a table that has places is filled; ``across`` is the largest transverse sliding
+    speed over the orbit [m/s].
     """
     if rollers < 1 or len(slices) % rollers:
         raise ValueError(f"a table of {len(slices)} slices is not one of {rollers} rollers")
@@ -76,12 +78,15 @@ def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists):
     stage, gathered = chain.as_stage(), bound(slices)
     cdef size_t[::1] begins = np.zeros(rollers + 1, dtype=np.uintp)
     cdef double[::1] wide = np.array(widths, dtype=float)
+    cdef double[::1] along = np.zeros(len(wide)) if position is None else np.array(position, dtype=float)
     if <size_t>wide.shape[0] != w.slices:
         raise ValueError(f"{wide.shape[0]} widths for {w.slices} slices of a roller")
-    w.widths, w.resists, w.first = &wide[0], resists, &begins[0]
+    if along.shape[0] != wide.shape[0]:
+        raise ValueError(f"{along.shape[0]} places for {w.slices} slices of a roller")
+    w.widths, w.position, w.resists, w.first, w.across = &wide[0], &along[0], resists, &begins[0], across
     w.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
     w.gathered = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
-    return _new(&w, (chain, stage, gathered, begins, wide))
+    return _new(&w, (chain, stage, gathered, begins, wide, along))
 
 
 def with_table(

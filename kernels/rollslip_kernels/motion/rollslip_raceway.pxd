@@ -13,7 +13,7 @@
 # - A curve is evaluated for all contacts in two passes, cells first: a division and a multiplication for each contact,
 #   which vectorise, and then the cubic of its cell, four coefficients side by side.
 # - What is written here belongs to one thread: a raceway is part of one system.
-from libc.math cimport NAN, fabs, sqrt
+from libc.math cimport M_PI, NAN, fabs, sin, sqrt
 from libc.string cimport memcpy, memset
 
 from rollslip_abi cimport rs_model, rs_slices
@@ -85,6 +85,9 @@ ctypedef struct rs_raceway:
     int friction
     size_t rollers, slices         # Z; n, 1 unless friction is conventional
     const double *widths             # [n] of the slices [m]; only where friction is conventional
+    const double *position           # [n] places of them [m], where a law asks
+    const double *turns              # [Z] places of the rollers on the orbit, 0 to 1, of a motion that has them
+    double across                    # largest transverse sliding speed over the orbit [m/s]
     double coefficient, transition   # constant: mu_0; V_s [m/s]
     rs_friction_table table          # effective
     rs_slices gathered               # conventional: room for Z n slices
@@ -149,6 +152,18 @@ cdef inline double rs_map_friction(const rs_friction_table *t, double V, double 
             + e1 * (b[2] + h1 * (b[6] - b[2]) + d0 * b[3] + d1 * b[7]))
 
 
+cdef inline void rs_fill_places(rs_raceway *w, const double *load, size_t j, size_t n) noexcept nogil:
+    """Say where the loaded slices of a roller are, from slice ``n`` of the table on."""
+    cdef rs_slices *s = &w.gathered
+    cdef double angle = 2.0 * M_PI * w.turns[j] if w.turns != NULL else NAN
+    cdef size_t i
+    for i in range(w.slices):
+        if load[j * w.slices + i] > 0.0:
+            s.position[n], s.orbit_angle[n], s.roller[n] = w.position[i], angle, <double>j
+            s.transverse_speed[n] = w.across * sin(angle)
+            n += 1
+
+
 cdef inline int rs_chain_friction(
     rs_raceway *w, const double *load, const double *sliding, const double *rolling, double *traction,
     double *resistance
@@ -166,6 +181,8 @@ cdef inline int rs_chain_friction(
                 s.rolling_speed[n] = u
                 s.sliding_speed[n] = sliding[j]
                 n += 1
+        if s.position != NULL:
+            rs_fill_places(w, load, j, w.first[j])
     w.first[w.rollers] = n
     s.n = n
     w.evaluated += n

@@ -22,8 +22,9 @@ import numpy as np
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport NAN, exp, fabs, sqrt
+from libc.string cimport memcpy
 
-from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_abi cimport ROLLSLIP_MODEL, ROLLSLIP_N_PLACES as N_PLACES, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
 
 from rollslip_kernels.chain import bound
@@ -101,6 +102,8 @@ cdef struct ring_t:
     bint resists
     size_t evaluated
     Py_ssize_t room            # slices of the table
+    const double *places       # where the slices are, (4, N) in the order of PLACES, or NULL where no law asks
+    Py_ssize_t loaded          # N
     const double *nodes        # of a curve of friction over V/(|V| + scale), or NULL: value and slope per cell
     Py_ssize_t cells
     double scale, begin, end
@@ -112,7 +115,7 @@ cdef class Spin:
 
     ``rings`` holds, of inner and outer ring, (stage, table, load, force, width, first, resists): the capsule of the
     chain, a table of slices to work in, and of all loaded slices load, force and width, with the first one of every
-    position, (K + 1,). A ring with one friction curve is (nodes, limits, scale, force, resistance) instead: values and
+    position, (K + 1,), and last, where a law asks, where they are, (4, N). A ring with one friction curve is (nodes, limits, scale, force, resistance) instead: values and
     slopes per cell, (N, 2), at equal steps of V/(|V| + scale) between the limits, and forces and resistances (K,).
     Or it is a call that returns tractions and resistances (2, K) [N] at roller slips (K,).
     ``radii`` are those of inner and outer raceway, roller and orbit [m], ``rolling`` is the speed of epicyclic rolling
@@ -132,7 +135,7 @@ cdef class Spin:
     def __init__(self, Py_ssize_t rollers, rings, radii, double rolling, double slow=0.0, double pocket=0.0):
         cdef const double[::1] load, force, width
         cdef const Py_ssize_t[::1] first
-        cdef const double[:, ::1] nodes
+        cdef const double[:, ::1] nodes, places
         cdef ring_t *ring
         cdef Py_ssize_t n, k, i
         cdef bint ascend
@@ -157,7 +160,7 @@ cdef class Spin:
                 ring.nodes, ring.cells, ring.resists = &nodes[0, 0], nodes.shape[0] - 1, True
                 ring.force, ring.held = &force[0], &load[0]
                 continue
-            stage, table, load, force, width, first, resists = rings[k]
+            stage, table, load, force, width, first, resists, *asked = rings[k]
             gathered, n = bound(table), load.shape[0]
             if not (force.shape[0] == width.shape[0] == n <= len(table)) or first.shape[0] != rollers + 1:
                 raise ValueError(f"loads, forces, widths and a table of {n} slices of {rollers} rollers are expected")
@@ -172,6 +175,12 @@ cdef class Spin:
             ring.first, ring.resists, ring.room = &first[0], resists, len(table)
             if n:
                 ring.load, ring.force, ring.width = &load[0], &force[0], &width[0]
+            if asked and n:
+                places = asked[0]
+                if places.shape[0] != N_PLACES or places.shape[1] != n or ring.table.position == NULL:
+                    raise ValueError(f"places of {n} slices are expected, and a table that has them")
+                self.kept.append(places)
+                ring.places, ring.loaded = &places[0, 0], n
 
     @property
     def evaluated(self):
@@ -738,8 +747,9 @@ cdef class Spin:
         """Traction and resistance of a ring on the active rollers, of their slices gathered into its table."""
         cdef ring_t *ring = &self.rings[which]
         cdef rs_slices *s = &ring.table
+        cdef double **where = &s.position
         cdef Py_ssize_t a, k, i, at, n = 0
-        cdef int status
+        cdef int status, c
         cdef double sliding, rolling, spin, sum, rest
         for a in range(count):
             k, at = self.active[a], self.slot[a]
@@ -758,6 +768,10 @@ cdef class Spin:
             for i in range(ring.first[k], ring.first[k + 1]):
                 s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
                 n += 1
+            if ring.places != NULL:
+                i = ring.first[k + 1] - ring.first[k]
+                for c in range(N_PLACES):
+                    memcpy(where[c] + n - i, ring.places + c * ring.loaded + ring.first[k], i * sizeof(double))
         if ring.nodes != NULL:
             ring.evaluated += count
             return FOUND
@@ -765,6 +779,8 @@ cdef class Spin:
         while n % LANES and n < ring.room:   # whole vectors; stages would copy an odd end
             s.load[n], s.rolling_speed[n] = s.load[n - 1], s.rolling_speed[n - 1]
             s.sliding_speed[n] = s.sliding_speed[n - 1]
+            for c in range(N_PLACES if ring.places != NULL else 0):
+                where[c][n] = where[c][n - 1]
             n += 1
         s.n = n
         if n:

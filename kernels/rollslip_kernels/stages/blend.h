@@ -107,6 +107,7 @@ static int PATH(run_gathered)(
     double scratch[COLUMNS][BLOCK];
     size_t index[BLOCK + 1], m = 0;
     rs_slices part = *block;
+    int columns = block->position ? COLUMNS : ROLLSLIP_N_ALWAYS;
     double *const *from = (double *const *)&block->approach, **to = &part.approach;
     int status;
     for (size_t i = 0; i < block->n; i++) {
@@ -114,7 +115,7 @@ static int PATH(run_gathered)(
         m += share[i] != 0.0;
     }
     part.n = needed;
-    for (int c = 0; c < COLUMNS; c++) {
+    for (int c = 0; c < columns; c++) {
         to[c] = scratch[c];
         for (size_t i = 0; i < needed; i++) to[c][i] = from[c][index[i]];
     }

@@ -47,7 +47,8 @@ static rs_slices cut(const rs_slices *whole, size_t start, size_t n) {
     rs_slices part = *whole;
     double **column = &part.approach;
     part.n = n;
-    for (int c = 0; c < COLUMNS; c++) column[c] += start;
+    for (int c = 0; c < ROLLSLIP_N_ALWAYS; c++) column[c] += start;
+    for (int c = ROLLSLIP_N_ALWAYS; part.position && c < COLUMNS; c++) column[c] += start;
     return part;
 }
 

@@ -83,7 +83,7 @@ class EvaluatedSlices:
         for k, part in enumerate(self.parts):
             raceway = getattr(made.assembly, part.ring)
             columns = {"load": part.load, "rolling_speed": part.rolling, "sliding_speed": part.sliding}
-            table = Slices(part.load.size, raceway.conditions, **columns)
+            table = Slices(part.load.size, raceway.conditions, **columns, **part.places)
             begin = time.perf_counter()
             raceway.chain(table)
             seconds[k] = time.perf_counter() - begin
@@ -96,11 +96,14 @@ def _joined(some: Sequence[Evaluated]) -> Evaluated:
     if len(some) == 1:
         return some[0]
 
-    def column(name: str) -> Any:
-        return np.concatenate([np.broadcast_to(getattr(one, name), one.load.shape) for one in some])
+    def joined(values: Sequence[Any]) -> Array:
+        return np.concatenate([np.broadcast_to(of, one.load.shape) for of, one in zip(values, some, strict=True)])
 
-    columns: dict[str, Any] = {name: column(name) for name in ("load", "rolling", "sliding", "force")}
-    return attrs.evolve(some[0], **columns)
+    columns: dict[str, Any] = {
+        name: joined([getattr(one, name) for one in some]) for name in ("load", "rolling", "sliding", "force")
+    }
+    places = {name: joined([one.places[name] for one in some]) for name in some[0].places}
+    return attrs.evolve(some[0], **columns, places=places)
 
 
 def keep_friction(table: Slices) -> dict[str, Array]:

@@ -160,7 +160,10 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         load = np.array([balanced_load(assembly, raceway, float(carried[k])) for k in carries])
         roller, column = np.nonzero(load > 0.0)
         owner, some = carries[roller], load[load > 0.0]
-        found.append(Evaluated(0, raceway.ring, some, rolling[owner], sliding[owner], some * assembly.widths[column]))
+        places = assembly.places(raceway.ring, last.orbit_angle.to_numpy()[owner], owner.astype(float))
+        places |= {"position": places["position"][column]} if places else {}
+        forces = some * assembly.widths[column]
+        found.append(Evaluated(0, raceway.ring, some, rolling[owner], sliding[owner], forces, places))
     return found
 
 

@@ -92,9 +92,12 @@ class LoadedRaceways:
         count = np.full(positions // 2 + 1, 2.0)
         count[0] = 1.0
         count[-1] -= positions % 2 == 0 and positions > 1
+        number, angle = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi)), distribution.psi
 
         def of(raceway: Raceway, load: Array) -> LoadedContacts:
             whole = load.swapaxes(0, 1).reshape(positions, -1)
+            if places := assembly.places(raceway.ring, angle.T.ravel(), number):
+                return LoadedContacts(raceway, whole, assembly.widths, orbit, places=places)
             return LoadedContacts(raceway, whole[: count.size], assembly.widths, orbit, count)
 
         def both() -> tuple[LoadedContacts, LoadedContacts]:
@@ -277,7 +280,7 @@ class LoadedRaceways:
         """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
         instants, rollers = self.distribution.psi.shape
         position = instants * np.arange(rollers)
-        place = np.minimum(position, instants * rollers - position)
+        place = np.minimum(position, instants * rollers - position) if not self.inner.places else position
         out = np.full((2, rollers, slip.size), np.nan)
         for k, both in enumerate(self.contacts(self.speeds(slip))):
             for i, (contacts, u, V) in enumerate(both):

@@ -259,7 +259,7 @@ class EffectiveFriction(Study):
         raceways = self.loaded(assembly, instants)
         for both in raceways.contacts(raceways.speeds(cage_slip)):
             for k, (contacts, u, V) in enumerate(both):
-                yield Evaluated(k, RINGS[k], contacts.slices.load, u, V, contacts.force)
+                yield Evaluated(k, RINGS[k], contacts.slices.load, u, V, contacts.force, contacts.places)
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the effective friction curves, the critical cage slip and the map.

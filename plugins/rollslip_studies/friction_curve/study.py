@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 _OF_CURVE, _OF_FORCE = "normal_force slip", "normal_force"
 #: A contact, its entrainment speed [m/s], and slide-roll ratios.
 _Curve: TypeAlias = tuple[LoadedContacts, float, Array]
+#: Angle and number of the roller of a curve, for laws that ask: the one in the line of load.
+_FIRST: Final = np.zeros(1), np.zeros(1)
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "friction": Output(_OF_CURVE, "1", "friction coefficient"),
@@ -121,7 +123,8 @@ class FrictionCurve(Study):
             raise SceneError(faults)
 
         def loaded(force: float) -> LoadedContacts:
-            return LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
+            load = balanced_load(assembly, raceway, force)[None]
+            return LoadedContacts(raceway, load, assembly.widths, 1.0, places=assembly.places(raceway.ring, *_FIRST))
 
         return [
             assembly.kept_by_loads(("contact", self.ring, force), 1, partial(loaded, force)).on(raceway)
@@ -146,7 +149,7 @@ class FrictionCurve(Study):
         for k, contacts in enumerate(self.contacts(assembly)):
             load, force = contacts.slices.load, contacts.force
             for slip in slips:
-                yield Evaluated(k, contacts.raceway.ring, load, u, slip * u, force)
+                yield Evaluated(k, contacts.raceway.ring, load, u, slip * u, force, contacts.places)
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the curves.
@@ -272,7 +275,9 @@ def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Arra
 def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
     """Film, pressure and regime of the most loaded slice at some slide-roll ratios."""
     raceway = contacts.raceway
-    slices = raceway.evaluate(np.full(slip.size, contacts.slices.load.max()), u, slip * u)
+    at = int(np.argmax(contacts.load))
+    place = {name: of[at] for name, of in contacts.places.items()}
+    slices = raceway.evaluate(np.full(slip.size, contacts.load[at]), u, slip * u, **place)
     M, L = moes_groups(slices)
     return {
         "film_thickness": slices.film_thickness,

@@ -212,7 +212,7 @@ class Motions:
         beside: "Motions | None" = None,
     ) -> None:
         self.assembly, self.instants, self.effective, self.inertia = assembly, instants, effective, inertia
-        self.pocket, self._few = pocket, few
+        self.pocket, self._few = pocket, 0 if assembly.inner.chain.placed else few
         k = assembly.kinematics
         self.positions = assembly.scene.bearing.rollers * instants
         #: 1 or -1: that in which the kinematics let the rollers go round
@@ -248,14 +248,20 @@ class Motions:
     def loads(self, slips: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """Loads of inner and outer ring [N/m], rows of positions in the sense of the orbit, and their widths [m]."""
         speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
-        psi = angular_positions(self.assembly.scene.bearing.rollers, self.instants)
-        order = np.argsort(psi.ravel())[(int(self.sense) * np.arange(self.positions)) % self.positions]
+        order, _ = self._orbit
 
         def rows(of: Array) -> Array:
             return of if of.ndim == 1 else of.reshape(slips.size, order.size, -1)[:, order].reshape(-1, of.shape[-1])
 
         inner, outer = self.assembly.orbit_loads(self.instants, speeds, self._few)
         return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
+
+    @property
+    def _orbit(self) -> tuple[Rows, Array]:
+        """Positions of an orbit in its sense, by number in the order of instants, and their angles [rad], (K,)."""
+        psi = angular_positions(self.assembly.scene.bearing.rollers, self.instants).ravel()
+        order = np.argsort(psi)[(int(self.sense) * np.arange(self.positions)) % self.positions]
+        return order, psi[order]
 
     def unit(self, slips: Array) -> Array:
         """Roller slips of share one: of rolling on the outer ring, and what rollers slip without the cage."""
@@ -273,7 +279,14 @@ class Motions:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
         key = slips.tobytes()
         if self._last[0] != key:
-            self._last = key, [LoadedContacts(self.assembly.inner, *own, 1.0) for own in self.loads(slips)]
+            a, angle = self.assembly, np.tile(self._orbit[1], slips.size)
+            self._last = (
+                key,
+                [
+                    LoadedContacts(a.inner, *own, 1.0, places=a.places(ring, angle))  # every roller is at each of them
+                    for ring, own in zip(RINGS, self.loads(slips), strict=True)
+                ],
+            )
         made = self._last[1]
         if few is not None and few != self._few:  # the rule of a rule is that of what it stands for
             made = [of.fewer(few) for of in made]

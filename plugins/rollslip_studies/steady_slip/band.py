@@ -354,7 +354,8 @@ def _corrected(few: Assembly, other: Assembly, balance: TorqueBalance, slip: flo
         below = np.cumsum(one.force[order])
         at = order[np.unique(np.searchsorted(below, np.array(_AT) * below[-1]))]
         speeds = [np.broadcast_to(part, one.load.shape)[at] for part in (one.rolling, one.sliding)]
-        frictions = [np.abs(r.evaluate(one.load[at], *speeds).friction) for r in (its, own)]
+        places = {name: of[at] for name, of in one.places.items()}
+        frictions = [np.abs(r.evaluate(one.load[at], *speeds, **places).friction) for r in (its, own)]
         with np.errstate(all="ignore"):
             factor = np.nan_to_num(frictions[0] / frictions[1], nan=1.0, posinf=1.0)
         rings[own.conditions.radius] = one.load[at], factor

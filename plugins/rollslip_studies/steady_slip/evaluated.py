@@ -34,7 +34,7 @@ def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> lis
     for orbit in orbits:
         for ring, contacts in zip(RINGS, balance.evaluated(orbit), strict=True):
             s = contacts.slices
-            found.append(Evaluated(0, ring, s.load, s.rolling_speed, s.sliding_speed, contacts.force))
+            found.append(Evaluated(0, ring, s.load, s.rolling_speed, s.sliding_speed, contacts.force, contacts.places))
     return found
 
 

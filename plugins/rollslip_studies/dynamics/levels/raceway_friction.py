@@ -188,8 +188,13 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
         return RacewayFriction(settings, (inner, outer))
     if settings.name == "conventional":
         slices = tuple(Slices(rollers * assembly.slices, raceway.conditions) for raceway in assembly.raceways)
+        for table in slices if assembly.inner.chain.placed else ():
+            table.places()  # which the motion fills
         inner, outer = (
-            compiled.conventional(r.chain.kernel, table, rollers, assembly.widths, r.chain.resists)
+            compiled.conventional(
+                *(r.chain.kernel, table, rollers, assembly.widths, r.chain.resists),
+                *(assembly.position, assembly.across(r.ring)),
+            )
             for r, table in zip(assembly.raceways, slices, strict=True)
         )
         tables, way = _by_force(assembly, settings) if settings.tabulated else ((), _SLICED)
@@ -217,6 +222,8 @@ def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[Fri
         return (), f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force"
     if assembly.slices < _FEW:
         return (), f"{_SLICED}: {assembly.slices} laminae cost no more than a table of them"
+    if assembly.inner.chain.placed:
+        return (), f"{_SLICED}: a law reads where slices are"
     if any(raceway.chain.alone for raceway in assembly.raceways):
         return (), f"{_SLICED}: a law runs in Python, and may depend on more than a table knows"
     tolerance, tables = settings.table_tolerance(assembly), list[FrictionTable]()

@@ -1,0 +1,341 @@
+"""Where a slice is, for laws that ask: right in every study or refused, and free for all who do not ask."""
+
+import ctypes
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from types import MappingProxyType, SimpleNamespace
+
+import attrs
+import numpy as np
+import pytest
+
+from foreign_stages import Stage
+from rollslip import Chain, Conditions, Slices, evolve, get_include, get_model, load_scene, register, run
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
+from rollslip.catalogue.discovery import taken_back
+from rollslip.errors import DomainError, PluginError, RollslipError
+from rollslip.fields import parameter
+from rollslip.foreign import capsule_from_address
+from rollslip.models import FINITE, POSITIVE, FilmModel, TractionModel
+from rollslip_kernels.motion import raceway
+from rollslip_kernels.slices import COLUMNS, PLACES
+from rollslip_studies.motion.torque_balance import rollers
+
+ROOT = Path(__file__).parents[2]
+PAPER = evolve(
+    load_scene("1032930-70C"),
+    {"accuracy.slices": 4, "operation.misalignment": 2e-4, "models.film": "moes"},
+)
+
+
+@attrs.frozen
+class Placed(TractionModel):
+    """Friction that knows where it is: mu = 0.05 tanh(40 V/u) (1 + f x), x one of the places."""
+
+    name, equation, references = "placed", "mu = 0.05 tanh(40 V/u) (1 + f x)", ("an example",)
+    outputs = MappingProxyType({"place": ("1", "where"), "mu": ("1", "its friction")})
+    of: str = parameter(default="position", doc="which place")
+    factor: float = parameter(default=0.0, unit="1", doc="f")
+
+    @property
+    def reads(self):
+        return frozenset({"sliding_speed", "rolling_speed", self.of})
+
+    @property
+    def domain(self):
+        return {"sliding_speed": FINITE, "rolling_speed": POSITIVE, self.of: FINITE}
+
+    def evaluate(self, slices):
+        rise = 0.05 * np.tanh(40.0 * slices.sliding_speed / slices.rolling_speed)
+        slices.friction[...] = rise * (1.0 + self.factor * getattr(slices, self.of))
+
+    def quantities(self, slices):
+        return {"place": getattr(slices, self.of), "mu": slices.friction}
+
+
+@pytest.fixture
+def placed():
+    """Scenes with the law of a place and a factor."""
+
+    def scene(of, factor=0.0, **changes):
+        return evolve(PAPER, {"models.traction": {"model": "placed", "of": of, "factor": factor}, **changes})
+
+    with taken_back():
+        register(Placed)
+        yield scene
+
+
+def expected(scene, ring, instants, cage_slip=0.0):
+    """Mean of every place by the force of the rollers of a bearing, from its loads alone."""
+    a = assemble(scene)
+    loads = a.load_distribution(int(instants), (1.0 - cage_slip) * a.kinematics.epicyclic_cage_speed)
+    load = loads.inner_load if ring == "inner" else loads.outer_load
+    force = load * a.widths
+    angle, number = loads.psi[..., None], np.arange(loads.psi.shape[1])[None, :, None]
+    k, tilt = a.kinematics, 2e-4 if ring == "inner" else 0.0
+    places = {
+        "position": loads.position,
+        "orbit_angle": angle,
+        "roller": number,
+        "transverse_speed": tilt * k.inner_speed * k.inner_radius * np.sin(angle),
+    }
+    return {name: float((force * where).sum() / force.sum()) for name, where in places.items()}
+
+
+CURVES = {"study.effective-friction.points": 5, "study.effective-friction.map_points": 3,
+          "study.effective-friction.runaway_range": 0, "study.effective-friction.closure": "epicyclic"}  # fmt: skip
+
+
+@pytest.mark.parametrize("of", PLACES)
+def test_effective_friction_has_places(placed, of):
+    found = run(placed(of, **CURVES), "effective-friction")
+    for ring in ("inner", "outer"):
+        want = expected(placed(of), ring, found.instants)[of]
+        np.testing.assert_allclose(found.place.sel(ring=ring), want, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("of", PLACES)
+def test_effective_friction_is_that_of_the_places(placed, of):
+    """Linear in the place, the mean is that at the mean place; its map is evaluated in the same way."""
+    plain, factor = run(placed(of, **CURVES), "effective-friction"), 1e-2 if of != "position" else 10.0
+    found = run(placed(of, factor, **CURVES), "effective-friction")
+    for ring in ("inner", "outer"):
+        more = 1.0 + factor * expected(placed(of), ring, found.instants)[of]
+        for name in ("effective_friction", "friction_map"):
+            np.testing.assert_allclose(found[name].sel(ring=ring), more * plain[name].sel(ring=ring), rtol=1e-9)
+
+
+@pytest.mark.parametrize("of", PLACES)
+def test_a_friction_curve_is_of_the_roller_in_the_line_of_load(placed, of):
+    changes = {"study.friction-curve.points": 5, "bearing.profile": {"shape": "none"}}
+    plain, found = (run(placed(of, factor, **changes), "friction-curve") for factor in (0.0, 100.0))
+    assert np.all(np.abs(found.place) < 1e-12)  # the mean along the roller, its angle and its number
+    if of == "position":  # but slices off the middle differ
+        a = assemble(placed(of))
+        slices = a.inner.evaluate(np.full(4, 1e4), 10.0, 0.1, position=a.position)
+        assert slices.friction[0] == slices.friction[-1]  # whose factor is 0
+    np.testing.assert_allclose(found.friction, plain.friction, rtol=1e-12)
+
+
+DRAG = {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}
+
+
+@pytest.mark.parametrize("of", [name for name in PLACES if name != "roller"])
+def test_a_steady_slip_has_places(placed, of):
+    found = run(placed(of, **DRAG), "steady-slip")
+    for ring in ("inner", "outer"):
+        want = expected(placed(of), ring, found.instants, float(found.steady_slip[0]))[of]
+        np.testing.assert_allclose(found.place.sel(ring=ring), want, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize(("of", "factor"), [("position", 100.0), ("orbit_angle", -0.1), ("transverse_speed", 5.0)])
+def test_rollers_that_are_followed_in_compiled_code_have_them_too(placed, of, factor):
+    """Their torques are those of tractions which the laws give of all slices of the motion, called in Python."""
+    balance = rollers(assemble(placed(of, factor, **DRAG)), 2, inertia=False)
+    orbit = balance.orbit(0.1)
+    of_each = balance.forces(orbit)[2]
+    assert orbit.torque == pytest.approx(28 * of_each.mean() * balance.motions.sense, rel=1e-6)
+    plain = rollers(assemble(placed(of, **DRAG)), 2, inertia=False).orbit(0.1)
+    assert not np.allclose(orbit.roller_slip, plain.roller_slip, rtol=1e-6, atol=0.0)
+
+
+def test_a_steady_slip_does_not_know_which_roller_it_is(placed):
+    with pytest.raises(RollslipError, match=r"placed: slice 0 has no roller \(number of the roller, from 0, 1\); "):
+        run(placed("roller", **DRAG), "steady-slip")
+
+
+MOTION = {"study.dynamics.duration": "0.5 ms", "study.dynamics.friction": "conventional", **DRAG}
+
+
+@pytest.mark.parametrize("level", ["cage-set", "pocket"])
+@pytest.mark.parametrize("of", PLACES)
+def test_a_motion_has_places(placed, of, level):
+    """What stays the same along a roller is what the motion says of it; along it, the mean is not that of friction."""
+    factor = {"position": 100.0, "orbit_angle": 0.3, "roller": 0.5, "transverse_speed": 2.0}[of]
+    found = run(placed(of, factor, **MOTION, **{"study.dynamics.level": level}), "dynamics").isel(time=-1)
+    k, force = assemble(PAPER).kinematics, found.normal_force
+    speeds = k.surface_speeds(float(found.cage_slip), found.roller_slip.to_numpy())
+    tilted = np.array([2e-4 * k.inner_speed * k.inner_radius, 0.0])[:, None]
+    where = {
+        "position": np.zeros(28),
+        "orbit_angle": found.orbit_angle.to_numpy(),
+        "roller": np.arange(28.0),
+        "transverse_speed": tilted * np.sin(found.orbit_angle.to_numpy()),
+    }[of]
+    rolling = np.array([speeds.inner_rolling, speeds.outer_rolling])
+    sliding = found.sliding_speed.to_numpy()
+    mu = 0.05 * np.tanh(40.0 * sliding / rolling) * (1.0 + factor * where)
+    assert int((force > 0.0).sum()) > 10
+    if of == "position":
+        assert np.abs(found.traction_force - mu * force).max() > 1e-3 * np.abs(found.traction_force).max()
+    else:
+        np.testing.assert_allclose(found.traction_force, mu * force, rtol=1e-5, atol=1e-9)
+
+
+def test_a_plane_motion_does_not_follow_angles(placed):
+    changes = {**MOTION, "study.dynamics.level": "planar", "operation.misalignment": 0.0, "bearing.profile": "none",
+               "study.dynamics.planar": {"inner_ring_mass": "5 kg"}}  # fmt: skip
+    found = run(placed("orbit_angle", **changes), "dynamics")
+    assert found.outcome == "failed"
+    assert "placed: slice 0 has no orbit_angle (place of the roller on its orbit" in found.outcome_message
+
+
+def test_a_motion_fills_its_table_roller_by_roller():
+    law, width = Placed("position", 100.0), np.array([1e-3, 2e-3, 3e-3])
+    for of, place in (("position", np.array([[-4e-3, 0.0, 7e-3]])), ("roller", np.arange(4.0)[:, None])):
+        law = Placed(of, 100.0)
+        table = Slices(12)
+        table.places()
+        made = raceway.conventional(Chain(law).kernel, table, 4, width, False, [-4e-3, 0.0, 7e-3])
+        load = np.array([[1e4, 0.0, 2e4], [0.0, 0.0, 0.0], [3e4, 2e4, 1e4], [0.0, 5e4, 0.0]])
+        traction, *_, status = raceway.friction(made, load, 0.0, 0.01, 1.0, 0.0)
+        assert status == 0
+        want = (load * width * (1.0 + 100.0 * place)).sum(axis=1) * 0.05 * np.tanh(40.0 * 0.01)
+        np.testing.assert_allclose(traction, want, rtol=1e-5)  # the film's speed is sqrt(u^2 + u_0^2)
+
+
+def test_a_deflection_that_asks_is_refused_in_words():
+    def bend(slices):
+        slices.load[:], slices.stiffness[:] = 1e10 * slices.approach, 1e10
+
+    law = Stage(bend, name="bent", reads=frozenset({"approach", "position"}), writes=frozenset({"load", "stiffness"}))
+    ring = SimpleNamespace(conditions=Conditions(length=0.014), deflection=Chain(law))
+    case = LoadCase(angular_positions(14, 1), 0.014, [0.0], radial_clearance=2e-5, radial_load=5000.0)
+    with pytest.raises(DomainError, match=r"bent: slice 0 has no position \(place along the roller, from its "):
+        solve_equilibrium(case, (ring, ring))
+
+
+# Nobody pays who does not ask ----------------------------------------------------------------------------------------
+
+
+def test_a_table_has_places_only_when_asked():
+    slices = Slices(5000, Conditions(radius=0.006875, modulus=2.2857e11), load=1e4)
+    Chain(get_model("contact", "palmgren"))(slices)
+    assert slices._table.shape[0] == len(COLUMNS) - len(PLACES) == 13
+    assert slices._places is None
+    assert np.isnan(slices.roller).all()
+    slices.roller = np.arange(5000)
+    assert slices.taken([3, 1]).roller.tolist() == [3.0, 1.0]
+
+
+@pytest.mark.parametrize("n", [1, 7, 300, 30000])
+def test_places_arrive_in_blocks_and_threads(n):
+    law, number = Placed("roller", 1.0), np.arange(float(n))
+    slices = Slices(n, rolling_speed=1.0, sliding_speed=0.01, roller=number)
+    Chain(law, block=64)(slices)
+    np.testing.assert_allclose(slices.friction, 0.05 * np.tanh(0.4) * (1.0 + number), rtol=1e-14)
+
+
+# Packages built before -----------------------------------------------------------------------------------------------
+
+BEFORE = """
+#include "rollslip.h"
+#include <math.h>
+static int law(const rs_slices *s, const void *params) {
+    const double ER = s->modulus * s->radius;
+    for (size_t i = 0; i < s->n; i++)
+        s->film_thickness[i] = s->radius * 1.95 * pow(s->load[i] / ER, -1.0 / 11.0)
+            * pow(s->pressure_viscosity * s->viscosity / s->radius * s->rolling_speed[i], 8.0 / 11.0);
+    return 0;
+}
+const rs_model MODEL = {ROLLSLIP_ABI, sizeof(rs_slices), law, 0};
+"""
+
+
+@pytest.fixture(scope="module")
+def before(tmp_path_factory):
+    """A law of a stranger, built against the header as it was without places, and its table ``rs_model``."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler is installed")
+    folder, header = tmp_path_factory.mktemp("before"), (Path(get_include()) / "rollslip.h").read_text()
+    header = re.sub(r"#define ROLLSLIP_PLACES\(X\) (?:.*\\\n)+.*\n", "#define ROLLSLIP_PLACES(X)\n", header)
+    assert not any(f"X({name}," in header for name in PLACES)
+    (folder / "rollslip.h").write_text(header)
+    (folder / "law.c").write_text(BEFORE)
+    subprocess.run([compiler, "-O2", "-shared", "-fPIC", "law.c", "-o", "law.so", "-lm"], cwd=folder, check=True)
+    LIBRARY[:] = [ctypes.CDLL(str(folder / "law.so"))]
+
+
+class Model(ctypes.Structure):
+    _fields_ = [("abi", ctypes.c_uint32), ("size", ctypes.c_uint32), ("evaluate", ctypes.c_void_p),
+                ("params", ctypes.c_void_p)]  # fmt: skip
+
+
+_capsule = ctypes.pythonapi.PyCapsule_New
+_capsule.restype, _capsule.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+_NAME = b"rollslip.slice_model.v1"
+
+
+LIBRARY = []
+
+
+@attrs.frozen
+class Before(FilmModel):
+    """Film after Ertel and Grubin, its kernel that of the library.
+
+    h/R = 1.95 (G U)^(8/11) W^(-1/11)
+    """
+
+    name, equation, references = "before", "h/R = 1.95 (G U)^(8/11) W^(-1/11)", ("an example, 1949.",)
+    location, regime = "central", "VE"
+    domain = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})
+
+    def evaluate(self, slices):
+        """Fill the film thickness."""
+        c = slices.conditions
+        gu = c.pressure_viscosity * c.viscosity * slices.rolling_speed / c.radius
+        w = slices.load / (c.modulus * c.radius)
+        slices.film_thickness[...] = c.radius * 1.95 * gu ** (8 / 11) * w ** (-1 / 11)
+
+    def kernel(self):
+        """Return the compiled form."""
+        return _capsule(ctypes.addressof(Model.in_dll(LIBRARY[0], "MODEL")), _NAME, None)
+
+
+def test_a_package_built_against_the_former_header_goes_on(before):
+    conformance = pytest.importorskip("rollslip.testing").conformance
+    assert Model.in_dll(LIBRARY[0], "MODEL").size == 8 * (1 + 13 + 13)
+    assert not [one for one in conformance(Before()) if one.status == "failed" and "module" not in one.check]
+
+
+def test_it_stands_beside_a_law_that_asks(before, placed):
+    slices = Slices(
+        300, Conditions(radius=5e-3, modulus=2.28e11, viscosity=8e-3, pressure_viscosity=1.5e-8),
+        load=1e5, rolling_speed=2.0, sliding_speed=0.01, roller=np.arange(300.0),
+    )  # fmt: skip
+    Chain(Before(), Placed("roller", 1.0))(slices)
+    alone = Chain(Before(), Placed("roller", 1.0), compiled=False)
+    other = slices.taken()
+    alone(other)
+    np.testing.assert_allclose(slices.film_thickness, other.film_thickness, rtol=1e-12)
+    np.testing.assert_array_equal(slices.friction, other.friction)
+
+
+def test_it_cannot_ask_for_what_it_does_not_know(before):
+    class Asks(Before):
+        reads = Before.reads | {"position"}
+
+    with pytest.raises(PluginError, match=r"reads where slices are, but knows only 216 bytes of rs_slices"):
+        Chain(Asks())
+
+
+def test_a_law_behind_an_address_reads_places():
+    from rollslip.foreign import EVALUATE
+
+    @EVALUATE
+    def evaluate(s, _):
+        for i in range(s.contents.n):
+            s.contents.friction[i] = s.contents.roller[i]
+        return 0
+
+    class Address(Placed):
+        def kernel(self):
+            return capsule_from_address(ctypes.cast(evaluate, ctypes.c_void_p).value, keep=evaluate)
+
+    slices = Slices(5, rolling_speed=1.0, sliding_speed=0.1, roller=np.arange(5.0))
+    Chain(Address("roller"))(slices)
+    assert slices.friction.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
