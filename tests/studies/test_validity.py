@@ -437,7 +437,7 @@ def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
 
     monkeypatch.setattr(EffectiveFriction, "judged_slices", refuses)
     found = run(evolve(PAPER, QUICK), "effective-friction")
-    assert warned(found)[0] == "whether models are within their range of validity could not be checked: no slices here"
+    assert "whether models are within their range of validity could not be checked: no slices here" in warned(found)
     assert np.isfinite(found.effective_friction).all()
 
 

@@ -83,7 +83,7 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
         def loaded(load: float) -> Any:
             return scenes.balance(scenes.evolve(scene, {"operation.radial_load": load}), inertia=False)
 
-        load, status = least_load(loaded, scene.operation.radial_load, 0.1)
+        load, status, _ = least_load(loaded, scene.operation.radial_load, 0.1)
         yield "least load", load
         yield "least load status", status
 

@@ -30,6 +30,8 @@ _OF_JUMPS = 1.0
 _CLEAR = 0.3
 #: How many times as many slices a witness takes, whose error falls with the square.
 _FINER_SLICES = 4
+#: Of how many slices and instants a witness of both has at least, where few cost little and may err alike.
+_SOME_SLICES, _SOME_INSTANTS = 40, 9
 #: How many times as many slips a witness goes along where a curve is followed from slip to slip.
 _DENSER = 3
 #: Slips on which a witness sees curves of which the result holds none.
@@ -122,15 +124,16 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
 
     def moved_by(finer: Assembly) -> dict[str, float]:
         found: Errors = study.witnessed(finer, dataset)
-        if not found and len(errors) > 1 and not curved.followed:
+        if len(errors) > 1 and not curved.followed:
             probe, pair = Probe(partial(curved.curves, few), curved.slip_range), (assembly, finer)
             seen = (probe.measure(partial(curved.curves, at), (at.resolution.instants or m,))[0] for at in pair)
-            found = difference(*seen)
+            found = {**difference(*seen), **found}
         return {name: error / apart(1, 2) for name, error in found.items()}
 
-    twice = attrs.evolve(resolution, slices=2 * resolution.slices, quadrature="gauss")
-    at_once = moved_by(assembly.at(attrs.evolve(twice, instants=2 * m + 1)))
-    each = {"slices": twice, "instants": attrs.evolve(resolution, instants=2 * m + 1)}
+    more = max(2 * m + 1, _SOME_INSTANTS if resolution.slices < _SOME_SLICES else 0)
+    twice = attrs.evolve(resolution, slices=max(2 * resolution.slices, _SOME_SLICES), quadrature="gauss")
+    at_once = moved_by(assembly.at(attrs.evolve(twice, instants=more)))
+    each = {"slices": twice, "instants": attrs.evolve(resolution, instants=more)}
     alone = {part: moved_by(assembly.at(each[part])) for part in errors} if over(1.0, at_once) else {}
     return Judgement(errors=errors, orders=orders, at_once=at_once, alone=alone)
 
@@ -251,7 +254,7 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
             f"{name} is off by about {error:.1e}, more than the tolerance of {tolerance:g}, as positions and laminae "
             f"other than those of the run show{falls}"
             if math.isfinite(error)
-            else f"how far {name} is off cannot be determined: on other positions or laminae it has no maximum there"
+            else f"how far {name} is off cannot be determined: on other positions or laminae there is none"
         )
         ratio = max(error / tolerance, 2.0) if math.isfinite(error) else 10.0
         finer = 0.5 * tolerance * ratio ** (-2.0 / min(max(order, _LEAST_ORDER), _MOST_ORDER))

@@ -30,6 +30,7 @@ from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
+from rollslip.studies.accuracy import LEAST_OF_SOME
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
 from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
 from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
@@ -327,6 +328,16 @@ class EffectiveFriction(Study):
             found[k] = slip, friction, critical
         some = [_curves(*found[k]) for k in range(len(cases))]
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
+
+    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+        """Return by how much the thinnest films of both rings are off, by slices and positions where they are."""
+        film = np.where(dataset["film_parameter"] > 0.0, dataset["film_parameter"], np.inf)
+        at = film.argmin(axis=1)
+        raceways = self.loaded(finer, finer.resolution.instants or 1)
+        _, known = raceways.evaluated(raceways.speeds(dataset["cage_slip"].to_numpy()[at]))
+        here, there = film.min(axis=1), np.diag(known)
+        found = np.isfinite(here) & (there > 0.0)
+        return {"film parameter": LEAST_OF_SOME * float(np.abs(here / there - 1.0)[found].max(initial=0.0))}
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""

@@ -14,9 +14,11 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
+from rollslip.studies.accuracy import LEAST_OF_SOME
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
+from rollslip_studies.steady_slip.minimum_load import held
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 
 if TYPE_CHECKING:
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 _SMALL, _PLENTY = 1e-3, 1e3
 #: Relative steps of slips and loads by which an excess is differentiated.
 _STEP: Final = 1e-3
+#: How many of these steps to either side torque and film are taken to be linear.
+_FAR: Final = 30.0
 
 
 def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -106,38 +110,43 @@ def _off(
 ) -> Iterator[tuple[str, float]]:
     lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
     if lasting.size and not balance.rolls_freely:
-        yield from _steady(balance, dataset.isel(steady=int(lasting[0]))).items()
+        yield from _steady(balance, dataset.isel(steady=int(lasting[0])))
     acceptable = dataset.attrs.get("acceptable_slip", math.nan)
-    if 0.0 < (own := float(dataset.get("acceptable_reserve", math.nan))) < _PLENTY:
+    if abs(own := float(dataset.get("acceptable_reserve", math.nan))) < _PLENTY:
         yield "reserve to slipping", _apart(own, acceptable_reserve(balance, acceptable)[0])
-    load = float(dataset.get("least_load", math.nan))
-    if load > dataset.attrs.get("rollers_weight", 0.0):
+    if "least_load" not in dataset:
+        return
+    load, doubted = float(dataset["least_load"]), dataset["least_load"].attrs["doubted"]
+    if doubted == doubted and held(at_load(doubted), acceptable)[0] == math.isnan(load):
+        yield "minimum load", math.inf
+    elif load > dataset.attrs.get("rollers_weight", 0.0):
         over, more = (at_load(one).excess(acceptable) for one in (load, (1.0 + _STEP) * load))
         yield "minimum load", _STEP * abs(over / (more - over)) if more != over else math.inf
 
 
-def _steady(balance: TorqueBalance, one: "xr.Dataset") -> dict[str, float]:
-    """What is off at a steady slip: the slip by one secant, friction torque and thinnest film."""
-    slip = float(one["steady_slip"])
+def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, float]]:
+    """What is off at a steady slip: the slip by one secant, friction torque and thinnest film where that leads."""
+    slip, o = float(one["steady_slip"]), balance.assembly.scene.operation
     start = float(one["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
     slips = slip * np.array([1.0, 1.0 + _STEP])
-    here, beside = (each[0] for each in balance.motions.at(slips, np.full(2, start)))
-    over, more = (motion.torque + balance.drag(motion.slip) for motion in (here, beside))
-    orbit = balance.orbit_of(here)
-    o = balance.assembly.scene.operation
-    torque = power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed)
-    films = [
-        contacts.slices.film_thickness.min() / contacts.slices.conditions.roughness
-        for contacts in balance.evaluated(orbit)
-        if contacts.total
-    ]
-    found = {
-        "friction torque": _apart(float(one["friction_torque"]), torque),
-        "film parameter": _apart(float(np.nanmin(one["film_parameter"])), min(films)),
-    }
+    both = [each[0] for each in balance.motions.at(slips, np.full(2, start))]
+    over, more = (motion.torque + balance.drag(motion.slip) for motion in both)
+    steps = over / (over - more) if more != over else math.inf
+    found = []
+    for motion in both:
+        orbit = balance.orbit_of(motion)
+        films = [
+            contacts.slices.film_thickness.min() / contacts.slices.conditions.roughness
+            for contacts in balance.evaluated(orbit)
+            if contacts.total
+        ]
+        found.append((power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), min(films)))
+    shift = min(max(steps, -_FAR), _FAR)
+    torque, film = (here + shift * (beside - here) for here, beside in zip(*found, strict=True))
+    yield "friction torque", _apart(float(one["friction_torque"]), torque)
+    yield "film parameter", LEAST_OF_SOME * _apart(float(np.nanmin(one["film_parameter"])), film)
     if abs(slip) >= _SMALL:
-        found["cage slip"] = _STEP * abs(over / (more - over)) if more != over else math.inf
-    return found
+        yield "cage slip", _STEP * abs(steps)
 
 
 def _apart(one: float, finer: float) -> float:

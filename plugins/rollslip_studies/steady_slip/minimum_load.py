@@ -46,8 +46,10 @@ _BEFORE, _APART = 24, 0.25
 Balances = Callable[[float], TorqueBalance]
 
 
-def least_load(balance: Balances, load: float, slip: float) -> tuple[float, str]:
+def least_load(balance: Balances, load: float, slip: float, close: float = 0.0) -> tuple[float, str, float]:
     """Return the radial load [N] at which the steady slip is a given one, and "found", or NaN and why there is none.
+
+    Third is the load at which it nearly skids before, or nearly does not; NaN where that is beyond doubt.
 
     Parameters
     ----------
@@ -57,13 +59,15 @@ def least_load(balance: Balances, load: float, slip: float) -> tuple[float, str]
         Where the search begins [N].
     slip : float
         The cage slip, above 0.
+    close : float, optional
+        By what share of the drag it nearly skids before.
     """
 
     def excess(log: float) -> float:
         return balance(math.exp(log)).excess(slip)
 
     if balance(load).rolls_freely:
-        return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}"
+        return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}", math.nan
     try:
         begin = math.log(load or _ANY)
         over, drag = excess(begin), -balance(math.exp(begin)).drag(slip)
@@ -71,14 +75,30 @@ def least_load(balance: Balances, load: float, slip: float) -> tuple[float, str]
         if math.isnan(found):
             found, status = _searched(excess, begin, over, slip)
             if status:
-                return math.nan, status
-        skids = _skids_before(balance(found), slip)
+                return math.nan, status, math.nan
+        holds, doubtful = held(balance(found), slip, close)
     except (DomainError, ConvergenceError) as error:
-        return math.nan, f"not found: {error}"
-    if skids:  # on its way up the cage has jumped
+        return math.nan, f"not found: {error}", math.nan
+    doubted = found if doubtful else math.nan
+    if not holds:  # on its way up the cage has jumped
         shown = format_quantity(found, "N", 4)
-        return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it skids before"
-    return found, "found"
+        return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it skids before", doubted
+    return found, "found", doubted
+
+
+def held(balance: TorqueBalance, slip: float, close: float = 0.0) -> tuple[bool, bool]:
+    """Return whether the least steady slip is a given one, so that the cage has not jumped before, and if that is near.
+
+    Near is that where at half that slip at most the torque comes within a share ``close`` of the drag.
+    """
+    looked = (1.0 - _SAME) * slip * np.exp(-_APART * np.arange(_BEFORE))
+    dragged = np.array([balance.drag(at) for at in looked.tolist()])
+    if (balance.torques(looked, few=True) < -(1.0 - max(_CLEAR, 2.0 * close)) * dragged).all():
+        return True, False
+    way = balance.way(max(RANGE, slip))
+    least = next((one.slip for one in way.steady(balance.drag)), math.inf)
+    before = [one.torque / -balance.drag(one.slip) - 1.0 for one in way.path if one.slip < 0.5 * slip]
+    return abs(least / slip - 1.0) <= _SAME, abs(max(before, default=-math.inf)) < close
 
 
 def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:
@@ -117,16 +137,6 @@ def _searched(excess: Callable[[float], float], begin: float, over: float, slip:
         before, last, at = at, value, at + step
         value = excess(at)
     return math.exp(bracketed(excess, before, at, last, value, tolerance=_FOUND)), ""
-
-
-def _skids_before(there: TorqueBalance, slip: float) -> bool:
-    """Whether a bearing that is balanced at a slip is so at another one on the way up before."""
-    before = (1.0 - _SAME) * slip * np.exp(-_APART * np.arange(_BEFORE))
-    dragged = np.array([there.drag(at) for at in before.tolist()])
-    if (there.torques(before, few=True) < -(1.0 - _CLEAR) * dragged).all():
-        return False
-    found = next((one.slip for one in there.way(max(RANGE, slip)).steady(there.drag)), math.inf)
-    return abs(found / slip - 1.0) > _SAME
 
 
 def static_rating(bearing: Bearing) -> float:

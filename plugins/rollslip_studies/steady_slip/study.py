@@ -66,6 +66,8 @@ if TYPE_CHECKING:
 _MOST_INSTANTS: Final = 256
 #: And beyond which these go on for no maximum.
 _MOST_OF_A_JUMP: Final = 16
+#: Times of the tolerance by which a largest drag is off at the least load, often far below that of the scene.
+_CLOSE: Final = 10.0
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 #: Error of tables, with which it is tried whether effective friction is enough.
@@ -509,11 +511,14 @@ class SteadySlip(Study):
                 last[load] = self._balance(bearing.at_load(load), instants)
             return last[load]
 
-        load, status = least_load(balance, assembly.scene.operation.radial_load, slip)
+        close = _CLOSE * assembly.scene.accuracy.tolerance
+        load, status, doubted = least_load(balance, assembly.scene.operation.radial_load, slip, close)
         makers, statuses = asked_by_makers(assembly.scene)
-        return self.variables(
+        found = self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
         )
+        found["least_load"][2]["doubted"] = doubted
+        return found
 
     def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much numbers of the answer are off."""

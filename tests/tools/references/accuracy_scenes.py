@@ -1,0 +1,211 @@
+"""Numbers of the answer at the default plan against a far finer one, on new random scenes; accuracy_scenes.csv.
+
+    python tests/tools/references/accuracy_scenes.py [SCENES [SECONDS [FIRST]]]
+
+- Even scenes ask where the cage runs (study steady-slip) in bearings of tests/support/way_up_scenes.py, at numbers that
+  nothing else uses: 0.5 to 15,000 rpm, small and large, preloaded, tilted, with outer rings that turn. Odd ones ask for
+  effective friction with all closures in those of tests/support/promise_scenes.py, by a seed of its own.
+- The reference has four times the instants and slices, and one more of each, by Gauss's rule, nothing left out and no
+  law replaced.
+- A number is *off* if it differs by more than the tolerance and by more than the result claims; *silent* if the result
+  has no warning of that number, or of friction as a whole. A number that only one of both has is off without bound.
+  What the answer shows no digits of is none: slips below 0.1 %, reserves above 1000, loads below the rollers' weight.
+
+A row is written as soon as it is known, and the script goes on where it was interrupted. Every scene has at most 20 s
+of the processor. It takes an hour or more for a thousand.
+"""
+
+import csv
+import json
+import math
+import signal
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+
+import promise_scenes
+import way_up_scenes
+from rollslip import evolve
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import RollslipError
+from rollslip.planning.execution import execute
+from rollslip.planning.plan import plan
+
+#: First number of scenes of the way up, and seed of those of effective friction, that nothing else uses.
+FIRST, SEED = 100_000, 35
+#: Times as many of all in the reference, and time of the processor for a scene [s].
+TIMES, SECONDS = 4, 20.0
+#: Number of the answer -> variable of study steady-slip; those of one steady slip are told of the least that lasts.
+NUMBERS = {
+    "cage slip": "steady_slip",
+    "minimum load": "least_load",
+    "reserve to slipping": "acceptable_reserve",
+    "reserve to skidding": "drag_reserve",
+    "friction torque": "friction_torque",
+    "film parameter": "film_parameter",
+    "drag of skidding": "largest_drag",
+    "slip of skidding": "largest_drag_slip",
+}
+#: Those whose claim stands with themselves, and where.
+CLAIMS = {"drag of skidding": "largest_drag_error"}
+#: Reserves that the answer shows.
+RESERVES = (("reserve to slipping", 0.0, 1e3), ("reserve to skidding", 0.0, 1e3))
+HEADER = ["scene", "what", "tolerance", "claimed", "number", "off", "slices", "instants", "verdict", "seconds"]
+VERDICTS = ("kept", "told", "silent")
+
+
+class TooDearError(Exception):
+    """A scene takes longer than it may."""
+
+
+def stop(*_):
+    """End a scene."""
+    raise TooDearError
+
+
+def scene(k):
+    """The k-th scene, and the study that it asks."""
+    if k % 2:
+        return evolve(promise_scenes.scene(k, SEED), {"accuracy.tolerance": 1e-3}), promise_scenes.STUDY
+    return way_up_scenes.wide(FIRST + k), "steady-slip"
+
+
+def finer(assembly, own, result, once=TIMES):
+    """The resolution of the reference."""
+    return attrs.evolve(
+        own,
+        slices=once * own.slices + 1 if assembly.slices > 1 else 1,
+        quadrature="gauss",
+        instants=once * int(result.attrs["instants"]) + 1,
+        table_tolerance=own.table_tolerance / once**2,
+        traction="named",
+        boundary=True,
+        inlet_heating=True,
+        light_contacts=True,
+    )
+
+
+def numbers(result):
+    """Numbers of a result, NaN where it has none."""
+    found = {}
+    if "critical_cage_slip" in result:
+        for ring in ("inner", "outer"):
+            one = result.sel(ring=ring)
+            found |= {f"critical slip, {ring}": float(one["critical_cage_slip"])}
+            found |= {f"film parameter, {ring}": float(one["film_parameter"].min())}
+            found |= {f"friction, {ring}": one["effective_friction"].to_numpy()}
+        return found
+    lasting = np.flatnonzero(result["stable"].to_numpy() == 1)
+    for name, variable in NUMBERS.items():
+        value = result[variable]
+        if "steady" in value.dims:
+            value = value.isel(steady=lasting[0]).min() if lasting.size else math.nan
+        found[name] = float(value)
+    weight = float(result.attrs["rollers_weight"])
+    for name, low, high in (("cage slip", 1e-3, math.inf), ("minimum load", weight, math.inf), *RESERVES):
+        found[name] = min(max(found[name], low), high) if found[name] >= 0.0 else found[name]
+    low, high = (float(result[f"largest_drag_{end}"]) for end in ("low", "high"))
+    found["slip of skidding"] = (low, found["slip of skidding"], high)
+    return found
+
+
+def apart(one, other):
+    """Relative difference, of a curve to its largest value; infinite where only one has a value."""
+    if isinstance(one, np.ndarray):
+        return float(np.abs(one - other).max() / (np.abs(other).max() or 1.0))
+    if isinstance(one, tuple):  # a maximum is told as an interval, too
+        (low, one, high), other = one, other[1]
+        if low <= other <= high:
+            return 0.0
+    if (math.isnan(one) and math.isnan(other)) or one == other:
+        return 0.0
+    if math.isnan(one) or math.isnan(other) or math.isinf(one) or math.isinf(other):
+        return math.inf
+    return abs(one - other) / abs(other)
+
+
+def judged(k):
+    """The row of a scene, without what it cost."""
+    one, name = scene(k)
+    made = plan(one, name)
+    if made.estimated[name].failed:
+        return [k, made.estimated[name].failed[:120], "", "", "", "", "", "", "refused"]
+    result = execute(made, name)
+    study, own = made.studies[name], made.estimated[name].resolution
+    taken = json.loads(result.attrs["resolution"])
+    own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
+    slices = f"{own.slices} {own.quadrature}"
+    try:
+        exact = study.run(assemble(one, finer(made.assembly, own, result)))
+    except RollslipError as error:
+        return [k, str(error)[:120], "", "", "", "", slices, own.instants, "no reference"]
+    rows = json.loads(result.attrs["accuracy"])
+    claimed = max((row["found"] or row["estimated"] or 0.0 for row in rows), default=0.0)
+    said = [text for text in json.loads(result.attrs["warnings"]) if " is off " in text or text.startswith("how far ")]
+    values, references = numbers(result), numbers(exact)
+    worst, off = "", -1.0
+    for of in values:
+        own_claim = float(result[CLAIMS[of]]) if of in CLAIMS else 0.0
+        limit = max(claimed, one.accuracy.tolerance, own_claim if own_claim == own_claim else 0.0)
+        if (ratio := apart(values[of], references[of]) / limit) > off:
+            worst, off, most = of, ratio, limit
+    named = any(name in text for text in said for name in (worst.split(",")[0], "friction is off", "how far friction"))
+    verdict = "kept" if off <= 1.0 else "told" if named else "silent"
+    shown = f"{off * most:.1e}"
+    what = described(one, name)
+    return [k, what, f"{one.accuracy.tolerance:.1e}", f"{claimed:.1e}", worst, shown, slices, own.instants, verdict]
+
+
+def described(one, study):
+    """What a scene is, in one line."""
+    if study == promise_scenes.STUDY:
+        return promise_scenes.described(one)
+    b, o = one.bearing, one.operation
+    return (
+        f"{b.rollers} rollers of {b.roller_diameter * 1e3:.0f} mm; {o.inner_speed * 30 / np.pi:.3g} rpm, outer ring "
+        f"{o.outer_speed * 30 / np.pi:.3g} rpm; {o.radial_load:.3g} N; {o.temperature - 273.15:.0f} degC; clearance "
+        f"{b.radial_clearance * 1e6:.0f} um; tilt {o.misalignment * 1e3:.2f} mrad; {one.lubricant.name}; steady slip"
+    )
+
+
+def row(k):
+    """The row of a scene."""
+    begin = time.process_time()
+    signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
+    try:
+        found = judged(k)
+    except TooDearError:
+        found = [k, "", "", "", "", "", "", "", "too dear"]
+    except RollslipError as error:
+        found = [k, str(error).replace("\n", " ")[:120], "", "", "", "", "", "", "refused"]
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+    return [*found, f"{time.process_time() - begin:.1f}"]
+
+
+def main(count=1000, seconds=1500.0, first=0):
+    """Judge the scenes that are not known yet, as many as fit, and write the table."""
+    path = Path(__file__).with_suffix(".csv")
+    rows = list(csv.reader(path.open(encoding="utf-8")))[1:] if path.exists() else []
+    known, begin = {int(one[0]) for one in rows}, time.process_time()
+    signal.signal(signal.SIGVTALRM, stop)
+    for k in range(int(first), int(first) + int(count)):
+        if k in known:
+            continue
+        if time.process_time() - begin > float(seconds):
+            break
+        rows.append([str(cell) for cell in row(k)])
+        rows.sort(key=lambda one: int(one[0]))
+        with path.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([HEADER, *rows])
+    print(len(rows), dict(Counter(one[8] for one in rows)))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
