@@ -139,7 +139,8 @@ def test_rollers_that_are_followed_in_compiled_code_have_them_too(placed, of, fa
     of_each = balance.forces(orbit)[2]
     assert orbit.torque == pytest.approx(28 * of_each.mean() * balance.motions.sense, rel=1e-6)
     plain = rollers(assemble(placed(of, **DRAG)), 2, inertia=False).orbit(0.1)
-    assert orbit.torque != pytest.approx(plain.torque, rel=1e-3)
+    both = ([one.torque, *one.roller_slip] for one in (orbit, plain))
+    assert not np.allclose(*both, rtol=1e-6, atol=0.0)
 
 
 def test_a_steady_slip_does_not_know_which_roller_it_is(placed):
