@@ -22,7 +22,8 @@ from rollslip_campaigns.measurement.rig import Rig, RigContact, RigData
 
 REPEATS = 500
 SLIPS = (0.0005, 0.001, 0.002, 0.004, 0.006, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)
-RIG = Rig(rig=RigContact(radius=0.01), lubricant=LubricantTable(name="mil-prf-7808"))
+OIL = LubricantTable(name="mil-prf-7808", data={"pressure_viscosity_law": "barus"})
+RIG = Rig(rig=RigContact(radius=0.01), lubricant=OIL)
 
 
 @attrs.frozen(kw_only=True)
