@@ -72,11 +72,13 @@ def true_friction(data, traction="muraki", rig=RIG, truth=TRUTH):
     return problem.friction(attrs.evolve(problem.lubricant, **truth), problem.chain)
 
 
-def noisy(points=FOUR, noise=0.01, seed=0, traction="muraki", **columns):
+def noisy(points=FOUR, noise=0.01, seed=0, traction="muraki", slips=SLIPS, **columns):
     """Data of the law itself, with noise as a share of the largest friction."""
-    data = made(points, **columns)
+    data = made(points, slips, **columns)
     mu = true_friction(data, traction)
-    return made(points, friction=mu + noise * mu.max() * np.random.default_rng(seed).normal(size=mu.size), **columns)
+    return made(
+        points, slips, friction=mu + noise * mu.max() * np.random.default_rng(seed).normal(size=mu.size), **columns
+    )
 
 
 def warned(dataset):
@@ -784,6 +786,27 @@ def test_the_table_of_coverages_is_as_good_as_the_page_says():
 # Oil ------------------------------------------------------------------------------------------------------------------
 
 
+def test_slide_roll_ratios_above_two_are_questioned():
+    """Per cent under [1], as nothing but counter-rotating surfaces has them."""
+    slips = tuple(100.0 * slip for slip in SLIPS)
+    said = warned(rollslip.fit(noisy(slips=slips), parameters="eyring_stress", rig=RIG))
+    assert re.search(
+        r"16 of 48 rows have a slide-roll ratio above 2, at most 10, .*; so has per cent under \[1\]", said
+    )
+    assert "slide-roll ratio above 2" not in warned(rollslip.fit(noisy(), parameters="eyring_stress", rig=RIG))
+
+
+def test_residuals_that_are_rounding_are_no_pattern():
+    """Data of the law itself: what is left is rounding, in runs of one sign, and the model misses nothing."""
+    rig = attrs.evolve(RIG, lubricant=LubricantTable(name="mil-prf-7808", data={**OIL.data, **TRUTH}))
+    exact = rollslip.fit(noisy(noise=0.0), parameters="eyring_stress", rig=rig)
+    assert float(abs(exact.residual).max()) < 1e-9 * float(exact.friction.max())
+    assert "not random" not in warned(exact)
+    bent = noisy(noise=0.0)
+    bent.columns["friction"][:] *= 1.0 + 1e-6 * np.sin(np.linspace(0.0, 6.0, len(bent)))
+    assert "not random" in warned(rollslip.fit(bent, parameters="eyring_stress", rig=rig))
+
+
 def named(name):
     return get_class("lubricant", name)
 
@@ -808,8 +831,13 @@ def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
     assert f"sha256 {data.sha256}) with traction muraki and film moes at 40 degC to 70 degC" in read.source
     assert re.search(r"\(95 %: \S+ to \S+.*; determined\)", read.source)
     if "flash" in parameters:
-        again = structure_model("traction", written["models"]["traction"], Location({}), [])
+        assert "flash" not in written["models"]["traction"]  # a constant of the oil, stated once
+        again = structure_model("traction", written["models"]["traction"], Location({}), [], read.constants_for)
         assert again == traction != problem.traction
+        in_scene = rollslip.evolve(scene, {"models.traction": written["models"]["traction"]})
+        assert rollslip.plan(in_scene).assembly.traction.flash == traction.flash
+        of_rig = attrs.evolve(rig, lubricant=LubricantTable(name="mil-prf-7808", data={"models": read.models}))
+        assert rig_problem(data, of_rig).traction.flash == traction.flash
     else:
         assert "models" not in written
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from json_units import without_units
-from rollslip import rank
+from rollslip import fit, rank
 from rollslip.cli.main import main
 from rollslip.errors import SceneError
 from rollslip.results.account import account_of, with_units
@@ -47,6 +47,18 @@ def test_what_is_told_of_laws_of_equal_worth_is_wrong_in_one_of_twenty_rankings_
         errors = np.exp(np.random.default_rng(seed).standard_t(3, size=(6, 10)))
         wrong += bool((tell(errors, seed).probability <= 0.05).any())
     assert wrong <= 29
+
+
+def test_groups_count_as_one_each():
+    """Six days of three conditions, one law twice as good: the chance is that of six tosses, not of eighteen."""
+    days = [f"day {k // 3}" for k in range(18)]
+    errors = np.array([np.ones(18), np.full(18, 2.0)])
+    assert tell(errors).probability[0, 1] <= 2 / 4096
+    assert tell(errors, groups=days).probability[0, 1] == 2 / 64
+    # what a day has in common: independent conditions tell a difference, five days against one do not
+    common = np.array([np.ones(18), np.repeat([2.0, 2.0, 2.0, 2.0, 2.0, 0.5], 3)])
+    assert tell(common).probability[0, 1] <= 0.05 < tell(common, groups=days).probability[0, 1] == 14 / 64
+    assert np.isnan(tell(errors, groups=["rig"] * 9 + ["other"] * 9).probability).all()
 
 
 @pytest.fixture(scope="module")
@@ -162,3 +174,54 @@ def test_six_laws_are_ranked_rightly_in_95_of_100_seeds():
     mean = sum(errors) / len(errors)
     assert mean[list(alike)].max() < mean[worse[0]] < mean[worse[1]]
     assert right >= 95
+
+
+LOADS = ("load_per_length", "max_pressure", "mean_pressure")
+RIG = """
+[rig]
+radius = "10 mm"
+[lubricant]
+name = "mil-prf-7808"
+eyring_stress = "4 MPa"
+shear_modulus = "0.3 GPa"
+[models]
+film = "moes"
+traction = "muraki"
+"""
+
+
+def test_a_file_that_a_fit_reads_is_ranked(tmp_path, data):
+    """With or without uncertainties; without, all rows weigh alike, and that is said."""
+    (tmp_path / "rig.toml").write_text(RIG, encoding="utf-8")
+    rows = data.series[0].data.columns
+    names = {"slide_roll_ratio": "1", "rolling_speed": "m/s", "temperature": "K", "friction": "1",
+             next(name for name in rows if name in LOADS): None}  # fmt: skip
+    units = {"load_per_length": "N/m", "max_pressure": "Pa", "mean_pressure": "Pa"}
+    lines = [", ".join(f"{name} [{unit or units[name]}]" for name, unit in names.items())]
+    lines += [", ".join(repr(float(rows[name][k])) for name in names) for k in range(len(rows["friction"]))]
+    (tmp_path / "discs.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    assert fit(tmp_path / "discs.csv", parameters="eyring_stress").sizes["row"] == len(lines) - 1
+    found = rank([tmp_path / "discs.csv"], traction="muraki,newtonian-thermal", parameters="eyring_stress")
+    assert found.sizes["condition"] == 18
+    assert "uncertainties: none given: 1 % of the largest friction in every row" in found.attrs["warnings"]
+    sigma = float(0.01 * np.abs(rows["friction"]).max())
+    given = [f"{lines[0]}, friction_uncertainty [1]", *(f"{line}, {sigma!r}" for line in lines[1:])]
+    (tmp_path / "told.csv").write_text("\n".join(given) + "\n", encoding="utf-8")
+    same = rank([tmp_path / "told.csv"], traction="muraki,newtonian-thermal", parameters="eyring_stress")
+    np.testing.assert_array_equal(same.condition_error, found.condition_error)
+    assert "none given" not in same.attrs["warnings"]
+    told = account_of(found).sentences(found)
+    assert told[-1].startswith("the confidence is that of noise alone, with conditions taken for independent")
+    grouped = rank([tmp_path / "discs.csv"], traction="muraki,newtonian-thermal", groups="series")
+    assert (
+        account_of(grouped).sentences(grouped)[-1].endswith("cannot be determined: 1 series are too few, 6 are needed")
+    )
+    with pytest.raises(SceneError, match="groups: 'day' is none; write series or set"):
+        rank([tmp_path / "discs.csv"], traction="muraki,eyring", groups="day")
+
+
+def test_films_are_ranked_on_a_set_that_comes_with_the_program():
+    found = rank(["film-limits"], film="moes,dowson-toyoda,dowson-higginson")
+    assert found.law.to_numpy()[0] == "moes"
+    assert found.sizes["condition"] >= FEWEST
+    assert (found.probability.sel(law="moes").to_numpy()[1:] <= 0.05).all()

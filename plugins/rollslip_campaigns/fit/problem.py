@@ -126,8 +126,10 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
     measured = "film_thickness" in data.columns
     if measured and film is not None:
         raise SceneError([f"{data.source}: film_thickness: is measured; leave out the column, or the film model"])
+    constants: Any = None
     try:
         lubricant = read_oil(rig.lubricant, where.at("lubricant"))
+        constants = lubricant.constants_for if lubricant.models else None
     except SceneError as error:
         problems += error.problems
     try:
@@ -135,9 +137,9 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
     except SceneError as error:
         problems += error.problems
     models = {
-        "contact": _model("contact", rig.models.contact, None, where, problems),
-        "film": None if measured else _model("film", rig.models.film, film, where, problems),
-        "traction": _model("traction", rig.models.traction, traction, where, problems),
+        "contact": _model("contact", rig.models.contact, None, where, problems, constants),
+        "film": None if measured else _model("film", rig.models.film, film, where, problems, constants),
+        "traction": _model("traction", rig.models.traction, traction, where, problems, constants),
     }
     if problems:
         raise SceneError(problems)
@@ -146,12 +148,14 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
     return problem
 
 
-def _model(kind: str, choice: ModelChoice, given: Raw | None, where: Location, problems: list[str]) -> Any:
+def _model(
+    kind: str, choice: ModelChoice, given: Raw | None, where: Location, problems: list[str], constants: Any
+) -> Any:
     """Return the model that is asked for, or else that of the rig file; its parameters there hold for its name."""
     if given is None or given == choice.name:
         raw = {"model": choice.name, **choice.parameters}
-        return structure_model(kind, raw, where.at("models").at(kind), problems)
-    return structure_model(kind, given, Location({}, (kind,)), problems)
+        return structure_model(kind, raw, where.at("models").at(kind), problems, constants)
+    return structure_model(kind, given, Location({}, (kind,)), problems, constants)
 
 
 def _check(problem: RigProblem, where: Location) -> None:

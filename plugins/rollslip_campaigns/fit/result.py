@@ -8,7 +8,7 @@
 import hashlib
 import importlib.metadata
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -46,6 +46,8 @@ __all__ = ["Fit", "dataset_of"]
 CURVE_POINTS: Final = 201
 #: Probability below which chance is not believed.
 _UNLIKELY: Final = 0.01
+#: Slide-roll ratio where one surface stands; residuals that are rounding, relative to the largest friction.
+_OPPOSED, _ROUNDED = 2.0, 1e-9
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -308,7 +310,15 @@ def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
             f"the model does not fit the data within their uncertainties (chi2 {estimate.best.chi2:.4g} at "
             f"{estimate.freedom} degrees of freedom): values and intervals hold only as far as it does"
         )
-    chance = _chance_of_order(estimate.best.residuals, sets)
+    slides = np.abs(problem.data.columns["slide_roll_ratio"])
+    if many := int(np.count_nonzero(slides > _OPPOSED)):
+        said.append(
+            f"{many} of {slides.size} rows have a slide-roll ratio above 2, at most {slides.max():.3g}, as surfaces "
+            "that run against each other have; so has per cent under [1]: then write slide_roll_ratio [%]"
+        )
+    largest = float(np.abs(problem.data.columns["friction"]).max())
+    exact = float(np.abs(estimate.best.residuals * fitted.weight).max()) <= _ROUNDED * largest
+    chance = 1.0 if exact else _chance_of_order(estimate.best.residuals, sets)
     if chance < _UNLIKELY:
         said.append(
             f"the residuals are not random along the curves (probability {chance:.1g}): the model misses something "
@@ -410,17 +420,25 @@ def _tables(fitted: Fit, dataset: "xr.Dataset") -> dict[str, str]:
         f"{problem.data.sha256}) with traction {problem.traction.name} and {film} at {at}: {values_told}."
     )
     source = " ".join(filter(None, (str(written.get("source", "")), source)))
-    tables = {"lubricant_table": json.dumps({**written, **oil, "source": source})}
-    if not all(p.of_oil for p in fitted.parameters):
-        tables["traction_table"] = json.dumps(_model_table(fitted.laws[1]))
+    found = {p.key: value for p, value in zip(fitted.parameters, values, strict=True) if not p.of_oil}
+    constants: dict[str, Any] = {**problem.lubricant.models}
+    for path, value in found.items():
+        law = problem.traction
+        for name in path[:-1]:
+            law = getattr(law, name)
+        constants[law.name] = {**constants.get(law.name, {}), path[-1]: value}
+    models = {"models": constants} if constants else {}
+    tables = {"lubricant_table": json.dumps({**written, **oil, **models, "source": source})}
+    if found:
+        tables["traction_table"] = json.dumps(_model_table(fitted.laws[1], found))
     return tables
 
 
-def _model_table(model: SliceModel) -> dict[str, object]:
-    """A model as a scene writes it."""
+def _model_table(model: SliceModel, left: Collection[tuple[str, ...]], *at: str) -> dict[str, object]:
+    """A model as a scene writes it, less what stands with the oil, by paths from ``at``."""
     table: dict[str, object] = {"model": model.name}
     for attribute in getattr(model, "__attrs_attrs__", ()):
-        value = getattr(model, attribute.name)
-        if attribute.metadata.get("key", attribute.name) is not None:  # what the oil puts in is no key
-            table[attribute.name] = _model_table(value) if isinstance(value, SliceModel) else value
+        value, path = getattr(model, attribute.name), (*at, attribute.name)
+        if attribute.metadata.get("key", attribute.name) is not None and path not in left:  # what the oil puts in
+            table[attribute.name] = _model_table(value, left, *path) if isinstance(value, SliceModel) else value
     return table

@@ -80,8 +80,9 @@ class ValidationSettings(Campaign):
 class RankingSettings(Campaign):
     """Rank laws by their errors on conditions of DATA that they were not fitted to.
 
-    Parameters are fitted to friction on all conditions but one, and the law is scored on that one, for every condition
-    in turn. What cannot be determined with a confidence of 95 % is said to be so.
+    DATA are data sets, or files that ``fit`` reads, each with rig.toml beside it. Parameters are fitted to friction on
+    all conditions but one, and the law is scored on that one, for every condition in turn. What cannot be determined
+    with a confidence of 95 % is said to be so.
 
     Returns
     -------
@@ -100,6 +101,10 @@ class RankingSettings(Campaign):
     contact: Names = setting("Contact laws.", default="", metavar="A,B")
     parameters: Names = setting("What is fitted to friction of rigs.", default="", metavar="NAME,NAME")
     predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
+    groups: str = setting(
+        "What has errors in common: conditions of a series, such as a day's, or of a set, such as a rig's.",
+        default="", metavar="series|set",
+    )  # fmt: skip
     seed: int = setting("Seed of what is drawn.", of=int, default=0, least=0, metavar="N")
 
     def plan(self) -> "Validation":

@@ -21,15 +21,19 @@ from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import OutputError, SceneError
 from rollslip.files import content_of, decoded, readable, whole_file
+from rollslip.structure import FrozenTable
 from rollslip.units import as_written
 from rollslip_campaigns.measurement import Measurement, load_measurement
-from rollslip_campaigns.measurement.values import Series
+from rollslip_campaigns.measurement.rig import load_rig, read_data
+from rollslip_campaigns.measurement.values import QUANTITIES, ContactSeries, Row, Series
 from rollslip_campaigns.validation.residuals import Value
 
 __all__ = [
     "Predictions", "data_set_of", "form", "measurement_named", "predictions_of", "read_predictions", "write_form",
 ]  # fmt: skip
 
+#: Uncertainty of rows that have none, relative to the largest friction.
+ALIKE: Final = 0.01
 _HEAD: Final = ("data_set", "series", "line", "conditions", "unit", "predicted", "uncertainty")
 
 
@@ -77,13 +81,42 @@ class Predictions:
 
 
 def measurement_named(name: str | Path | Measurement) -> Measurement:
-    """Return a data set by its name or its folder."""
+    """Return a data set by its name, its folder, or the file of a rig that a fit reads."""
     if isinstance(name, Measurement):
         return name
+    if Path(name).suffix == ".csv":
+        return _of_file(Path(name))
     if isinstance(name, Path) or (name not in available("measurement") and Path(name).is_dir()):
         return load_measurement(name)
     made: Measurement = get_model("measurement", name)
     return made
+
+
+def _of_file(path: Path) -> Measurement:
+    """Return the data set of friction in a file, on the rig beside it; without uncertainties all rows weigh alike."""
+    data, rig = read_data(path), load_rig(path.with_name("rig.toml"))
+    friction = data.columns["friction"]
+    given = data.columns.get("friction_uncertainty")
+    sigma = np.full(friction.shape, ALIKE * np.abs(friction).max()) if given is None else given
+    names = [name for name in data.columns if not name.startswith("friction")]
+    rows = tuple(
+        Row(
+            changes=FrozenTable({name: float(data.columns[name][k]) for name in names}),
+            measured=float(friction[k]),
+            uncertainty=float(sigma[k]),
+            line=line,
+        )
+        for k, line in enumerate(data.lines)
+    )
+    about = "" if given is not None else f"none given: {100.0 * ALIKE:g} % of the largest friction in every row"
+    unit = QUANTITIES["friction"].unit
+    series = ContactSeries(
+        name=path.stem, quantity="friction", unit=unit, rig=rig, data=data, rows=rows, about_uncertainty=about
+    )
+    name = f"{path.resolve().parent.name}/{path.stem}"
+    return Measurement(
+        name=name, description=rig.title, references=(), read="file of a rig", licence="", series=(series,)
+    )
 
 
 def predictions_of(given: Iterable[str | Path | Predictions], names: Sequence[Any]) -> list[Predictions]:

@@ -13,6 +13,9 @@
   be told*; so is everything of fewer than six conditions, of which no pattern of signs is that rare.
 - Intervals of single errors are those of a bootstrap over the conditions: how they scatter under others like them.
 - Number of parameters and cost stand beside the error: they are no part of it.
+- All this takes conditions for independent: it is of noise alone. What a rig or a day has in common, such as a constant
+  error of temperature, is not in it, unless the conditions are grouped by series or set: then the mean difference of a
+  group is tossed as one, groups are drawn, and six of them are needed.
 """
 
 import itertools
@@ -54,6 +57,8 @@ __all__ = ["FEWEST", "Told", "plan_ranking", "run_ranking", "tell"]
 Array = NDArray[np.float64]
 #: Conditions without which nothing is told.
 FEWEST: Final = 6
+#: What conditions may be grouped by.
+GROUPS: Final = ("", "series", "set")
 CONFIDENCE: Final = 0.95
 _RESAMPLED: Final = 4096
 #: Misses over their uncertainty below which one law is no better than another.
@@ -67,6 +72,8 @@ def plan_ranking(asked: "RankingSettings") -> Validation:
         raise SceneError(["there is nothing to rank: name two laws, as by --traction A,B, or give --predictions"])
     if not any(series.rows for measurement in plan.sets for series in measurement.series):
         raise SceneError(["there is nothing to rank by: the data sets hold no numbers"])
+    if asked.groups not in GROUPS:
+        raise SceneError([f"groups: {asked.groups!r} is none; write series or set, or leave it out"])
     return plan
 
 
@@ -77,10 +84,12 @@ def run_ranking(
     begin = time.perf_counter()
     laws = plan.combinations[1:] or plan.combinations
     wanted = listed(asked.parameters)
-    scored, conditions = list[_Scored](), list[str]()
+    scored, conditions, groups = list[_Scored](), list[str](), list[str]()
     parts = [(measurement, series) for measurement in plan.sets for series in measurement.series if series.rows]
     for measurement, series in parts:
-        conditions += [f"{measurement.name}, {series.name}: {label}" for label in _labels(series)]
+        labels = _labels(series)
+        conditions += [f"{measurement.name}, {series.name}: {label}" for label in labels]
+        groups += [measurement.name + (f", {series.name}" if asked.groups == "series" else "")] * len(labels)
     for k, law in enumerate(laws):
         report(law.label, k / len(laws))
         scored.append(_scored(law, parts, wanted))
@@ -88,7 +97,13 @@ def run_ranking(
     if unknown:
         raise SceneError([f"parameters: no law has {', '.join(sorted(unknown))} to fit to these data"])
     scored += [_predicted(one, parts) for one in plan.predictions]
-    return _dataset(plan, scored, conditions, tuple(wanted), asked.seed, time.perf_counter() - begin)
+    alike = [
+        f"{measurement.name}, {series.name}: uncertainties: {series.about_uncertainty}"
+        for measurement, series in parts
+        if series.about_uncertainty.startswith("none given")
+    ]
+    taken = groups if asked.groups else []
+    return _dataset(plan, scored, conditions, tuple(wanted), asked, taken, alike, time.perf_counter() - begin)
 
 
 # Scores -------------------------------------------------------------------------------------------------------------
@@ -224,8 +239,12 @@ class Told:
     high: Array
 
 
-def tell(errors: Array, seed: int = 0) -> Told:
-    """Return which differences between laws are more than chance."""
+def tell(errors: Array, seed: int = 0, groups: Sequence[str] = ()) -> Told:
+    """Return which differences between laws are more than chance, with the group of each condition, if any is common.
+
+    A group counts as one, by the mean of its logarithms, however many conditions it has.
+    """
+    errors = _grouped(errors, groups)
     count, conditions = errors.shape
     probability = np.full((count, count), math.nan)
     low, high = np.full(count, math.nan), np.full(count, math.nan)
@@ -249,6 +268,15 @@ def tell(errors: Array, seed: int = 0) -> Told:
     return Told(probability, low, high)
 
 
+def _grouped(errors: Array, groups: Sequence[str]) -> Array:
+    """Return geometric means of errors (law, condition) over groups; the errors where there are none."""
+    if not groups:
+        return errors
+    which = np.unique(np.array(groups), return_inverse=True)[1]
+    sums = np.array([np.bincount(which, np.log(row)) for row in errors])
+    return np.asarray(np.exp(sums / np.bincount(which)))
+
+
 def _signs(conditions: int, generator: np.random.Generator) -> Array:
     """Return all patterns of signs, or as many drawn ones, the one that was observed among them."""
     if 2**conditions <= _RESAMPLED:
@@ -260,19 +288,19 @@ def _signs(conditions: int, generator: np.random.Generator) -> Array:
 
 
 def _dataset(
-    plan: Validation, scored: Sequence[_Scored], conditions: Sequence[str], wanted: tuple[str, ...], seed: int,
-    seconds: float,
+    plan: Validation, scored: Sequence[_Scored], conditions: Sequence[str], wanted: tuple[str, ...],
+    asked: "RankingSettings", groups: Sequence[str], warnings: Sequence[str], seconds: float,
 ) -> "xr.Dataset":  # fmt: skip
     import xarray as xr
 
-    mean = np.array([float(np.exp(np.log(one.errors).mean())) for one in scored])
+    mean = np.array([float(np.exp(np.log(_grouped(one.errors[None], groups)).mean())) for one in scored])
     order = sorted(range(len(scored)), key=lambda k: (math.isnan(mean[k]), mean[k]))
     scored, mean = [scored[k] for k in order], mean[order]
     labels = [one.label for one in scored]
     if twice := {label for label in labels if labels.count(label) > 1}:
         raise SceneError([f"two are called {label!r}; give a program another name" for label in sorted(twice)])
     errors = np.array([one.errors for one in scored])
-    told = tell(errors, seed)
+    told = tell(errors, asked.seed, groups)
     fitted, status = (
         np.array(one, dtype=object)
         for one in ([", ".join(one.fitted) for one in scored], [one.status for one in scored])
@@ -299,8 +327,10 @@ def _dataset(
         wanted=list(wanted),
         confidence=CONFIDENCE,
         fewest=FEWEST,
-        seed=seed,
-        warnings=[f"{one.label}: {one.status}" for one in scored if one.status],
+        seed=asked.seed,
+        groups=asked.groups,
+        independent=len(set(groups)) or len(conditions),
+        warnings=[*warnings, *(f"{one.label}: {one.status}" for one in scored if one.status)],
         evaluations=int(errors.size),
         wall_time=seconds,
     )

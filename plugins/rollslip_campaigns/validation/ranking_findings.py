@@ -52,16 +52,19 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     """Say which law predicts best, what it is better than, and of what it cannot be determined."""
     names, errors = [str(name) for name in dataset["law"].to_numpy()], dataset["error"].to_numpy()
     conditions, fewest = dataset.sizes["condition"], int(dataset.attrs["fewest"])
+    groups = str(dataset.attrs.get("groups", ""))
+    counted = int(dataset.attrs["independent"]) if groups else conditions
+    each = {"series": "series", "set": "data sets"}.get(groups, "conditions")
     if not np.isfinite(errors).any():
         return ["no law has a value at every condition, so there is no ranking"]
     size = f"{errors[0]:.3g} times the uncertainty of the data, over {conditions} conditions"
     if np.isfinite(errors).sum() == 1:
         return [f"only {names[0]} has a value at every condition, so nothing is ranked; its error is {size}"]
     said = [f"{names[0]} has the smallest error on conditions that it was not fitted to: {size}"]
-    if conditions < fewest:
+    if counted < fewest:
         return [
             *said,
-            f"which law is better cannot be determined: {conditions} conditions are too few, {fewest} are needed",
+            f"which law is better cannot be determined: {counted} {each} are too few, {fewest} are needed",
         ]
     worse, open_ = better(dataset, 0)
     if worse:
@@ -77,6 +80,11 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
         worse, _ = better(dataset, k)
         if worse:
             said.append(f"{names[k]} is better than {', '.join(worse)}")
+    if not groups:
+        said.append(
+            "the confidence is that of noise alone, with conditions taken for independent: what a rig or a day has in "
+            "common is not in it (--groups=set, --groups=series)"
+        )
     return said
 
 
