@@ -52,15 +52,15 @@ static rs_slices cut(const rs_slices *whole, size_t start, size_t n) {
     return part;
 }
 
-/* A block whose slices are no multiple of LANES, through padded scratch */
+/* A block whose slices are no multiple of LANES, through padded scratch; no stage of the box reads where slices are */
 static int with_padding(const rs_slices *part, const void *params, rs_evaluate body, unsigned reads, unsigned writes) {
-    double scratch[COLUMNS][BLOCK];
+    double scratch[ROLLSLIP_N_ALWAYS][BLOCK];
     rs_slices padded = *part;
     double *const *from = (double *const *)&part->approach, **to = &padded.approach;
     size_t n = part->n;
     int status;
     padded.n = (n + LANES - 1) / LANES * LANES;
-    for (int c = 0; c < COLUMNS; c++) {
+    for (int c = 0; c < ROLLSLIP_N_ALWAYS; c++) {
         if (!((reads | writes) >> c & 1)) continue;
         to[c] = scratch[c];
         if (!(reads >> c & 1)) continue;
@@ -69,7 +69,7 @@ static int with_padding(const rs_slices *part, const void *params, rs_evaluate b
     }
     status = body(&padded, params);
     if (status == 0)
-        for (int c = 0; c < COLUMNS; c++)
+        for (int c = 0; c < ROLLSLIP_N_ALWAYS; c++)
             if (writes >> c & 1) memcpy(from[c], scratch[c], n * sizeof(double));
     return status;
 }
