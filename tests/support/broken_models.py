@@ -9,12 +9,8 @@
 """
 
 import contextlib
-import ctypes
 import functools
 import math
-import subprocess
-import sysconfig
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import MappingProxyType
@@ -22,8 +18,7 @@ from types import MappingProxyType
 import attrs
 import numpy as np
 
-from foreign_stages import NAME, SIZE, RsModel, _new_capsule, foreign_capsule
-from rollslip import get_include
+from foreign_stages import compiled_capsule, foreign_capsule
 from rollslip.catalogue.registry import get_model
 from rollslip.engine import Engine
 from rollslip.errors import DomainError
@@ -701,19 +696,7 @@ def _static_scratch():
             return 0;
         }
     """
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "scratch.c")
-        path.write_text(source)
-        compiler = (sysconfig.get_config_var("CC") or "cc").split()
-        library = path.with_suffix(".so")
-        subprocess.run([*compiler, "-O2", "-shared", "-fPIC", f"-I{get_include()}", path, "-o", library], check=True)
-        loaded = ctypes.CDLL(str(library))
-    table = RsModel(1, SIZE, ctypes.cast(loaded.evaluate, ctypes.c_void_p).value, None)
-    _KEPT.append((loaded, table))
-    return _new_capsule(ctypes.addressof(table), NAME, None)
-
-
-_KEPT = []  # a capsule borrows its table and its library
+    return compiled_capsule(source)
 
 
 @breaks("check_refuses_values_outside_its_domain")

@@ -1,9 +1,15 @@
 """Stages that are made in a test: in Python, and as a third party's kernel, right or wrong, behind ctypes."""
 
 import ctypes
+import functools
+import subprocess
+import sysconfig
+import tempfile
+from pathlib import Path
 
 import attrs
 
+from rollslip import get_include
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 NAME = b"rollslip.slice_model.v1"
@@ -44,6 +50,29 @@ def foreign_capsule(evaluate, *, name=NAME, abi=1, size=SIZE):
     table = RsModel(abi, size, address, None)
     _ALIVE.append((function, table, name))
     return _new_capsule(ctypes.addressof(table), name, None)
+
+
+@functools.cache
+def compiled(source):
+    """Return ``evaluate`` of a source in C, which includes rollslip.h."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "stage.c")
+        path.write_text(source, encoding="utf-8")
+        compiler = (sysconfig.get_config_var("CC") or "cc").split()
+        library = path.with_suffix(".so")
+        command = [*compiler, "-O2", "-shared", "-fPIC", f"-I{get_include()}", path, "-o", library, "-lm"]
+        subprocess.run(command, check=True)
+        loaded = ctypes.CDLL(str(library))
+    _ALIVE.append(loaded)
+    return loaded.evaluate
+
+
+def compiled_capsule(source, *parameters):
+    """Return a capsule of a source in C, whose ``params`` are an array of these numbers."""
+    values = (ctypes.c_double * len(parameters))(*parameters)
+    table = RsModel(1, SIZE, ctypes.cast(compiled(source), ctypes.c_void_p).value, ctypes.addressof(values))
+    _ALIVE.append((values, table))
+    return _new_capsule(ctypes.addressof(table), NAME, None)
 
 
 @attrs.frozen
