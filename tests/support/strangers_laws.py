@@ -246,7 +246,7 @@ def in_numba():
     """Offer Gecim and Winer's law as a loop that Numba compiles."""
     import numba
 
-    @numba.njit
+    @numba.njit(error_model="numpy")  # division by zero is infinite then, which a chain refuses
     def fill(viscosity, speed, film, pressure, limit, friction):
         for i in range(friction.size):
             friction[i] = limit * math.tanh(viscosity[i] * speed[i] / (film[i] * limit * pressure[i]))
