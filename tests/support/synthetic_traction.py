@@ -12,9 +12,10 @@ from rollslip_campaigns.measurement import Measurement
 from rollslip_campaigns.measurement.rig import Rig, RigContact, RigData
 from rollslip_campaigns.measurement.values import ContactSeries, Row
 
+OIL = FrozenTable({"eyring_stress": 4e6, "shear_modulus": 0.3e9, "pressure_viscosity_law": "barus"})
 RIG = Rig(
     rig=RigContact(radius=0.01, roughness=(0.05e-6, 0.05e-6)),
-    lubricant=LubricantTable(name="mil-prf-7808", data=FrozenTable({"eyring_stress": 4e6, "shear_modulus": 0.3e9})),
+    lubricant=LubricantTable(name="mil-prf-7808", data=OIL),
     models=Models(film=ModelChoice(name="moes"), traction=ModelChoice(name="muraki")),
 )
 #: Temperature [K], mean pressure [Pa], speed [m/s] of the conditions, and slide-roll ratios at each.
