@@ -240,7 +240,8 @@ class MountedClearance:
             if abs(size) >= 5e-8:
                 sign, shown = "+" if size > 0.0 else "-", abs(size) * 1e6
                 text += f" {sign} {shown:.{0 if shown >= 9.95 else 1}f} {name}"
-        return f"{text} = {self.clearance * 1e6:.3g} um"
+        found = self.clearance * 1e6
+        return f"{text} = {found:.3g} um" if abs(found) < 999.5 else f"{text} = {found:.0f} um"
 
 
 def _radial_clearance(bearing: "Bearing") -> float:

@@ -307,6 +307,8 @@ def test_a_preload_is_told_once_with_the_sum():
     (told,) = implausible(evolve(scene(), {"bearing.clearance_class": "C2", "bearing.mounting.shaft_fit": "r6"}))
     assert "the bearing runs preloaded: 27.5 C2 - 40 r6 - 7.6 for 5 K" in told
     assert implausible(scene()) == []
+    with pytest.raises(SceneError, match=r"57.5 CN - 17 m5 - 7.6 for 5 K - \d+ for speed = -\d+ um is -.*possible$"):
+        evolve(scene(), {"operation.inner_speed": "300000 rpm"})
 
 
 CAGE = """[cage]

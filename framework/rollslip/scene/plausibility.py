@@ -81,8 +81,9 @@ class Relation:
         attribute = attrs.fields_dict(type(getattr(scene, self.table)))[self.field]
         unit = attribute.metadata["unit"]
         value: float = getattr(getattr(scene, self.table), self.field)
-        given = None if unit is None else unit_given(written, unit)
-        shown = as_given(value, attribute, given)
+        given = None if unit is None or written is None else unit_given(written, unit)
+        sums = scene.bearing.mounted if self.field == "radial_clearance" else None  # what it follows from
+        shown = as_given(value, attribute, given) if sums is None else str(sums)
         word = "possible" if span == self.possible else "usual"
         said = f"{shown} is {self._shown(amounts)} {self.words}, {self.range_in_words(span)} is {word}"
         if unit is None or given is None or math.isinf(span[1]):  # of too little nothing is likely: any unit has more
