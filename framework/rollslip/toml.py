@@ -114,6 +114,8 @@ def _syntax_error(error: Exception, text: str, source: str) -> str:
     hint = '; write a number as 1.5, and one with a unit in quotes, as "15 mm"' if unquoted else ""
     if message == "Invalid value" and _BARE_TEXT.search(text.split("\n")[line - 1]):
         hint = '; write a text in quotes, as "moes"'
+    elif "'\\n'" in message:
+        hint = "; a quote is missing at the end of the line"
     return f"{source}:{line}: not valid TOML: {message}{column}{hint}"
 
 

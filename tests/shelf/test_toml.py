@@ -193,6 +193,7 @@ def holds(document: Any, path: tuple[str | int, ...]) -> bool:
         ("a = 15 mm\n", "scene.toml:1: not valid TOML: ", 'one with a unit in quotes, as "15 mm"'),
         ("[a]\nb = 1,5\n", "scene.toml:2: not valid TOML: ", 'one with a unit in quotes, as "15 mm"'),
         ("[a]\nb = moes\n", "scene.toml:2: not valid TOML: ", 'write a text in quotes, as "moes"'),
+        ('a = "x\nb = 1\n', "scene.toml:1: not valid TOML: ", "; a quote is missing at the end of the line"),
         ("a = 1\nb = [1,\n", "scene.toml:3: not valid TOML: ", "(at the end of the file)"),
         ("a = 1e5\na = 1e5\nb = 1", "scene.toml:2: not valid TOML: ", ")"),
         ("a = " + "1" * 5000, "scene.toml: not valid TOML: ", ""),

@@ -87,7 +87,7 @@ def test_a_result_has_the_outputs_that_are_declared(name):
 
 
 def test_an_unknown_study_is_answered_with_the_nearest():
-    with pytest.raises(SceneError, match="no study is called 'dynamic'; did you mean 'dynamics'"):
+    with pytest.raises(SceneError, match=r"^study.dynamic: no study is called 'dynamic'; did you mean 'dynamics'"):
         settings(SCENE, "dynamic")
 
 

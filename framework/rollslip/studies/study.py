@@ -364,7 +364,7 @@ def study_class(name: str, scene: Scene | None = None) -> type[Study]:
     try:
         cls: type[Study] = get_class("study", name)
     except UnknownNameError as error:
-        where = Location({} if scene is None else scene.origins, ("study", name))
+        where = Location(scene.origins if scene is not None and name in scene.study else {}, ("study", name))
         raise SceneError([where.says(str(error))]) from error
     return cls
 
