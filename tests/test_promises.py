@@ -24,6 +24,7 @@ PROMISED = {
     "rollslip": """Chain Conditions RollslipDeprecationWarning Slices available compare evolve explore fit
         get_include get_model limit load_distribution load_scene model open_result pareto plan plot register
         run sweep uncertainty""",
+    "rollslip.bearing.separator": "Separator",
     "rollslip.cli": "main",
     "rollslip.datasets": "BearingData Family FitData SurfaceData",
     "rollslip.engine": "Engine cores",
@@ -33,7 +34,7 @@ PROMISED = {
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
         fits hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws
-        scene_formats studies surfaces thermal_models torque_formulas traction_models""",
+        scene_formats separators studies surfaces thermal_models torque_formulas traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
         PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",
     "rollslip.lubricant.pressure": "PressureViscosity",

@@ -421,7 +421,7 @@ class OwnCage(NamedTuple):
     Attributes
     ----------
     make : str
-        What it is of: "brass", "steel" or "polyamide".
+        What it is of: "brass", "steel" or "polyamide"; empty for a full complement, which has none.
     guidance : str
         What guides it: "roller", or the land of the "inner" or "outer" ring.
     letters : str

@@ -63,6 +63,11 @@ def torque_formulas() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def separators() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """What may keep rollers apart: classes derived from `rollslip.bearing.separator.Separator`."""
+
+
+@hookspec
 def engines() -> Iterable[type[Any]]:  # type: ignore[empty-body]
     """Engines of sweeps this plugin offers: classes derived from `rollslip.engine.Engine`."""
 

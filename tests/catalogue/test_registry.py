@@ -10,6 +10,7 @@ import pytest
 
 from packages import python
 from rollslip import available, get_model, hookspecs
+from rollslip.bearing.separator import Separator
 from rollslip.catalogue import discovery
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.registry import catalogue, find, get_class
@@ -153,7 +154,7 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
 def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
-    beside = {"thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula}
+    beside = {"thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "separator": Separator}
     classes = {**BASES, **beside, "engine": Engine, "study": Study, "campaign": Campaign}
     if kind in classes:
         assert issubclass(thing, classes[kind])

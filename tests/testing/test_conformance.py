@@ -124,7 +124,7 @@ class TestData(Conformance):
 
 def test_no_kind_is_left_out():
     classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
-    assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", *DATA}
+    assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "separator", *DATA}
 
 
 def test_laws_of_the_box_that_python_runs_are_what_others_are_held_against():

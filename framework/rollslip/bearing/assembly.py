@@ -25,6 +25,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated
+from rollslip.bearing.separator import Separator, separator
 from rollslip.catalogue.registry import available, get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError, nearest
 from rollslip.fields import submodels
@@ -113,12 +114,18 @@ class Assembly:
             )
         return force
 
+    @cached_property
+    def separator(self) -> Separator:
+        """What keeps the rollers apart."""
+        return separator(self.scene)
+
     @property
     def cage(self) -> Cage:
         """The cage with its drags; read when a study in time asks for it."""
 
         def bound() -> Cage:
-            read = self._known("read", (self.scene.cage, self.scene.bearing), lambda: read_cage(self.scene))
+            of = self.scene.cage, self.scene.bearing, self.scene.models
+            read = self._known("read", of, lambda: read_cage(self.scene))
             cage = with_drags(read, self.scene, self.kinematics, self.lubricant)
             if (resistance := cage.drags.resistance) is not None:
                 _check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))

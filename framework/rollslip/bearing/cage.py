@@ -14,6 +14,7 @@ import attrs
 
 from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
+from rollslip.bearing.separator import separator, train_play
 from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
@@ -254,13 +255,21 @@ def default_drags(scene: Scene, guidance: object) -> list[object]:
     return [*DEFAULT_DRAGS, *([LAND_DRAG] if lands else [])]
 
 
+def _without(table: Mapping[str, object], where: Location) -> list[str]:
+    """Say what a scene states of a cage that it does not have."""
+    told = "rollers without a cage have none; leave it out, or take models.separator = 'cage'"
+    return [where.at(key).says(told) for key in table if key != "drag"]
+
+
 def read_cage(scene: Scene) -> Cage:
     """Return the cage of a scene, that of its bearing where it has none, with its drags as they are named.
 
-    `with_drags` binds these.
+    `with_drags` binds these. Without a cage only these are of use.
     """
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     table: dict[str, object] = dict(scene.cage or {})
+    if separator(scene).coefficient is not None and (problems := _without(table, where)):
+        raise SceneError(problems)
     estimates = _estimates(scene.bearing, table)
     usual = default_drags(scene, table.get("guidance", estimates["guidance"]))
     raw = table["drag"] = _drags(table.get("drag", usual), usual, where.at("drag"), problems)
@@ -297,6 +306,9 @@ def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
 def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
     """Return what a cage is, in words, and how that is known."""
     name, written = _written(scene)
+    if (friction := separator(scene).coefficient) is not None:
+        play = format_quantity(train_play(scene.bearing), "m", 2)
+        return "none, full complement", f"rollers rub against each other at {friction:g}, play of their train {play}"
     guide = "the rollers" if cage.guidance == "roller" else f"the {cage.guidance} ring"
     own = own_cage(name)
     if "make" in written:
@@ -322,6 +334,12 @@ def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
     except RollslipError:  # who needs it says so
         return
     b, where, own = scene.bearing, Location(scene.origins, ("cage",)), own_cage(name)
+    if separator(scene).coefficient is not None:
+        if (play := train_play(b)) > b.roller_diameter:
+            shown, other = format_quantity(play, "m", 3), format_quantity(b.roller_diameter, "m")
+            told = f"without a cage {b.rollers} rollers of {other} have a play of {shown}, room for more of them"
+            yield Location(scene.origins, ("bearing", "rollers")), told
+        return
     if own is not None and own.letters:
         for key, says in (("make", own.make), ("guidance", own.guidance)):
             if key in written and getattr(cage, key) != says:
@@ -352,7 +370,8 @@ def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubr
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     values = scene_values(scene, kinematics, lubricant) | _of_land(cage, supplied(scene, lubricant))
     given = [filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]
-    drags = _by_sort([with_law(model, lubricant.pressure_viscosity_law) for model in given], where, problems)
+    given = [with_law(model, lubricant.pressure_viscosity_law) for model in given]
+    drags = _by_sort(given, where, problems, caged=separator(scene).coefficient is None)
     if problems:
         raise SceneError(problems)
     return attrs.evolve(cage, drags=drags)
@@ -400,7 +419,7 @@ def filled(model: Any, values: Mapping[str, object], where: Location, problems: 
     return complete
 
 
-def _by_sort(models: list[Any], where: Location, problems: list[str]) -> Drags:
+def _by_sort(models: list[Any], where: Location, problems: list[str], *, caged: bool) -> Drags:
     resistances = tuple(model for model in models if isinstance(model, ResistanceModel))
     pockets = [model for model in models if isinstance(model, PocketFriction)]
     torques = tuple(model for model in models if isinstance(model, DragModel))
@@ -410,6 +429,8 @@ def _by_sort(models: list[Any], where: Location, problems: list[str]) -> Drags:
                 f"a pocket has one friction, here are {', '.join(model.name for model in pockets)}; name one of them"
             )
         )
+    if pockets and not caged:
+        problems.append(where.at("drag").says(f"{pockets[0].name} is that of a cage, and models.separator has none"))
     for sort, most in ((resistances, 8), (torques, 8)):
         if len(sort) > most:
             problems.append(where.at("drag").says(f"at most {most} of a sort can be added, here are {len(sort)}"))

@@ -23,6 +23,7 @@ import attrs
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import in_words, read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
+from rollslip.bearing.separator import separator
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
@@ -336,7 +337,8 @@ def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
     """Return which cage a bearing has that the scene does not state; nothing where it does, or none takes part."""
     if not _caged(studies) or "mass" in (scene.cage or {}):
         return ""
-    return f"the cage is the bearing's own, {'; '.join(in_words(scene, read_cage(scene)))}"
+    told = "; ".join(in_words(scene, read_cage(scene)))
+    return f"the cage is the bearing's own, {told}" if separator(scene).coefficient is None else f"cage: {told}"
 
 
 def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:

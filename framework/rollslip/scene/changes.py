@@ -179,6 +179,8 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
             continue
         attribute = dict(fields_of(kind)).get(str(part)) if attrs.has(kind) else None
         kind = types_of(kind)[attribute.name] if attribute is not None else None
+        if type(None) in get_args(kind):
+            kind = next((one for one in get_args(kind) if attrs.has(one)), kind)
         below = table.get(part)
         several = get_args(kind)[0] if get_origin(kind) is tuple else None
         if kind is None and isinstance(below, list) and all(map(_names_a_model, below)):

@@ -177,13 +177,20 @@ def _with_named_data(raw: dict[str, object], where: Location, problems: list[str
 
 
 def _with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:
-    """Return a raw scene with make and guidance of the cage that its bearing's name stands for, where it says none."""
+    """Return a raw scene with the cage that its bearing's name stands for, or without one, where it does not say."""
     bearing, cage = raw.get("bearing"), raw.get("cage", {})
     if not (isinstance(bearing, Mapping) and "name" in bearing and isinstance(cage, Mapping)):
         return complete
     from rollslip.catalogue.discovery import own_cage  # only a scene that names data needs a plugin
 
-    if (own := own_cage(bearing["name"])) is None:
+    models = raw.get("models", {})
+    if (own := own_cage(bearing["name"])) is None or not isinstance(models, Mapping):
+        return complete
+    apart = models.get("separator", {})
+    if not own.make:
+        apart = {"model": "none", **apart} if isinstance(apart, Mapping) else apart
+        return {**complete, "models": {**models, "separator": apart}}
+    if apart not in ({}, "cage", {"model": "cage"}):
         return complete
     guidance = {"guidance": own.guidance} if cage.get("make", own.make) == own.make else {}
     return {**complete, "cage": {"make": own.make, **guidance, **cage}}

@@ -116,6 +116,11 @@ class Models:
     film: ModelChoice = field(default=ModelChoice(name="inlet-correction"), doc="thickness of the oil film")
     pressure: ModelChoice = field(default=ModelChoice(name="light-contact"), doc="pressure in the film")
     traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
+    separator: ModelChoice | None = field(
+        default=None,
+        doc="what keeps rollers apart: cage, or none for a full complement; by default what the bearing's name says, "
+        "else a cage",
+    )
     thermal: ModelChoice | None = field(
         default=None,
         doc="where bulk temperatures come from; by default operation gives them",

@@ -14,6 +14,7 @@ Curve = tuple[Array, tuple[float, float], float, Array, Array]
 Rows = NDArray[np.intp]
 
 NUDGED: float
+SLIDES: float
 
 class Spin:
     def __init__(
@@ -24,6 +25,7 @@ class Spin:
         rolling: float,
         slow: float = 0.0,
         pocket: float = 0.0,
+        brakes: Array | None = None,
     ) -> None: ...
     @property
     def evaluated(self) -> tuple[int, int]: ...

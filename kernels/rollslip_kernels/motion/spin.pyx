@@ -84,10 +84,12 @@ cdef double MET = 10.0          # exactness of balances within which two motions
 cdef double KEPT = 1e-3         # share of what is left of a row's way after an orbit within which it repeats
 cdef double FORESEEN = 0.02     # and within which two will be one
 cdef double GOES_ON = 0.05      # mean change from row to row up to which what second order adds is about the same
-cdef double SLIDES = 1e-2      # sliding speed over which the friction of a pocket changes its sign [m/s]
+cdef double SLOWLY = 1e-2       # surface speed over which the friction of a pocket changes its sign [m/s]
 
 #: Step of the roller slip by which torques are differentiated.
 NUDGED = NUDGE
+#: Surface speed over which friction against the spin changes its sign [m/s].
+SLIDES = SLOWLY
 
 cdef struct ring_t:
     rs_model chain
@@ -119,7 +121,8 @@ cdef class Spin:
     slopes per cell, (N, 2), at equal steps of V/(|V| + scale) between the limits, and forces and resistances (K,).
     Or it is a call that returns tractions and resistances (2, K) [N] at roller slips (K,).
     ``radii`` are those of inner and outer raceway, roller and orbit [m], ``rolling`` is the speed of epicyclic rolling
-    and ``slow`` the one that the film never falls below [m/s], ``pocket`` a coefficient of friction.
+    and ``slow`` the one that the film never falls below [m/s], ``pocket`` a coefficient of friction. ``brakes`` are
+    moments [N m], (K,), by which what a roller rubs against brakes its spin beside that.
     """
 
     cdef ring_t rings[2]
@@ -127,12 +130,14 @@ cdef class Spin:
     cdef double inner, outer, radius, orbit, rolling, slow, pocket
     cdef double largest        # traction of the last evaluation
     cdef bint calls            # Python for forces
+    cdef const double *brakes  # or NULL
     cdef object python, kept
     cdef double[:, ::1] work
     cdef Py_ssize_t[::1] active   # positions that are evaluated, and where their slips and torques stand
     cdef Py_ssize_t[::1] slot
 
-    def __init__(self, Py_ssize_t rollers, rings, radii, double rolling, double slow=0.0, double pocket=0.0):
+    def __init__(self, Py_ssize_t rollers, rings, radii, double rolling, double slow=0.0, double pocket=0.0,
+                 const double[::1] brakes=None):
         cdef const double[::1] load, force, width
         cdef const Py_ssize_t[::1] first
         cdef const double[:, ::1] nodes, places
@@ -147,6 +152,9 @@ cdef class Spin:
         self.active, self.slot = np.empty((2, rollers), dtype=np.intp)
         self.python, self.kept = (rings, None) if callable(rings) else (None, [rings])
         self.calls = self.python is not None
+        if brakes is not None:
+            self._check(brakes)
+            self.kept, self.brakes = [brakes, *(self.kept or ())], &brakes[0]
         for k in range(2):
             ring = &self.rings[k]
             ring.lead, ring.traction, ring.resistance = &self.work[k, 0], &self.work[2 + k, 0], &self.work[4 + k, 0]
@@ -220,7 +228,7 @@ cdef class Spin:
         self._check(resistances[0])
         for k in range(self.rollers):
             self._torque(
-                slip[k], tractions[0, k], tractions[1, k], resistances[0, k], resistances[1, k], &spin[k], &cage[k])
+                k, slip[k], tractions[0, k], tractions[1, k], resistances[0, k], resistances[1, k], &spin[k], &cage[k])
         return np.asarray(cage)
 
     def balanced(self, const double[::1] low, const double[::1] high, guess=None):
@@ -724,7 +732,7 @@ cdef class Spin:
                     return ended
         for a in range(count):
             k = self.slot[a]
-            self._torque(slip[k], self.rings[INNER].traction[k], self.rings[OUTER].traction[k],
+            self._torque(self.active[a], slip[k], self.rings[INNER].traction[k], self.rings[OUTER].traction[k],
                          self.rings[INNER].resistance[k], self.rings[OUTER].resistance[k], &spin[k], &cage[k])
             size = max(size, max(fabs(self.rings[INNER].traction[k]), fabs(self.rings[OUTER].traction[k])))
         self.largest = size
@@ -807,15 +815,18 @@ cdef class Spin:
         return self.rolling + (0.5 * (self.rings[which].lead[k] - spin) if which == INNER else
                                -0.5 * (self.rings[which].lead[k] + spin))
 
-    cdef inline void _torque(self, double slip, double inner, double outer, double inner_resistance,
+    cdef inline void _torque(self, Py_ssize_t k, double slip, double inner, double outer, double inner_resistance,
                              double outer_resistance, double *spin, double *cage) noexcept nogil:
-        """Torques of one roller on its spin, G, and on the cage."""
+        """Torques of the roller at a position on its spin, G, and on the cage."""
         cdef double slides
         cdef double along = self.inner * (inner + inner_resistance) + self.outer * (outer - outer_resistance)
         spin[0] = self.radius * (inner - inner_resistance - outer - outer_resistance)
         if self.pocket > 0.0:
             slides = self.rolling * (1.0 - slip)
-            spin[0] -= self.pocket * self.radius / self.orbit * fabs(spin[0] + along) * slides / _length(slides, SLIDES)
+            spin[0] -= self.pocket * self.radius / self.orbit * fabs(spin[0] + along) * slides / _length(slides, SLOWLY)
+        if self.brakes != NULL:
+            slides = self.rolling * (1.0 - slip)
+            spin[0] -= self.brakes[k] * slides / _length(slides, SLOWLY)
         cage[0] = spin[0] + along
 
     cdef int _balanced(self, const double *lowest, const double *highest, double *at, double *slope, double leap,

@@ -468,6 +468,9 @@ class Dynamics(Study):
         limit: Course | None = None,
     ) -> MovingBearing:
         """Return the bearing in motion along a history, in which ``limit`` is the slip that is watched."""
+        if assembly.separator.coefficient is not None:
+            told = "motions in time have a cage, rollers without one are known at steady slips alone"
+            raise SceneError([Location(assembly.scene.origins, ("models", "separator")).says(told)])
         friction = self._frictions(critical_slip)
         if history is not None:
             planar = self._of_planar(assembly) if self.level == "planar" else None

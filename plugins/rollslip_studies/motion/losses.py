@@ -1,8 +1,9 @@
 """What a bearing loses to friction at a constant cage speed, by source, and the power of the rings that pays for it.
 
 - In the frame of the cage, with V the sliding and u the entrainment speeds of the contacts, the losses of a roller are
-  F_i V_i + F_o V_o by sliding, 2 (F_Ri u_i + F_Ro u_o) by resistance to rolling and M w_r in its pocket; a drag on the
-  cage loses -T (w_c - w_b) against the body b that bears its reaction: a ring, or what stands still.
+  F_i V_i + F_o V_o by sliding, 2 (F_Ri u_i + F_Ro u_o) by resistance to rolling and M w_r in its pocket, or at its
+  neighbours; a drag on the cage loses -T (w_c - w_b) against the body b that bears its reaction: a ring, or what stands
+  still.
 - The rings put in Z <R_i (F_i + F_Ri)> w_i and Z <R_o (F_o - F_Ro)> w_o, and what drives the cage from their lands.
   With the torques of `rollslip_studies.motion.torque_balance`, identically::
 
@@ -79,6 +80,8 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
         losses += _rolling(balance, orbit, balance.drags.resistance, rolled)
     if balance.drags.pocket_friction is not None:
         losses.append(Loss(balance.drags.pocket_friction.name, "pocket", all_rollers(pocket * spin)))
+    if balance.assembly.separator.coefficient is not None:
+        losses.append(Loss("rubbing of neighbours", "pocket", all_rollers(pocket * spin)))
     put_in = [all_rollers(lever) for lever in levers]
     ring_speeds = [k.direction * k.inner_speed, k.direction * k.outer_speed]
     drag = 0.0

@@ -28,8 +28,10 @@ from rollslip.bearing.equilibrium import angular_positions
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError
+from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
+from rollslip_studies.motion.train import Train
 
 Found: TypeAlias = NDArray[np.bool_]
 Rows: TypeAlias = NDArray[np.intp]
@@ -52,6 +54,9 @@ _AT_REST: Final = 1e-3
 _IDLE, _WIDEST = 1e-12, 64.0
 #: Error of a motion of first order beyond which it is not sure.
 _WRONG = 1e-2
+#: Exactness of what neighbours brake, relative to the largest; turns at most, and from which on their mean is taken,
+#: for spins that change at a position from one balance to another and back, until torques stand still.
+_PUSHED, _TURNS, _MEAN, _STILL = 1e-5, 100, 15, 1e-4
 
 
 class Friction(Protocol):
@@ -143,6 +148,7 @@ class Motion:
     sure: bool
     error: float = 0.0  # what it leaves of the torque, relative, where it is of first order only
     linked: bool = True  # whether it goes on from the motion at the slip below
+    brakes: Array | None = None  # moments by which neighbours brake the spin, without a cage [N m], (K,)
     #: What an orbit leaves of a disturbance of the spin: the rollers hold the motion if it is below 1 in size.
     multiplier: float = 0.0
 
@@ -169,6 +175,7 @@ class Spins:
         *,
         slow: float = 0.0,  # speed that the film never falls below [m/s], 0 for none
         pocket: float = 0.0,  # coefficient of friction in the pockets
+        brakes: Array | None = None,  # moments that brake the spins besides [N m], (positions,)
         # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
@@ -180,7 +187,8 @@ class Spins:
         curved = [one for one in contacts if not isinstance(one, LoadedContacts)]
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
         rolling = k.roller_radius * k.epicyclic_roller_speed
-        self.kernel = Kernel(positions, curved or [ring for *_, ring in self._gathered], radii, rolling, slow, pocket)
+        rings = curved or [ring for *_, ring in self._gathered]
+        self.kernel = Kernel(positions, rings, radii, rolling, slow, pocket, brakes)
 
     def ended(self, how: str) -> None:
         """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused."""
@@ -204,6 +212,7 @@ class Motions:
         instants: int,  # instants of a roller pitch; the orbit has Z times as many positions
         *,
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
+        rubbing: float = 0.0,  # and of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
         effective: tuple[Curve, Curve] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
@@ -212,12 +221,13 @@ class Motions:
         beside: "Motions | None" = None,
     ) -> None:
         self.assembly, self.instants, self.effective, self.inertia = assembly, instants, effective, inertia
-        self.pocket, self._few = pocket, 0 if assembly.inner.chain.placed else few
+        self.pocket, self.rubbing, self._few = pocket, rubbing, 0 if assembly.inner.chain.placed else few
         k = assembly.kinematics
+        self.train = Train.of(k, assembly.scene.bearing.rollers, rubbing)
         self.positions = assembly.scene.bearing.rollers * instants
         #: 1 or -1: that in which the kinematics let the rollers go round
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
-        self.resists = assembly.inner.chain.resists or pocket > 0.0
+        self.resists = assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0
         self._on_inner = -k.inner_radius / k.outer_radius
         spin = 0.5 * assembly.roller_mass * k.roller_radius**2 * k.epicyclic_roller_speed
         pace = abs(k.epicyclic_cage_speed) * self.positions / (2.0 * np.pi)
@@ -241,8 +251,8 @@ class Motions:
     def like(self, *, instants: int, few: int) -> "Motions":
         """Return those at other instants, by other loads of a roller."""
         return Motions(
-            self.assembly, instants, pocket=self.pocket, effective=self.effective, inertia=self.inertia, few=few,
-            beside=self,
+            self.assembly, instants, pocket=self.pocket, rubbing=self.rubbing, effective=self.effective,
+            inertia=self.inertia, few=few, beside=self,
         )  # fmt: skip
 
     def loads(self, slips: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -301,13 +311,14 @@ class Motions:
         free = k.roller_radius * k.epicyclic_roller_speed
         return tuple(Effective(curve, of, free) for curve, of in zip(self.effective, contacts, strict=True))
 
-    def spins(self, slips: Array, few: int | None = None) -> Spins:
-        """Compiled torques of rows of positions, one for each cage slip."""
+    def spins(self, slips: Array, few: int | None = None, brakes: Array | None = None) -> Spins:
+        """Compiled torques of rows of positions, one for each cage slip, under what neighbours brake, (n, K)."""
         k, frictions = self.assembly.kinematics, self.frictions(self.contacts(slips, few))
         given = [one.ring if isinstance(one, Effective) else one.contacts for one in frictions]
         spins = Spins(
-            k, self.positions * slips.size, given, slow=SLOW, pocket=self.pocket, tables=self._tables[few is None]
-        )
+            k, self.positions * slips.size, given, slow=SLOW, pocket=self.pocket, tables=self._tables[few is None],
+            brakes=None if brakes is None else brakes.ravel(),
+        )  # fmt: skip
         spins.kernel.at(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
         return spins
 
@@ -333,9 +344,49 @@ class Motions:
             step *= 2.0
             ends[:, 1] += np.where(short, step, 0.0)
 
-    def _came_to(self, slips: Array, starts: Array | None, spins: Spins | None = None) -> tuple[Array, Found, Array]:
+    @staticmethod
+    def _torques(spins: Spins, at: Array) -> tuple[Array, Array]:
+        """Torques on the spins and, of one roller, on the cage [N m], at roller slips of all rows."""
+        spin, torque, how = spins.kernel.torques(at)
+        spins.ended(how)
+        return spin, torque
+
+    def _braked(self, slips: Array, starts: Array | None) -> tuple[Array, Array]:
+        """Moments (n, K) by which neighbours brake the spins [N m], and what they leave of the torque, relative (n,).
+
+        `rollslip_studies.motion.train` says how they are made. Where spins go on to change to and fro the mean is told.
+        """
+        k, train, few = self.assembly.kinematics, self.train, _ROUGH if self._inertia else None
+        brakes, left, before = np.zeros((slips.size, self.positions)), np.zeros(slips.size), np.zeros(slips.size)
+        rows, friction = np.arange(slips.size), self.train.coefficient * self.train.radius
+        for turn in range(1, _TURNS + 1):
+            shape, now = (rows.size, self.positions), brakes[rows]
+            spins = self.spins(slips[rows], few, now)
+            at = self._came_to(slips[rows], None if starts is None else starts[rows], spins)[0][:, 0].ravel()
+            (spin, torque), (spin_there, torque_there) = self._torques(spins, at), self._torques(spins, at + NUDGED)
+            # a spin stays in balance, so a moment on it takes traction, which leaves less for the train
+            rises = np.maximum(spin_there - spin, 0.0)
+            taken = np.divide(rises - torque_there + torque, rises, out=np.zeros_like(rises), where=rises > 0.0)
+            turns = k.roller_radius * k.epicyclic_roller_speed * (1.0 - at)
+            falls = np.clip(taken, 0.0, k.outer_radius / k.roller_radius) * turns / np.hypot(turns, SLIDES)
+            torque, falls = self.sense * torque.reshape(shape), falls.reshape(shape)
+            step = friction * sum(train.pushes(torque + falls * now, falls * friction)) - now
+            brakes[rows] += step * min(1.0, _MEAN / turn)
+            left[rows] = np.abs(torque.mean(axis=1) - before[rows]) / np.abs(torque).mean(axis=1)
+            before[rows] = torque.mean(axis=1)
+            exact = np.abs(step).max(axis=1) <= _PUSHED * brakes[rows].max(axis=1)
+            left[rows[exact]] = 0.0
+            if np.all(done := exact | ((left[rows] <= _STILL) & (turn > _MEAN))):
+                return brakes, left
+            if turn >= _MEAN:  # some are left
+                rows = rows[~done]
+        return brakes, left
+
+    def _came_to(
+        self, slips: Array, starts: Array | None, spins: Spins | None = None, brakes: Array | None = None
+    ) -> tuple[Array, Found, Array]:
         """Roller slips (n, 2, K) that rollers come to from two starts, whether both are one, and what is left."""
-        spins = self.spins(slips, _ROUGH if self._inertia else None) if spins is None else spins
+        spins = self.spins(slips, _ROUGH if self._inertia else None, brakes) if spins is None else spins
         starts = self._ends(spins, slips) if starts is None else starts
         exact = _EXACT if self._inertia else _EXACTLY
         found, met, left, how = spins.kernel.sent_round(
@@ -357,7 +408,8 @@ class Motions:
         """
         unit = self.unit(slips)
         begin = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
-        found, met, left = self._came_to(slips, begin)
+        brakes, missed = self._braked(slips, begin) if self.rubbing > 0.0 else (None, None)
+        found, met, left = self._came_to(slips, begin, brakes=brakes)
         shares = found / unit[:, None, None]
         two = [
             row
@@ -366,18 +418,26 @@ class Motions:
             and self.apart(shares[row, 0], shares[row, 1]) >= (TWO if left[row].max() < _REPEATS else 0.0)
         ]
         rows, which = np.array([*range(slips.size), *two]), np.array([0] * slips.size + [1] * len(two))
-        motions = self._settled(slips, rows, found[rows, which], left[rows, which])
+        motions = self._settled(slips, rows, found[rows, which], left[rows, which], brakes)
+        if missed is not None:
+            motions = [
+                attrs.evolve(one, error=max(one.error, off), sure=one.sure and off < _WRONG)
+                for one, off in zip(motions, missed[rows].tolist(), strict=True)
+            ]
         out = [[motion] for motion in motions[: slips.size]]
         for row, motion in zip(two, motions[slips.size :], strict=True):
+            if brakes is not None:  # neighbours brake it in its own way
+                motion = self.at(slips[row : row + 1], motion.share[:1])[0][0]
             if self.apart(out[row][0].share, motion.share) >= TWO:
                 out[row].append(motion)
         return out
 
-    def _settled(self, slips: Array, rows: Rows, came: Array, left: Array) -> list[Motion]:
+    def _settled(self, slips: Array, rows: Rows, came: Array, left: Array, brakes: Array | None) -> list[Motion]:
         """Motions of second order beside those that rollers came to, which are of first."""
         unit, c, K, Z = self.unit(slips), self._inertia * np.abs(1.0 - slips), self.positions, self._rollers
-        spins = self.spins(slips)
+        spins = self.spins(slips, brakes=brakes)
         kernel, weight = spins.kernel, self._weight
+        braked: list[Array | None] = [None] * slips.size if brakes is None else list(brakes)
 
         def driven(which: Rows, at: Array) -> tuple[Array, Array]:
             _, left, on_cage, _, how = kernel.settled(which, K, c[which], at, unit[which], as_guessed=True)
@@ -386,7 +446,10 @@ class Motions:
 
         if not self._inertia:
             of_rows = zip(rows.tolist(), driven(rows, came)[0].tolist(), came, strict=True)
-            return [Motion(float(slips[r]), T, at / unit[r], float(unit[r]), sure=True) for r, T, at in of_rows]
+            return [
+                Motion(float(slips[r]), T, at / unit[r], float(unit[r]), sure=True, brakes=braked[r])
+                for r, T, at in of_rows
+            ]
         at, multiplier, torque, held, how = kernel.settled(rows, K, c[rows], came, unit[rows], _SETTLED)
         spins.ended(how)
         torque, error = Z * torque, np.zeros(rows.size)
@@ -416,6 +479,7 @@ class Motions:
                 sure=bool(sure[k]),
                 error=float(error[k]),
                 multiplier=float(multiplier[k]),
+                brakes=braked[r],
             )
             for k, r in enumerate(rows.tolist())
         ]

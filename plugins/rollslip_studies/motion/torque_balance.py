@@ -89,6 +89,7 @@ class Orbit:
     traction: Array
     #: What an orbit leaves of a disturbance of the spin: the rollers hold this motion if it is below 1 in size.
     multiplier: float
+    brakes: Array | None = None  # moments by which neighbours brake its spin, without a cage [N m], (K,)
 
 
 class TorqueBalance:
@@ -115,13 +116,14 @@ class TorqueBalance:
         self._ways: dict[tuple[float, int], WayUp] = {}
         friction = drags.pocket_friction
         self._pocket = 0.0 if friction is None else friction.coefficient
+        self._rubbing = assembly.separator.coefficient or 0.0
 
     @cached_property
     def motions(self) -> Motions:
         """Motions of the rollers on all slices, their loads solved at every slip."""
         return Motions(
-            self.assembly, self.instants, pocket=self._pocket, effective=self.effective, inertia=self.inertia,
-            beside=None if self._beside is None else self._beside.motions,
+            self.assembly, self.instants, pocket=self._pocket, rubbing=self._rubbing, effective=self.effective,
+            inertia=self.inertia, beside=None if self._beside is None else self._beside.motions,
         )  # fmt: skip
 
     @cached_property
@@ -225,6 +227,7 @@ class TorqueBalance:
             force=np.array([of_ring.contacts.carried for of_ring in contacts]),
             traction=self.motions.sense * tractions,
             multiplier=motion.multiplier,
+            brakes=motion.brakes,
         )
 
     def contacts(self, cage_slip: float) -> tuple[Conventional, Conventional]:
@@ -245,7 +248,7 @@ class TorqueBalance:
         They have the signs of the kinematics, whatever the sense of the orbit.
         """
         tractions, resistances = self._forces(orbit.cage_slip, orbit.roller_slip, self.contacts(orbit.cage_slip))
-        kernel = self.motions.spins(np.array([orbit.cage_slip])).kernel
+        kernel = self.motions.spins(np.array([orbit.cage_slip]), brakes=orbit.brakes).kernel
         return tractions, resistances, kernel.on_cage(orbit.roller_slip, tractions, resistances)
 
     def _forces(

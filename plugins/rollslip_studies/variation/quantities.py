@@ -31,11 +31,12 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     found = [*_named(scene), *(one for table in _tables(scene) for one in _of(getattr(scene, table), table))]
     found += _of_supply(assembly)
     found += _of_oil(assembly)
+    models = {**assembly.models, "separator": assembly.separator}
     for attribute in attrs.fields(type(scene.models)):
         kind, choice = attribute.name, getattr(scene.models, attribute.name)
         if isinstance(choice, ModelChoice):
             found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
-            found += _of(assembly.models.get(kind) or _thermal(scene), f"models.{kind}")
+            found += _of(models.get(kind) or _thermal(scene), f"models.{kind}")
         elif isinstance(choice, tuple):  # of several each is told by its name
             for one in choice:
                 made = structure_model(kind, {"model": one.name, **one.parameters}, Location({}), [])

@@ -1,0 +1,137 @@
+"""Rollers without a cage: their pushes by hand and in the limits, and what their rubbing takes from a bearing."""
+
+import itertools
+import math
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import SceneError
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
+from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.motion.train import Train
+from rollslip_studies.steady_slip.study import SteadySlip
+
+PAPER = load_scene("1032930-50C")
+
+
+def apart(scene, **separator):
+    """Return a scene without a table of its cage, and what is between its rollers."""
+    raw = {key: value for key, value in scene.raw.items() if key != "cage"}
+    return evolve(attrs.evolve(scene, raw=type(scene.raw)(raw), cage=None), {"models.separator": separator})
+
+
+#: With a roller of 15 mm on a pitch circle of 180 mm there is room for 37.
+NONE = evolve(apart(PAPER, model="none"), {"bearing.rollers": 37})
+
+
+def without_friction(scene):
+    return evolve(scene, {"models.separator.coefficient": 0.0})
+
+
+# Pushes of a train ---------------------------------------------------------------------------------------------------
+
+
+def test_forces_of_a_train_of_four_are_those_by_hand():
+    # one roller is driven by 3 N m, the others take 1 N m each: on a lever of 0.5 m the one behind it is not pushed,
+    # it pushes with 6 N, and each of the next takes 2 N of that
+    behind, ahead = Train(4, 0.1, 0.5, 0.1).pushes(np.array([[-1.0, 3.0, -1.0, -1.0]]))
+    assert behind[0] == pytest.approx([2.0, 0.0, 6.0, 4.0], abs=1e-12)
+    assert ahead[0] == pytest.approx([0.0, 6.0, 4.0, 2.0], abs=1e-12)
+
+
+@given(arrays(float, (2, 21), elements=st.floats(-100.0, 100.0)))
+@settings(max_examples=60, deadline=None)
+def test_a_train_is_in_balance_with_a_gap_and_knows_no_first_roller(torque):
+    train = Train(7, 0.1, 0.5, 0.1)
+    behind, ahead = train.pushes(torque)
+    of_phase = torque.reshape(2, 7, 3)
+    even = (of_phase - of_phase.mean(axis=1, keepdims=True)).reshape(2, 21)
+    assert train.lever * (ahead - behind) == pytest.approx(even, abs=1e-10)
+    assert behind.reshape(2, 7, 3).min(axis=1) == pytest.approx(0.0, abs=1e-10)
+    assert train.pushes(np.roll(torque, 3, axis=1))[0] == pytest.approx(np.roll(behind, 3, axis=1), abs=1e-10)
+
+
+def test_where_rubbing_takes_traction_forces_grow_as_in_a_belt():
+    # c (a - b) = -y - f (a + b): towards the driven roller each force is (c + f)/(c - f) times the one ahead of it, and
+    # y/(c - f) more
+    f, c = 0.05, 0.5
+    torque = np.array([[6.0, -1.0, -1.0, -1.0, -1.0]])
+    falls = np.array([[0.0, f, f, f, f]])
+    behind, ahead = Train(5, 0.1, c, 0.1).pushes(torque, falls)
+    share = (c * (ahead - behind) + falls * (ahead + behind) - torque)[0]  # of what the set carries, of each roller
+    assert share == pytest.approx(share[0], abs=1e-12)
+    y, expected = 1.0 - share[0], 0.0
+    for k in (4, 3, 2, 1):
+        assert ahead[0, k] == pytest.approx(expected, abs=1e-12)
+        expected = ((c + f) * expected + y) / (c - f)
+        assert behind[0, k] == pytest.approx(expected)
+
+
+# A bearing -----------------------------------------------------------------------------------------------------------
+
+
+def test_without_friction_neighbours_do_what_a_cage_without_friction_does():
+    bearing = without_friction(NONE)
+    caged = evolve(apart(PAPER, model="cage"), {"bearing.rollers": 37})
+    one, two = (rollers(assemble(scene), 2) for scene in (bearing, caged))
+    for slip in (0.0, 0.02, 0.3):
+        assert one.torque(slip) == two.torque(slip)
+
+
+@pytest.mark.parametrize("slip", [0.005, 0.05, 0.4])
+def test_what_the_rings_put_in_is_lost_at_neighbours_too(slip):
+    balance = rollers(assemble(NONE), 2, inertia=False)
+    found = power_balance(balance, balance.orbit(slip))
+    lost = {loss.source: loss.power for loss in found.losses}
+    assert sum(found.rings) == pytest.approx(found.total + found.stored, rel=1e-9)
+    assert 0.0 < lost["rubbing of neighbours"] < found.total
+
+
+def test_brakes_are_those_of_the_pushes_of_the_motion_itself():
+    balance = rollers(assemble(NONE), 2, inertia=False)
+    orbit, train = balance.orbit(0.05), balance.motions.train
+    _, _, on_cage = balance.forces(orbit)
+    forces = sum(train.pushes(on_cage[None]))[0]
+    assert orbit.brakes == pytest.approx(train.coefficient * train.radius * forces, rel=2e-4, abs=1e-6 * forces.max())
+
+
+def test_more_friction_at_neighbours_lets_rollers_carry_less():
+    most = [
+        rollers(assemble(evolve(NONE, {"models.separator.coefficient": mu})), 1).torque(0.1)
+        for mu in (0.0, 0.02, 0.05, 0.1)
+    ]
+    assert all(one > other for one, other in itertools.pairwise(most))
+
+
+# What is refused -----------------------------------------------------------------------------------------------------
+
+
+def test_what_is_stated_of_a_cage_that_is_not_there_is_refused():
+    with pytest.raises(SceneError, match=r"cage\.mass: rollers without a cage have none"):
+        _ = assemble(evolve(NONE, {"cage.mass": "0.4 kg"})).cage
+    with pytest.raises(SceneError, match="pocket-friction is that of a cage"):
+        _ = assemble(evolve(NONE, {"cage.drag": ["pocket-friction"]})).cage
+
+
+@pytest.mark.parametrize("level", ["cage-set", "pocket", "planar"])
+def test_a_motion_in_time_without_a_cage_is_refused(level):
+    with pytest.raises(SceneError, match="rollers without one are known at steady slips"):
+        Dynamics(level=level).moving(assemble(NONE))
+
+
+def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage():
+    bare = apart(PAPER, model="none")
+    bare = evolve(bare, {"models.separator": "none"})
+    assert assemble(evolve(bare, {"models.separator.coefficient": 0.05})).separator.coefficient == 0.05
+    study = SteadySlip(acceptable_slip=None)
+    assert study.only(assemble(bare), frozenset({"steady_slip"})) is not None
+    assert math.isclose(assemble(bare).separator.coefficient, 0.1)
