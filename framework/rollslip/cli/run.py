@@ -85,7 +85,7 @@ def new(file: Path, **given: str | None) -> None:
     with whole_file(path) as place:
         place.write_text(text, encoding="utf-8")
     warn(implausible(parse_scene(text, str(path))))
-    click.echo(f"written to {path}: " + ", ".join(values[option] for option in MEANING))
+    click.echo(f"written to {path}: " + ", ".join(filter(None, (values[option] for option in MEANING))))
     if missing and not asking:
         click.echo(f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True)
     click.echo(f"next: rollslip run {path} --report; what it will do: rollslip plan {path}")

@@ -60,6 +60,12 @@ _SUPPLIES: Final = {
     **dict.fromkeys(("oil jet", "injection", "spray"), "jet"),
     **dict.fromkeys(("oil mist", "oil-air", "oil air", "drip"), "mist"),
 }
+#: What is written of a cage, and what stands there where there is none.
+_CAGE_TABLE: Final = re.compile(r"\[cage\]\n.*?(?=# What drags)", re.DOTALL)
+_NO_CAGE: Final = """[cage]
+# None: rollers push each other, as the bearing's name says.
+# Their friction coefficient is 0.1 (D): --set models.separator.coefficient=0.05
+"""
 #: A decimal comma that is no comma of thousands.
 _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
 #: Option of which there are few -> other names, what there is, and what these are.
@@ -112,6 +118,10 @@ def completed(
             errors.append(error)
     if errors:
         raise errors[0] if len(errors) == 1 else SceneError([str(error) for error in errors])
+    if (own := own_cage(values.get("bearing"))) and not own.make:
+        if "cage" in values:
+            raise SceneError([f"cage: {values['bearing']} is a full complement bearing, which has none; leave it out"])
+        values["cage"] = ""
     if "cage" not in values and ask is None and (own := own_cage(values.get("bearing"))) and own.letters:
         values["cage"] = own.make
     missing = [option for option in MEANING if option not in values]
@@ -163,6 +173,8 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     told = {"clearance": left.mounted or "of a bearing without clearance classes"}
     told["radial_clearance"] = format_quantity(left.radial_clearance, "m", 3)
     text = _aligned(template.substitute(values | told))
+    if not values["make"]:  # a full complement
+        text = _CAGE_TABLE.sub(_NO_CAGE, text)
     assemble(parse_scene(text, source)).load_distribution()
     return text
 
@@ -186,9 +198,10 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
     named: Any = load(find("bearing", bearing))
     b, own = named.bearing, own_cage(bearing)
     follows = own is not None and own.make == cage
-    make, guidance = MAKES[cage], own.guidance if own is not None and follows else MAKES[cage].guidance
+    of = cage or "brass"  # of a full complement nothing of it is written
+    make, guidance = MAKES[of], own.guidance if own is not None and follows else MAKES[of].guidance
     says = own.letters if own is not None and follows else ""
-    mass, inertia = estimated_inertia(b, cage)
+    mass, inertia = estimated_inertia(b, of)
     lengths = ("roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter")
     return {
         "version": importlib.metadata.version("rollslip"),

@@ -143,16 +143,28 @@ class Inside(NamedTuple):
     pitch: float
 
 
+def nearest_roller(diameter: float) -> float:
+    """Return the diameter of the standard roller that is nearest [mm]."""
+    return float(min(_ROLLERS, key=lambda one: abs(one - diameter)))
+
+
+def boundaries(series: str) -> list[tuple[int, int, int]]:
+    """Return bore, outside diameter and width of a dimension series [mm], ISO 15."""
+    widths, text = next(sizes for sizes in _SIZES.values() if series in sizes[0])
+    every = (tuple(map(int, line.split())) for line in text.split(","))
+    return [(size[0], size[1], size[2 + widths.index(series)]) for size in every]
+
+
 def estimated(series: str, bore: float, outside: float, width: float) -> Inside:
     """Return the inside of a bearing by the rule of its series."""
     rule = RULES[series]
     share = rule.large[1] if bore >= rule.large[0] else rule.diameter
-    diameter = min(_ROLLERS, key=lambda one: abs(one - share * (outside - bore)))
+    diameter = nearest_roller(share * (outside - bore))
     pitch = round(rule.pitch * (bore + outside)) / 2
     rollers = math.floor(math.pi * pitch / (rule.spacing * diameter + rule.bar) + 0.5)
     chamfers = next(both for least, both in _CHAMFERS if diameter >= least)
     length = diameter - chamfers if math.isnan(rule.length) else rule.length * width - rule.ends
-    return Inside(rollers, float(diameter), round(length, 1), pitch)
+    return Inside(rollers, diameter, round(length, 1), pitch)
 
 
 class _Size(NamedTuple):

@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 
 from rollslip.datasets import OwnCage
 
-__all__ = ["Designation", "other_bearing", "read_designation"]
+__all__ = ["Designation", "other_bearing", "packed", "read_designation"]
 
 #: Makers and words that stand beside a designation.
 _BESIDE: Final = (
@@ -74,7 +74,8 @@ def _bare(written: str) -> str:
     return re.sub(r"\s*\+\s*HJ.*", "", _BEHIND.sub("", _FRAMED.sub("", written.upper().strip())))
 
 
-def _packed(written: str) -> str:
+def packed(written: str) -> str:
+    """Return a designation in capitals without makers, spaces and signs."""
     return re.sub(r"[^A-Z0-9]", "", _bare(written))
 
 
@@ -87,7 +88,7 @@ def read_designation(written: str) -> Designation | None:
     >>> read.series, read.code, read.cage.make, read.group
     ('22', '10', 'polyamide', 'C3')
     """
-    number = _NUMBER.fullmatch(_packed(written))
+    number = _NUMBER.fullmatch(packed(written))
     tail = None if number is None else _TAIL.fullmatch(number["tail"])
     if number is None or tail is None:
         return None
@@ -160,8 +161,8 @@ def other_bearing(written: str) -> str | None:
     >>> other_bearing("SKF 6205-2RS1/C3")
     'a deep groove ball bearing'
     """
-    bare, packed = _bare(written), _packed(written)
-    if (number := _NUMBER.fullmatch(packed)) is not None:
+    bare, solid = _bare(written), packed(written)
+    if (number := _NUMBER.fullmatch(solid)) is not None:
         shown = f"{number['type']}{number['series']}{number['code']}"
         if read_designation(written) is not None:  # the nearest size is a better answer
             return None
@@ -171,7 +172,7 @@ def other_bearing(written: str) -> str | None:
     what = None if core is None else _SERIES.get(core["series"])
     if re.match(r"\d{4,6}[A-Z]?[/-]\d{4,6}", plain):
         what = "taper roller bearing"  # cone and cup of inch sizes, 15101/15245
-    what = what or next((what for begins, what in _LETTERED if begins.match(packed)), None)
-    if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", packed):
+    what = what or next((what for begins, what in _LETTERED if begins.match(solid)), None)
+    if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", solid):
         what = "cylindrical roller bearing of a size or a series that is not in the catalogue"
     return what and f"a{'n' * (what[0] in 'aeiou')} {what}"
