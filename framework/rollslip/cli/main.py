@@ -185,8 +185,8 @@ def _patient(stream: Any, into: ExitStack) -> tuple[Any, _Sink | None]:
     return text, sink
 
 
-#: New objects before Python looks for garbage again, in place of its 700: libraries make 100,000 that stay.
-_OBJECTS: Final = 20_000
+#: New objects before Python looks for garbage again, in place of its 700: libraries make 200,000 that stay.
+_OBJECTS: Final = 200_000
 
 
 def _seldom_collected(into: ExitStack, arguments: Sequence[str] | None) -> None:
