@@ -485,7 +485,7 @@ class _Part:
         self.n = part.n
         for name in CONDITIONS:
             setattr(self, name, getattr(part, name))
-        for name in COLUMNS:
+        for name in (name for name in COLUMNS if getattr(part, name)):  # where slices are nobody asks
             setattr(self, name, np.ctypeslib.as_array(getattr(part, name), (part.n,)))
 
 
