@@ -24,7 +24,7 @@ PROMISED = {
     "rollslip": """Chain Conditions RollslipDeprecationWarning Slices available compare evolve explore fit
         get_include get_model limit load_distribution load_scene model open_result pareto plan plot register
         run sweep uncertainty""",
-    "rollslip.bearing.separator": "Separator",
+    "rollslip.bearing.cage": "Separator",
     "rollslip.cli": "main",
     "rollslip.datasets": "BearingData Family FitData SurfaceData",
     "rollslip.engine": "Engine cores",

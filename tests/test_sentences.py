@@ -66,7 +66,7 @@ def known_keys():
     keys = {f"{table}.{field.name}" for table, cls in tables.items() for field in attrs.fields(cls)}
     stages = {
         f"models.{kind}.{field.name}"
-        for kind in ("contact", "film", "traction")
+        for kind in ("contact", "film", "traction", "separator")
         for name in available(kind)
         for field in attrs.fields(get_class(kind, name))
     }

@@ -64,7 +64,7 @@ def torque_formulas() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 @hookspec
 def separators() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """What may keep rollers apart: classes derived from `rollslip.bearing.separator.Separator`."""
+    """What may keep rollers apart: classes derived from `rollslip.bearing.cage.Separator`."""
 
 
 @hookspec

@@ -4,7 +4,7 @@ from typing import ClassVar, Final
 
 import attrs
 
-from rollslip.bearing.separator import Separator
+from rollslip.bearing.cage import Separator
 from rollslip.fields import Scatter, non_negative, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.references import Citation, Reference

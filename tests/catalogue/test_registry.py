@@ -10,7 +10,7 @@ import pytest
 
 from packages import python
 from rollslip import available, get_model, hookspecs
-from rollslip.bearing.separator import Separator
+from rollslip.bearing.cage import Separator
 from rollslip.catalogue import discovery
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.registry import catalogue, find, get_class
@@ -77,7 +77,7 @@ def test_the_catalogue_lists_what_the_package_promises():
 
 
 def test_a_family_offers_all_its_names_and_is_none_itself():
-    assert list(FAMILIES) == ["cylindrical-roller", "iso-286"]
+    assert list(FAMILIES) == ["cylindrical-roller", "full-complement", "iso-286"]
     for name, (kind, path) in FAMILIES.items():
         ((offer, family),) = discovery.families(kind)
         assert (offer.name, offer.module) == (family.name, path) == (name, path)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.separator import train_play
+from rollslip.bearing.cage import train_play
 from rollslip.catalogue.discovery import find
 from rollslip.datasets import BearingData
 from rollslip.errors import SceneError, UnknownNameError

@@ -4,13 +4,13 @@ import logging
 import math
 import operator
 from collections.abc import Callable, Hashable, Mapping
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from typing import Any, Final, TypeVar
 
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, filled, read_cage, scene_values, with_drags
+from rollslip.bearing.cage import Cage, Separator, filled, read_cage, scene_values, separator, with_drags
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.equilibrium import (
@@ -23,21 +23,20 @@ from rollslip.bearing.equilibrium import (
 )
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop
-from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
+from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring, check_given, members
 from rollslip.bearing.resolution import Resolution, as_stated
-from rollslip.bearing.separator import Separator, separator
 from rollslip.catalogue.registry import available, get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError, nearest
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant, OilState
-from rollslip.lubricant.pressure import with_law, without_slope
+from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, TractionModel
 from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity
 from rollslip_kernels.gauss import row_rules
-from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
+from rollslip_kernels.slices import Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
 _KEPT = 1 << 14  # loads in a distribution that is kept, at most
@@ -128,7 +127,7 @@ class Assembly:
             read = self._known("read", of, lambda: read_cage(self.scene))
             cage = with_drags(read, self.scene, self.kinematics, self.lubricant)
             if (resistance := cage.drags.resistance) is not None:
-                _check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
+                check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
             return cage
 
         return self._known("cage", (self.scene, self.kinematics, self.lubricant, self.inner.conditions), bound)
@@ -317,7 +316,7 @@ class Assembly:
 
 def conditions_read(chain: Chain) -> frozenset[str]:
     """Conditions that the models of a chain read."""
-    return _members(tuple(frozenset(model.reads) for model in chain.models))
+    return members(tuple(frozenset(model.reads) for model in chain.models))
 
 
 def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assembly | None = None) -> Assembly:
@@ -404,7 +403,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     in_film = () if models["pressure"].of_contact or not resolution.light_contacts else (models["pressure"],)
     stages = models["contact"], models["film"], *in_film, law, models["traction"]
     deflection = models["contact"].deflection()
-    _check_given((deflection, *stages), conditions["inner"], lubricant, where)
+    check_given((deflection, *stages), conditions["inner"], lubricant, where)
     chain, approach = Chain(*stages, compiled=resolution.compiled), Chain(deflection, compiled=resolution.compiled)
     inner, outer = (Raceway(ring, conditions[ring], chain, approach) for ring in RINGS)
     return Assembly(
@@ -476,7 +475,7 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
         for raceway in like.raceways
     )
     read = like.known_cage.get("read")
-    _check_given((*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where)
+    check_given((*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where)
     return attrs.evolve(
         like,
         scene=scene,
@@ -555,59 +554,3 @@ def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring
         effusivity=math.sqrt(m.thermal_conductivity * m.density * m.specific_heat),
         **{name: getattr(oil, name) for name in _OF_OIL},
     )
-
-
-#: What oils have of a member that one may lack, with grade.
-_LIKELY: Final = {
-    "pressure_viscosity": "'18 1/GPa' (mineral oils at 40 degC have 16 to 22 (B), esters 9 to 14 (C))",
-    "conductivity": "'0.14 W/(m K)' (oils have 0.13 to 0.15 (C))",
-    "eyring_stress": "'5 MPa' (mineral oils have 3 to 8 MPa, esters 2 to 6 MPa (C))",
-    "shear_modulus": "'0.3 GPa' (published values go from 0.05 to 1 GPa (C))",
-}
-
-
-def _given_by(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
-    """What to type to have a member of the oil; a law that fixes what pressure does to viscosity lets none be given."""
-    law = lubricant.pressure_viscosity_law
-    if member.startswith("pressure_") and not math.isnan(law.coefficient(conditions.temperature)):
-        return f"{law.name!r} lets none be given: take another lubricant.pressure_viscosity_law"
-    likely = f" = {_LIKELY[member]}" if member in _LIKELY else ""
-    return f"give lubricant.{member}{likely},"
-
-
-@lru_cache(maxsize=64)
-def _members(reads: tuple[frozenset[str], ...]) -> frozenset[str]:
-    """Conditions among what models read."""
-    return frozenset().union(*reads) & CONDITIONS.keys()
-
-
-def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location) -> None:
-    """Refuse models that read what the scene does not give."""
-    reads = tuple(frozenset(model.reads) for model in models)
-    if not any(lubricant.slopes.values()) and not any(
-        math.isnan(getattr(conditions, name)) for name in _members(reads)
-    ):
-        return
-    problems = [
-        where.at("lubricant").says(
-            f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "
-            f"which model {model.name!r} needs; {_given_by(member, conditions, lubricant)} or choose another model"
-        )
-        for model in models
-        for member in sorted(model.reads & CONDITIONS.keys())
-        if math.isnan(getattr(conditions, member))
-    ]
-    problems += [
-        where.at("lubricant")
-        .at(slope)
-        .says(
-            f"model {name!r} takes one {slope.removesuffix('_slope')} at all pressures; leave the slope out, or choose "
-            "another traction model: laws of Eyring fluids at the mean pressure of a slice follow it"
-        )
-        for slope, value in lubricant.slopes.items()
-        if value
-        for model in models
-        for name in without_slope(model, slope.removesuffix("_slope"))
-    ]
-    if problems:
-        raise SceneError(problems)

@@ -6,16 +6,17 @@
 - A drag takes from the scene what it is not given itself. What the scene does not have either is a fault of the scene.
 """
 
+import abc
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, ClassVar, Final, NamedTuple
 
 import attrs
 
 from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.bearing.separator import separator, train_play
 from rollslip.catalogue.discovery import own_cage
+from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
@@ -23,12 +24,42 @@ from rollslip.fields import FieldError, field, non_negative, one_of, positive, s
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
+from rollslip.references import Citation
 from rollslip.scene.supply import DENSITY, SUPPLIES, Supplied
 from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene, resolved
 from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
 _optional = attrs.validators.optional(positive)
+
+
+class Separator(abc.ABC):
+    """What keeps rollers apart; its parameters are its attrs fields."""
+
+    name: ClassVar[str]
+    equation: ClassVar[str]
+    references: ClassVar[tuple[Citation, ...]]
+    #: Coefficient of friction of a roller against its neighbours [1]; None where a cage is between them.
+    coefficient: float | None = None
+
+
+SEPARATOR: Final = Kind(name="separator", hook="separators", base=Separator)
+
+
+def separator(scene: Scene) -> Separator:
+    """Return what keeps the rollers of a scene apart."""
+    problems, choice = list[str](), scene.models.separator
+    raw = {"model": "cage"} if choice is None else {"model": choice.name, **choice.parameters}
+    made: Separator = structure_model("separator", raw, Location(scene.origins, ("models", "separator")), problems)
+    if problems:
+        raise SceneError(problems)
+    return made
+
+
+def train_play(bearing: Bearing) -> float:
+    """Return the play that all rollers have together along their orbit where no cage is between them [m]."""
+    orbit = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 4
+    return 2 * orbit * (math.pi - bearing.rollers * math.asin(bearing.roller_diameter / (2 * orbit)))
 
 
 class Make(NamedTuple):

@@ -21,9 +21,8 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.cage import in_words, read_cage
+from rollslip.bearing.cage import in_words, read_cage, separator
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
-from rollslip.bearing.separator import separator
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError, UnknownNameError

@@ -1,14 +1,16 @@
 """What other studies take of a steady slip: the resolution of its torques, and slices evaluated there."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
+import numpy as np
 
 from rollslip.bearing.raceway import RINGS
+from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.studies.answers import Estimated, Evaluated
 from rollslip.studies.study import Study
-from rollslip_studies.effective_friction.raceways import unloaded
+from rollslip_studies.effective_friction.raceways import regime_variables, unloaded
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
@@ -43,3 +45,25 @@ def loaded(assembly: "Assembly") -> "Assembly":
     if not assembly.load_distribution(2).inner_force.any():
         raise unloaded(assembly.scene, "nothing drives the cage")
     return assembly
+
+
+def films(study: Study, balance: "TorqueBalance", states: "list[Orbit]", *, steady: bool) -> dict[str, Any]:
+    """Film regimes of the contacts over the orbits, and their smallest film parameter."""
+    n = len(states)
+    share, light, largest, thinnest = np.zeros((2, 4)), np.zeros(2), np.zeros(2), np.full((2, n), np.nan)
+    for k, state in enumerate(states):
+        for i, contacts in enumerate(balance.evaluated(state)):
+            if contacts.total == 0.0:
+                continue
+            slices, force = contacts.slices, contacts.force / contacts.total
+            thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
+            code = film_by_regime(*groups(slices))[1].astype(int)
+            share[i] += np.bincount(code, weights=force, minlength=4) / n
+            M = moes_groups(slices)[0]
+            largest[i] = max(largest[i], M.max())
+            light[i] += force[M < LIGHT].sum() / n
+    where = ", at the steady slips" if steady else ", over the range of slips"
+    found = regime_variables(share, largest, light, where)
+    if steady:
+        found |= study.variables(film_parameter=thinnest)
+    return found

@@ -22,7 +22,6 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
@@ -34,7 +33,6 @@ from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
-from rollslip_studies.effective_friction.raceways import regime_variables
 from rollslip_studies.motion.effective_table import table_records
 from rollslip_studies.motion.torque_balance import (
     RANGE,
@@ -52,7 +50,7 @@ from rollslip_studies.motion.torque_balance import (
 from rollslip_studies.motion.way_up import Steady, WayUp
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
-from rollslip_studies.steady_slip.evaluated import evaluated_slices, loaded
+from rollslip_studies.steady_slip.evaluated import evaluated_slices, films, loaded
 from rollslip_studies.steady_slip.losses import acceptable_reserve, losses, numbers_off
 from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
@@ -312,7 +310,7 @@ class SteadySlip(Study):
         variables |= self._steady(balance, way, states, steady) if slips else self._unsteady(positions)
         angle = 2.0 * np.pi * np.arange(positions) / positions
         coords["angle"] = "angle", angle, about("rad", "position from the line of load, in the sense of the orbit")
-        variables |= _films(balance, states, steady=bool(slips))
+        variables |= films(self, balance, states, steady=bool(slips))
         lost, source = losses(balance, states, steady=bool(slips))
         variables, coords = variables | lost, coords | source
         variables |= self.variables(status=status_of(balance, way, slips)) | self._reserve(balance)
@@ -560,28 +558,6 @@ class SteadySlip(Study):
 def _moved(before: Array, after: Array) -> float:
     after, before = after[: before.size], before[: after.size]  # as far as laws have values
     return float(np.abs(after - before).max() / (np.abs(after).max() or 1.0))
-
-
-def _films(balance: TorqueBalance, states: list[Orbit], *, steady: bool) -> dict[str, Any]:
-    """Film regimes of the contacts over the orbits, and their smallest film parameter."""
-    n = len(states)
-    share, light, largest, thinnest = np.zeros((2, 4)), np.zeros(2), np.zeros(2), np.full((2, n), np.nan)
-    for k, state in enumerate(states):
-        for i, contacts in enumerate(balance.evaluated(state)):
-            if contacts.total == 0.0:
-                continue
-            slices, force = contacts.slices, contacts.force / contacts.total
-            thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
-            code = film_by_regime(*groups(slices))[1].astype(int)
-            share[i] += np.bincount(code, weights=force, minlength=4) / n
-            M = moes_groups(slices)[0]
-            largest[i] = max(largest[i], M.max())
-            light[i] += force[M < LIGHT].sum() / n
-    where = ", at the steady slips" if steady else ", over the range of slips"
-    found = regime_variables(share, largest, light, where)
-    if steady:
-        found |= SteadySlip.variables(film_parameter=thinnest)
-    return found
 
 
 def _branches(name: str, limits: tuple[float, float], branches: list[Branch], no_fold: str) -> dict[str, Any]:
