@@ -71,8 +71,8 @@ def draw_torques(axes, result):
         va="bottom",
         arrowprops={"arrowstyle": "-", "color": BLACK, "lw": 0.6, "shrinkB": 5},
     )
-    axes.annotate(f"largest drag it can carry: {fold:.0f} % slip", (fold, top), (fold, 1.08 * top), ha="center")
-    axes.text(float(slip[-1]) - 1, 0.6 * top, "beyond, more slip\ndrives less: the\ncage runs away", ha="right")
+    axes.annotate(f"limit drag torque, at {fold:.0f} % slip", (fold, top), (fold, 1.08 * top), ha="center")
+    axes.text(float(slip[-1]) - 1, 0.6 * top, "beyond, more slip\ndrives less: the\ncage skids", ha="right")
     axes.text(21, 0.76 * top, "the film drives", color=BLUE)
     axes.text(40, 0.24 * top, "the oil around it brakes", ha="right", va="top")
     axes.set(xlim=(0, float(slip[-1])), ylim=(0, 1.2 * top), xlabel="Cage slip [%]", ylabel="Torque on the cage [mN m]")
