@@ -5,6 +5,7 @@ densities: every sample is in the picture, no width of bins decides what is seen
 no margin.
 """
 
+import textwrap
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -69,14 +70,15 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
 
 def _ranks(dataset: "xr.Dataset") -> "Figure":
     """Rank correlations as bars, a panel for each of what is acted on, in the order of the first."""
-    ranks = dataset["rank_correlation"].transpose("acted", "input").to_numpy()
+    known = dataset["rank_correlation"].transpose("acted", "input").dropna("acted", how="all")
+    ranks = known.to_numpy()
     order = np.argsort(np.nan_to_num(np.abs(ranks)).max(axis=0))
 
     def bars(axes: Any, places: Any, k: int) -> None:
         axes.barh(places, np.nan_to_num(ranks[k][order]), 0.6, color=MODEL_COLOURS[0])
         axes.set_xlim(-1.0, 1.0)
 
-    return _of_inputs(dataset, order, 6, dataset["acted"].to_numpy(), "Rank correlation [–]", bars).figure
+    return _of_inputs(dataset, order, 6, known["acted"].to_numpy(), "Rank correlation [–]", bars).figure
 
 
 def _of_inputs(dataset: "xr.Dataset", order: Any, each: float, names: Any, label: str, bars: Any) -> Sheet:
@@ -86,7 +88,7 @@ def _of_inputs(dataset: "xr.Dataset", order: Any, each: float, names: Any, label
     sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
     for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
         bars(axes, places, k)
-        axes.set_title(str(name))
+        axes.set_title(textwrap.fill(str(name), 72 // len(names)))
         axes.set_yticks(places, keys)
         axes.tick_params(axis="y", length=0)
         axes.axvline(0.0, color="black", linewidth=0.6)
