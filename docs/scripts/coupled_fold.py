@@ -1,4 +1,4 @@
-"""Write the tables coupled_fold*.csv of docs/theory/heat.rst: what bulk temperatures make of the slip of running away.
+"""Write the tables coupled_fold*.csv of docs/theory/heat.rst: what bulk temperatures make of where skidding begins.
 
 The scenes are those of plan_proof.py (tests/support/plan_scenes.py) with the network of the box, once in a bath and
 once with a flow of oil that enters at the scene's temperature. At every cage slip the network settles with the losses

@@ -1,6 +1,6 @@
 """Write the table and the figures of docs/howto/history.rst: five histories of bearing 1032930, a minute or two.
 
-- histories.csv: of each the largest slip and when, time beyond the slip of running away, sliding, frictional work, and
+- histories.csv: of each the largest slip and when, time beyond where skidding begins, sliding, frictional work, and
   the largest power density of sliding;
 - history_run_up.svg, history_load_drop.svg, history_emergency_stop.svg: the slip of three of them within its band;
 - limit_run_up.svg: the largest slip over the time of that run-up, and where it keeps 5 %;
@@ -47,7 +47,7 @@ DRAWN = {
     "stop in 1 s": "history_emergency_stop",
 }
 HEADER = (
-    "history", "largest slip [%]", "at [s]", "beyond running away [s]", "slid on the inner ring [m]",
+    "history", "largest slip [%]", "at [s]", "beyond where skidding begins [s]", "slid on the inner ring [m]",
     "work there [J]", "power density there [MW/m2]",
 )  # fmt: skip
 

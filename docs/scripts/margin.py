@@ -1,6 +1,6 @@
 """Write the tables and figures of docs/howto/uncertainty.rst: what scatter leaves of reserve and slip.
 
-- margin.csv: drag reserve, steady slip, slip of running away and critical slip of the paper's bearing at 70 degC, with
+- margin.csv: drag reserve, steady slip, where skidding begins and critical slip of the paper's bearing at 70 degC, with
   all that scatters by default;
 - margin_indices.csv: Sobol indices, of the first quantity that the figure shows;
 - margin_models.csv: quantiles of the critical slip for several laws and films, on the same samples of the oil alone;

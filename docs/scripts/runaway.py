@@ -1,8 +1,8 @@
 """Write the tables runaway*.csv of docs/trust/runaway.rst, on random scenes.
 
 The scenes are those of plan_proof.py (tests/support/plan_scenes.py), up to a slip of 95 %. For each: where the cage
-runs away, the critical slip of the curve of each closure, the smaller one of both rings, and where the effective
-friction of the raceways lets it run away. Slices and instants are the same for all of it. About ten minutes.
+skids, the critical slip of the curve of each closure, the smaller one of both rings, and where the effective
+friction of the raceways lets it skid. Slices and instants are the same for all of it. About ten minutes.
 """
 
 import sys
@@ -29,9 +29,9 @@ COUNT, WORKERS, SCENES, HELD = 224, 2, 200, 64
 SLICES, INSTANTS, RANGE, POINTS = 24, 2, 0.95, 25
 #: Error of the tables of effective friction, over ten.
 TABLES = 1e-2
-#: Of the drag at which the cage runs away: where the two frictions are held against each other at small slip.
+#: Of the drag at which the cage skids: where the two frictions are held against each other at small slip.
 SMALL = 0.3
-OFF = "drag of running away [%]", "slip there [points]", "cage speed at 30 % of that drag [%]"
+OFF = "limit drag torque [%]", "slip there [points]", "cage speed at 30 % of that drag [%]"
 
 
 @attrs.frozen
@@ -85,7 +85,7 @@ def bearing(x):
 
 
 def look(x):
-    """Where the cage of a scene runs away, and the critical slips of its curves."""
+    """Where the cage of a scene skids, and the critical slips of its curves."""
     try:
         what, assembly = bearing(x)
         if assembly is None:
@@ -100,7 +100,7 @@ def look(x):
 
 
 def hold(given):
-    """What effective friction makes of a scene: errors of drag and slip of running away, and of the cage speed."""
+    """What effective friction makes of a scene: errors of limit drag torque, its slip and the cage speed."""
     x, fold = given
     _, assembly = bearing(x)
     try:
@@ -126,7 +126,7 @@ def main():
         known = [(x, f) for x, f in found if not f.refused][:SCENES]
         away = [(x, f) for x, f in known if f.fold.slip == f.fold.slip]
         closures([f for _, f in known], [f for _, f in away])
-        print(f"{len(found)} scenes, {len(known)} known, {len(away)} of them run away")
+        print(f"{len(found)} scenes, {len(known)} known, {len(away)} of them skid")
         print(f"{sum(f.earlier > 0 for _, f in away)} have a smaller maximum before")
         print(f"time of the processor: {1e3 * np.median([f.seconds for _, f in known]):.0f} ms")
         held = [
@@ -136,10 +136,10 @@ def main():
 
 
 def closures(known, away):
-    """Write what the critical slips of the closures are beside the slips of running away."""
+    """Write what the critical slips of the closures are beside the slips at which skidding begins."""
     write_table(
         "runaway",
-        ["scene", "what", "runs away at [%]", "drag [N m]", *(f"{c} [%]" for c in CLOSURES)],
+        ["scene", "what", "skids from [%]", "drag [N m]", *(f"{c} [%]" for c in CLOSURES)],
         [
             [
                 k,
@@ -170,16 +170,16 @@ def closures(known, away):
         )
     header = [
         "closure", "nearest", "off, median [points]", "off, 90 %", "off, most", "on the unsafe side",
-        "by, median [points]", "by, 90 %", "by, most", "over the slip of running away, median", "no maximum",
+        "by, median [points]", "by, 90 %", "by, most", "over the slip at which skidding begins, median", "no maximum",
     ]  # fmt: skip
     write_table("runaway_closures", header, rows)
 
 
 def effective_friction(held):
-    """Write what effective friction makes of running away."""
+    """Write what effective friction makes of skidding."""
     write_table(
         "runaway_effective",
-        ["what", "runs away at [%]", *OFF],
+        ["what", "skids from [%]", *OFF],
         [
             [f.what, percent(f.fold.slip), f"{100 * drag:+.2f}", f"{100 * slip:+.1f}", f"{100 * speed:+.3f}"]
             for f, (drag, slip, speed) in held

@@ -17,7 +17,7 @@ JOBS = {
     "curve": "curve of 101 cage slips, free rollers, 70 degC",
     "free-roller": "study effective-friction, free rollers, 70 degC",
     "epicyclic": "the same with epicyclic rollers",
-    "critical": "sample of slip of running away and critical slip, 70 degC",
+    "critical": "sample of slip at which skidding begins and critical slip, 70 degC",
     "steady": "sample of steady slip, 70 degC",
     "motion": "plan and run of study dynamics, 50 degC",
 }
