@@ -75,7 +75,9 @@ static int with_padding(const rs_slices *part, const void *params, rs_evaluate b
 }
 
 static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, unsigned reads, unsigned writes) {
-    if (s->n <= BLOCK && s->n % LANES == 0) return s->n ? body(s, params) : 0;   /* as a chain calls, mostly */
+    if (s->n == 0) return 0;
+    if (s->n <= BLOCK)   /* as a chain calls, mostly */
+        return s->n % LANES ? with_padding(s, params, body, reads, writes) : body(s, params);
     for (size_t start = 0; start < s->n; start += BLOCK) {
         rs_slices part = cut(s, start, s->n - start < BLOCK ? s->n - start : BLOCK);
         int status = part.n % LANES ? with_padding(&part, params, body, reads, writes) : body(&part, params);
