@@ -85,13 +85,16 @@ def test_it_brakes_the_spin_and_leaves_the_cage_alone():
 
 
 def test_the_rings_pay_for_it_what_its_reaction_takes():
-    """2 N w_r: that of the spin, and as much of the rings, which turn against the rollers."""
+    """N w_r for the spin, and the reaction of each ring at the speed at which it passes the rollers."""
     balance = rollers(assemble(scene()), 2)
-    orbit = balance.orbit(0.05)
-    found = power_balance(balance, orbit)
+    k, orbit = balance.assembly.kinematics, balance.orbit(0.05)
+    found, torque = power_balance(balance, orbit), SIZE * np.exp(-0.02 * 0.15)
     lost = sum(loss.power for loss in found.losses if loss.source.startswith("flange-torque"))
-    spin = balance.assembly.kinematics.surface_speeds(0.05, orbit.roller_slip).roller_speed.mean()
-    assert -lost == pytest.approx(2.0 * 28 * SIZE * np.exp(-0.02 * 0.15) * spin, rel=1e-3)
+    spin, cage = k.surface_speeds(0.05, orbit.roller_slip).roller_speed.mean(), balance.cage_speed(0.05)
+    r, orbit_radius = k.roller_radius, k.orbit_radius
+    inner, outer = (torque * (orbit_radius + 2.0 * side * r) / (2.0 * r * orbit_radius) for side in (1.0, -1.0))
+    reaction = inner * k.inner_radius * (k.inner_speed - cage) + outer * k.outer_radius * (cage - k.outer_speed)
+    assert lost == pytest.approx(28 * (torque * spin + reaction), rel=1e-6)
     rings = sum(found.rings)
     assert rings == pytest.approx(found.total + found.stored, rel=1e-9)
 
