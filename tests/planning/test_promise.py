@@ -216,6 +216,7 @@ SEEN = {
     "friction torque": (100_100, "friction_torque"),
     "minimum load": (0, "least_load"),
     "film parameter": (100_064, "film_parameter"),  # rollers all but stand, by a slip that is off by 1e-3 and less
+    "largest drag": (100_086, "largest_drag"),
     "reserve to slipping": (100_140, "acceptable_reserve"),  # below zero: the cage slips more than is acceptable
 }
 

@@ -28,8 +28,9 @@ _RIVAL: Final = 0.7
 #: Differences around a maximum that are rounding, relative to it.
 _LEVEL: Final = 1e-9
 
-#: The least of some points falls with the first order, where all else is taken to fall with the second: 0.75 / 0.5.
-LEAST_OF_SOME: Final = 1.5
+#: The least of some points falls with the order of a half at least, where all else is taken to fall with the second:
+#: of twice as many it is off by 0.75 / (1 - 2^-0.5) times as much.
+LEAST_OF_SOME: Final = 2.56
 
 #: Key of [accuracy] -> relative error.
 Errors: TypeAlias = Mapping[str, float]

@@ -18,7 +18,7 @@ from rollslip.studies.accuracy import LEAST_OF_SOME
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
-from rollslip_studies.steady_slip.minimum_load import held
+from rollslip_studies.steady_slip.minimum_load import SAME, held
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 
 if TYPE_CHECKING:
@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 _SMALL, _PLENTY = 1e-3, 1e3
 #: Relative steps of slips and loads by which an excess is differentiated.
 _STEP: Final = 1e-3
+#: How far a steady slip is off an acceptable one, relative, that a largest torque beside it leaves in doubt.
+_NEAR: Final = 0.5
+#: What rollers that jump carry falls with the first order: 0.75 / 0.5 times as much is left.
+_OF_JUMPS: Final = 1.5
 #: How many of these steps to either side torque and film are taken to be linear.
 _FAR: Final = 30.0
 
@@ -114,12 +118,17 @@ def _off(
     acceptable = dataset.attrs.get("acceptable_slip", math.nan)
     if abs(own := float(dataset.get("acceptable_reserve", math.nan))) < _PLENTY:
         yield "reserve to slipping", _apart(own, acceptable_reserve(balance, acceptable)[0])
+    if math.isfinite(float(dataset["largest_drag"])):
+        yield from _largest(balance, dataset)
     if "least_load" not in dataset:
         return
     load, doubted = float(dataset["least_load"]), dataset["least_load"].attrs["doubted"]
-    if doubted == doubted and held(at_load(doubted), acceptable)[0] == math.isnan(load):
-        yield "minimum load", math.inf
-    elif load > dataset.attrs.get("rollers_weight", 0.0):
+    if doubted == doubted:
+        apart = abs(held(at_load(doubted), acceptable)[0] - 1.0)
+        if SAME < apart < _NEAR or (apart <= SAME) == math.isnan(load):
+            yield "minimum load", math.inf
+            return
+    if load > dataset.attrs.get("rollers_weight", 0.0):
         over, more = (at_load(one).excess(acceptable) for one in (load, (1.0 + _STEP) * load))
         yield "minimum load", _STEP * abs(over / (more - over)) if more != over else math.inf
 
@@ -147,6 +156,19 @@ def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, fl
     yield "film parameter", LEAST_OF_SOME * _apart(float(np.nanmin(one["film_parameter"])), film)
     if abs(slip) >= _SMALL:
         yield "cage slip", _STEP * abs(steps)
+
+
+def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[str, float]]:
+    """What is off at the largest drag: itself at its slip, and that slip where it leaves the range in which it is told.
+
+    It is the vertex of a parabola through both ends of that range and the slip between.
+    """
+    low, slip, high = slips = np.array([float(dataset[f"largest_drag_{one}"]) for one in ("low", "slip", "high")])
+    torques = balance.torques(slips)
+    yield "largest drag", _OF_JUMPS * _apart(float(dataset["largest_drag"]), torques[1])
+    curvature, slope, _ = np.polyfit((slips - slip) / (high - low), torques, 2)
+    vertex = slip - 0.5 * slope / curvature * (high - low) if curvature < 0.0 else math.nan
+    yield "slip of the largest drag", 0.0 if low <= vertex <= high else abs(vertex / slip - 1.0)
 
 
 def _apart(one: float, finer: float) -> float:

@@ -24,7 +24,7 @@ from rollslip.scene.values import Scene
 from rollslip.units import format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
-__all__ = ["RULES", "Rule", "asked_by_makers", "least_load", "static_rating"]
+__all__ = ["RULES", "SAME", "Rule", "asked_by_makers", "held", "least_load", "static_rating"]
 
 #: By which factor loads are left and right of that of the scene at most, and by which the search widens.
 _FARTHEST: Final = 1e6
@@ -38,9 +38,11 @@ _FOUND: Final = 1e-4
 _ANY: Final = 1.0
 #: By how much the least steady slip at that load may be another, relative, and how far the drag is above what the
 #: rollers drive where no balance can be.
-_SAME, _CLEAR = 1e-2, 1e-3
+SAME, _CLEAR = 1e-2, 1e-3
 #: Slips before it at which that is looked at, and how far apart their logarithms are.
 _BEFORE, _APART = 24, 0.25
+#: Up to how many times the slip a largest torque is looked for: one beside it may be before it by other slices.
+_BESIDE: Final = 1.5
 
 
 Balances = Callable[[float], TorqueBalance]
@@ -76,29 +78,30 @@ def least_load(balance: Balances, load: float, slip: float, close: float = 0.0) 
             found, status = _searched(excess, begin, over, slip)
             if status:
                 return math.nan, status, math.nan
-        holds, doubtful = held(balance(found), slip, close)
+        at, doubtful = held(balance(found), slip, close)
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}", math.nan
     doubted = found if doubtful else math.nan
-    if not holds:  # on its way up the cage has jumped
+    if abs(at - 1.0) > SAME:  # on its way up the cage has jumped
         shown = format_quantity(found, "N", 4)
         return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it skids before", doubted
     return found, "found", doubted
 
 
-def held(balance: TorqueBalance, slip: float, close: float = 0.0) -> tuple[bool, bool]:
-    """Return whether the least steady slip is a given one, so that the cage has not jumped before, and if that is near.
+def held(balance: TorqueBalance, slip: float, close: float = 0.0) -> tuple[float, bool]:
+    """Return the least steady slip relative to a given one, 1 where the cage did not jump before, and if that is near.
 
-    Near is that where at half that slip at most the torque comes within a share ``close`` of the drag.
+    Near is that where a largest torque before or beside it comes within a share ``close`` of the drag.
     """
-    looked = (1.0 - _SAME) * slip * np.exp(-_APART * np.arange(_BEFORE))
+    looked = (1.0 - SAME) * slip * np.exp(-_APART * np.arange(_BEFORE))
     dragged = np.array([balance.drag(at) for at in looked.tolist()])
-    if (balance.torques(looked, few=True) < -(1.0 - max(_CLEAR, 2.0 * close)) * dragged).all():
-        return True, False
+    if not close and (balance.torques(looked, few=True) < -(1.0 - _CLEAR) * dragged).all():
+        return 1.0, False
     way = balance.way(max(RANGE, slip))
     least = next((one.slip for one in way.steady(balance.drag)), math.inf)
-    before = [one.torque / -balance.drag(one.slip) - 1.0 for one in way.path if one.slip < 0.5 * slip]
-    return abs(least / slip - 1.0) <= _SAME, abs(max(before, default=-math.inf)) < close
+    shares = [one.torque / -balance.drag(one.slip) for one in way.path if one.slip < _BESIDE * slip]
+    threes = zip(shares[:-2], shares[1:-1], shares[2:], strict=True)
+    return least / slip, any(abs(at - 1.0) < close for low, at, high in threes if low < at > high)
 
 
 def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:

@@ -324,7 +324,9 @@ class SteadySlip(Study):
                     no_fold(name, limits, found, self.table, self.max_cage_slip, free=balance.rolls_freely),
                 )
         if self.acceptable_slip is not None:
-            variables |= self._least_load(assembly, instants, self.acceptable_slip)
+            variables |= self._least_load(
+                assembly, instants, self.acceptable_slip, _CLOSE * assembly.scene.accuracy.tolerance
+            )
             kept, known = acceptable_reserve(balance, self.acceptable_slip)
             variables |= self.variables(acceptable_reserve=kept, acceptable_reserve_status=known)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
@@ -499,7 +501,7 @@ class SteadySlip(Study):
 
         return balance
 
-    def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
+    def _least_load(self, assembly: Assembly, instants: int, slip: float, close: float = 0.0) -> dict[str, Any]:
         """Return the least radial load of a slip, and what makers ask for."""
         bearing, last = assembly.with_resistance(), dict[float, TorqueBalance]()
 
@@ -509,8 +511,7 @@ class SteadySlip(Study):
                 last[load] = self._balance(bearing.at_load(load), instants)
             return last[load]
 
-        close = _CLOSE * assembly.scene.accuracy.tolerance
-        load, status, doubted = least_load(balance, assembly.scene.operation.radial_load, slip, close)
+        load, status, doubted = least_load(balance, assembly.scene.operation.radial_load, self.acceptable_slip, close)
         makers, statuses = asked_by_makers(assembly.scene)
         found = self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses

@@ -49,11 +49,11 @@ NUMBERS = {
     "reserve to skidding": "drag_reserve",
     "friction torque": "friction_torque",
     "film parameter": "film_parameter",
-    "drag of skidding": "largest_drag",
-    "slip of skidding": "largest_drag_slip",
+    "largest drag": "largest_drag",
+    "slip of the largest drag": "largest_drag_slip",
 }
 #: Those whose claim stands with themselves, and where.
-CLAIMS = {"drag of skidding": "largest_drag_error"}
+CLAIMS = {"largest drag": "largest_drag_error"}
 #: Reserves that the answer shows.
 RESERVES = (("reserve to slipping", 0.0, 1e3), ("reserve to skidding", 0.0, 1e3))
 HEADER = ["scene", "what", "tolerance", "claimed", "number", "off", "slices", "instants", "verdict", "seconds"]
@@ -111,7 +111,7 @@ def numbers(result):
     for name, low, high in (("cage slip", 1e-3, math.inf), ("minimum load", weight, math.inf), *RESERVES):
         found[name] = min(max(found[name], low), high) if found[name] >= 0.0 else found[name]
     low, high = (float(result[f"largest_drag_{end}"]) for end in ("low", "high"))
-    found["slip of skidding"] = (low, found["slip of skidding"], high)
+    found["slip of the largest drag"] = (low, found["slip of the largest drag"], high)
     return found
 
 
