@@ -511,7 +511,7 @@ class SteadySlip(Study):
                 last[load] = self._balance(bearing.at_load(load), instants)
             return last[load]
 
-        load, status, doubted = least_load(balance, assembly.scene.operation.radial_load, self.acceptable_slip, close)
+        load, status, doubted = least_load(balance, assembly.scene.operation.radial_load, slip, close)
         makers, statuses = asked_by_makers(assembly.scene)
         found = self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
