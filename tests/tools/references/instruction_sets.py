@@ -1,0 +1,88 @@
+"""Every compiled law on millions of inputs by each instruction set: how far apart they are; instruction_sets.csv.
+
+    python tests/tools/references/instruction_sets.py [INPUTS]
+
+Typical slices are varied over decades in load, approach, speeds and film, a block of 256 at a time; a block that a law
+refuses by one set has to be refused by all. The sets run in processes of their own. It takes some minutes.
+"""
+
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+SUPPORT = Path(__file__).parents[2] / "support"
+BLOCK, SEED = 256, 35
+HEADER = ["law", "inputs", "refused", "sets", "v3 and v4", "baseline apart"]
+
+
+def fill(path, inputs):
+    """Write what the set of this process makes of all laws, and which blocks it refuses."""
+    from fuzz import stages
+    from rollslip import Chain
+    from rollslip.errors import DomainError
+
+    single, *_ = stages.stages()
+    for k, model in enumerate(single):
+        rng = np.random.default_rng(SEED)
+        slices, before = stages.table(stages.typical(BLOCK)), stages.table(stages.typical(BLOCK))
+        varied = sorted(model.reads & {"load", "approach", "rolling_speed", "sliding_speed", "film_thickness"})
+        chain, found, refused = Chain(model), [], []
+        for block in range(-(-inputs // BLOCK)):
+            for column in varied:
+                getattr(slices, column)[:] = getattr(before, column) * np.exp(rng.normal(scale=1.5, size=BLOCK))
+            for column in model.writes:
+                getattr(slices, column)[:] = np.nan
+            try:
+                chain(slices)
+            except DomainError:
+                refused.append(block)
+            else:
+                found.append([getattr(slices, column).copy() for column in sorted(model.writes)])
+        np.savez(f"{path}-{k}.npz", found=np.array(found), refused=np.array(refused, int))
+
+
+def apart(one, other):
+    """Largest relative difference, infinite where only one has a number; 0 for the same bits."""
+    if one.tobytes() == other.tobytes():
+        return 0.0
+    with np.errstate(all="ignore"):
+        off = np.abs(one - other) / np.abs(other)
+    off[(one == other) | (np.isnan(one) & np.isnan(other))] = 0.0
+    return float(np.where(np.isnan(off), np.inf, off).max(initial=0.0))
+
+
+def main(inputs=2_000_000):
+    """Write the table."""
+    sys.path.insert(0, str(SUPPORT))
+    from fuzz import stages
+    from rollslip_kernels.stages import simd
+
+    single, *_ = stages.stages()
+    with tempfile.TemporaryDirectory() as folder, Path(__file__).with_suffix(".csv").open("w", newline="") as file:
+        for name in simd.available():
+            command = [sys.executable, __file__, str(Path(folder, name)), str(inputs)]
+            subprocess.run(command, env=os.environ | {"ROLLSLIP_SIMD": name}, check=True)
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(HEADER)
+        for k, model in enumerate(single):
+            filled = {name: dict(np.load(Path(folder, f"{name}-{k}.npz"))) for name in simd.available()}
+            baseline, widest = filled["baseline"], filled[simd.available()[-1]]
+            v3 = filled.get("v3", widest)
+            same = "the same bits" if all(v3[of].tobytes() == widest[of].tobytes() for of in v3) else "differ"
+            agree = np.array_equal(baseline["refused"], widest["refused"])
+            off = apart(baseline["found"], widest["found"]) if agree else np.inf
+            refused = BLOCK * widest["refused"].size
+            table.writerow([model.name, inputs, refused, len(filled), same, f"{off:.1e}"])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3:
+        sys.path.insert(0, str(SUPPORT))
+        fill(sys.argv[1], int(sys.argv[2]))
+    else:
+        main(*map(int, sys.argv[1:]))
