@@ -34,7 +34,8 @@ PROMISED = {
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
         fits hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws
-        scene_formats separators studies surfaces thermal_models torque_formulas traction_models""",
+        ring_models scene_formats separators studies surfaces thermal_models torque_formulas
+        traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
         PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",
     "rollslip.lubricant.pressure": "PressureViscosity",
@@ -44,6 +45,7 @@ PROMISED = {
         TractionModel Validity evaluate_arrays from_scene in_unit
         interval left_to_scene submodel""",
     "rollslip.references": "Citation Reference as_bibtex",
+    "rollslip.rings": "RingModel RingShapes Stops",
     "rollslip.scene": """Accuracy Bearing FrozenTable LubricantTable Material ModelChoice Models Operation Plugins
         Profile Scene Surface resolved scene_hash""",
     "rollslip.studies.steady_slip.torque": "Duty TorqueFormula",

@@ -18,11 +18,13 @@ __all__ = [
     "Catalogue",
     "Family",
     "FitData",
+    "FormPart",
     "Material",
     "MountedClearance",
     "Mounting",
     "OwnCage",
     "Profile",
+    "Raceway",
     "Scatter",
     "Surface",
     "SurfaceData",
@@ -210,6 +212,55 @@ class Mounting:
                 raise FieldError(f"{part}_interference", f"{part}_fit says the same; leave one of them out")
 
 
+@attrs.frozen(kw_only=True)
+class FormPart:
+    """A part of how a raceway is out of round: a wave of lobes, or a table over the angle."""
+
+    lobes: int | None = field(
+        default=None,
+        doc="waves round the raceway: 2 is an oval; 1 only shifts it",
+        validator=attrs.validators.optional(at_least(2)),
+        usual=(2, 12),
+        possible=(2, 1000),
+    )
+    amplitude: float = field(
+        default=0.0, unit="m", doc="half the difference of largest and smallest radius", validator=non_negative,
+        usual=(0, 1e-4), possible=(0, 1e-2),
+    )  # fmt: skip
+    angle: float = field(default=0.0, unit="rad", doc="where a lobe is nearest to the rollers, from the line of load")
+    angles: tuple[float, ...] = field(default=(), unit="rad", doc="of a table: ascending, within one turn")
+    heights: tuple[float, ...] = field(default=(), unit="m", doc="of a table: towards the rollers")
+    file: str | None = field(
+        default=None, doc="full path of a CSV file with the columns 'angle [rad]' and 'height [m]', or in other units"
+    )
+
+    def __attrs_post_init__(self) -> None:
+        kinds = [name for name in ("lobes", "angles", "file") if getattr(self, name) not in (None, ())]
+        if len(kinds) != 1:
+            raise FieldError("lobes", "give one of lobes (with amplitude), angles (with heights) or file")
+        if self.lobes is None and self.amplitude != 0.0:
+            raise FieldError("amplitude", "only read with lobes")
+        if self.heights or self.angles:
+            if len(self.angles) != len(self.heights) or len(self.angles) < 4:
+                raise FieldError(
+                    "heights",
+                    f"a table needs 4 places or more and as many heights, not {len(self.angles)} and "
+                    f"{len(self.heights)}",
+                )
+            ascending = all(b > a for a, b in zip(self.angles, self.angles[1:], strict=False))
+            if not ascending or self.angles[-1] - self.angles[0] >= 2.0 * math.pi:
+                raise FieldError("angles", "must ascend within less than one turn: the first follows on the last")
+
+
+@attrs.frozen(kw_only=True)
+class Raceway:
+    """How a raceway is out of round."""
+
+    form: tuple[FormPart, ...] = field(
+        default=(), doc="what is added up: waves, { lobes = 3, amplitude = '25 um', angle = '60 deg' }, and tables"
+    )
+
+
 @attrs.frozen
 class MountedClearance:
     """How the clearance in operation came about.
@@ -278,6 +329,8 @@ class Bearing:
         default=None, doc="class of the clearance before mounting (ISO 5753-1), such as C3; by default that of the name"
     )
     mounting: Mounting | None = field(default=None, doc="seats and temperatures, which change the clearance")
+    inner_raceway: Raceway | None = field(default=None, doc="how the inner raceway is out of round")
+    outer_raceway: Raceway | None = field(default=None, doc="how the outer raceway is out of round")
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rings and rollers")
     catalogue: Catalogue | None = field(

@@ -92,6 +92,22 @@ _PATIENCE: Final = 10.0
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 
 
+def named_text(file: str) -> str:
+    """Return the text of a file that a parameter names by its full path; a `FieldError` of ``file`` says what fails."""
+    path = Path(file)
+    if not path.is_absolute():
+        raise FieldError(
+            "file", f"must be a full path, not {as_written(file)}, which from this folder would be '{path.resolve()}'"
+        )
+    try:
+        return path.read_text(encoding="utf-8-sig")  # some editors put a mark at the start
+    except UnicodeDecodeError:
+        raise FieldError("file", f"{file}: not UTF-8 text; save the file in the encoding UTF-8") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        said = getattr(error, "strerror", None) or error
+        raise FieldError("file", f"{file}: cannot be read: {said}") from None
+
+
 def read_columns(
     text: str, source: str, row: type, faults: list[str], check: Callable[[Collection[str]], str] = lambda names: ""
 ) -> tuple[dict[str, list[float]], tuple[int, ...]]:

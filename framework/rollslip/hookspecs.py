@@ -38,6 +38,11 @@ def pressure_viscosity_laws() -> Iterable[type[Any]]:  # type: ignore[empty-body
 
 
 @hookspec
+def ring_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Models of rings that yield of this plugin: classes derived from `rollslip.rings.RingModel`."""
+
+
+@hookspec
 def drag_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
     """Drag models this plugin offers: classes derived from one of `rollslip.models.Drag`."""
 

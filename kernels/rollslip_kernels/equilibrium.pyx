@@ -3,6 +3,9 @@
 - Contacts lie roller by roller, slice by slice. Those of a ring that touch are gathered into one table, so that the
   contact law runs in full blocks and never sees an open contact.
 - Moments are divided by half the roller's length: all unbalanced quantities are forces, all moves are lengths.
+- Unknown of the rings are the inner one's place and, of rings that yield, the amplitudes of their shapes. What a roller
+  feels of them is one gap, along its direction (cos psi, sin psi, -B_1, ...): the Hessian stays an arrow. A roller's
+  shift is measured from its outer raceway as that has yielded.
 - A NaN falls through every comparison to where the approaches are looked at, and ends there.
 """
 
@@ -36,6 +39,7 @@ cdef double OVERSHOOT = 0.3     # a step may end where the slope is opposite and
 cdef double DEPTH = 3.0         # how deep a step may close an open contact, to the approach for the unbalanced force,
 cdef double SHALLOWER = 0.9     # and from pass to pass: deep steps find contacts fast, shallow ones end a to and fro
 cdef double TRACE = 1e-14       # stiffness of an open contact in the Hessian, relative to the stiffest
+cdef double HELD = 1e-9         # that of the unknowns of rings that yield, which stops alone may hold
 cdef double TINY = 2.2250738585072014e-308
 cdef double LARGEST = 1.7976931348623157e308
 
@@ -56,7 +60,8 @@ cdef struct contact_t:   # of a roller and a ring
     double stiffness[3]  # 0, 1, 2
 
 cdef struct roller_t:
-    double direction[2]  # cos psi, sin psi
+    const double *direction  # cos psi, sin psi, and -B of each shape
+    double form          # of both raceways, towards the roller
     double at[2]         # radial shift, rise of its end by its tilt
     contact_t contact[2]
     double force[2]      # unbalanced
@@ -78,36 +83,54 @@ cdef struct bearing_t:
     rs_slices table[2]
     double *approach[2]   # [rollers x slices]
     roller_t *roller
-    double at[2]          # displacement of the ring
-    double force[2]       # unbalanced on the ring
+    size_t unknowns, outer, stops  # of the rings: 2 and shapes; the first shape of the outer ring; one-sided springs
+    const double *given   # load and pushes on the unknowns
+    const double *held    # stiffness of each
+    const double *stop    # [stops x unknowns] shapes where stops are
+    const double *stop_stiffness
+    const double *stop_gap
+    double *deep          # how deep stops are pressed
+    double *at            # displacement of the ring, amplitudes of shapes
+    double *force         # unbalanced on them
+    double *condensed     # with what rollers pass on
+    double *hessian       # [unknowns x unknowns], upper half
+    double *step
+    double *move
+    double share, descent  # of the search along the step
     double least, scale   # scale of the residuals, at least and of this state
-    search_t search
 
 
-def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] xi, const double[::1] drop,
-          const double[:, ::1] weights, double length, double clearance, double rise, double load,
+def solve(stages, tables, const double[:, :, ::1] direction, const double[:, ::1] form, const double[::1] xi,
+          const double[::1] drop, const double[:, ::1] weights, double length, double clearance, double rise,
+          const double[::1] given, const double[::1] held, const double[:, ::1] stops, size_t outer,
           const double[::1] centrifugal, double reach, dict found):
     """Fill ``found`` with the equilibrium at every instant; return "", or "inner", "outer" or "range" of a refusal.
 
     ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one
-    instant; ``direction`` holds cos psi and sin psi (2, M, Z), ``centrifugal`` the force of each instant (M,): where
-    rollers stand as in the one before, it goes on from there. Of the slices carried along, all of a roller or its
+    instant; ``direction`` holds cos psi, sin psi and -B of the shapes (M, Z, u), ``form`` those of both raceways
+    (M, Z), ``given`` and ``held`` load and stiffness of each unknown of the rings (u,), those from ``outer`` on of the
+    outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is the force of each
+    instant (M,): where rollers stand as in the one before, it goes on from there. Of the slices carried along, all of a roller or its
     half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h) those of the
     moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach`` the longest move due to clearance,
-    profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring, residual (M, 2), shift,
-    tip (M, Z), moment, passes (M,).
+    profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring (M, u), residual (M, 2),
+    shift, tip (M, Z), moment, passes (M,).
     """
-    cdef Py_ssize_t instants = direction.shape[1], Z = direction.shape[2], h = xi.shape[0]
+    cdef Py_ssize_t instants = direction.shape[0], Z = direction.shape[1], u = direction.shape[2], h = xi.shape[0]
+    cdef Py_ssize_t s = stops.shape[0]
     cdef Py_ssize_t n = found["load"].shape[3], m, j, i, ring
     cdef bearing_t b
     cdef double[:, ::1] approach = np.empty((2, Z * h))
     cdef double[::1] work = np.zeros(Z * sizeof(roller_t) // sizeof(double))
+    cdef double[:, ::1] of_rings = np.zeros((5 + u, u))
+    cdef double[:, ::1] of_stops = np.ascontiguousarray(np.asarray(stops)[:, :u]).reshape(s, u)
+    cdef double[:, ::1] springs = np.zeros((3, s))
     cdef double[:, :, :, ::1] loads = found["load"]
     cdef double[:, :, ::1] forces = found["force"]
     cdef double[:, ::1] rings = found["ring"], residuals = found["residual"]
     cdef double[:, ::1] shifts = found["shift"], tips = found["tip"]
     cdef double[::1] moments = found["moment"], passes = found["passes"]
-    cdef double nearest = 1.0, least_drop = INFINITY, most = 0.0
+    cdef double nearest = 1.0, least_drop = INFINITY, most = 0.0, low, near
     cdef bint stay
     cdef const double *touching
     cdef roller_t *r
@@ -115,6 +138,10 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
 
     if centrifugal.shape[0] != instants:
         raise ValueError(f"{centrifugal.shape[0]} centrifugal forces for {instants} instants")
+    if not (u == given.shape[0] == held.shape[0] >= 2 and stops.shape[1] == u + 2 and 2 <= outer <= <size_t>u):
+        raise ValueError(f"{given.shape[0]} loads, {held.shape[0]} stiffnesses, {s} stops for {u} unknowns of rings")
+    if form.shape[0] != instants or form.shape[1] != Z:
+        raise ValueError("forms must be those of all rollers at all instants")
     if not (weights.shape[1] == drop.shape[0] == h <= n <= 2 * h):
         raise ValueError(f"{drop.shape[0]} drops, {weights.shape[1]} weights for {h} of {n} slices")
     gathered = []
@@ -127,22 +154,29 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
         b.approach[ring] = &approach[ring, 0]
     b.rollers, b.slices, b.roller = Z, h, <roller_t *>&work[0]
     b.xi, b.drop, b.weights = &xi[0], &drop[0], &weights[0, 0]
-    b.length, b.half_clearance, b.rise, b.load = length, 0.5 * clearance, rise, load
+    b.length, b.half_clearance, b.rise, b.load = length, 0.5 * clearance, rise, given[0]
+    b.unknowns, b.outer, b.stops, b.given, b.held = u, outer, s, &given[0], &held[0]
+    b.at, b.force, b.condensed = &of_rings[0, 0], &of_rings[1, 0], &of_rings[2, 0]
+    b.step, b.move, b.hessian = &of_rings[3, 0], &of_rings[4, 0], &of_rings[5, 0]
+    if s:
+        for i in range(s):
+            springs[1, i], springs[2, i] = stops[i, u], stops[i, u + 1]
+        b.stop, b.deep, b.stop_stiffness, b.stop_gap = &of_stops[0, 0], &springs[0, 0], &springs[1, 0], &springs[2, 0]
     for i in range(h):
         least_drop = min(least_drop, drop[i])
 
     with nogil:
         for m in range(instants):
-            nearest, most = min(nearest, _nearest(&direction[0, m, 0], Z)), max(most, centrifugal[m])
+            nearest, most = min(nearest, _nearest(&direction[m, 0, 0], Z, u)), max(most, centrifugal[m])
         b.centrifugal = most
         ended = _measure(&b, max(least_drop, 0.0), nearest, reach)
         m = 0
         while ended == ARRIVED and m < instants:
             stay = m > 0 and max(residuals[m - 1, 0], residuals[m - 1, 1]) <= ROUNDING
             for j in range(Z):
-                stay = stay and direction[0, m, j] == direction[0, m - 1, j]
-                stay = stay and direction[1, m, j] == direction[1, m - 1, j]
-                b.roller[j].direction[0], b.roller[j].direction[1] = direction[0, m, j], direction[1, m, j]
+                for i in range(u):
+                    stay = stay and direction[m, j, i] == direction[m - 1, j, i]
+                b.roller[j].direction, b.roller[j].form = &direction[m, j, 0], form[m, j]
             if stay:
                 _go_on(&b, centrifugal[m])
                 ended = _settle(&b, &passes[m], &residuals[m, 0])
@@ -151,9 +185,14 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
                 b.centrifugal = centrifugal[m]
                 b.seat = _approach_for(&b, b.centrifugal)
                 b.rest = b.seat + max(least_drop, 0.0)
-                _start(&b, _depth(&b, _nearest(&direction[0, m, 0], Z)))
+                low = 0.0
+                for j in range(Z):
+                    low = max(low, -form[m, j])
+                near = _nearest(&direction[m, 0, 0], Z, u)
+                _start(&b, _depth(&b, near) + (low / near if b.load > 0.0 else 0.0))
                 ended = _settle(&b, &passes[m], &residuals[m, 0])
-            rings[m, 0], rings[m, 1] = b.at[0], b.at[1]
+            for i in range(u):
+                rings[m, i] = b.at[i]
             moments[m] = 0.0
             for j in range(Z):
                 r = &b.roller[j]
@@ -181,12 +220,12 @@ cdef inline double _larger(double a, double b) noexcept nogil:
     return a if a >= b or a != a else b
 
 
-cdef double _nearest(const double *cosines, size_t n) noexcept nogil:
+cdef double _nearest(const double *direction, size_t n, size_t u) noexcept nogil:
     """Cosine of the roller nearest to the line of load, at least 0.1."""
     cdef double nearest = 0.1
     cdef size_t j
     for j in range(n):
-        nearest = max(nearest, cosines[j])
+        nearest = max(nearest, direction[j * u])
     return nearest
 
 
@@ -251,18 +290,26 @@ cdef double _depth(const bearing_t *b, double nearest) noexcept nogil:
     return 0.5 * play / nearest + 2.0 * _approach_for(b, 5.0 * b.load / b.rollers)
 
 
+cdef void _scale_at_least(bearing_t *b) noexcept nogil:
+    cdef size_t i
+    b.least = max(b.load, b.centrifugal)
+    for i in range(2, b.unknowns):
+        b.least = max(b.least, fabs(b.given[i]))
+
+
 cdef void _start(bearing_t *b, double depth) noexcept nogil:
     """Rollers under the ring, or free, half-way between the rings at half its tilt; the rest pressed outwards."""
     cdef double gap, rise
     cdef size_t i, j, h = b.slices
     cdef roller_t *r
-    b.least = max(b.load, b.centrifugal)
-    b.at[0], b.at[1] = depth, 0.0
-    b.search.descent = INFINITY
-    b.search.share = b.search.step[0] = b.search.step[1] = 0.0
+    _scale_at_least(b)
+    for i in range(b.unknowns):
+        b.at[i] = b.step[i] = 0.0
+    b.at[0] = depth
+    b.descent, b.share = INFINITY, 0.0
     for j in range(b.rollers):
         r = &b.roller[j]
-        gap, rise = depth * r.direction[0] - b.half_clearance, b.rise * r.direction[0]
+        gap, rise = depth * r.direction[0] - (b.half_clearance - r.form), b.rise * r.direction[0]
         r.at[0], r.at[1] = 0.5 * (gap + b.seat), 0.5 * rise
         if b.centrifugal > 0.0 and not r.at[0] > b.rest:
             r.at[0], r.at[1] = b.rest, 0.0
@@ -282,8 +329,8 @@ cdef void _go_on(bearing_t *b, double centrifugal) noexcept nogil:
     b.centrifugal, b.seat = centrifugal, _approach_for(b, centrifugal)
     b.rest += b.seat
     outward = b.rest - outward
-    b.least = max(b.load, b.centrifugal)
-    b.search.descent = INFINITY
+    _scale_at_least(b)
+    b.descent = INFINITY
     for j in range(b.rollers):
         r = &b.roller[j]
         r.search.descent = INFINITY
@@ -318,7 +365,7 @@ cdef int _settle(bearing_t *b, double *passes, double *residual) noexcept nogil:
 cdef int _evaluate(bearing_t *b) noexcept nogil:
     """Forces and stiffnesses of all contacts, and what is unbalanced."""
     cdef size_t n[2]
-    cdef size_t i, j, h = b.slices
+    cdef size_t i, j, h = b.slices, u = b.unknowns
     cdef int ring
     cdef double x, force, moment, k0, k1, k2, largest = 0.0
     cdef const double *a
@@ -335,7 +382,8 @@ cdef int _evaluate(bearing_t *b) noexcept nogil:
                 return BEYOND_FLOATS
             gathered[n[ring]] = x   # without a branch: is overwritten unless it touches
             n[ring] += x > 0.0
-    b.force[0], b.force[1] = b.load, 0.0
+    for i in range(u):
+        b.force[i] = b.given[i] - b.held[i] * b.at[i]
     for ring in range(2):
         if _ask(b, ring, n[ring]) != ARRIVED:
             return ring
@@ -358,8 +406,19 @@ cdef int _evaluate(bearing_t *b) noexcept nogil:
         r = &b.roller[j]
         r.force[0] = r.contact[INNER].force[0] - r.contact[OUTER].force[0] + b.centrifugal
         r.force[1] = r.contact[INNER].force[1] - r.contact[OUTER].force[1]
-        b.force[0] -= r.contact[INNER].force[0] * r.direction[0]
-        b.force[1] -= r.contact[INNER].force[0] * r.direction[1]
+        for i in range(b.outer):
+            b.force[i] -= r.contact[INNER].force[0] * r.direction[i]
+        for i in range(b.outer, u):
+            b.force[i] -= (r.contact[INNER].force[0] + b.centrifugal) * r.direction[i]
+    for j in range(b.stops):
+        b.deep[j] = -b.stop_gap[j]
+        for i in range(u):
+            b.deep[j] += b.stop[j * u + i] * b.at[i]
+        if b.deep[j] > 0.0:
+            x = b.stop_stiffness[j] * b.deep[j]
+            largest = _larger(largest, x)
+            for i in range(u):
+                b.force[i] -= x * b.stop[j * u + i]
     if b.least == 0.0:   # what presses at first may vanish altogether
         b.least = max(largest, TINY)
     b.scale = _larger(largest, b.least)
@@ -368,8 +427,10 @@ cdef int _evaluate(bearing_t *b) noexcept nogil:
 
 cdef void _residuals(const bearing_t *b, double *residual) noexcept nogil:
     """Largest unbalanced force and moment, relative to the largest force and it times the roller's length."""
-    cdef double force = _larger(fabs(b.force[0]), fabs(b.force[1])), moment = 0.0
+    cdef double force = 0.0, moment = 0.0
     cdef size_t j
+    for j in range(b.unknowns):
+        force = _larger(force, fabs(b.force[j]))
     for j in range(b.rollers):
         force = _larger(force, fabs(b.roller[j].force[0]))
         moment = _larger(moment, fabs(b.roller[j].force[1]))
@@ -421,31 +482,114 @@ cdef double _share(const bearing_t *b, size_t j, double gap, const double *step,
     return share
 
 
+cdef bint _solve(size_t n, double *k, const double *force, double *step) noexcept nogil:
+    """Solve a symmetric positive system of the rings, (n, n) with its upper half given; that half is used up."""
+    cdef size_t i, j, l
+    cdef double factor
+    for i in range(n):
+        step[i] = force[i]
+    for i in range(n):
+        if not k[i * n + i] > 0.0:
+            return False
+        for j in range(i + 1, n):
+            factor = k[i * n + j] / k[i * n + i]
+            for l in range(j, n):
+                k[j * n + l] -= factor * k[i * n + l]
+            step[j] -= factor * step[i]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            step[i] -= k[i * n + j] * step[j]
+        step[i] /= k[i * n + i]
+    return True
+
+
+cdef inline double _along(size_t n, const double *direction, const double *step) noexcept nogil:
+    """Gap that a move of the rings leaves a roller."""
+    cdef double gap = direction[0] * step[0]
+    cdef size_t i
+    for i in range(1, n):
+        gap += direction[i] * step[i]
+    return gap
+
+
+cdef bint _rings_taken_back(bearing_t *b) noexcept nogil:
+    """As `_taken_back`, for the rings."""
+    cdef double climb, curvature = 0.0, share
+    cdef double *d = b.step
+    cdef size_t i, j, u = b.unknowns
+    climb = -_along(u, b.condensed, d)
+    for i in range(u):
+        curvature += b.hessian[i * u + i] * d[i] * d[i]
+        for j in range(i + 1, u):
+            curvature += 2.0 * b.hessian[i * u + j] * d[i] * d[j]
+    share = b.share - climb / max(curvature, TINY)
+    if climb <= OVERSHOOT * b.descent or share <= 0.0:
+        return False
+    for i in range(u):
+        b.move[i] = (share - b.share) * d[i]
+    b.share = share
+    return True
+
+
+cdef void _rings_step(bearing_t *b, double depth) noexcept nogil:
+    """Set out on a new step of the rings, which rollers follow."""
+    cdef double k[3]
+    cdef double follow[2]
+    cdef double gap, share = 1.0, deep = 0.0, longest = b.reach
+    cdef size_t i, j, u = b.unknowns
+    cdef roller_t *r
+    if u == 2:
+        k[0], k[1], k[2] = b.hessian[0], b.hessian[1], b.hessian[3]
+        _divide(k, b.condensed, b.step)
+    elif not _solve(u, b.hessian, b.condensed, b.step):
+        return
+    for i in range(u):
+        deep = _larger(deep, fabs(b.condensed[i]))
+    deep = depth * _approach_for(b, deep)
+    for j in range(b.rollers):
+        r = &b.roller[j]
+        gap = _along(u, r.direction, b.step)
+        follow[0], follow[1] = r.follow[0] * gap, r.follow[1] * gap
+        share = min(share, _share(b, j, gap, follow, deep))
+    for i in range(u):
+        longest = max(longest, fabs(b.step[i]))
+    share = min(share, b.reach / longest)
+    b.share, b.descent = share, _along(u, b.condensed, b.step)
+    for i in range(u):
+        b.move[i] = share * b.step[i]
+
+
 cdef inline double _within(double reach, double share, const double *step) noexcept nogil:
     return min(share, reach / max(max(fabs(step[0]), fabs(step[1])), reach))
 
 
 cdef void _advance(bearing_t *b, double depth) noexcept nogil:
     """Move the ring, and the rollers with it, if all rollers are settled; and each roller alone."""
-    cdef double trace = b.stiffness, own, unbalanced, passed, series, share, deep, gap, shift, tip, outward
-    cdef double lacking = max(fabs(b.force[0]), fabs(b.force[1]))
+    cdef double trace = b.stiffness, own, unbalanced, passed, series, share, gap, shift, tip, outward, part
+    cdef double lacking = 0.0
     cdef double *ki
     cdef double *ko
     cdef double k[3]
     cdef double step[2]
-    cdef double move[2]    # of the ring
-    cdef double force[2]
-    cdef double stiffness[3]
     cdef bint free = True, settled
-    cdef size_t i, j, h = b.slices
+    cdef size_t i, j, l, h = b.slices, u = b.unknowns
     cdef roller_t *r
     for j in range(b.rollers):
         r = &b.roller[j]
         trace = max(trace, max(r.contact[INNER].stiffness[0], r.contact[OUTER].stiffness[0]))
+    for i in range(u):
+        lacking = max(lacking, fabs(b.force[i]))
+        b.move[i], b.condensed[i] = 0.0, b.force[i]
+        for l in range(i, u):
+            b.hessian[i * u + l] = 0.0
+        b.hessian[i * u + i] = (TRACE if u == 2 else HELD) * trace + b.held[i]
+    for j in range(b.stops):
+        if b.deep[j] > 0.0:
+            for i in range(u):
+                part = b.stop_stiffness[j] * b.stop[j * u + i]
+                for l in range(i, u):
+                    b.hessian[i * u + l] += part * b.stop[j * u + l]
     trace *= TRACE
-    move[0] = move[1] = 0.0
-    force[0], force[1] = b.force[0], b.force[1]
-    stiffness[0], stiffness[1], stiffness[2] = trace, 0.0, trace
     for j in range(b.rollers):
         r = &b.roller[j]
         ki, ko = r.contact[INNER].stiffness, r.contact[OUTER].stiffness
@@ -469,26 +613,21 @@ cdef void _advance(bearing_t *b, double depth) noexcept nogil:
         _divide(k, ki, r.follow)
         passed = r.follow[0] * r.force[0] + r.follow[1] * r.force[1]
         series = r.follow[0] * ko[0] + r.follow[1] * ko[1]
-        force[0] += passed * r.direction[0]
-        force[1] += passed * r.direction[1]
-        stiffness[0] += series * r.direction[0] * r.direction[0]
-        stiffness[1] += series * r.direction[0] * r.direction[1]
-        stiffness[2] += series * r.direction[1] * r.direction[1]
+        if u > 2 and not r.contact[INNER].force[0] > 0.0:
+            continue   # a trace that those of the shapes exceed
+        for i in range(u):
+            b.condensed[i] += passed * r.direction[i]
+            part = series * r.direction[i]
+            for l in range(i, u):
+                b.hessian[i * u + l] += part * r.direction[l]
 
-    if free and not _taken_back(&b.search, force, stiffness, move):
-        _divide(stiffness, force, step)
-        share, deep = 1.0, depth * _approach_for(b, _larger(fabs(force[0]), fabs(force[1])))
-        for j in range(b.rollers):
-            r = &b.roller[j]
-            gap = step[0] * r.direction[0] + step[1] * r.direction[1]
-            k[0], k[1] = r.follow[0] * gap, r.follow[1] * gap
-            share = min(share, _share(b, j, gap, k, deep))
-        _set_out(&b.search, force, step, _within(b.reach, share, step), move)
-    b.at[0] += move[0]
-    b.at[1] += move[1]
+    if free and not _rings_taken_back(b):
+        _rings_step(b, depth)
+    for i in range(u):
+        b.at[i] += b.move[i]
     for j in range(b.rollers):
         r = &b.roller[j]
-        gap = move[0] * r.direction[0] + move[1] * r.direction[1]
+        gap = _along(u, r.direction, b.move)
         if free:
             r.search.descent = INFINITY   # it was moved otherwise
         shift, tip = r.move[0] + r.follow[0] * gap, r.move[1] + r.follow[1] * gap

@@ -22,6 +22,7 @@ from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel, submodel
 from rollslip.planning.campaign import Campaign
 from rollslip.references import Reference
+from rollslip.rings import RingModel
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import DamageModel
@@ -154,7 +155,10 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
 def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
-    beside = {"thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "separator": Separator}
+    beside = {
+        "thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "separator": Separator,
+        "ring": RingModel,
+    }  # fmt: skip
     classes = {**BASES, **beside, "engine": Engine, "study": Study, "campaign": Campaign}
     if kind in classes:
         assert issubclass(thing, classes[kind])

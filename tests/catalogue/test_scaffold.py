@@ -370,7 +370,7 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    "kind", ["integrator", "engine", "thermal", "damage", "torque", "lubricant", "bearing", "surface"]
+    "kind", ["integrator", "engine", "thermal", "damage", "torque", "ring", "lubricant", "bearing", "surface"]
 )
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
     with pytest.raises(FieldError, match=f"{kind} has no compiled form, only {', '.join(COMPILED)} have"):

@@ -19,9 +19,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import taken_back
 from rollslip.fields import non_negative, parameter
 from rollslip.models import POSITIVE, ResistanceModel, from_scene
-from rollslip.motion.losses import power_balance
-from rollslip.motion.torque_balance import rollers
 from rollslip.testing import conformance
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.torque_balance import rollers
 
 SIZE = 2e-3  # N m
 

@@ -115,6 +115,15 @@ class TestTorque(Conformance):
     models = (*box("torque"), get_model("torque", "skf", series="23", drag="2006"))
 
 
+class TestRings(Conformance):
+    models = (
+        get_model("ring", "rigid"),
+        get_model("ring", "annulus"),
+        get_model("ring", "thin"),
+        get_model("ring", "thin", seat_stiffness="1 GPa", fit_clearance="20 um"),
+    )
+
+
 DATA = [kind for kind in kinds() if get_kind(kind).data or get_kind(kind).waits]
 
 
@@ -124,7 +133,7 @@ class TestData(Conformance):
 
 def test_no_kind_is_left_out():
     classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
-    assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "separator", *DATA}
+    assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "separator", "ring", *DATA}
 
 
 def test_laws_of_the_box_that_python_runs_are_what_others_are_held_against():

@@ -32,6 +32,8 @@ from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, TractionModel
+from rollslip.rings import Rings
+from rollslip.scene.rings import rings_of
 from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity
@@ -63,6 +65,8 @@ class Assembly:
     drop: Array
     inner: Raceway
     outer: Raceway
+    #: Rings that yield and forms of raceways; None where both are rigid and round.
+    rings: Rings | None = None
     #: Load distributions of few slices at few instants, and what they alone decide, which plans and samples of the same
     #: bearing ask for again and again: shared by all that are loaded alike.
     known_loads: dict[tuple[Hashable, ...], Any] = attrs.field(factory=dict, repr=False)
@@ -270,6 +274,7 @@ class Assembly:
             centrifugal_force=centrifugal_force,
             position=self.position,
             widths=self.widths,
+            rings=self.rings,
         )
 
     @cached_property
@@ -376,6 +381,11 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     beside += [("torque", named.at("torque").at(k), one) for k, one in enumerate(scene.models.torque)]
     for kind, place, choice in beside:  # for studies that ask for them; their faults are those of the scene
         structure_model(kind, {"model": choice.name, **choice.parameters}, place, problems)
+    rings = rings_of(
+        scene,
+        lambda choice, at: structure_model("ring", {"model": choice.name, **choice.parameters}, at, problems),
+        problems,
+    )
     kinematics = Kinematics(
         b.inner_raceway_diameter / 2,
         b.outer_raceway_diameter / 2,
@@ -416,6 +426,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         drop=drop,
         inner=inner,
         outer=outer,
+        rings=rings,
         known_loads=loads,
         **models,
     )

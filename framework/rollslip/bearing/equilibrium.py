@@ -2,8 +2,9 @@
 
 How it is solved, and why:
 
-- Rigid rings and rollers on elastic contacts are at rest where a convex potential is least. Unknown are the inner
-  ring's displacement and, per roller, its radial shift and its tilt. Newton's method with the exact Hessian finds them.
+- Rings and rollers on elastic contacts are at rest where a convex potential is least. Unknown are the inner ring's
+  displacement, the amplitudes of the shapes in which rings yield, if they do, and, per roller, its radial shift and its
+  tilt. Newton's method with the exact Hessian finds them.
 - Rollers meet only through the ring, so the Hessian is an arrow of 2x2 blocks: each roller is eliminated onto the ring.
   Instants do not know of each other and are solved one after the other, compiled, without the GIL; the contact law is
   asked, as by any other kernel, for all touching contacts of a ring at once.
@@ -30,6 +31,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.profile import slice_positions
 from rollslip.errors import ConvergenceError
+from rollslip.rings import Rings
 from rollslip_kernels import equilibrium as kernels
 from rollslip_kernels.slices import Conditions, Slices
 
@@ -102,6 +104,8 @@ class LoadCase:
     position, widths : ndarray, optional
         Places of the slices from the roller's middle and their widths, the weights of a quadrature along it [m], of
         shape (n,); by default the midpoints of equal slices.
+    rings : Rings, optional
+        Rings that yield and forms of the raceways; by default both are rigid and round.
 
     Raises
     ------
@@ -126,6 +130,7 @@ class LoadCase:
         ),
         converter=_array,
     )
+    rings: Rings | None = None
 
     def __attrs_post_init__(self) -> None:
         if self.psi.ndim != 2 or self.psi.size == 0 or not np.all(np.isfinite(self.psi)):
@@ -151,6 +156,11 @@ class LoadCase:
         if self.misalignment != 0.0 and self.drop.size == 1:
             raise ValueError("a misaligned ring loads rollers unevenly along their length: use more than one slice")
 
+    @property
+    def mirrored(self) -> bool:
+        """Whether the bearing mirrors itself in the line of load, so that half a pitch tells of the other."""
+        return self.rings is None or self.rings.mirrored(self.psi)
+
 
 @attrs.frozen(eq=False)
 class LoadDistribution:
@@ -167,8 +177,10 @@ class LoadDistribution:
     #: Displacement of the inner ring along and across the line of load [m], shape (instants, 2). Across it is not
     #: unique while a single roller in the line of load carries it, along it is not while none does.
     displacement: Floats
-    #: Radial position of the roller, 0 where a straight one touches the outer ring [m], shape (instants, Z). Not unique
-    #: for a roller free between the rings.
+    #: Amplitudes of the shapes in which rings yield, those of the inner one first [m], shape (instants, m).
+    deflection: Floats
+    #: Radial position of the roller, 0 where a straight one touches the outer ring as that is [m], shape (instants, Z).
+    #: Not unique for a roller free between the rings.
     roller_shift: Floats
     roller_tilt: Floats  # tilt of the roller, in the sense of the misalignment at psi = 0 [rad], shape (instants, Z)
     #: Moment that holds the inner ring in its misalignment, sum of w x cos(psi) dx [N m], shape (instants,); the
@@ -193,6 +205,10 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     and with Q, M the forces and moments about the roller's middle, summed over slices of width l / n::
 
         Q_oj = Q_ij + F_c      M_oj = M_ij      sum Q_ij cos psi_j = F_r      sum Q_ij sin psi_j = 0
+
+    Of rings that yield by q B(psi) and have the form f(psi), an approach is larger by f - q B, and at rest::
+
+        K_i q_i = sum Q_ij B_i(psi_j) + pushes - stops      K_o q_o = sum Q_oj B_o(psi_j) + pushes - stops
 
     Without radial load and with clearance nothing rests on the inner ring: inner loads are zero, which is for the
     caller to judge.
@@ -235,6 +251,17 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     ISO/TS 16281:2008; ISO 5593 (clearance); T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
     """
     instants, rollers = case.psi.shape
+    rings = case.rings
+    if rings is None:
+        shapes, split, reach = 0, 2, 0.0
+        direction, form = np.stack((np.cos(case.psi), np.sin(case.psi)), axis=-1), np.zeros(case.psi.shape)
+        given, held, stops = np.array([case.radial_load, 0.0]), np.zeros(2), np.zeros((0, 4))
+    else:
+        shapes, split = rings.parity.size, 2 + rings.inner.stiffness.size
+        direction, form, stops = rings.directions(case.psi), rings.form(case.psi), rings.stops()
+        given = np.concatenate(([case.radial_load, 0.0], rings.inner.pushes, rings.outer.pushes))
+        held = np.concatenate((np.zeros(2), rings.inner.stiffness, rings.outer.stiffness))
+        reach = rings.reach(case.radial_load) + float(np.abs(form).max())
     slices, half_length = case.drop.size, 0.5 * case.roller_length
     # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
     mirrored = case.misalignment == 0.0 and all(
@@ -248,7 +275,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     balance = {
         "load": np.empty((2, instants, rollers, slices)),
         "force": np.empty((2, instants, rollers)),
-        "ring": np.empty((instants, 2)),
+        "ring": np.empty((instants, 2 + shapes)),
         "residual": np.empty((instants, 2)),
         "shift": np.empty((instants, rollers)),
         "tip": np.empty((instants, rollers)),
@@ -260,16 +287,23 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     refused = kernels.solve(
         stages,
         tables,
-        np.array((np.cos(case.psi), np.sin(case.psi))),
+        direction,
+        form,
         xi,
         np.ascontiguousarray(case.drop[half:]),
         widths * np.array((xi**0, xi * (not mirrored), xi**2)),
         length=case.roller_length,
         clearance=case.radial_clearance,
         rise=half_length * case.misalignment,
-        load=case.radial_load,
+        given=given,
+        held=held,
+        stops=stops,
+        outer=split,
         centrifugal=np.full(instants, case.centrifugal_force),
-        reach=abs(case.radial_clearance) + float(np.ptp(case.drop)) + case.roller_length * abs(case.misalignment),
+        reach=abs(case.radial_clearance)
+        + float(np.ptp(case.drop))
+        + case.roller_length * abs(case.misalignment)
+        + reach,
         found=balance,
     )
     if refused == "range":
@@ -300,7 +334,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         outer_load=outer_load,
         inner_force=inner_force,
         outer_force=outer_force,
-        displacement=balance["ring"],
+        displacement=balance["ring"][:, :2].copy(),
+        deflection=balance["ring"][:, 2:].copy(),
         roller_shift=balance["shift"],
         roller_tilt=balance["tip"] / half_length,
         moment=balance["moment"],
@@ -313,10 +348,11 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
 def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats) -> tuple[Floats, Floats]:
     """Loads of inner and outer ring [N/m] at several centrifugal forces [N], each from the one before.
 
-    Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half.
+    Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings do not mirror
+    themselves in the line of load it is the whole pitch.
     """
     instants, rollers = case.psi.shape
-    solved = instants // 2 + 1
+    solved = instants // 2 + 1 if case.mirrored else instants
     psi, forces = np.repeat(case.psi[:solved], centrifugal.size, axis=0), np.tile(centrifugal, solved)
     solution = solve_equilibrium(attrs.evolve(case, psi=psi, centrifugal_force=forces), contacts)
     inner, outer = (
@@ -333,7 +369,8 @@ def over_pitch(part: Floats, instants: int) -> Floats:
 
 #: Arrays of a `LoadDistribution` whose first axis is that of the instants, beside psi.
 _BY_INSTANT = (
-    "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "roller_shift", "roller_tilt", "moment",
+    "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "deflection", "roller_shift",
+    "roller_tilt", "moment",
 )  # fmt: skip
 
 
@@ -348,14 +385,14 @@ def solve_pitch(
     """Load distribution at instants spread over one roller pitch, of which half are mirror images of the others.
 
     Roller j at instant m is the mirror image, in the line of load, of roller Z - 1 - j at instant M - m, and carries
-    the same. With twice as many instants, every second one is that of before.
+    the same, unless rings do not mirror themselves. With twice as many instants, every second one is that of before.
     """
     instants = case.psi.shape[0]
     if known is not None and 2 * known.psi.shape[0] != instants:
         raise ValueError(f"known are {known.psi.shape[0]} instants: of {instants} it must be half")
     new = np.arange(instants) if known is None else np.arange(1, instants, 2)
-    solved = new[new <= instants // 2]
-    images = new[new > instants // 2]
+    last = instants // 2 if case.mirrored else instants
+    solved, images = new[new <= last], new[new > last]
     if known is None and not images.size:
         return solve_equilibrium(case, contacts)
     solution = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), contacts)
@@ -370,6 +407,8 @@ def solve_pitch(
             whole[image] = whole[instants - image] if part.ndim == 1 else whole[instants - image, ::-1]
         if name == "displacement":
             whole[images] = whole[images, ::-1] * np.array([1.0, -1.0])  # along the line of load, and across it
+        if name == "deflection" and case.rings is not None:
+            whole[images] = whole[images, ::-1] * case.rings.parity
         return whole
 
     pitch: dict[str, Any] = {name: whole_of(name) for name in _BY_INSTANT}

@@ -8,6 +8,7 @@ from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel
+from rollslip.rings import RingModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 _ATTRS: Final = ("attrs>=24.2",)
@@ -86,6 +87,15 @@ ENGINE: Final = Kind(
         use="rollslip sweep run 1032930-70C --over operation.radial_load=500N:5000N:5 --engine ${model}",
         classes=("Engine", "Executor"),
         needs=_ATTRS,
+    ),
+)  # fmt: skip
+RING: Final = Kind(
+    name="ring", hook="ring_models", base=RingModel,
+    template=Template(
+        summary="A model of rings that yield",
+        contents="the shapes in which a ring yields, with their stiffness",
+        use="rollslip run 1032930-70C --set models.outer_ring=${model}",
+        classes=("RingModel", "RingShapes"),
     ),
 )  # fmt: skip
 LUBRICANT: Final = _data("lubricant", Lubricant, "A lubricant", "the oil", _SCENE.format("lubricant.name"))

@@ -121,6 +121,12 @@ class Models:
         doc="what keeps rollers apart: cage, or none for a full complement; by default what the bearing's name says, "
         "else a cage",
     )
+    inner_ring: ModelChoice | None = field(
+        default=None, doc="how the inner ring yields on its shaft; by default it is rigid"
+    )
+    outer_ring: ModelChoice | None = field(
+        default=None, doc="how the outer ring yields in its housing; by default it is rigid"
+    )
     thermal: ModelChoice | None = field(
         default=None,
         doc="where bulk temperatures come from; by default operation gives them",

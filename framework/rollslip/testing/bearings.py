@@ -16,6 +16,7 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError
+from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
@@ -57,8 +58,8 @@ def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
         )
 
 
-@rule(ThermalModel, DamageModel, TorqueFormula)
-def check_has_an_equation_and_references(model: ThermalModel | DamageModel | TorqueFormula) -> None:
+@rule(ThermalModel, DamageModel, TorqueFormula, RingModel)
+def check_has_an_equation_and_references(model: ThermalModel | DamageModel | TorqueFormula | RingModel) -> None:
     """A name, an equation, and references."""
     refuse_unless(isinstance(model.equation, str) and model.equation.strip(), "it has no equation")
     refuse_unless(model.references and all(map(is_citation, model.references)), CITATIONS_WANTED)
@@ -288,3 +289,15 @@ def check_an_oil_without_density_is_refused_in_words_or_not_needed(formula: Torq
         except DomainError:
             continue
         refuse_unless(known == sum(_torque(formula, duty).values()), "without a density the torque is another one")
+
+
+@rule(RingModel)
+def check_a_preloaded_bearing_rests_in_it_and_presses_less(model: RingModel) -> None:
+    """Forces of rollers with the ring as outer and as inner one, tight by 20 um, are below those of rigid rings."""
+    scene = evolve(load_scene("1032930-70C"), {"bearing.radial_clearance": -20e-6})
+    rigid = assemble(scene).load_distribution().inner_force
+    for ring, speed in (("outer", False), ("inner", True)):
+        shapes = model.shapes(scene.bearing, ring, speed)
+        rings = Rings(*((RingShapes(), shapes) if ring == "outer" else (shapes, RingShapes())))
+        loads = attrs.evolve(assemble(scene), rings=rings, known_loads={}).load_distribution()
+        refuse_unless(loads.inner_force.mean() <= rigid.mean() * (1.0 + 1e-9), f"a yielding {ring} ring presses more")

@@ -29,6 +29,7 @@ from rollslip.models import (
     TractionModel,
 )
 from rollslip.references import Reference
+from rollslip.rings import RingModel
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import DamageModel
@@ -96,7 +97,7 @@ def kinds_of(model: object) -> Iterator[type | str]:
         yield from () if of is None else (of.name,)
         return
     yield "value"
-    beside = (Engine, Lubricant, Study, ThermalModel, DamageModel, TorqueFormula)
+    beside = (Engine, Lubricant, Study, ThermalModel, DamageModel, TorqueFormula, RingModel)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     of = kind_of(model) or kind_of(type(model))
     if of is not None and of.rules:  # a kind that brings its own

@@ -10,7 +10,6 @@ import math
 from collections.abc import Collection
 from functools import cached_property
 from importlib.resources import files
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
@@ -20,11 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
-from rollslip.files import read_columns
+from rollslip.files import named_text, read_columns
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import Reference
-from rollslip.units import as_written, format_quantity
+from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import GUPTA_1984
@@ -301,17 +300,7 @@ def _fault(file: str, line: int | None, reason: str) -> FieldError:
 def _text(file: str) -> str:
     if file == KRAGELSKY:
         return (files("rollslip_plugins.traction") / f"{KRAGELSKY}.csv").read_text(encoding="utf-8")
-    path = Path(file)
-    if not path.is_absolute():
-        raise FieldError(
-            "file", f"must be a full path, not {as_written(file)}, which from this folder would be '{path.resolve()}'"
-        )
-    try:
-        return path.read_text(encoding="utf-8-sig")  # some editors put a mark at the start
-    except UnicodeDecodeError:
-        raise _fault(file, None, "not UTF-8 text; save the file in the encoding UTF-8") from None
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
-        raise _fault(file, None, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    return named_text(file)
 
 
 def _check_pressures(names: Collection[str]) -> str:

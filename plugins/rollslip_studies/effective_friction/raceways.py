@@ -87,12 +87,15 @@ class LoadedRaceways:
         self._slopes = np.zeros(0)
         self._spins: Spins | None = None
         orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
-        # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same
+        # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same where rings do
         positions = distribution.psi.size
-        count = np.full(positions // 2 + 1, 2.0)
-        count[0] = 1.0
-        count[-1] -= positions % 2 == 0 and positions > 1
         number, angle = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi)), distribution.psi
+        if assembly.rings is None or assembly.rings.mirrored(distribution.psi):
+            count = np.full(positions // 2 + 1, 2.0)
+            count[0] = 1.0
+            count[-1] -= positions % 2 == 0 and positions > 1
+        else:
+            count = np.ones(positions)
 
         def of(raceway: Raceway, load: Array) -> LoadedContacts:
             whole = load.swapaxes(0, 1).reshape(positions, -1)

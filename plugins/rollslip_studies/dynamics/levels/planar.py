@@ -266,6 +266,11 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
             f"plane motion knows no tilt, and operation.misalignment is {o.misalignment:g} rad; make it 0 or choose "
             "level 'pocket'"
         )
+    if a.rings is not None:
+        raise DomainError(
+            "plane motion knows rigid, round rings only; leave out models.inner_ring, models.outer_ring and the forms "
+            "of raceways, or choose level 'pocket'"
+        )
     if not np.allclose(a.drop, a.drop[::-1], rtol=1e-9, atol=1e-15):
         raise DomainError(
             "plane motion knows no tilt, and a roller whose profile differs to its two ends tilts; "

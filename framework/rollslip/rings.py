@@ -1,0 +1,177 @@
+"""Rings that yield and raceways out of round: what a model of kind ``ring`` hands over, and what rollers feel of it.
+
+- A model hands over data: shapes as Fourier sums, each with a stiffness, what pushes on them, and one-sided stops. It
+  solves nothing: the equilibrium stays one convex problem of all rollers and both rings, the framework's.
+- The form of a raceway is geometry, of the bearing, and goes with every model. It stands in the line of load.
+"""
+
+import abc
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import ClassVar
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.datasets import Bearing
+from rollslip.references import Citation
+
+__all__ = ["RingModel", "RingShapes", "Rings", "Stops"]
+
+Floats = NDArray[np.float64]
+
+
+@attrs.frozen(eq=False)
+class Stops:
+    """A seat with clearance: springs round a ring that press on it only where it has closed the gap.
+
+    Parameters
+    ----------
+    angles : ndarray
+        Where they are [rad], from the line of load, (s,).
+    stiffness : float
+        Of each [N/m].
+    gap : float
+        By how much the ring yields before one presses [m].
+    """
+
+    angles: Floats
+    stiffness: float
+    gap: float
+
+
+def _none(shapes: "RingShapes") -> Floats:
+    return np.zeros(shapes.stiffness.size)
+
+
+@attrs.frozen(eq=False)
+class RingShapes:
+    """Shapes in which the raceway of a ring yields, away from the rollers.
+
+    Parameters
+    ----------
+    harmonics : ndarray
+        c of B(psi) = Re sum c_n exp(i n psi) for each shape, complex, (m, N + 1): 1 is a cosine, -i a sine.
+    stiffness : ndarray
+        Of each shape [N/m], (m,): K q = sum Q B(psi) at rest. Zero where stops alone hold it.
+    pushes : ndarray
+        Loads on the shapes beside those of the rollers [N], (m,).
+    stops : Stops, optional
+        A seat with clearance.
+
+    Raises
+    ------
+    ValueError
+        A stiffness is not positive though nothing else holds its shape, or arrays do not fit each other.
+    """
+
+    harmonics: NDArray[np.complex128] = attrs.field(factory=lambda: np.zeros((0, 1), complex))
+    stiffness: Floats = attrs.field(factory=lambda: np.zeros(0))
+    pushes: Floats = attrs.field(default=attrs.Factory(_none, takes_self=True))
+    stops: Stops | None = None
+
+    def __attrs_post_init__(self) -> None:
+        m = self.stiffness.size
+        if self.harmonics.ndim != 2 or not self.harmonics.shape[0] == m == self.pushes.size:
+            raise ValueError(f"{self.harmonics.shape[0]} shapes, {m} stiffnesses and {self.pushes.size} pushes")
+        least = 0.0 if self.stops else np.finfo(float).tiny
+        if not (np.all(self.stiffness >= least) and np.all(np.isfinite(self.stiffness))):
+            raise ValueError(
+                f"a ring has a shape of stiffness {self.stiffness.min():g} N/m: nothing holds it; it must be above 0"
+            )
+
+    def at(self, psi: Floats) -> Floats:
+        """Return B at angles [rad], (..., m)."""
+        waves = np.exp(1j * np.multiply.outer(psi, np.arange(self.harmonics.shape[1])))
+        return np.real(waves @ self.harmonics.T)
+
+    @property
+    def parity(self) -> Floats:
+        """1 for shapes that are their mirror image in the line of load, -1 for odd ones, 0 for others, (m,)."""
+        even, odd = (np.all(part == 0.0, axis=1) for part in (self.harmonics.imag, self.harmonics.real))
+        return np.where(even, 1.0, np.where(odd, -1.0, 0.0))
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the ring with all that acts on it mirrors itself in the line of load."""
+        parity = self.parity
+        at = np.zeros(1) if self.stops is None else self.stops.angles
+        mirrored = np.abs(np.exp(1j * np.subtract.outer(at, -at)) - 1.0).min(axis=1).max() < 1e-9
+        return bool(np.all(parity != 0.0) and not np.any(self.pushes[parity < 0.0]) and mirrored)
+
+
+class RingModel(abc.ABC):
+    """How a ring yields in its seat; its parameters are its attrs fields."""
+
+    name: ClassVar[str]
+    equation: ClassVar[str]
+    references: ClassVar[tuple[Citation, ...]]
+    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
+    @abc.abstractmethod
+    def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
+        """Return the shapes of the "inner" or "outer" ring of a bearing, which ``turns`` against the load or stands.
+
+        Raises
+        ------
+        FieldError
+            A parameter does not fit the bearing; the reason names what to change.
+        """
+
+
+@attrs.frozen(eq=False)
+class Rings:
+    """Both rings and the forms of their raceways."""
+
+    inner: RingShapes
+    outer: RingShapes
+    #: Forms of both raceways: number of waves, amplitude [m], angle [rad], and tables of angles [rad] and heights [m].
+    waves: tuple[tuple[int, float, float], ...] = ()
+    tables: tuple[tuple[Floats, Floats], ...] = ()
+
+    @property
+    def parity(self) -> Floats:
+        """That of all shapes, those of the inner ring first."""
+        return np.concatenate((self.inner.parity, self.outer.parity))
+
+    def form(self, psi: Floats) -> Floats:
+        """Return how far both raceways stand out of round towards a roller [m], at angles [rad]."""
+        form = np.zeros(psi.shape)
+        for lobes, amplitude, angle in self.waves:
+            form += amplitude * np.cos(lobes * (psi - angle))
+        for angles, heights in self.tables:
+            form += np.interp(psi, angles, heights, period=2.0 * np.pi)
+        return form
+
+    def mirrored(self, psi: Floats) -> bool:
+        """Whether what rollers at these angles feel mirrors itself in the line of load."""
+        here, there = self.form(psi), self.form(-psi)
+        same = bool(np.all(np.abs(here - there) <= 1e-12 * max(np.abs(here).max(initial=0.0), 1e-12)))
+        return same and self.inner.symmetric and self.outer.symmetric
+
+    def directions(self, psi: Floats) -> Floats:
+        """Return what gap each unknown of the rings closes at angles [rad]: cos, sin and -B, (..., 2 + m)."""
+        along = np.cos(psi)[..., None], np.sin(psi)[..., None]
+        return np.concatenate((*along, -self.inner.at(psi), -self.outer.at(psi)), axis=-1)
+
+    def reach(self, load: float) -> float:
+        """Return how far rings may yield under a load [N] and what pushes on them [m], to measure steps by."""
+        far = 0.0
+        for ring in (self.inner, self.outer):
+            held = ring.stiffness > 0.0
+            far += float(((np.abs(ring.pushes) + load)[held] / ring.stiffness[held]).max(initial=0.0))
+            far += 0.0 if ring.stops is None else abs(ring.stops.gap)
+        return far
+
+    def stops(self) -> Floats:
+        """Return shapes, stiffness and gap of all stops, by unknowns of the rings, (s, 2 + m + 2)."""
+        m, rows = self.parity.size, [np.zeros((0, self.parity.size + 4))]
+        for first, ring in ((2, self.inner), (2 + self.inner.stiffness.size, self.outer)):
+            if ring.stops is not None:
+                row = np.zeros((ring.stops.angles.size, m + 4))
+                row[:, first : first + ring.stiffness.size] = ring.at(ring.stops.angles)
+                row[:, m + 2 :] = ring.stops.stiffness, ring.stops.gap
+                rows.append(row)
+        return np.concatenate(rows)

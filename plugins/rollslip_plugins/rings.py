@@ -1,0 +1,418 @@
+"""Rings that yield: an annulus with its housing or shaft, a thin ring in its seat, and any by a compliance matrix.
+
+- Shapes are Fourier terms of the raceway's radial displacement; n = 1 is where a ring stands, and is none of them
+  unless a seat holds it.
+- Beyond some n a shape counts again what the law of contact holds: that begins where lobes are as short as the pitch.
+"""
+
+import math
+from typing import Any, ClassVar, Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.datasets import Bearing, Mounting
+from rollslip.fields import FieldError, at_least, field, in_range, non_negative, parameter, positive
+from rollslip.files import named_text
+from rollslip.hookspecs import hookimpl
+from rollslip.references import Reference
+from rollslip.rings import RingModel, RingShapes, Stops
+from rollslip_plugins.bibliography import BARBER_1978, TIMOSHENKO_1956, TIMOSHENKO_GOODIER_1970
+
+Floats = NDArray[np.float64]
+
+#: Width of a bearing over the length of its rollers (D): 1.87 of the 1032930.
+_WIDTH: Final = 1.8
+#: Where a shaft is solid or a housing thick: radius over that of the seat beyond which nothing changes.
+_FAR: Final = 1e3
+#: n up to which rings are computed where lobes ask for no more: the largest drag then stands still to 0.1 %.
+_HARMONICS: Final = 6
+#: Shear: 1/(5/6) of a rectangular section.
+_SHEAR: Final = 1.2
+#: Stops round a seat with clearance.
+_STOPS: Final = 72
+#: Compliance, of the largest, below which a shape of a matrix is left out, or not positive where it is negative.
+_STIFF: Final = 1e-6
+
+
+def compliance_of_annulus(n: int, layers: tuple[tuple[float, float, float, float], ...], width: float) -> float:
+    """Return radial displacement [m2/N] of an annulus per load of the arc, both cos(n psi) on one face.
+
+    Layers (near radius, far radius, E, nu) do not part; the first is loaded at its near one
+    radius, and others follow outwards or inwards. Plane stress; n = 0 is Lame's, others Michell's
+    (Airy's function r^p cos(n psi), p = n, n + 2, -n, 2 - n).
+    """
+    R, E0 = layers[0][0], layers[0][2]
+    powers = (2, 0) if n == 0 else (n, n + 2, -n, 2 - n)
+
+    def rows(r: float, modulus: float, nu: float) -> tuple[list[list[float]], list[list[float]]]:
+        """Stresses and displacements on a circle, of each power."""
+        if n == 0:  # s = A + B/r^2, E u = (1 - nu) A r - (1 + nu) B/r
+            return [[1.0, r**-2]], [[(1.0 - nu) * r / modulus, -(1.0 + nu) / r / modulus]]
+        stress = [[(p - n * n) * r ** (p - 2) for p in powers], [n * (p - 1) * r ** (p - 2) for p in powers]]
+        radial = [((p - n * n) / (p - 1) - nu * p) * r ** (p - 1) / modulus for p in powers]
+        along = [(p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus) for p in powers]
+        return stress, [radial, along]
+
+    many, each, faces = len(powers), 1 if n == 0 else 2, len(layers)
+    A, load, at = np.zeros((many * faces, many * faces)), np.zeros(many * faces), 0
+    for k, (near, far, modulus, nu) in enumerate(layers):
+        own = slice(many * k, many * (k + 1))
+        for r, first, last in ((near / R, k == 0, False), (far / R, False, k == faces - 1)):
+            stress, moved = rows(r, modulus / E0, nu)
+            if first or last:
+                A[at : at + each, own] = stress
+                load[at] = -1.0 if first else 0.0
+                at += each
+            else:  # what leaves a layer enters the next
+                A[at : at + 2 * each, own] = np.array(stress + moved) * (1.0 if r == far / R else -1.0)
+                at += 2 * each * (r == near / R)
+    scale = np.abs(A).max(axis=0)
+    found = np.linalg.solve(A / scale, load) / scale
+    radial = np.array(rows(1.0, 1.0, layers[0][3])[1][0]) @ found[:many]
+    outward = 1.0 if layers[0][1] > layers[0][0] else -1.0
+    return float(outward * radial * R / (E0 * width))
+
+
+def modal(radius: float, stiffness: dict[int, float], **more: Any) -> RingShapes:
+    """Return shapes cos n psi and sin n psi of a load per arc and displacement k_n [N/m2].
+
+    K_0 = 2 pi R k_0, K_n = pi R k_n.
+    """
+    rows, held = list[list[complex]](), list[float]()
+    for n, k in stiffness.items():
+        for phase in (1.0, -1.0j) if n else (1.0,):
+            rows.append([phase if i == n else 0.0 for i in range(max(stiffness) + 1)])
+            held.append(math.pi * radius * k * (1.0 if n else 2.0))
+    return RingShapes(np.array(rows, complex), np.array(held), **more)
+
+
+def numbers(bearing: Bearing, highest: int | None, usual: int = _HARMONICS) -> list[int]:
+    """Return n of the shapes but 1: up to that which is asked for, or what forms of the raceways need."""
+    lobes = [
+        part.lobes or 0
+        for raceway in (bearing.inner_raceway, bearing.outer_raceway)
+        for part in (raceway.form if raceway is not None else ())
+    ]
+    most = max(2, bearing.rollers // 2)
+    return [n for n in range(min(max(usual, *lobes, 0, 0), most) + 1 if highest is None else highest + 1) if n != 1]
+
+
+def width_of(bearing: Bearing) -> float:
+    """Return the width of a ring [m]: listed, or estimated from the rollers (D)."""
+    listed = None if bearing.catalogue is None else bearing.catalogue.width
+    return listed or _WIDTH * bearing.roller_length
+
+
+def _size(doc: str, **more: Any) -> Any:
+    return parameter(
+        default=None, unit="m", doc=doc, validator=attrs.validators.optional(positive), usual=(1e-3, 5),
+        possible=(1e-5, 100), **more,
+    )  # fmt: skip
+
+
+def _modulus(of: str) -> Any:
+    return parameter(
+        default=None, unit="Pa", doc=f"Young's modulus of {of}, by default that of the rings",
+        validator=attrs.validators.optional(positive), usual=(1e9, 500e9), possible=(1e3, 2e12),
+    )  # fmt: skip
+
+
+def _highest(usual: int) -> Any:
+    return parameter(
+        default=None,
+        doc=f"highest n of a shape; by default {usual}, or the lobes of a raceway, at most half the rollers",
+        validator=attrs.validators.optional(at_least(0)),
+        usual=(0, 20),
+        possible=(0, 100),
+    )
+
+
+@attrs.frozen(kw_only=True)
+class Rigid(RingModel):
+    """A ring that keeps its shape.
+
+    w = 0.
+
+    Symbols:
+
+    - w: displacement of the raceway [m]
+
+    Range: play, or a load that bends the ring by less than the contacts yield; a preload is too large with it.
+
+    Examples
+    --------
+    >>> Rigid().shapes(None, "outer", False).stiffness.size
+    0
+    """
+
+    name: ClassVar[str] = "rigid"
+    equation: ClassVar[str] = "w = 0"
+    references: ClassVar[tuple[Reference, ...]] = (Reference(kind="remark", title="No law: the ring keeps its shape."),)
+
+    def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
+        """Return none."""
+        return RingShapes()
+
+
+@attrs.frozen(kw_only=True)
+class Annulus(RingModel):
+    """A ring and its housing or shaft that do not part: an annulus of two layers in plane stress.
+
+    w_n = c_n p_n, phi = sum c r^p cos(n psi), p = n, n + 2, -n, 2 - n (n = 0: Lame).
+
+    Symbols:
+
+    - w_n, p_n: displacement of the raceway [m] and load per arc [N/m], both cos(n psi)
+    - c_n: compliance by Airy's function phi of both layers [m2/N]; E, nu of the ring are those of the bearing,
+      those of housing or shaft ``modulus`` and ``poisson_ratio``
+    - n: up to ``harmonics``; n = 1 is where the ring stands
+    - outer ring: raceway, seat D, outside of the housing (``outside``); inner ring: raceway, bore d, bore of the shaft
+      (``bore``); both ``width`` wide
+
+    Range: any thickness, a tight seat, one temperature. Ribs stiffen a thin ring in bending and are not in it; load is
+    even across the width.
+
+    Examples
+    --------
+    >>> Annulus(harmonics=0).name
+    'annulus'
+    """
+
+    name: ClassVar[str] = "annulus"
+    equation: ClassVar[str] = "w_n = c_n p_n, phi = sum c r^p cos(n psi), p = n, n + 2, -n, 2 - n"
+    references: ClassVar[tuple[Reference, ...]] = (TIMOSHENKO_GOODIER_1970,)
+
+    outside: float | None = _size(
+        "outside diameter of the housing of an outer ring; by default that of bearing.mounting, or thick"
+    )
+    bore: float | None = parameter(
+        default=None, unit="m", doc="bore of the shaft of an inner ring; by default that of bearing.mounting, or solid",
+        validator=attrs.validators.optional(non_negative), usual=(0, 5), possible=(0, 100),
+    )  # fmt: skip
+    width: float | None = _size(
+        "width of ring and seat; by default that of the catalogue, or 1.8 times the rollers (D)"
+    )
+    modulus: float | None = _modulus("housing or shaft")
+    poisson_ratio: float | None = parameter(
+        default=None, unit="1", doc="Poisson's ratio of housing or shaft, by default that of the rings",
+        validator=attrs.validators.optional(in_range(0, 0.5)),
+    )  # fmt: skip
+    harmonics: int | None = _highest(_HARMONICS)
+
+    def layers(self, bearing: Bearing, ring: str) -> tuple[tuple[float, float, float, float], ...]:
+        """Return near and far radius [m], E [Pa] and nu of the ring and of what it sits on, if that is anything."""
+        steel, mounting = bearing.material, bearing.mounting or Mounting()
+        d, D = bearing.boundaries
+        if ring == "outer":
+            if self.bore is not None:
+                raise FieldError("bore", "is that of a shaft, of the inner ring; give 'outside' of the housing")
+            raceway, seat = bearing.outer_raceway_diameter, D
+            beyond = self.outside or mounting.housing_outside_diameter or _FAR * D
+            if beyond < D * (1.0 - 1e-9):
+                raise FieldError("outside", f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m")
+        else:
+            if self.outside is not None:
+                raise FieldError("outside", "is that of a housing, of the outer ring; give 'bore' of the shaft")
+            raceway, seat = bearing.inner_raceway_diameter, d
+            beyond = mounting.shaft_bore if self.bore is None else self.bore
+            if beyond > d * (1.0 + 1e-9):
+                raise FieldError("bore", f"must be at most the ring's own, {d:.4g} m, not {beyond:.4g} m")
+            beyond = max(beyond, d / _FAR)
+        own = (raceway / 2.0, seat / 2.0, steel.elastic_modulus, steel.poisson_ratio)
+        if abs(beyond - seat) <= 1e-9 * seat:
+            return (own,)
+        nu = steel.poisson_ratio if self.poisson_ratio is None else self.poisson_ratio
+        return own, (seat / 2.0, beyond / 2.0, self.modulus or steel.elastic_modulus, nu)
+
+    def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
+        """Return cosines and sines of the numbers n."""
+        layers, width = self.layers(bearing, ring), self.width or width_of(bearing)
+        k = {n: 1.0 / compliance_of_annulus(n, layers, width) for n in numbers(bearing, self.harmonics)}
+        return modal(layers[0][0], k)
+
+
+@attrs.frozen(kw_only=True)
+class ToothForce:
+    """A force on the rim of a planet."""
+
+    angle: float = field(unit="rad", doc="where it acts, from the line of load")
+    radial: float = field(default=0.0, unit="N", doc="outwards")
+    tangential: float = field(default=0.0, unit="N", doc="towards larger angles")
+    arm: float = field(default=0.0, unit="m", doc="how far outside the middle of the rim it acts")
+
+
+def beam_stiffness(n: int, radius: float, area: float, inertia: float, modulus: float, nu: float) -> float:
+    """Return load of the arc per radial displacement of a thin free ring [N/m2], n = 0 or from 2 on."""
+    if n == 0:
+        return modulus * area / radius**2
+    soft = inertia / (area * radius**2) * (2.0 * (1.0 + nu) * _SHEAR * n * n - 1.0)
+    return modulus * inertia * (n * n - 1) ** 2 / radius**4 / (1.0 + soft)
+
+
+@attrs.frozen(kw_only=True)
+class Thin(RingModel):
+    """A thin ring, free, on an elastic seat, or in one with clearance; the rim of a planet.
+
+    k_n = E I (n^2 - 1)^2/R^4/(1 + I/(A R^2) (2.4 (1 + nu) n^2 - 1)) + k_s, k_0 = E A/R^2 + k_s.
+
+    Symbols:
+
+    - k_n: load of the arc per displacement [N/m2], both cos(n psi); n up to ``harmonics``
+    - R, A, I: radius of the middle [m], area [m2] and moment of inertia [m4] of the section: ``width`` by
+      ``thickness``, or ``section_inertia`` where ribs stiffen it
+    - E, nu: of the bearing's material
+    - k_s: ``seat_stiffness``; with ``fit_clearance`` its springs push only where half of that is closed
+    - ``forces``: forces of teeth W outwards and T along the rim at the arm a push the shapes cos n psi by
+      W cos - T (sin/n) - (T a/R)(sin/n - n sin)
+
+    Range: thickness up to a tenth of R: 2 % of n = 8 there, 1 to 28 % at 0.3 R. A housing is no such seat: ``annulus``.
+
+    Examples
+    --------
+    >>> Thin(thickness=0.01).name
+    'thin'
+    """
+
+    name: ClassVar[str] = "thin"
+    equation: ClassVar[str] = "k_n = E I (n^2 - 1)^2/R^4/(1 + I/(A R^2) (2.4 (1 + nu) n^2 - 1)) + k_s"
+    references: ClassVar[tuple[Reference, ...]] = (TIMOSHENKO_1956, BARBER_1978)
+
+    thickness: float | None = _size("radial thickness; by default from the raceway to the seat")
+    width: float | None = _size("width; by default that of the catalogue, or 1.8 times the rollers (D)")
+    section_inertia: float | None = parameter(
+        default=None, doc="moment of inertia of the section [m4]; by default width times thickness^3/12",
+        validator=attrs.validators.optional(positive), unit="1", possible=(1e-20, 1.0),
+    )  # fmt: skip
+    seat_stiffness: float = parameter(
+        default=0.0, unit="Pa", doc="load of the arc per displacement of the seat", validator=non_negative,
+        usual=(0, 1e12), possible=(0, 1e15),
+    )  # fmt: skip
+    fit_clearance: float | None = parameter(
+        default=None, unit="m", doc="play of the ring in its seat, of diameters; by default they do not part",
+        validator=attrs.validators.optional(non_negative), usual=(0, 3e-4), possible=(0, 1e-2),
+    )  # fmt: skip
+    forces: tuple[ToothForce, ...] = parameter(default=(), doc="forces of teeth on the rim")
+    harmonics: int | None = _highest(12)
+
+    def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
+        """Return cosines and sines of the numbers n; with a seat n = 1 is among them."""
+        d, D = bearing.boundaries
+        raceway, seat = (bearing.outer_raceway_diameter, D) if ring == "outer" else (bearing.inner_raceway_diameter, d)
+        h, width = self.thickness or abs(raceway - seat) / 2.0, self.width or width_of(bearing)
+        R = raceway / 2.0 + (0.5 if ring == "outer" else -0.5) * h
+        if h / 2.0 >= R:
+            raise FieldError("thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m")
+        area, inertia = width * h, self.section_inertia or width * h**3 / 12.0
+        steel, loose = bearing.material, self.fit_clearance is not None
+        if loose and not self.seat_stiffness > 0.0:
+            raise FieldError("seat_stiffness", "must be above 0 with a fit_clearance: nothing else stops the ring")
+        held = 0.0 if loose else self.seat_stiffness
+        chosen = numbers(bearing, self.harmonics, 12)
+        k = {n: held + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio) for n in chosen}
+        if self.seat_stiffness > 0.0:
+            k = {n: k[n] if n != 1 else held for n in sorted((*k, 1))}
+        pushes = sum(
+            (self._push(list(k), one, R, ring) for one in self.forces), np.zeros(sum(2 if n else 1 for n in k))
+        )
+        stops = None
+        if self.fit_clearance is not None:
+            angles = 2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float)
+            stops = Stops(angles, self.seat_stiffness * R * 2.0 * math.pi / _STOPS, 0.5 * self.fit_clearance)
+        return modal(R, k, pushes=pushes, stops=stops)
+
+    @staticmethod
+    def _push(numbers: list[int], force: ToothForce, radius: float, ring: str) -> Floats:
+        """Work of a force on each shape; v' = -w, and a section turns by (v - w')/R."""
+        found = list[float]()
+        W, T, arm = force.radial * (1.0 if ring == "outer" else -1.0), force.tangential, force.arm
+        for n in numbers:
+            c, s = math.cos(n * force.angle), math.sin(n * force.angle)
+            for w, v, slope in ((c, -s / n, -n * s), (s, c / n, n * c)) if n else ((1.0, 0.0, 0.0),):
+                found.append(W * w + T * (v + arm * (v - slope) / radius))
+        return np.array(found)
+
+
+@attrs.frozen(kw_only=True)
+class Compliance(RingModel):
+    """Any ring by its compliance matrix, as a finite-element program gives it.
+
+    w_i = sum C_ij F_j.
+
+    Symbols:
+
+    - w_i: displacement of the raceway at N equal angles from the line of load, away from the rollers [m]
+    - F_j: forces of rollers there, away from them [N]
+    - C_ij: compliance [m/N], the rows of ``file``; between the angles it is interpolated by Fourier terms up to half
+      the rollers
+
+    Range: linear, and standing in the line of load. How the ring moves as a whole must be held by its housing, or taken
+    out of the matrix.
+
+    Examples
+    --------
+    >>> Compliance(file="/rings/planet.csv").name
+    'compliance'
+    """
+
+    name: ClassVar[str] = "compliance"
+    equation: ClassVar[str] = "w_i = sum C_ij F_j"
+    references: ClassVar[tuple[Reference, ...]] = (
+        Reference(kind="remark", title="The finite-element model that gave the matrix."),
+    )
+
+    file: str = parameter(
+        doc="full path of a CSV file: N rows of N numbers [m/N] at equal angles, the first in the line of load"
+    )
+
+    def matrix(self) -> Floats:
+        """Return the matrix, made symmetric."""
+        rows = [
+            line.split(",") for line in named_text(self.file).splitlines() if line.strip() and line.strip()[0] != "#"
+        ]
+        try:
+            C = np.array([[float(cell) for cell in row] for row in rows])
+        except ValueError as error:
+            raise FieldError("file", f"{self.file}: rows of N numbers are expected, N times: {error}") from None
+        if C.ndim != 2 or C.shape[0] != C.shape[1] or len(C) < 8:
+            raise FieldError("file", f"{self.file}: a square matrix of 8 rows or more is expected, not {C.shape}")
+        largest = np.abs(C).max()
+        if not 0.0 < largest < math.inf or np.abs(C - C.T).max() > 1e-3 * largest:
+            raise FieldError(
+                "file", f"{self.file}: must be finite and symmetric, for work to be the same both ways (Maxwell)"
+            )
+        return np.asarray(0.5 * (C + C.T))
+
+    def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
+        """Return the eigenvectors of what Fourier terms leave of the matrix."""
+        if turns:
+            raise FieldError(
+                "model", "a matrix stands in the line of load, but this ring turns: take 'annulus' or 'thin'"
+            )
+        C = self.matrix()
+        N = len(C)
+        values = np.linalg.eigvalsh(C)
+        if values[0] < -_STIFF * values[-1]:
+            raise FieldError(
+                "file",
+                f"{self.file}: is not positive: forces would draw work from the ring (eigenvalue {values[0]:.3g} of "
+                f"{values[-1]:.3g} m/N); check signs, and that w and F both point away from the rollers",
+            )
+        highest = min((N - 1) // 2, max(2, bearing.rollers // 2))
+        angles = 2.0 * math.pi / N * np.arange(N)
+        waves = [(n, phase) for n in range(highest + 1) for phase in ((1.0, -1.0j) if n else (1.0,))]
+        basis = np.array([np.real(phase * np.exp(1j * n * angles)) for n, phase in waves]).T
+        size = np.sqrt((basis**2).sum(axis=0))
+        values, vectors = np.linalg.eigh((basis / size).T @ C @ (basis / size))
+        kept = values > _STIFF * values[-1]
+        harmonics = np.zeros((kept.sum(), highest + 1), complex)
+        for (n, phase), row, norm in zip(waves, vectors[:, kept], size, strict=True):
+            harmonics[:, n] += phase * row / norm
+        return RingShapes(harmonics, 1.0 / values[kept])
+
+
+@hookimpl
+def ring_models() -> list[type[RingModel]]:
+    """Offer the models."""
+    return [Rigid, Annulus, Thin, Compliance]

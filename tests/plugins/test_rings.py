@@ -1,0 +1,400 @@
+"""Rings that yield and raceways out of round, against closed forms, a frame of beams and what symmetry says."""
+
+import math
+from types import SimpleNamespace
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rollslip import Chain, Conditions, evolve, get_model, load_scene, run
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
+from rollslip.errors import DomainError, SceneError
+from rollslip.rings import Rings, RingShapes, Stops
+from rollslip.scene.clearance import share
+from rollslip_plugins.rings import Annulus, Thin, beam_stiffness, compliance_of_annulus, modal
+
+#: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
+R, WIDTH, H, E = 0.10125, 0.028, 0.0075, 208e9
+AREA, INERTIA = WIDTH * H, WIDTH * H**3 / 12
+LIST = {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028}
+RIGID = RingShapes()
+
+
+def bending(modes, seat=0.0, **more):
+    """Shapes of a thin ring that bends without shear or stretching, k_n = E I (n^2 - 1)^2/R^4."""
+    return modal(R, {n: E * INERTIA * (n * n - 1) ** 2 / R**4 + seat for n in modes}, **more)
+
+
+def law(length=0.015):
+    chain = Chain(get_model("contact", "palmgren").deflection())
+    side = SimpleNamespace(conditions=Conditions(length=length), deflection=chain)
+    return side, side
+
+
+def case(rings, Z=28, instants=4, **changes):
+    values = {"radial_clearance": 0.0, "radial_load": 1037.0, "psi": angular_positions(Z, instants)} | changes
+    return LoadCase(roller_length=0.015, drop=[0.0], rings=rings, **values)
+
+
+def scene(**changes):
+    return evolve(load_scene("1032930-50C"), {"accuracy.slices": 5, "bearing.catalogue": LIST} | changes)
+
+
+def loads(instants=4, **changes):
+    return assemble(scene(**changes)).load_distribution(instants)
+
+
+# The rings ------------------------------------------------------------------------------------------------------------
+
+
+def test_two_opposed_forces_on_a_free_ring_flatten_it_as_timoshenko_says():
+    # pi/4 - 2/pi = 0.14878 along the forces, 1/2 - 2/pi = -0.13662 across, over F R^3/(E I) (Strength of Materials II)
+    ring = bending(range(2, 2001))
+    shapes = ring.at(np.array([0.0, np.pi, np.pi / 2]))
+    moved = shapes @ ((shapes[0] + shapes[1]) / ring.stiffness) * E * INERTIA / R**3
+    assert moved[0] + moved[1] == pytest.approx(np.pi / 4 - 2 / np.pi, rel=1e-9)
+    assert 2 * moved[2] == pytest.approx(1 / 2 - 2 / np.pi, rel=1e-9)
+
+
+def frame(n, seat):
+    """Radial compliance of a ring of n straight beams without shear on radial springs of ``seat`` [N/m2 of arc]."""
+    L = 2 * R * np.sin(np.pi / n)
+    a, b, K, T = E * AREA / L, E * INERTIA, np.zeros((3 * n, 3 * n)), np.zeros((6, 6))
+    own = [np.array([[a, 0, 0], [0, 12 * b / L**3, s * b / L**2], [0, s * b / L**2, 4 * b / L]]) for s in (6, -6)]
+    link = np.array([[-a, 0, 0], [0, -12 * b / L**3, 6 * b / L**2], [0, -6 * b / L**2, 2 * b / L]])
+    for k, x in ((0, np.pi / 2 + np.pi / n), (3, np.pi / 2 - np.pi / n)):
+        T[k : k + 3, k : k + 3] = [[np.cos(x), np.sin(x), 0], [-np.sin(x), np.cos(x), 0], [0, 0, 1]]
+    for e in range(n):
+        dof = (3 * e + np.arange(6)) % (3 * n)
+        K[np.ix_(dof, dof)] += T.T @ np.block([[own[0], link], [link.T, own[1]]]) @ T
+    return np.linalg.solve(K + np.diag(np.tile([seat * L, 1e-9 * seat * L, 0], n)), np.eye(3 * n)[:, ::3])[::3]
+
+
+@pytest.mark.parametrize(("seat", "error"), [(1e8, 1e-3), (1e9, 2e-3)])
+def test_a_thin_ring_on_a_seat_yields_as_a_frame_of_beams_does(seat, error):
+    # 360 elements leave some 1/N^2; both stretch (k_0 and the bracket), the frame does not shear
+    n, s = 360, INERTIA / (AREA * R**2)
+    free = {0: E * AREA / R**2, 1: 0.0} | {k: E * INERTIA * (k * k - 1) ** 2 / R**4 / (1.0 - s) for k in range(2, 61)}
+    ring, C = modal(R, {k: stiff + seat for k, stiff in free.items()}), frame(n, seat)[:, 0]
+    found = ring.at(2 * np.pi * np.arange(n) / n) @ (ring.at(np.zeros(1))[0] / ring.stiffness)
+    assert np.abs(found - C).max() < error * C.max()
+
+
+@pytest.mark.parametrize("n", [0, 2, 3, 6])
+def test_a_thin_annulus_is_a_beam(n):
+    h = 0.02 * R
+    annulus = compliance_of_annulus(n, ((R - h / 2, R + h / 2, E, 0.3),), WIDTH) / (R - h / 2) * R
+    assert annulus * beam_stiffness(n, R, WIDTH * h, WIDTH * h**3 / 12, E, 0.3) == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("n", [0, 2, 3, 8, 14])
+@pytest.mark.parametrize("radii", [(0.0975, 0.105, 0.115), (0.0825, 0.075, 0.06)])
+def test_a_ring_and_a_seat_of_its_own_steel_are_one_annulus(n, radii):
+    raceway, seat, beyond = radii
+    two = compliance_of_annulus(n, ((raceway, seat, E, 0.3), (seat, beyond, E, 0.3)), WIDTH)
+    assert two == pytest.approx(compliance_of_annulus(n, ((raceway, beyond, E, 0.3),), WIDTH), rel=1e-10)
+    soft = compliance_of_annulus(n, ((raceway, seat, E, 0.3), (seat, beyond, 1.0, 0.3)), WIDTH)
+    assert soft == pytest.approx(compliance_of_annulus(n, ((raceway, seat, E, 0.3),), WIDTH), rel=1e-7)
+
+
+@pytest.mark.parametrize(("raceway", "seat", "beyond"), [(0.165, 0.15, 0.12), (0.165, 0.15, 0.0), (0.195, 0.21, 0.25)])
+def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, seat, beyond):
+    # by Maxwell: a seat held to the ring takes share^2 F of the compliance of the free ring, F that of both at the seat
+    material = load_scene("1032930-50C").bearing.material
+    r, s, b = raceway / 2, seat / 2, max(beyond, 1e-4) / 2
+
+    def of(near, *rest):
+        layers, start = [], near
+        for far in rest:
+            layers.append((start, far, material.elastic_modulus, material.poisson_ratio))
+            start = far
+        return compliance_of_annulus(0, tuple(layers), WIDTH) / (2 * np.pi * near)
+
+    taken = of(r, s) - of(r, s, b)
+    assert taken == pytest.approx(share(material, raceway, seat, beyond) ** 2 * (of(s, r) + of(s, b)), rel=1e-5)
+
+
+def test_a_housing_stiffens_lobes_far_more_than_the_hoop():
+    # k_2, k_3, k_0 of ring and housing in steel [N/m2], of own frames and the table of the prototype, 2 digits
+    wanted = {
+        0: (1.8e7, 1.3e8, 4.3e9),
+        10: (2.0e8, 1.4e9, 9.3e9),
+        20: (6.5e8, 4.3e9, 1.4e10),
+        50: (3.6e9, 2.0e10, 2.3e10),
+    }
+    bearing = scene().bearing
+    for thick, stiff in wanted.items():
+        layers = Annulus(outside=0.21 + 2e-3 * thick).layers(bearing, "outer")
+        found = [1 / compliance_of_annulus(n, layers, WIDTH) for n in (2, 3, 0)]
+        assert found == pytest.approx(stiff, rel=0.04)
+
+
+# The bearing ----------------------------------------------------------------------------------------------------------
+
+
+def test_rings_without_shapes_are_rigid_to_the_bit():
+    one, other = (solve_pitch(case(rings), law()) for rings in (None, Rings(RIGID, RIGID)))
+    for name in ("inner_load", "outer_load", "displacement", "roller_shift"):
+        assert np.array_equal(getattr(one, name), getattr(other, name))
+    assert other.deflection.shape == (4, 0)
+    assert loads(**{"models.outer_ring": "rigid"}).inner_load.tobytes() == loads().inner_load.tobytes()
+
+
+def test_ever_stiffer_rings_come_to_the_rigid_loads():
+    rigid = solve_pitch(case(None), law()).inner_force
+    shapes = bending(range(2, 7))
+    off = []
+    for stiffer in (1e4, 1e6, 1e8):
+        ring = attrs.evolve(shapes, stiffness=stiffer * shapes.stiffness)
+        off.append(np.abs(solve_pitch(case(Rings(RIGID, ring)), law()).inner_force - rigid).max() / rigid.max())
+    assert off[1] < 0.02 * off[0]
+    assert off[2] < 0.02 * off[1]
+
+
+def test_two_rollers_in_a_ring_of_two_lobes():
+    # 4 D(Q) + (pi/4 - 2/pi) Q R^3/(E I) = 50 um, Palmgren's D = 3.84e-8 Q^0.9/l^0.8 [m, N, mm]
+    rings = Rings(RIGID, bending(range(2, 201)), waves=((2, 25e-6, 0.0),))
+    solved = solve_equilibrium(case(rings, psi=np.array([[0.0, np.pi]]), radial_load=0.0), law())
+    q = solved.inner_force[0, 0]
+    assert q > 10.0
+    closed = 4 * 3.84e-8 * q**0.9 / 15**0.8 + (np.pi / 4 - 2 / np.pi) * R**3 / (E * INERTIA) * q
+    assert closed == pytest.approx(50e-6, rel=1e-5)
+
+
+def test_a_ring_that_is_soft_in_bending_spreads_the_load_evenly():
+    # Q = mean + 2 F/Z cos(psi) as E I -> 0, all rollers loaded
+    stiff = bending(range(2, 15))
+    off = []
+    for softer in (1.0, 1e-2):
+        rings = Rings(RIGID, attrs.evolve(stiff, stiffness=softer * stiff.stiffness))
+        q = solve_equilibrium(case(rings, radial_clearance=-1e-5), law()).inner_force
+        off.append(np.abs(q - q.mean() - 1037.0 / 14 * np.cos(angular_positions(28, 4))).max() / (1037.0 / 14))
+    assert off[0] < 0.05
+    assert off[1] < 0.02 * off[0]
+
+
+def energy(case, q, at, shift):
+    """Potential of a bearing with straight rollers under Palmgren's law [J]."""
+    psi, rings = case.psi[0], case.rings
+    factor, p = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9), 1 / 0.9
+    # displacement of rollers in space: that of their raceway, and their shift from it
+    gap = at @ np.array([np.cos(psi), np.sin(psi)]) - case.radial_clearance / 2 + rings.form(psi)
+    m = rings.inner.stiffness.size
+    gap = gap - rings.inner.at(psi) @ q[:m] - rings.outer.at(psi) @ q[m:]
+    outward = shift + rings.outer.at(psi) @ q[m:]
+    stored = sum(factor * np.maximum(d, 0.0) ** (p + 1) / (p + 1) for d in (gap - shift, shift)).sum()
+    stiffness = np.concatenate((rings.inner.stiffness, rings.outer.stiffness))
+    stored += 0.5 * stiffness @ q**2 - case.radial_load * at[0] - case.centrifugal_force * outward.sum()
+    for ring, part in ((rings.inner, q[:m]), (rings.outer, q[m:])):
+        stored -= ring.pushes @ part
+        if ring.stops is not None:
+            deep = np.maximum(ring.at(ring.stops.angles) @ part - ring.stops.gap, 0.0)
+            stored += 0.5 * ring.stops.stiffness * (deep**2).sum()
+    return stored
+
+
+LOOSE = Stops(2 * np.pi * np.arange(72) / 72, 3e8 * R * 2 * np.pi / 72, 10e-6)
+
+
+@pytest.mark.parametrize(
+    "rings",
+    [
+        Rings(RIGID, bending(range(2, 9)), waves=((2, 25e-6, np.pi / 2),)),
+        Rings(bending(range(2, 6)), bending(range(1, 9), seat=3e8), waves=((3, 20e-6, 0.4),)),
+        Rings(RIGID, bending(range(1, 9), stops=LOOSE)),
+    ],
+    ids=["free", "both", "loose"],
+)
+def test_at_rest_the_potential_is_least(rings):
+    # one convex potential has one least: from anywhere, the way to the solution goes down all along
+    c = case(rings, instants=1, centrifugal_force=174.0)
+    s = solve_equilibrium(c, law())
+    rest = s.deflection[0], s.displacement[0], s.roller_shift[0]
+    least, rng = energy(c, *rest), np.random.default_rng(1)
+    for _ in range(400):
+        size = 10.0 ** rng.uniform(-6, -3)
+        away = [rng.normal(size=part.shape) * size for part in rest]
+        way = [energy(c, *(a + share * b for a, b in zip(rest, away, strict=True))) for share in (1.0, 0.5, 0.1)]
+        assert way[0] > way[1] > way[2] > least
+
+
+def test_a_ring_with_play_bends_until_its_seat_stops_it():
+    # 20 um of play in a stiff bore: half as many rollers carry, and the most loaded one twice as much
+    tight = Rings(RIGID, bending(range(1, 9), seat=1e10))
+    loose = Rings(RIGID, bending(range(1, 9), stops=attrs.evolve(LOOSE, stiffness=1e10 * R * 2 * np.pi / 72)))
+    found = {}
+    for name, rings in (("tight", tight), ("loose", loose)):
+        c = case(rings, centrifugal_force=174.0)
+        s = solve_pitch(c, law())
+        found[name] = s.inner_force
+        assert (s.inner_force * np.cos(s.psi)).sum(axis=1) == pytest.approx(1037.0, rel=1e-10)
+    assert found["loose"].max() > 1.8 * found["tight"].max()
+    assert np.count_nonzero(found["loose"][0]) < np.count_nonzero(found["tight"][0])
+
+
+def test_a_compliance_matrix_of_a_ring_stands_for_it(tmp_path):
+    thin = {"model": "thin", "width": WIDTH, "thickness": H, "harmonics": 12, "seat_stiffness": 3e8}
+    ring = Thin(width=WIDTH, thickness=H, harmonics=12, seat_stiffness=3e8)
+    shapes = ring.shapes(scene().bearing, "outer", False)
+    at = shapes.at(2 * np.pi * np.arange(72) / 72)
+    file = tmp_path / "ring.csv"
+    np.savetxt(file, at / shapes.stiffness @ at.T, delimiter=",", header="C [m/N]")
+    form = {"bearing.outer_raceway.form": [{"lobes": 2, "amplitude": "25 um", "angle": "90 deg"}]}
+    one = loads(**form, **{"models.outer_ring": thin})
+    other = loads(**form, **{"models.outer_ring": {"model": "compliance", "file": str(file)}})
+    assert np.abs(one.inner_force - other.inner_force).max() < 1e-8 * one.inner_force.max()
+
+
+# What symmetry says ---------------------------------------------------------------------------------------------------
+
+lobed = st.lists(st.tuples(st.integers(2, 6), st.floats(0.0, 4e-5), st.floats(-3.0, 3.0)), min_size=1, max_size=3)
+
+
+@settings(max_examples=25, deadline=None)
+@given(waves=lobed, clearance=st.floats(-3e-5, 6e-5), speed=st.floats(0.0, 500.0))
+def test_a_bearing_mirrors_its_loads_with_its_forms(waves, clearance, speed):
+    ring = bending(range(2, 7), seat=1e8)
+    c = case(Rings(RIGID, ring, tuple(waves)), radial_clearance=clearance, centrifugal_force=speed, instants=2)
+    mirrored = tuple((n, a, -angle) for n, a, angle in waves)
+    one = solve_equilibrium(c, law())
+    other = solve_equilibrium(attrs.evolve(c, psi=-c.psi, rings=Rings(RIGID, ring, mirrored)), law())
+    scale = max(one.outer_force.max(), 1037.0)
+    assert np.abs(one.inner_force - other.inner_force).max() < 1e-7 * scale
+    assert (one.inner_force * np.cos(c.psi)).sum(axis=1) == pytest.approx(1037.0, abs=1e-9 * scale)
+    assert (one.inner_force * np.sin(c.psi)).sum(axis=1) == pytest.approx(0.0, abs=1e-9 * scale)
+
+
+@settings(max_examples=25, deadline=None)
+@given(waves=lobed, clearance=st.floats(-3e-5, 0.0))
+def test_without_load_a_form_that_is_turned_by_a_pitch_turns_its_loads(waves, clearance):
+    pitch = 2 * math.pi / 28
+    turned = tuple((n, a, angle + pitch) for n, a, angle in waves)
+    found = [
+        solve_equilibrium(
+            case(
+                Rings(RIGID, bending(range(2, 7), seat=1e8), w), radial_clearance=clearance, radial_load=0.0, instants=1
+            ),
+            law(),
+        ).inner_force
+        for w in (tuple(waves), turned)
+    ]
+    assert np.abs(np.roll(found[0], 1, axis=1) - found[1]).max() <= 1e-6 * max(found[0].max(), 1.0)
+
+
+def test_half_a_pitch_tells_of_the_other_only_where_forms_mirror_themselves():
+    for angle, mirrored in ((np.pi / 2, True), (0.3, False)):
+        rings = Rings(RIGID, bending(range(2, 7), seat=1e8), waves=((2, 2e-5, angle),))
+        c = case(rings, instants=6)
+        assert c.mirrored == mirrored
+        pitch, every = solve_pitch(c, law()), solve_equilibrium(c, law())
+        for name in ("inner_force", "deflection"):
+            found, want = getattr(pitch, name), getattr(every, name)
+            assert np.abs(found - want).max() < 1e-7 * np.abs(want).max()
+
+
+def test_friction_counts_all_rollers_of_forms_that_do_not_mirror_themselves():
+    def slip(angle):
+        form = [{"lobes": 2, "amplitude": "20 um", "angle": angle}]
+        result = run(scene(**{"bearing.outer_raceway.form": form}), "effective-friction")
+        return float(result.runaway_slip), float(result.runaway_drag)
+
+    straight, turned, other = slip(0.0), slip(1e-7), slip(-0.4)
+    assert turned == pytest.approx(straight, rel=1e-3)
+    assert slip(0.4) == pytest.approx(other, rel=1e-3)
+
+
+# Scenes ---------------------------------------------------------------------------------------------------------------
+
+
+def test_a_sleeve_lets_little_of_a_preload_through():
+    # 46.4 um tight: 1256 MPa rigid, 662 to 758 MPa in sleeves of 5 to 15 mm, hollow shaft; force as pressure squared
+    tight = {"bearing.radial_clearance": -46.4e-6, "operation.inner_speed": 1047.2, "operation.radial_load": 1037.0}
+    rigid = loads(**tight).inner_force.max()
+    for thick, ratio in ((5, 662 / 1256), (15, 758 / 1256)):
+        held = {
+            "models.outer_ring": {"model": "annulus", "outside": 0.21 + 2e-3 * thick, "harmonics": 0},
+            "models.inner_ring": {"model": "annulus", "bore": 0.12, "harmonics": 0},
+        }
+        found = math.sqrt(loads(**tight, **held).inner_force.max() / rigid)
+        assert 0.85 * 662 / 1256 < found < 1.15 * 758 / 1256, (thick, ratio, found)
+
+
+def test_a_table_of_a_form_is_the_wave_it_was_taken_of(tmp_path):
+    angles = np.linspace(0.0, 360.0, 720, endpoint=False)
+    heights = 20.0 * np.cos(3 * np.radians(angles - 10.0))
+    file = tmp_path / "form.csv"
+    rows = "\n".join(f"{a}, {h}" for a, h in zip(angles, heights, strict=True))
+    file.write_text(f"# measured\nangle [deg], height [um]\n{rows}\n")
+    wave = loads(**{"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "20 um", "angle": "10 deg"}]})
+    for form in (
+        {"file": str(file)},
+        {"angles": [f"{a} deg" for a in angles], "heights": [f"{h} um" for h in heights]},
+    ):
+        found = loads(**{"bearing.outer_raceway.form": [form]})
+        assert np.abs(found.inner_force - wave.inner_force).max() < 1e-3 * wave.inner_force.max()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"bearing.inner_raceway.form": [{"lobes": 2, "amplitude": "20 um"}]}, "turns with its ring"),
+        ({"models.outer_ring": {"model": "annulus", "bore": "0.1 m"}}, "models.outer_ring.bore: is that of a shaft"),
+        ({"models.outer_ring": {"model": "annulus", "outside": "0.2 m"}}, "must be at least the ring's own"),
+        ({"models.outer_ring": {"model": "thin", "fit_clearance": "20 um"}}, "seat_stiffness: must be above 0"),
+        ({"models.outer_ring": {"model": "thin", "thickness": "0.5 m"}, "models.inner_ring": "annulus"}, None),
+        ({"models.inner_ring": {"model": "thin", "thickness": "0.2 m"}}, "leaves no bore"),
+        ({"bearing.outer_raceway.form": [{"lobes": 1, "amplitude": "20 um"}]}, "lobes"),
+        ({"bearing.outer_raceway.form": [{"amplitude": "20 um"}]}, "give one of lobes"),
+        ({"bearing.outer_raceway.form": [{"angles": ["0 deg", "9 deg"], "heights": ["1 um"]}]}, "4 places"),
+        ({"bearing.outer_raceway.form": [{"file": "/no/such.csv"}]}, "cannot be read"),
+        ({"models.outer_ring": {"model": "compliance", "file": "ring.csv"}}, "must be a full path"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_words(changes, said):
+    if said is None:
+        assert loads(**changes).force_residual < 1e-10
+        return
+    with pytest.raises(SceneError, match=said):
+        assemble(scene(**changes))
+
+
+@pytest.mark.parametrize(
+    ("matrix", "said"),
+    [
+        (-1e-9 * np.eye(12), "not positive"),
+        (1e-9 * np.eye(12) - 2e-10, "not positive"),
+        (1e-9 * np.triu(np.ones((12, 12))), "symmetric"),
+        (1e-9 * np.ones((12, 11)), "square"),
+        (np.full((12, 12), np.nan), "finite"),
+    ],
+    ids=["negative", "indefinite", "one-sided", "oblong", "nan"],
+)
+def test_a_matrix_that_no_ring_has_is_refused(matrix, said, tmp_path):
+    file = tmp_path / "ring.csv"
+    np.savetxt(file, matrix, delimiter=",")
+    with pytest.raises(SceneError, match=said):
+        assemble(scene(**{"models.outer_ring": {"model": "compliance", "file": str(file)}}))
+
+
+def test_a_shape_that_nothing_holds_is_refused():
+    with pytest.raises(ValueError, match="nothing holds it"):
+        RingShapes(np.ones((1, 3), complex), np.zeros(1))
+
+
+def test_a_ring_pressed_oval_until_no_roller_is_loaded_is_found():
+    push = np.zeros(15)
+    push[0] = 4e3  # twice pi R k_2 of that is 1 mm
+    rings = Rings(RIGID, attrs.evolve(modal(R, {0: 1e9} | dict.fromkeys(range(2, 9), 100000000.0)), pushes=push))
+    s = solve_pitch(case(rings, radial_load=0.0, radial_clearance=5e-5), law())
+    assert not s.inner_force.any()
+    assert s.deflection[:, 0] == pytest.approx(4e3 / (2 * np.pi * R * 1e9), rel=1e-9)
+
+
+def test_plane_motion_refuses_rings_that_yield():
+    given = scene(**{"models.outer_ring": "annulus"})
+    with pytest.raises(DomainError, match="plane motion knows rigid, round rings only"):
+        run(evolve(given, {"study.dynamics": {"level": "planar", "planar": {"inner_ring_mass": "5 kg"}}}), "dynamics")
