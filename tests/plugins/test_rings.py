@@ -13,8 +13,10 @@ from rollslip import Chain, Conditions, evolve, get_model, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import DomainError, SceneError
+from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops
 from rollslip.scene.clearance import share
+from rollslip.scene.rings import reaching
 from rollslip_plugins.rings import Annulus, Thin, beam_stiffness, compliance_of_annulus, modal
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
@@ -392,6 +394,33 @@ def test_a_ring_pressed_oval_until_no_roller_is_loaded_is_found():
     s = solve_pitch(case(rings, radial_load=0.0, radial_clearance=5e-5), law())
     assert not s.inner_force.any()
     assert s.deflection[:, 0] == pytest.approx(4e3 / (2 * np.pi * R * 1e9), rel=1e-9)
+
+
+@pytest.mark.parametrize("thick", [0, 200])
+@pytest.mark.parametrize("lobes", [0, 2, 3])
+def test_a_plan_says_how_much_of_a_preload_reaches_the_rollers(thick, lobes):
+    # of 20 um on straight rollers, as the whole equilibrium has it, whose contacts stiffen a little with load
+    place = {"bore": "0.15 m"} if thick == 0 else {}
+    held = {
+        "models.outer_ring": {"model": "annulus"} | ({"outside": "0.21 m"} if thick == 0 else {}),
+        "models.inner_ring": {"model": "annulus"} | place,
+        "operation.radial_load": "0 N",
+    }
+    tight = {"bearing.radial_clearance": "-20 um", "bearing.profile": {"shape": "none"}}
+    if lobes:
+        tight = tight | {"bearing.radial_clearance": 0.0}
+        tight["bearing.outer_raceway.form"] = [{"lobes": lobes, "amplitude": "10 um"}]
+    rigid, yielding = (
+        loads(**tight, **more, **{"operation.inner_speed": "10 rpm"})
+        for more in ({"operation.radial_load": "0 N"}, held)
+    )
+    found = yielding.inner_force.max() / rigid.inner_force.max()
+    expected = reaching(scene().bearing, lobes)[thick > 0]
+    assert expected == pytest.approx(found, rel=0.15, abs=0.003)
+    if lobes == 0 and thick == 0:
+        (said,) = implausible(scene(**tight))
+        assert f"of 20 um about {100 * expected:.0f} % (bare rings) to" in said
+        assert implausible(scene(**tight, **held)) == []
 
 
 def test_plane_motion_refuses_rings_that_yield():

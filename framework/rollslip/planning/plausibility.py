@@ -16,6 +16,7 @@ from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
+from rollslip.scene.rings import reaching
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
 from rollslip.studies.study import study_class
@@ -76,10 +77,27 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
     """Yield what is stated beside a clearance in operation and not used, and that seats leave a preload."""
     for key in unused(raw.get("bearing", {})):
         yield where.at(key), "is not used: bearing.radial_clearance is stated, that in operation"
-    mounted = scene.bearing.mounted
-    if mounted is not None and mounted.clearance < 0.0:
-        said = f"the bearing runs preloaded: {mounted}; rings are rigid here, so that forces of rollers are too large"
-        yield where.at("mounting"), f"{said}; take a looser fit or class, or a smaller temperature_difference"
+    b, mounted = scene.bearing, scene.bearing.mounted
+    preloads = [(where.at("mounting" if mounted else "radial_clearance"), -b.radial_clearance, 0)]
+    for at, raceway in ((where.at("outer_raceway"), b.outer_raceway), (where.at("inner_raceway"), b.inner_raceway)):
+        form = () if raceway is None else raceway.form
+        preloads += [(at, 2.0 * part.amplitude - b.radial_clearance, part.lobes) for part in form if part.lobes]
+    rings = (scene.models.inner_ring, scene.models.outer_ring)
+    if any(choice is not None and choice.name != "rigid" for choice in rings):
+        return
+    for at, preload, lobes in preloads:
+        if preload > 0.0:
+            how = f": {mounted}" if mounted and not lobes else ""
+            told = "too large"
+            with contextlib.suppress(RollslipError):
+                bare, held = reaching(b, lobes)
+                told += f": of {preload * 1e6:.3g} um about {100 * bare:.0f} % (bare rings) to {100 * held:.0f} % "
+                told += "(with the housing and shaft of bearing.mounting, or thick ones) reach the rollers"
+            yield (
+                at,
+                f"the bearing runs preloaded{how}; rings are rigid here, so that forces of rollers are {told}; give "
+                "models.outer_ring and models.inner_ring, or take a looser fit or class",
+            )
 
 
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:

@@ -1,7 +1,7 @@
 """The rings of a scene: how they yield, by their models, and how their raceways are out of round."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -13,9 +13,12 @@ from rollslip.files import named_text, read_columns
 from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.structure import Location
 
-__all__ = ["rings_of"]
+__all__ = ["reaching", "rings_of"]
 
 Floats = NDArray[np.float64]
+
+#: Model by which it is told what rigid rings leave out.
+_YIELDING: Final = "annulus"
 
 
 @attrs.frozen(kw_only=True)
@@ -71,3 +74,25 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
     if problems or not (waves or tables or any(one.stiffness.size for one in found.values())):
         return None
     return Rings(found["inner"], found["outer"], tuple(waves), tuple(tables))
+
+
+def reaching(bearing: Any, lobes: int = 0) -> tuple[float, float]:
+    """Return which share of a preload presses rollers of rings that yield: bare ones, and such on what they sit on.
+
+    1/(1 + Phi), Phi = Z k/K of the hoop, Z k/(4 K) of lobes, over both rings, each with the stiffness K of its shape;
+    k = 10/9 35948 l^(8/9) d^(1/9) of a roller [N, mm] (ISO/TS 16281) at an approach of d = 10 um, on which it hardly
+    depends.
+    """
+    from rollslip.catalogue.discovery import get_class  # only a preload needs a plugin
+
+    k = 1e3 * 10 / 9 * 35948 * (1e3 * bearing.roller_length) ** (8 / 9) * 0.01 ** (1 / 9)
+    bore, outside = bearing.boundaries
+    found = []
+    for inner, outer in (({"bore": bore}, {"outside": outside}), ({}, {})):
+        phi = 0.0
+        for ring, given in (("inner", inner), ("outer", outer)):
+            shapes = get_class("ring", _YIELDING)(harmonics=lobes, **given).shapes(bearing, ring, False)
+            held = float(shapes.stiffness[np.argmax(shapes.harmonics[:, lobes] != 0.0)])
+            phi += bearing.rollers * k / (4.0 * held if lobes else held)
+        found.append(1.0 / (1.0 + phi))
+    return found[0], found[1]
