@@ -8,7 +8,7 @@ G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + de
 - dT_i and dT_r are the temperatures of inner ring and rollers above that of the outer ring.
 - It is computed once, when a scene is read, and stands in ``bearing.radial_clearance``: every study reads it there. A
   thermal model asks `operating` for other temperatures, and gets the same answer for the same ones.
-- Rings are round and rigid otherwise: seats that are out of round, and bending of thin housings, are not in it.
+- Seats that are out of round are not in it, nor what rings yield under load (`rollslip.rings`).
 """
 
 import math
