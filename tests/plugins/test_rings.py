@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollslip import Chain, Conditions, evolve, get_model, load_scene, run
+from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import DomainError, SceneError
@@ -421,6 +421,12 @@ def test_a_plan_says_how_much_of_a_preload_reaches_the_rollers(thick, lobes):
         (said,) = implausible(scene(**tight))
         assert f"of 20 um about {100 * expected:.0f} % (bare rings) to" in said
         assert implausible(scene(**tight, **held)) == []
+
+
+def test_a_plan_names_rings_that_yield():
+    (part,) = [p for p in plan(scene(**{"models.outer_ring": "annulus"})).parts if p.part == "rings"]
+    assert (part.choice, part.resolution) == ("inner rigid, outer annulus", "11 shapes that yield, 0 parts of forms")
+    assert not [p for p in plan(scene()).parts if p.part == "rings"]
 
 
 def test_plane_motion_refuses_rings_that_yield():
