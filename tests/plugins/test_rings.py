@@ -429,6 +429,15 @@ def test_a_plan_names_rings_that_yield():
     assert not [p for p in plan(scene()).parts if p.part == "rings"]
 
 
+def test_slip_follows_lobes_and_the_housing_that_holds_them():
+    # 50 um on two lobes in a housing of 10 mm: 2.14 % and 2.0 N m by the prototype with 12 n and slices of its own
+    form = {"bearing.outer_raceway.form": [{"lobes": 2, "amplitude": "25 um", "angle": "90 deg"}]}
+    housing = {"models.outer_ring": {"model": "annulus", "outside": "0.23 m"}}
+    result = run(scene(**form, **housing, **{"accuracy.slices": 15}), "steady-slip")
+    assert 100 * float(result.steady_slip[0]) == pytest.approx(2.14, rel=0.02)
+    assert float(result.largest_drag.max()) == pytest.approx(2.0, rel=0.02)
+
+
 def test_plane_motion_refuses_rings_that_yield():
     given = scene(**{"models.outer_ring": "annulus"})
     with pytest.raises(DomainError, match="plane motion knows rigid, round rings only"):

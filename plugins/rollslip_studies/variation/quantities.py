@@ -34,7 +34,11 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     models = {**assembly.models, "separator": assembly.separator}
     for attribute in attrs.fields(type(scene.models)):
         kind, choice = attribute.name, getattr(scene.models, attribute.name)
-        if isinstance(choice, ModelChoice):
+        if isinstance(choice, ModelChoice) and kind in ("inner_ring", "outer_ring"):
+            found.append(_choice(f"models.{kind}", attribute, choice.name, "ring"))
+            made = structure_model("ring", {"model": choice.name, **choice.parameters}, Location({}), [])
+            found += _of(made, f"models.{kind}")
+        elif isinstance(choice, ModelChoice):
             found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
             found += _of(models.get(kind) or _thermal(scene), f"models.{kind}")
         elif isinstance(choice, tuple):  # of several each is told by its name
