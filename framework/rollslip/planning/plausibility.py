@@ -103,7 +103,8 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
     models, cage = raw.get("models"), raw.get("cage")
     for kind, model in models.items() if isinstance(models, Mapping) else ():
-        yield from unusual_model(kind, model, where.at("models").at(kind))
+        of = "ring" if kind in ("inner_ring", "outer_ring") else kind
+        yield from unusual_model(of, model, where.at("models").at(kind))
     drags = cage.get("drag", ()) if isinstance(cage, Mapping) else ()
     for k, drag in enumerate(drags if isinstance(drags, list | tuple) else ()):
         yield from unusual_model("drag", drag, where.at("cage").at("drag").at(k))
