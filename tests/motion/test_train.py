@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import sys
 
 import attrs
 import numpy as np
@@ -17,8 +18,12 @@ from rollslip.scene.reading import load_scene
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import rollers
-from rollslip_studies.motion.train import Train
+from rollslip_studies.motion.train import Train, slower_by_play
 from rollslip_studies.steady_slip.study import SteadySlip
+from tabled import REFERENCES, rows_of
+
+sys.path.insert(0, str(REFERENCES))
+import full_complement  # noqa: E402
 
 PAPER = load_scene("1032930-50C")
 
@@ -135,3 +140,32 @@ def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage
     study = SteadySlip(acceptable_slip=None)
     assert study.only(assemble(bare), frozenset({"steady_slip"})) is not None
     assert math.isclose(assemble(bare).separator.coefficient, 0.1)
+
+
+# In time -------------------------------------------------------------------------------------------------------------
+
+
+def test_slips_are_those_of_rollers_integrated_in_time():
+    """Of tests/tools/references/full_complement.py: without play the steady slip, with it the first order on top."""
+    rows = [{key: float(value) for key, value in row.items()} for row in rows_of("full_complement")]
+    assert {row["friction"] for row in rows} == {0.0, 0.03, 0.1}
+    for row in rows:
+        known = full_complement.steady(row["friction"], row["torque"])
+        assert known == pytest.approx(row["steady"], rel=1e-4)
+        # what is left of it goes with the play
+        assert abs(row["slip"] - known - row["by_play"]) <= 0.2 * row["by_play"] + 2e-4
+    for torque, friction in ((0.5, 0.03), (0.5, 0.1)):  # what friction adds, at one play
+        with_it, without = (
+            {row["play"]: row for row in rows if (row["torque"], row["friction"]) == (torque, mu)}
+            for mu in (friction, 0.0)
+        )
+        least = min(with_it)
+        added = with_it[least]["slip"] - without[least]["slip"]
+        assert added == pytest.approx(with_it[least]["steady"] - without[least]["steady"], rel=0.2)
+
+
+def test_play_slows_a_train_by_itself_over_the_loaded_zone():
+    # 2 mm on an orbit of 100 mm, of which a quarter is loaded: 2 over 50 pi
+    inner = np.array([3.0, 0.0, 0.0, 0.0])
+    assert slower_by_play(2e-3, inner, 0.1) == pytest.approx(2.0 / (50.0 * math.pi))
+    assert math.isnan(slower_by_play(2e-3, 0.0 * inner, 0.1))

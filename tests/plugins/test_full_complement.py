@@ -24,8 +24,8 @@ def test_every_name_is_a_bearing_with_a_full_complement():
         assert CATALOGUE.called(name) == name
         assert CAGED.called(name) is None
         b = data.bearing
-        # room for less than one more, with a gap of 0.2 % between all
-        assert 0.0 < train_play(b) < b.roller_diameter * (1.0 + 0.002 * (b.rollers + 1))
+        # a gap of 0.2 % of a diameter between all, along the orbit
+        assert train_play(b) == pytest.approx(0.002 * b.roller_diameter * b.rollers, rel=0.05)
         assert b.outer_raceway_diameter < b.catalogue.outside_diameter
         assert b.inner_raceway_diameter > b.catalogue.bore
         assert b.roller_length < b.catalogue.width

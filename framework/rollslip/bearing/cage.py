@@ -366,7 +366,7 @@ def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
         return
     b, where, own = scene.bearing, Location(scene.origins, ("cage",)), own_cage(name)
     if separator(scene).coefficient is not None:
-        if (play := train_play(b)) > 1.1 * b.roller_diameter:
+        if (play := train_play(b)) > b.roller_diameter:
             shown, other = format_quantity(play, "m", 3), format_quantity(b.roller_diameter, "m")
             told = f"without a cage {b.rollers} rollers of {other} have a play of {shown}, room for more of them"
             yield Location(scene.origins, ("bearing", "rollers")), told

@@ -64,7 +64,7 @@ _SUPPLIES: Final = {
 _CAGE_TABLE: Final = re.compile(r"\[cage\]\n.*?(?=# What drags)", re.DOTALL)
 _NO_CAGE: Final = """[cage]
 # None: rollers push each other, as the bearing's name says.
-# Their friction coefficient is 0.1 (D): --set models.separator.coefficient=0.05
+# Their friction coefficient is 0.1 (D); another one stands in [models.separator], as coefficient = 0.05
 """
 #: A decimal comma that is no comma of thousands.
 _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")

@@ -3,11 +3,12 @@
 - "NCF 2210 V", "NCF3010CV" and Schaeffler's "SL183010" are one bearing each, as are "NJG 2310 VH" and "SL192310".
 - Bore, outside diameter and width are boundary dimensions of ISO 15, series 29, 30, 22 and 23 (recalled, C), the groups
   of clearance those of ISO 5753-1.
-- The inside is estimated (D). Diameter and pitch circle of the rollers are those of bearings with a cage of the same
-  diameter series, in series 29 those of the paper's bearing. There are as many rollers as there is room for, with 0.2 %
-  of a diameter between two: that is what a full complement means. Their length is such that ISO 76 gives the static
-  ratings of NCF 2922 CV (204 kN) and NCF 3010 CV (93 kN), which are recalled (C): rollers are shorter than with a cage,
-  as ribs and a snap ring hold them. No printed table was at hand: rollers times length are known to about 15 %.
+- The inside is estimated (D). Diameter and pitch circle of the rollers are about those of bearings with a cage of the
+  same diameter series, in series 29 those of the paper's bearing. Rollers fill the pitch circle, which is made such
+  that 0.2 % of a diameter is left between two, as for needles without a cage (C). Their length is such that ISO 76
+  gives the static ratings of NCF 2922 CV (204 kN) and NCF 3010 CV (93 kN), which are recalled (C): rollers are shorter
+  than with a cage, as ribs and a snap ring hold them. No printed table was at hand: rollers times length are known to
+  about 15 %.
 """
 
 import math
@@ -37,7 +38,7 @@ _SERIES: Final = {
     "22": ("NCF", "V", (20, 200), RULES["22E"].diameter, RULES["22E"].pitch),
     "23": ("NJG", "VH", (25, 130), RULES["23E"].diameter, RULES["23E"].pitch),
 }
-#: Length of a roller: that share of the width, less these ends [mm]; gap between rollers over their diameter, at least;
+#: Length of a roller: that share of the width, less these ends [mm]; gap between rollers over their diameter;
 #: standard deviation of rollers times length (D).
 _LENGTH, _ENDS, _GAP, _SCATTER = 0.6, 1.6, 0.002, 0.15
 _WRITTEN: Final = re.compile(
@@ -113,8 +114,9 @@ def _name(series: str, code: str, group: str) -> str:
 def _bearing(name: str, series: str, bore: int, outside: int, width: int, group: str) -> BearingData:
     *_, share, of_mean = _SERIES[series]
     diameter = nearest_roller(share * (outside - bore))
-    pitch = round(of_mean * (bore + outside)) / 2
-    rollers = math.floor(math.pi / math.asin((1.0 + _GAP) * diameter / pitch))
+    spacing = (1.0 + _GAP) * diameter
+    rollers = round(math.pi / math.asin(2.0 * spacing / (of_mean * (bore + outside))))
+    pitch = round(spacing / math.sin(math.pi / rollers), 3)
     length = round(_LENGTH * width - _ENDS, 1)
     low, high = clearance(bore, group)
     return BearingData(
@@ -125,7 +127,7 @@ def _bearing(name: str, series: str, bore: int, outside: int, width: int, group:
         ),
         source=(
             "Boundary dimensions: ISO 15 (C). Inner geometry: estimated (D), diameter and pitch circle as with a cage, "
-            "as many rollers as there is room for, their length from recalled static ratings (C): rollers times length "
+            "as many rollers as fill it, their length from recalled static ratings (C): rollers times length "
             f"are known to about {_SCATTER:.0%}. Write what you know beside the name. Clearance: middle of group "
             f"{group} of ISO 5753-1, {low:g} to {high:g} um. Profile: that of ISO/TS 16281 for rollers of unknown "
             "profile (D)."

@@ -11,6 +11,9 @@
   a lever about the axis of the bearing. So M enters the torque as friction in a pocket enters that on a cage.
 - The train has play, so somewhere nothing is pushed: the least force is zero. That fixes all others. Where the gap is,
   between drag and drive, follows from that, and moves round with the load, not with the rollers.
+- Play lets loaded rollers run ahead, at the speed at which they roll, and all others wait for their turn: as many pass
+  each place, so on the loaded part of the orbit rollers are the further apart the faster they are, and the play is what
+  that takes. So the train is slower by play over the length of the loaded zone, whatever drags it: `slower_by_play`.
 - M depends on forces that have gathered over many rollers, which the spin of one does not know. So motions and forces
   are found in turn, from no friction on. Where rollers only roll on the outer ring, M there takes traction that the
   train has to give: forces grow from one to the next by about 2 mu R_o/c, as in a belt round a pulley, and steps
@@ -63,3 +66,12 @@ class Train:
         pushed, added = pushed - whole * pushed[:, -1:], added - whole * (added[:, -1:] - 1.0)
         behind = (pushed + added * np.max(-pushed / added, axis=1, keepdims=True))[:, :-1]
         return behind.reshape(torque.shape), np.roll(behind, -1, axis=1).reshape(torque.shape)
+
+
+def slower_by_play(play: float, inner: Array, orbit: float) -> float:
+    """Return by how much the play of a train [m] slows it, as a slip, to first order.
+
+    Of loads of the inner ring [N] at positions all round, (K,), on an orbit of some radius [m].
+    """
+    zone = 2.0 * math.pi * orbit * float(np.mean(inner > 0.0))
+    return play / zone if zone > 0.0 else math.nan

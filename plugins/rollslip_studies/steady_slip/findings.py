@@ -74,7 +74,7 @@ def _lost(one: "xr.Dataset") -> dict[str, Any]:
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
     return {
-        "steady slip": _steady(dataset),
+        "steady slip": _steady(dataset) + _by_play(dataset),
         "limit drag torque": [_largest(dataset)],
         **({"losses": _losses(dataset)} if "loss" in dataset and has_steady(dataset) else {}),
         **({"minimum load": [_least_load(dataset)]} if "least_load" in dataset else {}),
@@ -120,6 +120,17 @@ def _steady(dataset: "xr.Dataset") -> list[str]:
         f"{_RPM * float(one['cage_speed']):.5g} rpm {_against(float(one['torque']))}"
         + ("" if k else _band(dataset, "steady_slip"))
         for k, one in enumerate(dataset.isel(steady=k) for k in range(dataset.sizes["steady"]))
+    ]
+
+
+def _by_play(dataset: "xr.Dataset") -> list[str]:
+    """Say what the play of rollers without a cage adds, which is no sliding of the loaded ones."""
+    if math.isnan(slower := float(dataset.attrs.get("slower_by_play", math.nan))):
+        return []
+    play = format_quantity(float(dataset.attrs["train_play"]), "m", 2)
+    return [
+        f"without a cage the play of {play} lets loaded rollers run ahead, and the set is slower by about another "
+        f"{_percent(slower)} than that slip, at which no loaded contact slides more"
     ]
 
 

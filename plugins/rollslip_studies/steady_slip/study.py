@@ -23,6 +23,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, refined
+from rollslip.bearing.separator import train_play
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
@@ -47,6 +48,7 @@ from rollslip_studies.motion.torque_balance import (
     runaway,
     running,
 )  # fmt: skip
+from rollslip_studies.motion.train import slower_by_play
 from rollslip_studies.motion.way_up import Steady, WayUp
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
@@ -345,6 +347,7 @@ class SteadySlip(Study):
                 "slices": assembly.slices,
                 "rollers_weight": 9.81 * assembly.roller_mass * assembly.scene.bearing.rollers,
                 **errors,
+                **_by_play(assembly, states),
                 **table_records(balance.tables),
                 **({} if self.acceptable_slip is None else {"acceptable_slip": self.acceptable_slip}),
             },
@@ -554,6 +557,14 @@ class SteadySlip(Study):
                     raise ConvergenceError(f"{of}: {error}; narrow {self.table}.{name}") from error
                 found.append(branch)
         return found
+
+
+def _by_play(assembly: Assembly, states: list[Orbit]) -> dict[str, float]:
+    """How much slower play makes a train of rollers without a cage; nothing with one."""
+    if assembly.separator.coefficient is None:
+        return {}
+    play, orbit = train_play(assembly.scene.bearing), assembly.kinematics.orbit_radius
+    return {"train_play": play, "slower_by_play": slower_by_play(play, states[0].force[0], orbit)}
 
 
 def _moved(before: Array, after: Array) -> float:
