@@ -20,10 +20,10 @@ from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import rollers
 from rollslip_studies.motion.train import Train, slower_by_play
 from rollslip_studies.steady_slip.study import SteadySlip
-from tabled import REFERENCES, rows_of
+from tabled import REFERENCES, numbers_of
 
 sys.path.insert(0, str(REFERENCES))
-import full_complement  # noqa: E402
+import full_complement
 
 PAPER = load_scene("1032930-50C")
 
@@ -147,7 +147,7 @@ def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage
 
 def test_slips_are_those_of_rollers_integrated_in_time():
     """Of tests/tools/references/full_complement.py: without play the steady slip, with it the first order on top."""
-    rows = [{key: float(value) for key, value in row.items()} for row in rows_of("full_complement")]
+    rows = numbers_of(REFERENCES / "full_complement.csv")
     assert {row["friction"] for row in rows} == {0.0, 0.03, 0.1}
     for row in rows:
         known = full_complement.steady(row["friction"], row["torque"])
