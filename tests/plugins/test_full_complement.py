@@ -74,6 +74,12 @@ def test_a_new_scene_of_one_has_no_cage_and_its_friction_may_be_set():
         new("NCF 2210 V", cage="brass")
 
 
+def test_another_name_brings_a_cage_and_takes_it_away():
+    caged, without = new("NU2210E"), new("NCF2210V")
+    assert assemble(evolve(caged, {"bearing.name": "NCF2210V"})).separator.coefficient == 0.1
+    assert assemble(evolve(without, {"bearing.name": "NU2210E"})).separator.coefficient is None
+
+
 def test_with_a_roller_missing_the_play_is_told():
     scene = new("SL182210", speed="600 rpm", load="3 kN")
     told = implausible(evolve(scene, {"bearing.rollers": 18}))

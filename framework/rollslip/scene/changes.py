@@ -154,7 +154,7 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     if changed & NOTED and "note" not in changed:  # what it says of the scene holds no more
         raw.pop("note", None)
         origins.pop(("note",), None)
-    follows = {"cage"} if "bearing" in changed else set()  # it comes from the bearing's name where it says nothing
+    follows = {"cage", "models"} if "bearing" in changed else set()  # a cage, or none, is what the bearing's name says
     kept = {key: getattr(scene, key) for key in raw.keys() - changed - follows}
     return checked_scene(raw, origins, scene.source, scene.text, kept)
 
