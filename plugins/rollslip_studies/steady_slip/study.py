@@ -21,9 +21,9 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.cage import train_play
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, refined
-from rollslip.bearing.separator import train_play
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
