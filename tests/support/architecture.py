@@ -29,14 +29,14 @@ WRITTEN = {".py", ".pyi", ".pyx", ".pxd", ".h", ".toml", ".in", ".csv", ".txt", 
 #: their place, contacts of a rig. None of them knows of it.
 CAMPAIGNS = {
     ("uncertainty", "sweep"), ("explorer", "sweep"), ("limit", "sweep"), ("pareto", "comparison"),
-    ("pareto", "sweep"),
+    ("pareto", "sweep"), ("surrogate", "sweep"),
     ("validation", "comparison"),
     ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip
 #: Modules of studies that other studies and campaigns may import.
 SHARED = {
     "rollslip_studies.effective_friction.raceways", "rollslip_studies.effective_friction.study",
-    "rollslip_studies.friction_curve.study",
+    "rollslip_studies.friction_curve.study", "rollslip_studies.raceway_friction.study",
     "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.evaluated",
     "rollslip_studies.steady_slip.minimum_load", "rollslip_studies.steady_slip.band",
     "rollslip_studies.steady_slip.account", "rollslip_studies.steady_slip.figures",

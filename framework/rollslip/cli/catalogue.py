@@ -107,14 +107,16 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     "--result",
     metavar="RESULT.nc",
     type=click.Path(path_type=Path),
-    help="Stored result of SCENE, to be written where the format of FILE has a place for it.",
+    help="Stored result of SCENE, to be written where the format of FILE has a place for it; SCENE may be left out.",
 )
+@click.option("--binary-only", is_flag=True, help="Without the sources of what is compiled, as of an FMU.")
 @click.option("--overwrite", is_flag=True, help="Replace the file.")
 @click.option("--schema", "of_schema", is_flag=True, help="The JSON Schema of the JSON instead.")
 @set_option
 def export(
-    scene: str | None, out: Path | None, result: Path | None, overwrite: bool, of_schema: bool, changes: Sequence[str]
-) -> None:
+    scene: str | None, out: Path | None, result: Path | None, binary_only: bool, overwrite: bool, of_schema: bool,
+    changes: Sequence[str],
+) -> None:  # fmt: skip
     """Write SCENE for other programs: as neutral parameters in JSON, or in a format that a package offers.
 
     All commands read such a file in place of a scene.
@@ -125,15 +127,21 @@ def export(
     from rollslip.files import whole_file
     from rollslip.results.dataset import open_result
     from rollslip.scene.interchange import parameter_schema, to_parameters, write_foreign
+    from rollslip.scene.reading import from_raw
 
-    if (scene is None) != of_schema:
+    if (scene is None and result is None) != of_schema:
         raise click.UsageError("give a SCENE, or --schema")
-    if result is not None and (out is None or of_schema):
-        raise click.UsageError("--result needs a SCENE and an --out")
+    if (result is not None or binary_only) and (out is None or of_schema):
+        raise click.UsageError("--result and --binary-only need an --out")
     if out is not None and out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
-    if scene is not None and out is not None:
-        notes = write_foreign(scene_of(scene, changes), out, None if result is None else open_result(result))
+    if not of_schema and out is not None:
+        found = None if result is None else open_result(result)
+        if scene is None and found is not None:
+            given = from_raw(json.loads(found.attrs["scene_resolved"]), found.attrs["source"])
+        else:
+            given = scene_of(str(scene), changes)
+        notes = write_foreign(given, out, found, **{"binary_only": True} if binary_only else {})
         for note in notes:
             click.echo(f"note: {note}", err=True)
     elif out is None:

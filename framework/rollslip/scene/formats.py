@@ -3,6 +3,7 @@
 - A format knows nothing of scenes: it reads a file into the neutral parameters of `rollslip.scene.interchange`, in any
   unit, and writes them. What these are, and whether they are right, is checked there, for all formats alike.
 - It is found by the ending of a file's name among the entry points ``rollslip.format``, our own JSON like a stranger's.
+- A format may have fields of its own beside its name, choices that ``rollslip export`` takes by their names.
 - Nothing is dropped in silence: what a file lacks, and what of it is not used, is told item by item.
 """
 
@@ -43,7 +44,7 @@ class Read:
 class Written:
     """A file to be, and what of the parameters and the result has no place in it."""
 
-    text: str
+    text: str | bytes
     notes: tuple[str, ...] = ()
 
 

@@ -187,26 +187,32 @@ def read_foreign(path: str | os.PathLike[str]) -> tuple[Scene, tuple[str, ...]]:
     return from_parameters(found.document, source), found.notes
 
 
-def write_foreign(scene: Scene, path: str | os.PathLike[str], result: "xr.Dataset | None" = None) -> tuple[str, ...]:
+def write_foreign(
+    scene: Scene, path: str | os.PathLike[str], result: "xr.Dataset | None" = None, **choices: object
+) -> tuple[str, ...]:
     """Write a scene, with what was calculated of it, into a file that another program reads; say what it cannot hold.
+
+    Choices are fields of the format.
 
     Raises
     ------
     SceneError
-        If no format has the ending, the format cannot hold the scene, or the result is of another scene.
+        If no format has the ending or the choices, it cannot hold the scene, or the result is of another scene.
     OutputError
         If the file cannot be written.
     """
     source = readable(os.fspath(path))
     known = _known(path, source)
+    if lost := [name.replace("_", "-") for name in choices if name not in attrs.fields_dict(type(known))]:
+        raise SceneError([f"{source}: format {known.name} does not know --{lost[0]}"])
     if result is not None and (of := str(result.attrs.get("scene_hash", ""))) != (own := scene_hash(scene)):
         raise SceneError(
             [f"{source}: the result is of another scene, {of[:12] or 'which it does not say'}, not of {own[:12]}; run "
              "this one, or give the one that was run, with the same --set"]
         )  # fmt: skip
-    made = known.write(to_parameters(scene), result)
+    made = attrs.evolve(known, **choices).write(to_parameters(scene), result)
     with whole_file(Path(path)) as partial:
-        partial.write_text(made.text, encoding="utf-8")
+        partial.write_bytes(made.text if isinstance(made.text, bytes) else made.text.encode())
     return made.notes
 
 

@@ -1,0 +1,75 @@
+"""Tables that stand for a bearing in other programs: refined until they are right, told, and written for them."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from rollslip.hookspecs import hookimpl
+from rollslip.planning.campaign import Campaign, OfPoints, setting
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning.progress import Shown
+    from rollslip_campaigns.surrogate.surrogate import Surrogate
+
+
+@attrs.frozen(eq=False)
+class SurrogateSettings(OfPoints):
+    """Tabulate what SCENE does to its cage over load, speeds and temperature, for programs without rollslip.
+
+    Effective friction, force, largest friction and rolling resistance of both rings, and the drags of the cage: all
+    that a motion of cage and rollers needs. Nodes are added until random operations are within --error, which stands in
+    the file. rollslip export --result FILE.nc writes it as an FMU, as C, as a table or for rotor dynamics.
+
+    Returns
+    -------
+    xarray.Dataset
+        (ring, temperature, radial_load, centrifugal_force, rolling_speed, slide_roll): ``mean_friction``; without the
+        last ``largest_friction`` and ``ring_resistance``; ``ring_force``; ``drag_...`` over temperature. Where the
+        bearing runs, over temperature, radial_load and inner_speed: ``steady_cage_slip``, ``friction_torque``,
+        ``power_loss``, ``drag_reserve``. (operation,): ``operation_error`` at random temperatures and loads.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If anything is wrong with the scene or what is asked for, or its pockets rub; before anything runs.
+    ConvergenceError
+        If a point fails, or the most nodes leave more than the error.
+    EngineError, OutputError
+        If the engine or the folder cannot be used.
+    """
+
+    name = "surrogate"
+
+    over: Mapping[str, object] | Sequence[str] | str = setting(
+        "Ends of operation.radial_load, .temperature, .inner_speed or .outer_speed, with units; by default about those "
+        "of SCENE.",
+        default=(), metavar="KEY=LOW:HIGH", many=True, first=True, more='A mapping of keys to "LOW:HIGH".',
+    )  # fmt: skip
+    error: float | str = setting(
+        "Largest error of friction, forces and resistances, relative to the largest friction, or to themselves.",
+        default="1 %", metavar="SHARE", shown=True,
+    )  # fmt: skip
+    checks: int = setting("Random operations that have to be within it.", of=int, default=24, least=4, metavar="N",
+                          shown=True)  # fmt: skip
+
+    def plan(self) -> "Surrogate":
+        """Check the ranges and lay out the points."""
+        from rollslip_campaigns.surrogate.surrogate import plan_surrogate
+
+        return plan_surrogate(self)
+
+    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+        """Compute in a folder."""
+        from rollslip_campaigns.surrogate.surrogate import run_surrogate
+
+        return run_surrogate(made, folder, said=said, report=lambda now: show(*now.told))
+
+
+@hookimpl
+def campaigns() -> list[type[Campaign]]:
+    """Offer the campaign."""
+    return [SurrogateSettings]

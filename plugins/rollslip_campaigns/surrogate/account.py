@@ -1,0 +1,73 @@
+"""The account of tables that stand for a bearing."""
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account
+from rollslip.results.answer import Answer, Row
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_RANGES = {"temperature": "K", "radial_load": "N", "inner_speed": "rad/s", "outer_speed": "rad/s"}
+
+
+class SurrogateAccount(Account):
+    """How it is told how right tables are, and what they hold."""
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return how right the tables are."""
+        return Answer(rows=(Row(key="error", label="tables", text="", note=_error(dataset)),))
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say how right the tables are, over what they go, and where the bearing skids in them."""
+        found = {"error": [_error(dataset)], "ranges": [_ranges(dataset)]}
+        skids = np.isnan(dataset["steady_cage_slip"].to_numpy())
+        if skids.any():
+            found["skidding"] = [f"the cage skids at {int(skids.sum())} of {skids.size} nodes of load, speed and "
+                                 "temperature: its drags are more than the rollers carry"]  # fmt: skip
+        return found
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return errors, nodes and ranges."""
+        a = dataset.attrs
+        return {
+            "error": {
+                "largest": float(a["error"]),
+                "median": float(a["median_error"]),
+                "asked": float(a["error_asked"]),
+            },
+            "operations": int(dataset.sizes["operation"]),
+            "nodes": dict(zip(_NODES, json.loads(a["nodes"]), strict=True)),
+            "ranges": {name: dataset[f"{name}_range"].to_numpy().tolist() for name in _RANGES},
+        }
+
+
+_NODES = ("temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
+
+
+def _error(dataset: "xr.Dataset") -> str:
+    largest, median = (f"{100.0 * float(dataset.attrs[name]):.2g} %" for name in ("error", "median_error"))
+    count = dataset.sizes["operation"]
+    return f"tables within {largest} at {count} random operations, {median} in the middle of them"
+
+
+def _ranges(dataset: "xr.Dataset") -> str:
+    spans = []
+    for name, unit in _RANGES.items():
+        low, high = (format_quantity(float(end), unit, 4) for end in dataset[f"{name}_range"].to_numpy())
+        spans.append(f"{name} {low}" + (f" to {high}" if high != low else ""))
+    return f"they go over {', '.join(spans)}; beyond them values are held"
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [SurrogateAccount("surrogate")]

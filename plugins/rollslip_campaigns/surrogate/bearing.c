@@ -1,0 +1,170 @@
+/* A cylindrical roller bearing by its tables: cage and one mean roller under effective friction.
+ *
+ * - bearing_data.h has all numbers: this file knows no bearing, reads no file and keeps no globals.
+ * - Along every axis the cubic through four even nodes; beyond the ends values are held.
+ * - Rows over the slide-roll ratio are folded over temperature and load where the motion first needs them: a load that
+ *   changes at every step costs the few rows about the speeds that the bearing runs at.
+ * - Two stiff unknowns: Rosenbrock's method of Shampine and Reichelt, its Jacobian by differences, its own step size. */
+#include <math.h>
+#include <string.h>
+#include "bearing.h"
+#include "bearing_data.h"
+#define MANY(n) ((n) < 4 ? (n) : 4)
+enum { QT = MANY(NT), QW = MANY(NW), QR = MANY(NR), QU = MANY(NU), QX = MANY(NX), QC = MANY(NC) };
+struct bearing {
+    double v[B_VALUES], state[2], step;
+    double at_T, at_W, wt[4], ww[4], lead_inner, lead_outer, square, rest[NC];
+    int t, l, folded[2][NR][NU];
+    double mu[2][NR][NU][NX], force[2][NR][NU], rolls[2][NR][NU], most[2][NR][NU];
+};
+unsigned long bearing_size(void) { return sizeof(bearing); }
+double *bearing_values(bearing *b) { return b->v; }
+const char *bearing_guid(void) { return GUID; }
+/* First of four nodes about a place, in steps and held at the ends, and Lagrange's weights */
+static int four(double at, int n, double *w) {
+    double t = at > 0.0 ? at < n - 1.0 ? at : n - 1.0 : 0.0;   /* NaN is 0 */
+    int k = (int)t - 1, many = MANY(n);
+    k = k < 0 ? 0 : k > n - many ? n - many : k;
+    t -= k;
+    for (int i = 0; i < many; i++) {
+        w[i] = 1.0;
+        for (int j = 0; j < many; j++)
+            if (j != i) w[i] *= (t - j) / (i - j);
+    }
+    return k;
+}
+static void fold(bearing *b) {
+    double T = b->v[B_TEMPERATURE], W = b->v[B_RADIAL_LOAD];
+    if (T == b->at_T && W == b->at_W) return;
+    b->t = four((T - T_FIRST) / T_STEP, NT, b->wt);
+    b->l = four((log(fmax(W, 1e-6)) - W_FIRST) / W_STEP, NW, b->ww);
+    memset(b->folded, 0, sizeof b->folded);
+    b->lead_inner = b->lead_outer = b->square = 0.0;
+    memset(b->rest, 0, sizeof b->rest);
+    for (int i = 0; i < QT; i++) {
+        b->lead_inner += b->wt[i] * LEAD_INNER[b->t + i], b->lead_outer += b->wt[i] * LEAD_OUTER[b->t + i];
+        b->square += b->wt[i] * SQUARE[b->t + i];
+        for (int c = 0; c < NC; c++) b->rest[c] += b->wt[i] * REST[b->t + i][c];
+    }
+    b->at_T = T, b->at_W = W;
+}
+static void fold_row(bearing *b, int ring, int r, int u) {
+    double *mu = b->mu[ring][r][u], force = 0.0, rolls = 0.0, most = 0.0;
+    memset(mu, 0, sizeof b->mu[0][0][0]);
+    for (int i = 0; i < QT; i++)
+        for (int j = 0; j < QW; j++) {
+            double w = b->wt[i] * b->ww[j];
+            const float *row = FRICTION[ring][b->t + i][b->l + j][r][u];
+            for (int x = 0; x < NX; x++) mu[x] += w * row[x];
+            force += w * FORCE[ring][b->t + i][b->l + j][r][u];
+            rolls += w * ROLLS[ring][b->t + i][b->l + j][r][u];
+            most += w * MOST[ring][b->t + i][b->l + j][r][u];
+        }
+    b->force[ring][r][u] = force, b->rolls[ring][r][u] = rolls, b->most[ring][r][u] = most;
+    b->folded[ring][r][u] = 1;
+}
+/* Traction of all rollers on a ring, their rolling resistance and largest traction, at cage speed w, sliding speed V and
+ * rolling speed u */
+static double pull(bearing *b, int ring, double w, double V, double u, double *rolls, double *most) {
+    double wr[4], wu[4], wx[4], mu = 0.0, force = 0.0, resists = 0.0, largest = 0.0, film = sqrt(u * u + 1e-6);
+    int r = four((log(fmax(RO * fabs(w) / film, 1e-12)) - R_FIRST) / R_STEP, NR, wr);
+    int k = four((log(film) - U_FIRST) / U_STEP, NU, wu), x = four(asinh(fabs(V) / (X_SMALL * film)) * X_STEPS, NX, wx);
+    for (int i = 0; i < QR; i++)
+        for (int j = 0; j < QU; j++) {
+            double weight = wr[i] * wu[j], one = 0.0;
+            if (!b->folded[ring][r + i][k + j]) fold_row(b, ring, r + i, k + j);
+            for (int n = 0; n < QX; n++) one += wx[n] * b->mu[ring][r + i][k + j][x + n];
+            mu += weight * one, force += weight * b->force[ring][r + i][k + j];
+            resists += weight * b->rolls[ring][r + i][k + j], largest += weight * b->most[ring][r + i][k + j];
+        }
+    *rolls = resists * u / film;
+    if (most) *most = largest * force;
+    return V > 0.0 ? mu * force : V < 0.0 ? -mu * force : 0.0;
+}
+/* Rates of cage speed and of the roller's spin s; outputs where they are asked for */
+static void rates(bearing *b, const double *y, double *rate, double *out) {
+    double w = y[0], wi = b->v[B_INNER_SPEED], wo = b->v[B_OUTER_SPEED], wc[4], rest = 0.0, Si, So;
+    double c = ROLLER * (y[1] + w), in = RI * (wi - w), outer = RO * (w - wo);
+    double Fi = pull(b, 0, w, in - c, 0.5 * (in + c), &Si, NULL), Fo = pull(b, 1, w, c - outer, 0.5 * (outer + c), &So, NULL);
+    int k = four(asinh(fabs(w) / C_SMALL) * C_STEPS, NC, wc);
+    for (int i = 0; i < QC; i++) rest += wc[i] * b->rest[k + i];
+    double on_inner = b->lead_inner * (wi - w), on_outer = b->lead_outer * (wo - w);
+    double drag = on_inner + on_outer - b->square * fabs(w) * w + (w > 0.0 ? rest : w < 0.0 ? -rest : 0.0);
+    double spin = ROLLER * (Fi - Si - Fo - So);
+    rate[0] = (drag + spin + RI * (Fi + Si) + RO * (Fo - So)) / ORBITAL_INERTIA;
+    rate[1] = spin / SPIN_INERTIA;
+    if (out) {
+        double free_speed = (RI * wi + RO * wo) / (RI + RO), u = 0.5 * (in + outer), mi, mo, ri, ro;
+        out[B_CAGE_SPEED] = w, out[B_ROLLER_SPEED] = y[1] + w;
+        out[B_CAGE_SLIP] = free_speed != 0.0 ? 1.0 - w / free_speed : 0.0;
+        out[B_TORQUE] = RI * (Fi + Si) + on_inner, out[B_OUTER_TORQUE] = RO * (Fo - So) + on_outer;
+        out[B_POWER_LOSS] = Fi * (in - c) + Fo * (c - outer) + Si * (in + c) + So * (outer + c) - drag * w
+            + on_inner * wi + on_outer * wo;
+        pull(b, 0, w, 0.0, fabs(u), &ri, &mi), pull(b, 1, w, 0.0, fabs(u), &ro, &mo);
+        double most = fmin(mo, mi - ri - ro), torque = RI * (most + 2.0 * ri + ro) + RO * (most - ro);
+        out[B_DRAG_RESERVE] = drag != 0.0 ? fmin(torque / fabs(drag), 1e6) : 1e6;
+    }
+}
+int bearing_step(bearing *b, double span) {
+    const double d = 1.0 / (2.0 + sqrt(2.0)), e32 = 6.0 + sqrt(2.0), tolerance = 1e-5;
+    double t = 0.0, f0[2], f1[2], f2[2], g[2], j[4], y[2], k1[2], k2[2], h = fmin(b->step, span);
+    fold(b);
+    rates(b, b->state, f0, NULL);
+    for (int n = 0; t < span; n++) {
+        if (n > 100000 || !(h > 1e-14 * span)) return 0;
+        for (int c = 0; c < 2; c++) {
+            double move = 1e-7 * (fabs(b->state[c]) + 1.0);
+            y[0] = b->state[0], y[1] = b->state[1], y[c] += move;
+            rates(b, y, g, NULL);
+            j[c] = (g[0] - f0[0]) / move, j[2 + c] = (g[1] - f0[1]) / move;
+        }
+        for (;;) {   /* the Jacobian serves for every size of this step */
+            int last = t + h >= span * (1.0 - 1e-12);
+            if (last) h = span - t;
+            double a = 1.0 - h * d * j[0], q = -h * d * j[1], r = -h * d * j[2], s = 1.0 - h * d * j[3];
+            double per = 1.0 / (a * s - q * r), worst = 0.0;
+#define SOLVE(k, x0, x1) (k[0] = per * (s * (x0) - q * (x1)), k[1] = per * (a * (x1) - r * (x0)))
+            SOLVE(k1, f0[0], f0[1]);
+            for (int c = 0; c < 2; c++) y[c] = b->state[c] + 0.5 * h * k1[c];
+            rates(b, y, f1, NULL);
+            SOLVE(k2, f1[0] - k1[0], f1[1] - k1[1]);
+            for (int c = 0; c < 2; c++) k2[c] += k1[c], y[c] = b->state[c] + h * k2[c];
+            rates(b, y, f2, NULL);
+            SOLVE(g, f2[0] - e32 * (k2[0] - f1[0]) - 2.0 * (k1[0] - f0[0]), f2[1] - e32 * (k2[1] - f1[1]) - 2.0 * (k1[1] - f0[1]));
+            for (int c = 0; c < 2; c++) {
+                double off = fabs(h / 6.0 * (k1[c] - 2.0 * k2[c] + g[c])) / (tolerance * (fabs(y[c]) + 1.0));
+                worst = off > worst || off != off ? off : worst;
+            }
+            if (worst <= 1.0) {
+                t = last ? span : t + h;
+                memcpy(b->state, y, sizeof y), memcpy(f0, f2, sizeof f0);
+                h *= fmin(5.0, 0.8 / cbrt(fmax(worst, 1e-4)));
+                b->step = last ? fmax(b->step, h) : h;
+                break;
+            }
+            h *= worst == worst ? fmax(0.2, 0.8 / cbrt(worst)) : 0.2;
+            if (!(h > 1e-14 * span)) return 0;
+        }
+    }
+    return 1;
+}
+void bearing_tell(bearing *b) { double none[2]; fold(b); rates(b, b->state, none, b->v); }
+void bearing_init(bearing *b) {
+    memset(b, 0, sizeof *b);
+    b->v[B_RADIAL_LOAD] = FIRST_LOAD, b->v[B_INNER_SPEED] = FIRST_INNER, b->v[B_OUTER_SPEED] = FIRST_OUTER;
+    b->v[B_TEMPERATURE] = FIRST_T;
+}
+void bearing_start(bearing *b) {
+    double wi = b->v[B_INNER_SPEED], wo = b->v[B_OUTER_SPEED];
+    double w = (RI * wi + RO * wo) / (RI + RO) * (1.0 - b->v[B_FIRST_CAGE_SLIP]);
+    b->state[0] = w, b->state[1] = 0.5 * (RI * (wi - w) + RO * (w - wo)) / ROLLER - w;
+    b->step = 1e-5, bearing_tell(b);
+}
+int bearing_outside(const bearing *b) {
+    double W = b->v[B_RADIAL_LOAD], T = b->v[B_TEMPERATURE];
+    double u = log(fmax(RI * RO / (RI + RO) * fabs(b->v[B_INNER_SPEED] - b->v[B_OUTER_SPEED]), 1e-12));
+    double slack = 1e-9;
+    return (log(fmax(W, 1e-300)) < W_FIRST - slack || log(fmax(W, 1e-300)) > W_FIRST + (NW - 1) * W_STEP + slack)
+        | (T < T_FIRST - slack * T || T > T_FIRST + (NT - 1) * T_STEP + slack * T) << 1
+        | (u < U_FIRST - slack || u > U_FIRST + (NU - 1) * U_STEP + slack) << 2;
+}

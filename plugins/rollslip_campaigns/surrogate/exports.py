@@ -1,0 +1,298 @@
+"""Tables of a surrogate for other programs: FMU, C, CSV, and stiffness for the rotor dynamics of ROSS.
+
+- Formats of the kind that scenes have: found by the ending, written by ``rollslip export --result surrogate.nc``. They
+  hold no scene, so that nothing is read from them.
+- Equal tables give equal files, to the byte: the GUID is made of the numbers, archives have one fixed date, and the
+  compiler is told no path. The library is of this machine; hosts of another system compile the sources.
+"""
+
+import csv
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import uuid
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import attrs
+import numpy as np
+
+from rollslip.errors import OutputError, SceneError
+from rollslip.hookspecs import hookimpl
+from rollslip.scene.formats import Read, SceneFormat, Written
+from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["VARIABLES", "c_header", "scene_formats", "sources"]
+
+#: Name, unit, causality, start and meaning of the variables of an FMU, in the order of bearing.h.
+VARIABLES: Final = (
+    ("time", "s", "independent", "", "time"),
+    ("radial_load", "N", "input", "first_load", "radial load"),
+    ("inner_speed", "rad/s", "input", "first_inner_speed", "speed of the inner ring"),
+    ("outer_speed", "rad/s", "input", "first_outer_speed", "speed of the outer ring"),
+    ("temperature", "K", "input", "first_temperature", "temperature of oil, rings and rollers"),
+    ("cage_speed", "rad/s", "output", "", "speed of the cage"),
+    ("roller_speed", "rad/s", "output", "", "mean spin of the rollers relative to the cage"),
+    ("cage_slip", "1", "output", "", "1 - cage speed/cage speed without slip"),
+    ("torque", "N.m", "output", "", "torque that drives the inner ring against rollers and land"),
+    ("outer_torque", "N.m", "output", "", "torque that drives the outer ring against rollers and land"),
+    ("power_loss", "W", "output", "", "sliding, rolling and drags turned into heat"),
+    ("drag_reserve", "1", "output", "", "largest torque of the rollers on the cage over its drag"),
+    ("first_cage_slip", "1", "parameter", "", "cage slip at the start"),
+)
+_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
+    "s": {"s": "1"}, "N": {"kg": "1", "m": "1", "s": "-2"}, "rad/s": {"rad": "1", "s": "-1"}, "K": {"K": "1"}, "1": {},
+    "N.m": {"kg": "1", "m": "2", "s": "-2"}, "W": {"kg": "1", "m": "2", "s": "-3"},
+}  # fmt: skip
+#: Date of the entries of an archive.
+_DATE: Final = (1980, 1, 1, 0, 0, 0)
+#: Namespace of GUIDs.
+_SPACE: Final = uuid.UUID("6f0b1a3c-6c0e-5d0c-9f0e-0a5b7c1d2e3f")
+_FLAGS: Final = ("-std=c11", "-O2", "-g0", "-ffp-contract=off", "-shared", "-fPIC", "-fvisibility=hidden",
+                 "-Wall", "-Wextra", "-Wl,--build-id=none")  # fmt: skip
+
+
+def _own(name: str) -> str:
+    return (files(__package__) / name).read_text(encoding="utf-8")
+
+
+def _array(name: str, values: Any, kind: str = "double") -> str:
+    """Return an array in C; a float has eight digits, a double all that it needs."""
+    values = np.asarray(values, dtype=float)
+    numbers = (f"{v:.8g}" if kind == "float" else repr(v) for v in values.ravel().tolist())
+    sizes = "".join(f"[{n}]" for n in values.shape)
+    rows, line = list[str](), ""
+    for number in numbers:
+        if len(line) > 110:
+            rows, line = [*rows, line], ""
+        line += f"{number},"
+    text = "\n".join([*rows, line])
+    return f"static const {kind} {name}{sizes} = {{\n{text}\n}};\n"
+
+
+def c_header(result: "xr.Dataset") -> tuple[str, str]:
+    """Return the tables as numbers in C, and the GUID that is made of them."""
+    tables, n = Tables.of(result), Tables.of(result).numbers
+
+    def axis(letter: str, of: Axis) -> str:
+        nodes = np.log(of.nodes) if of.logarithmic else of.nodes
+        step = float(nodes[-1] - nodes[0]) / (nodes.size - 1) if nodes.size > 1 else 1.0
+        ends = f"#define {letter}_FIRST {float(nodes[0])!r}\n#define {letter}_STEP {step!r}\n"
+        return f"#define N{letter} {nodes.size}\n{ends}"
+
+    letters = {"temperature": "T", "radial_load": "W", "cage_ratio": "R", "rolling_speed": "U"}
+    text = "".join(axis(letter, tables.axes[name]) for name, letter in letters.items())
+    rest = tables.drags["rest"]
+    cage_step = float(np.arcsinh(tables.cage_top / CAGE_SMALL)) / (rest.shape[1] - 1)
+    numbers = {
+        "RI": n["inner_radius"], "RO": n["outer_radius"], "ROLLER": n["roller_radius"],
+        "ORBITAL_INERTIA": n["orbital_inertia"], "SPIN_INERTIA": n["spin_inertia"], "FIRST_LOAD": n["first_load"],
+        "FIRST_INNER": n["first_inner_speed"], "FIRST_OUTER": n["first_outer_speed"],
+        "FIRST_T": n["first_temperature"], "X_SMALL": tables.sliding_small, "X_STEPS": 1.0 / tables.sliding_step,
+        "C_SMALL": CAGE_SMALL, "C_STEPS": 1.0 / cage_step,
+    }  # fmt: skip
+    text += "".join(f"#define {name} {float(value)!r}\n" for name, value in numbers.items())
+    text += f"#define NX {tables.friction.shape[-1]}\n#define NC {rest.shape[1]}\n"
+    text += _array("FRICTION", tables.friction, "float") + _array("FORCE", tables.force, "float")
+    text += _array("ROLLS", tables.resistance, "float") + _array("MOST", tables.largest, "float")
+    for name, key in (("LEAD_INNER", "inner"), ("LEAD_OUTER", "outer"), ("SQUARE", "cage"), ("REST", "rest")):
+        text += _array(name, tables.drags[key])
+    everything = text + "".join(_own(name) for name in ("bearing.h", "bearing.c", "fmi2.c"))
+    guid = f"{{{uuid.uuid5(_SPACE, everything)}}}"
+    return f'/* Tables of a bearing, within {float(result.attrs["error"]):.2g}. */\n#define GUID "{guid}"\n{text}', guid
+
+
+def sources(result: "xr.Dataset") -> dict[str, str]:
+    """Return the files of which a library is compiled, by name."""
+    return {
+        "bearing_data.h": c_header(result)[0],
+        **{name: _own(name) for name in ("bearing.h", "bearing.c", "fmi2.c")},
+    }
+
+
+@attrs.frozen
+class _OfTables(SceneFormat):
+    """A format that holds tables of a surrogate, and no scene."""
+
+    def read(self, content: bytes, source: str) -> Read:
+        """Refuse to read: there is no scene in it."""
+        raise SceneError([f"{source}: holds tables of a bearing, and no scene; name the scene they were made of"])
+
+    def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
+        """Write the tables of a result of campaign surrogate."""
+        if result is None or result.attrs.get("study") != "surrogate":
+            raise SceneError(
+                [f"format {self.name}: is written of tables; make them by rollslip surrogate SCENE, and give "
+                 "--result surrogate.nc"]
+            )  # fmt: skip
+        return self.of(result)
+
+    def of(self, result: "xr.Dataset") -> Written:
+        """Return the file."""
+        raise NotImplementedError
+
+
+@attrs.frozen
+class Fmu(_OfTables):
+    """A co-simulation unit of FMI 2.0."""
+
+    endings: ClassVar[tuple[str, ...]] = (".fmu",)
+
+    binary_only: bool = False
+
+    def of(self, result: "xr.Dataset") -> Written:
+        """Return the archive: description, sources, and a library for this machine where there is a compiler."""
+        made, (_, guid) = sources(result), c_header(result)
+        library, note = _library(made)
+        if library is None and self.binary_only:
+            raise OutputError(f"an FMU without sources needs a library, and {note}")
+        notes = [] if library is not None else [f"the FMU has sources only: {note}"]
+        entries = {"modelDescription.xml": _description(result, guid, self.binary_only).encode()}
+        if library is not None:
+            entries[f"binaries/{_platform()}/bearing{_suffix()}"] = library
+        if not self.binary_only:
+            entries |= {f"sources/{name}": text.encode() for name, text in made.items()}
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
+                entry = zipfile.ZipInfo(name, _DATE)
+                entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+                archive.writestr(entry, entries[name])
+        return Written(packed.getvalue(), tuple(notes))
+
+
+def _platform() -> str:
+    bits = 64 if sys.maxsize > 2**32 else 32
+    return f"{'win' if sys.platform == 'win32' else 'darwin' if sys.platform == 'darwin' else 'linux'}{bits}"
+
+
+def _suffix() -> str:
+    return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def _library(made: Mapping[str, str]) -> tuple[bytes | None, str]:
+    """Return the compiled library, or why there is none."""
+    named = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
+    compiler = shutil.which(named) or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        return None, "no C compiler is found"
+    with TemporaryDirectory() as folder:
+        for name, text in made.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        flags = [flag for flag in _FLAGS if sys.platform.startswith("linux") or not flag.startswith("-Wl")]
+        done = subprocess.run(
+            [compiler, *flags, "-Wno-missing-braces", "bearing.c", "fmi2.c", "-o", "bearing.so", "-lm"],
+            cwd=folder, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode:
+            return None, f"{compiler} cannot compile it: {done.stderr.strip().splitlines()[-1:]}"
+        return (Path(folder) / "bearing.so").read_bytes(), ""
+
+
+def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
+    """Return modelDescription.xml."""
+    packages = json.loads(result.attrs["packages"])
+    error = 100.0 * float(result.attrs["error"])
+    root = ET.Element(
+        "fmiModelDescription", fmiVersion="2.0", modelName="bearing", guid=guid,
+        description=f"Cage and rollers of a cylindrical roller bearing; friction within {error:.2g} % of "
+        f"{result.attrs.get('title') or result.attrs.get('source', 'a scene')}",
+        generationTool=f"rollslip {packages.get('rollslip', '')}".strip(), variableNamingConvention="flat",
+        numberOfEventIndicators="0",
+    )  # fmt: skip
+    unit = ET.SubElement(
+        root, "CoSimulation", modelIdentifier="bearing", canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUstate="true", canSerializeFMUstate="true", canBeInstantiatedOnlyOncePerProcess="false",
+        canNotUseMemoryManagementFunctions="false",
+    )  # fmt: skip
+    if not binary_only:
+        compiled = ET.SubElement(unit, "SourceFiles")
+        for name in ("bearing.c", "fmi2.c"):
+            ET.SubElement(compiled, "File", name=name)
+    units = ET.SubElement(root, "UnitDefinitions")
+    for name, exponents in _UNITS.items():
+        ET.SubElement(ET.SubElement(units, "Unit", name=name), "BaseUnit", exponents)
+    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime="2", stepSize="0.001")
+    known = ET.SubElement(root, "ModelVariables")
+    ranges = {name: result[f"{name}_range"].to_numpy() for name in ("radial_load", "temperature")}
+    for reference, (name, of, causality, first, text) in enumerate(VARIABLES):
+        more = {"parameter": {"variability": "fixed", "initial": "exact"},
+                "output": {"variability": "continuous", "initial": "calculated"}}  # fmt: skip
+        variable = ET.SubElement(
+            known, "ScalarVariable", name=name, valueReference=str(reference), causality=causality,
+            description=text, **more.get(causality, {"variability": "continuous"}),
+        )  # fmt: skip
+        real = ET.SubElement(variable, "Real", unit=of)
+        if first or causality == "parameter":
+            real.set("start", repr(float(result[first])) if first else "0.0")
+        for end, value in zip(("min", "max"), ranges.get(name, ()), strict=False):
+            real.set(end, repr(float(value)))
+    structure = ET.SubElement(root, "ModelStructure")
+    for group in ("Outputs", "InitialUnknowns"):
+        unknowns = ET.SubElement(structure, group)
+        for index, variable in enumerate(VARIABLES, start=1):
+            if variable[2] == "output":
+                ET.SubElement(unknowns, "Unknown", index=str(index))
+    ET.indent(root, " ")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+@attrs.frozen
+class C(_OfTables):
+    """One file of C with the tables and the motion, for programs that link it."""
+
+    endings: ClassVar[tuple[str, ...]] = (".c",)
+
+    def of(self, result: "xr.Dataset") -> Written:
+        """Return header, numbers and code in one file; bearing.h at its beginning is what callers copy."""
+        made = sources(result)
+        code = made["bearing.c"]
+        for name in ("bearing.h", "bearing_data.h"):
+            code = code.replace(f'#include "{name}"\n', made[name], 1)
+        return Written(code)
+
+
+#: Column -> variable of the table of operations, and what a column is called in the file.
+_COLUMNS: Final = (
+    "steady_cage_slip", "friction_torque", "outer_torque", "power_loss", "drag_reserve", "largest_force",
+    "stiffness_along", "stiffness_across",
+)  # fmt: skip
+
+
+@attrs.frozen
+class Csv(_OfTables):
+    """A row for each temperature, load and speed: where the bearing runs at constant speeds."""
+
+    endings: ClassVar[tuple[str, ...]] = (".csv",)
+
+    def of(self, result: "xr.Dataset") -> Written:
+        """Return the rows, in SI units, with the units in the head."""
+        axes = ("temperature", "radial_load", "inner_speed")
+        columns = [name for name in _COLUMNS if name in result]
+        text = io.StringIO()
+        rows = csv.writer(text, lineterminator="\n")
+        rows.writerow([f"{name} [{result[name].attrs['units']}]" for name in (*axes, *columns)])
+        for at in np.ndindex(*(result.sizes[name] for name in axes)):
+            place = dict(zip(axes, at, strict=True))
+            values = [*(float(result[name][place[name]]) for name in axes)]
+            values += [float(result[name].transpose(*axes)[at]) for name in columns]
+            rows.writerow(["" if np.isnan(value) else f"{value:.8g}" for value in values])
+        return Written(text.getvalue())
+
+
+@hookimpl
+def scene_formats() -> list[SceneFormat]:
+    """Offer the formats."""
+    return [Fmu("fmu"), C("c"), Csv("csv")]

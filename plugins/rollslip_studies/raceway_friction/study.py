@@ -1,0 +1,183 @@
+"""Study raceway-friction: what both raceways do to their rollers, over cage speed, rolling and sliding speed.
+
+- It is what a motion of the cage needs of the contacts under one load and at one temperature, on a grid: effective
+  friction of all loaded laminae over the orbit, the sum of their forces and of their resistances to rolling.
+- The loads depend on the cage's speed through the centrifugal force alone. Beside a rolling speed u the cage has
+  about u/R_o where the outer ring stands, so the other axis is the ratio rho = R_o w/u: one node where that is the only
+  ring that stands, several where both turn. Both axes are even in their logarithm.
+- Friction rises over a small slide-roll ratio V/u and falls slowly beyond: nodes are even in asinh(V/(a u)). Scales
+  that follow the largest friction jump from one operation to the next, where another maximum becomes the largest.
+- Friction is taken for V > 0; with the sign of V it is odd, as all laws of the box are.
+"""
+
+import math
+from collections.abc import Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts, load_rule
+from rollslip.fields import FieldError, parameter, positive
+from rollslip.hookspecs import hookimpl
+from rollslip.results.dataset import about
+from rollslip.studies.answers import Keep, Output
+from rollslip.studies.study import CONTACT_CHOICES, Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["REACH", "SMALL", "RacewayFriction"]
+
+#: a of asinh(V/(a u)), and V/u up to which friction is tabulated; a cage at rest beside a ring that turns has 2.
+SMALL, REACH = 3e-3, 4.0
+#: Nodes of rho where it varies, of rolling and of sliding speed, each one more than a multiple of a power of two.
+_RATIOS, _ROLLING, _SLIDING = 9, 49, 65
+#: Rolling speeds over the epicyclic one, where none are named.
+_SPEEDS: Final = (0.1, 2.0)
+#: Instants of a pitch where none are chosen, error that few loads may leave of friction, and loads of resistances.
+_INSTANTS, _FEW_LOADS, _LOADS = 4, 1e-5, 48
+
+_GRID: Final = "ring cage_node rolling_node"
+
+
+@attrs.frozen(kw_only=True)
+class RacewayFriction(Study):
+    """Force, friction and rolling resistance of both raceways over all speeds of a motion."""
+
+    name: ClassVar[str] = "raceway-friction"
+    outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
+        {
+            "mean_friction": Output(f"{_GRID} sliding_node", "1", "effective friction coefficient"),
+            "largest_friction": Output(_GRID, "1", "largest effective friction coefficient", default=True),
+            "ring_force": Output(_GRID, "N", "normal forces of all rollers, mean over the orbit"),
+            "ring_resistance": Output(_GRID, "N", "rolling resistances of all rollers on either surface, likewise"),
+            "cage_ratio": Output("cage_node", "1", "R_o w/u, cage speed over that of an outer ring at rest"),
+            "rolling_speed": Output("rolling_node", "m/s", "rolling speed"),
+            "slide_roll": Output("sliding_node", "1", "sliding over rolling speed"),
+        }
+    )
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "mean_friction"})
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    with_cage: ClassVar[bool] = True
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "loads over the orbit, and friction on the grid"})
+
+    slowest: float | None = parameter(
+        default=None,
+        unit="m/s",
+        doc="smallest rolling speed; by default a tenth of the epicyclic one",
+        validator=attrs.validators.optional(positive),
+        usual=(1e-3, 100),
+        possible=(0, 1e4),
+    )
+    fastest: float | None = parameter(
+        default=None,
+        unit="m/s",
+        doc="largest rolling speed; by default twice the epicyclic one",
+        validator=attrs.validators.optional(positive),
+        usual=(1e-2, 200),
+        possible=(0, 1e4),
+    )
+    least_ratio: float = parameter(
+        default=1.0, unit="1", doc="smallest R_o w/u of cage and rolling speed", validator=positive,
+        usual=(1e-2, 100), possible=(0, 1e6),
+    )  # fmt: skip
+    most_ratio: float = parameter(
+        default=1.0, unit="1", doc="largest R_o w/u; with the smallest it has one node", validator=positive,
+        usual=(1e-2, 100), possible=(0, 1e6),
+    )  # fmt: skip
+
+    def __attrs_post_init__(self) -> None:
+        if self.most_ratio < self.least_ratio:
+            raise FieldError("least_ratio", f"{self.least_ratio:g} is above the largest ratio")
+        if self.slowest is not None and self.fastest is not None and not self.slowest < self.fastest:
+            raise FieldError("slowest", f"{self.slowest:g} m/s is not below the largest rolling speed")
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return the resistances to rolling."""
+        return tuple(("drag", drag) for drag in assembly.cage.drags if drag not in assembly.cage.drags.torques)
+
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+        """Return force, friction and resistance on the grid.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (ring, cage_node, rolling_node, sliding_node): mean_friction; without the last largest_friction,
+            ring_force and ring_resistance; and the nodes cage_ratio, rolling_speed and slide_roll.
+        """
+        import xarray as xr
+
+        assembly = assembly.with_resistance()
+        epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
+        low, high = (
+            share * epicyclic if stated is None else stated
+            for stated, share in zip((self.slowest, self.fastest), _SPEEDS, strict=True)
+        )
+        u = np.geomspace(min(low, 0.5 * high), high, _ROLLING)
+        same = self.least_ratio == self.most_ratio
+        rho = np.geomspace(self.least_ratio, self.most_ratio, 1 if same else _RATIOS)
+        ratio = SMALL * np.sinh(np.linspace(0.0, math.asinh(REACH / SMALL), _SLIDING))
+        instants = assembly.resolution.instants or _INSTANTS
+        speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
+        loads, _ = zip(*assembly.orbit_loads(instants, speeds.ravel()), strict=True)
+        friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING))
+        force, resistance = np.zeros(friction.shape[:3]), np.zeros(friction.shape[:3])
+        for ring, raceway in enumerate(assembly.raceways):
+            for k, (i, j) in enumerate(np.ndindex(speeds.shape)):
+                contacts = LoadedContacts(raceway, loads[ring][k].reshape(-1, assembly.slices), assembly.widths, 1.0)
+                force[ring, i, j] = contacts.total / instants
+                if contacts.total > 0.0:
+                    friction[ring, i, j, 1:] = _friction(contacts, float(u[j]), u[j] * ratio[1:])
+                    resistance[ring, i, j] = _resistance(contacts, float(u[j])) / instants
+        return xr.Dataset(
+            self.variables(
+                mean_friction=friction,
+                largest_friction=_largest(friction),
+                ring_force=force,
+                ring_resistance=resistance,
+                cage_ratio=rho,
+                rolling_speed=u,
+                slide_roll=ratio,
+            ),
+            coords={"ring": ("ring", list(RINGS), about("1", "raceway"))},
+            attrs=self.attributes,
+        )
+
+
+def _friction(contacts: LoadedContacts, u: float, sliding: Array) -> Array:
+    """Mean friction of loaded slices at a rolling speed over sliding speeds."""
+
+    def mean(rule: Array, V: Array) -> Array:
+        slices = contacts.raceway.evaluate(np.tile(rule[:, 0], V.size), u, np.repeat(V, len(rule)))
+        return np.asarray((slices.friction.reshape(V.size, -1) * rule[:, 1]).sum(axis=1))
+
+    few = load_rule(contacts.load, contacts.force, partial(mean, V=sliding[:: sliding.size // PROBES]), _FEW_LOADS)
+    return mean(few, sliding)
+
+
+def _resistance(contacts: LoadedContacts, u: float) -> float:
+    """Sum of the rolling resistances at a rolling speed [N]; it does not depend on sliding."""
+    if not contacts.raceway.chain.resists:
+        return 0.0
+    few = contacts.fewer(_LOADS, whole=True)
+    return float((contacts.raceway.evaluate(few.load, u, 0.0).resistance * few.width).sum())
+
+
+def _largest(friction: Array) -> Array:
+    """Largest value along the last axis, of the parabola through the largest node and its neighbours."""
+    top = np.clip(friction.argmax(axis=-1), 1, friction.shape[-1] - 2)[..., None]
+    a, b, c = (np.take_along_axis(friction, top + k, axis=-1)[..., 0] for k in (-1, 0, 1))
+    bend = a - 2.0 * b + c
+    rise = np.where(bend < 0.0, 0.125 * (a - c) ** 2 / np.where(bend < 0.0, -bend, 1.0), 0.0)
+    inside = np.abs(a - c) <= 2.0 * np.abs(bend)
+    return np.asarray(np.where(inside, b + rise, friction.max(axis=-1)))
+
+
+@hookimpl
+def studies() -> list[type[Study]]:
+    """Offer the study."""
+    return [RacewayFriction]

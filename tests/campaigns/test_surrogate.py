@@ -1,0 +1,301 @@
+"""Tables of a bearing for other programs: held against the study, motions of dynamics, and the standard of FMI."""
+
+import csv
+import io
+import json
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rollslip
+from rollslip.bearing.assembly import assemble
+from rollslip.cli.main import cli, main
+from rollslip.errors import SceneError
+from rollslip.results.account import account_of
+from rollslip.scene.changes import evolve
+from rollslip.scene.formats import format_of
+from rollslip_campaigns.surrogate import SurrogateSettings
+from rollslip_campaigns.surrogate import surrogate as made_by
+from rollslip_campaigns.surrogate.exports import sources
+from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
+from rollslip_studies.raceway_friction.study import RacewayFriction
+
+SCENE = rollslip.load_scene("gearbox")  # every drag that acts by default
+OVER = ["radial_load=1 kN:2.5 kN", "temperature=70 degC:90 degC", "inner_speed=500 rpm:1800 rpm"]
+ERROR = 0.01
+needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="an FMU is run by what a C compiler makes of it")
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    return tmp_path_factory.mktemp("surrogate")
+
+
+@pytest.fixture(scope="module")
+def dataset(place):
+    return SurrogateSettings(SCENE, OVER, error=ERROR, checks=6, engine="serial", out=place / "tables").answer()
+
+
+def exported(place, dataset, name, *options):
+    path = place / name
+    with pytest.raises(SystemExit) as leave:
+        main(
+            ["export", "--result", str(place / "tables" / made_by.RESULT), "--out", str(path), "--overwrite", *options]
+        )
+    assert leave.value.code == 0
+    return path
+
+
+@pytest.fixture(scope="module")
+def fmu(place, dataset):
+    return exported(place, dataset, "bearing.fmu")
+
+
+@pytest.fixture(scope="module")
+def fmpy():
+    return pytest.importorskip("fmpy", reason="FMUs are run by fmpy, which is not installed: pip install fmpy")
+
+
+def test_weights_are_exact_for_cubics_and_hold_beyond_the_ends():
+    x = np.linspace(-1.0, 7.0, 33)
+    held = np.clip(x, 0.0, 6.0)
+    nodes = np.arange(7.0)
+    assert weights(7, x) @ (nodes**3 - 4.0 * nodes) == pytest.approx(held**3 - 4.0 * held, abs=1e-11)
+    assert Axis(np.array([5.0]), logarithmic=True).weights(np.array([1.0, 9.0])).tolist() == [[1.0], [1.0]]
+
+
+def test_tables_are_right_at_operations_that_nobody_looked_at(dataset):
+    tables, rng = Tables.of(dataset), np.random.default_rng(7)
+    assert float(dataset.attrs["error"]) <= ERROR
+    for _ in range(3):
+        T, W = rng.uniform(345.0, 362.0), rng.uniform(1050.0, 2450.0)
+        low, high = dataset["rolling_speed"].to_numpy()[[0, -1]]
+        study = RacewayFriction(slowest=float(low), fastest=float(high))
+        true = study.run(assemble(evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W})))
+        u, ratio = true["rolling_speed"].to_numpy(), true["slide_roll"].to_numpy()[1:]
+        folded = tables.at(T, W)
+        for ring in (0, 1):
+            friction, force = (true[name].to_numpy()[ring, 0] for name in ("mean_friction", "ring_force"))
+            for k in range(0, u.size, 6):
+                w = np.full(ratio.size, u[k] / tables.numbers["outer_radius"])
+                pull, rolls = folded.pull(ring, w, ratio * u[k], np.full(ratio.size, u[k]))
+                size = friction[k].max() * force[k]
+                assert pull == pytest.approx(friction[k, 1:] * force[k], abs=2.0 * ERROR * size)
+                assert rolls[0] == pytest.approx(true["ring_resistance"].to_numpy()[ring, 0, k], rel=2.0 * ERROR)
+
+
+def test_the_drags_of_the_cage_are_those_of_the_scene(dataset):
+    drags, folded = assemble(SCENE).cage.drags, Tables.of(dataset).at(SCENE.operation.temperature, 1500.0)
+    for w in (-40.0, 0.0, 3.0, 60.0, 110.0):
+        assert folded.drag(np.array([w]), 150.0, 0.0)[0] == pytest.approx(
+            drags.torque(w, 150.0, 0.0), rel=2e-3, abs=1e-9
+        )
+
+
+def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage(dataset):
+    scene = evolve(SCENE, {"cage.drag": ["constant-torque", "churning"]})
+    ranges = {"operation.inner_speed": (50.0, 200.0), "operation.outer_speed": (0.0, 0.0)}
+    found, top = made_by._drags(scene, np.array([353.15]), ranges, 0.01)
+    torque = assemble(scene).cage.drags.torque
+    cages = np.sinh(np.linspace(0.0, np.arcsinh(top), found["rest"].shape[1]))
+    told = found["rest"][0] - found["cage"][0] * cages**2
+    assert told == pytest.approx([torque(w, 0.0, 0.0) for w in cages], rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("scene", "asked", "said"),
+    [
+        (evolve(SCENE, {"cage.drag": ["pocket-friction"]}), {}, "one mean roller has no force in its pocket"),
+        (SCENE, {"error": "40 %"}, "error: a share from 0.0001 to 0.2 is expected"),
+        (SCENE, {"over": ["lubricant.name=a:b"]}, "lubricant.name: there are: operation.temperature"),
+        (SCENE, {"over": ["radial_load=2 kN:1 kN"]}, "the first end must be above 0 and below the second"),
+        (SCENE, {"over": ["inner_speed=0 rpm:0 rpm"]}, "nothing rolls at any speed"),
+    ],
+)
+def test_what_cannot_be_tabulated_is_refused_in_words(scene, asked, said):
+    with pytest.raises(SceneError, match=said):
+        SurrogateSettings(scene, **asked).plan()
+
+
+def test_the_account_tells_the_error_and_the_ranges(dataset):
+    account = account_of(dataset)
+    assert account.record(dataset)["ranges"]["radial_load"] == [1000.0, 2500.0]
+    assert account.record(dataset)["error"]["largest"] == dataset["operation_error"].max()
+    assert account.sentences(dataset)[0].startswith("tables within ")
+
+
+def test_a_table_of_operations_says_where_the_bearing_runs(place, dataset):
+    rows = list(csv.DictReader(io.StringIO(exported(place, dataset, "b.csv").read_text(encoding="utf-8"))))
+    assert len(rows) == dataset["steady_cage_slip"].size
+    row = rows[len(rows) // 2]
+    at = {"operation.temperature": "temperature [K]", "operation.radial_load": "radial_load [N]",
+          "operation.inner_speed": "inner_speed [rad/s]"}  # fmt: skip
+    run = rollslip.run(evolve(SCENE, {key: float(row[name]) for key, name in at.items()}), study="effective-friction")
+    assert float(row["steady_cage_slip [1]"]) == pytest.approx(float(run["steady_cage_slip"]), abs=ERROR)
+
+
+def test_files_hold_no_scene_and_need_tables(place, dataset, capsys):
+    with pytest.raises(SceneError, match="holds tables of a bearing, and no scene"):
+        format_of("b.fmu").read(b"", "b.fmu")
+    with pytest.raises(SceneError, match="make them by rollslip surrogate SCENE"):
+        format_of("b.fmu").write({}, None)
+    to_json = ["--out", str(place / "x.json"), "--binary-only"]
+    for words, said in ((["--binary-only"], "need an --out"), (to_json, "--binary-only")):
+        with pytest.raises(SystemExit) as leave:
+            main(["export", "gearbox", *words])
+        assert leave.value.code == 2
+        assert said in capsys.readouterr().err
+
+
+@needs_compiler
+def test_equal_tables_give_equal_files_and_sources_can_be_left_out(place, dataset, fmu):
+    assert exported(place, dataset, "again.fmu").read_bytes() == fmu.read_bytes()
+    with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(exported(place, dataset, "bare.fmu", "--binary-only")) as bare:
+        assert {"sources/bearing.c", "sources/fmi2.c", "sources/bearing_data.h"} < {*whole.namelist()}
+        assert not [name for name in bare.namelist() if name.startswith("sources")]
+        assert b"SourceFiles" not in bare.read("modelDescription.xml")
+
+
+@needs_compiler
+def test_types_are_those_of_the_official_headers(fmpy, dataset, tmp_path):
+    headers = Path(fmpy.__file__).parent / "c-code"
+    for name, text in sources(dataset).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for more in ([], ["-DFMI2_HEADERS", f"-I{headers}"]):
+        subprocess.run(["cc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-Wno-missing-braces", *more, "-c", "fmi2.c"],
+                       cwd=tmp_path, check=True)  # fmt: skip
+
+
+@needs_compiler
+def test_the_file_of_c_moves_the_bearing_alone(place, dataset, fmpy, fmu):
+    code = exported(place, dataset, "b.c").read_text(encoding="utf-8")
+    driver = "#include <stdio.h>\n#include <stdlib.h>\nint main(void) { bearing *b = malloc(bearing_size());\n" \
+        "bearing_init(b), bearing_start(b); for (int k = 0; k < 100; k++) bearing_step(b, 1e-3); bearing_tell(b);\n" \
+        'printf("%.17g", bearing_values(b)[B_CAGE_SPEED]); return 0; }\n'  # fmt: skip
+    (place / "driver.c").write_text(f"{code}\n{driver}", encoding="utf-8")
+    subprocess.run(
+        ["cc", "-std=c11", "-O2", "-ffp-contract=off", "driver.c", "-o", "driver", "-lm"], cwd=place, check=True
+    )
+    told = float(subprocess.run([place / "driver"], capture_output=True, text=True, check=True).stdout)
+    assert told == fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=1e-3)["cage_speed"][-1]
+
+
+@needs_compiler
+def test_the_standard_finds_nothing(fmpy, fmu):
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(str(fmu)) == []
+
+
+class Unit:
+    """One instance of an FMU, between its steps."""
+
+    def __init__(self, fmpy, fmu, place, name="one", **start):
+        from fmpy import fmi2
+
+        self.said, described = [], fmpy.read_model_description(str(fmu))
+        folder = fmpy.extract(str(fmu), str(place / f"unpacked-{name}"))
+        self.at = {one.name: one.valueReference for one in described.modelVariables}
+        self.unit = fmi2.FMU2Slave(
+            guid=described.guid, unzipDirectory=folder, modelIdentifier="bearing", instanceName=name
+        )
+        calls = fmi2.fmi2CallbackFunctions()
+        calls.logger = fmi2.fmi2CallbackLoggerTYPE(
+            lambda env, who, status, category, text, *rest: self.said.append(status)
+        )
+        calls.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
+        calls.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
+        self.unit.instantiate(callbacks=calls, loggingOn=True)
+        self.unit.setupExperiment(startTime=0.0)
+        self.unit.enterInitializationMode()
+        self.set(**start)
+        self.unit.exitInitializationMode()
+        self.time = 0.0
+
+    def set(self, **values):
+        self.unit.setReal([self.at[name] for name in values], [*values.values()])
+
+    def get(self, name):
+        return self.unit.getReal([self.at[name]])[0]
+
+    def go(self, steps, span=1e-3):
+        for _ in range(steps):
+            self.unit.doStep(currentCommunicationPoint=self.time, communicationStepSize=span)
+            self.time += span
+        return self.get("cage_speed")
+
+
+@needs_compiler
+def test_two_instances_know_nothing_of_each_other_and_a_state_brings_back_all_of_one(fmpy, fmu, place):
+    one, two = Unit(fmpy, fmu, place), Unit(fmpy, fmu, place, "two", radial_load=2400.0, first_cage_slip=0.3)
+    alone = Unit(fmpy, fmu, place, "alone").go(40)
+    assert [(one.go(1), two.go(1))[0] for _ in range(40)][-1] == alone
+    kept, at = one.unit.getFMUstate(), one.time
+    stored = one.unit.serializeFMUstate(kept)
+    first = one.go(30)
+    one.set(radial_load=1100.0)
+    assert one.go(20) != first
+    one.unit.setFMUstate(kept)
+    one.time = at
+    assert one.go(30) == first
+    two.unit.setFMUstate(two.unit.deSerializeFMUstate(stored))
+    assert two.go(30) == first
+
+
+@needs_compiler
+def test_steps_of_any_length_come_to_the_same(fmpy, fmu, place):
+    ends = [Unit(fmpy, fmu, place, f"by{n}", first_cage_slip=0.2).go(n, 0.1 / n) for n in (1000, 100, 10)]
+    assert ends == pytest.approx([ends[0]] * 3, rel=1e-4)
+
+
+@needs_compiler
+def test_inputs_beyond_the_tables_are_held_and_logged(fmpy, fmu, place):
+    unit = Unit(fmpy, fmu, place, "beyond", radial_load=2500.0)
+    assert unit.said == []
+    at_the_end = unit.go(100)
+    over = Unit(fmpy, fmu, place, "over", radial_load=9000.0, temperature=400.0)
+    unit.set(temperature=400.0)
+    assert unit.go(1) < 1.1 * at_the_end
+    assert unit.said == over.said == [1]
+    unit.set(temperature=350.0, radial_load=2000.0)
+    unit.go(1)
+    assert unit.said == [1, 0]
+    held = Unit(fmpy, fmu, place, "held", radial_load=2500.0, temperature=363.15)
+    assert over.go(50) == pytest.approx(held.go(50), rel=1e-9)
+
+
+#: What is changed in study dynamics -> inputs of the FMU over time.
+MOTIONS = {
+    "constant": ({}, lambda t: {}),
+}  # fmt: skip
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", MOTIONS)
+def test_the_cage_moves_as_in_study_dynamics(fmpy, fmu, place, name):
+    changes, inputs = MOTIONS[name]
+    motion = {"friction": "effective", "level": "cage-set", "duration": 0.6, "points": 601, "cage_slip": 0.1}
+    told = {f"study.dynamics.{key}": value for key, value in motion.items()}
+    true = rollslip.run(evolve(SCENE, told | changes), study="dynamics")
+    unit = Unit(fmpy, fmu, place, name.replace(" ", ""), first_cage_slip=0.1, **inputs(0.0))
+    found = [unit.get("cage_speed")]
+    for t in true["time"].to_numpy()[:-1]:
+        unit.set(**inputs(t + 0.5e-3))
+        found.append(unit.go(1))
+    speed = np.abs(true["cage_speed"].to_numpy())
+    assert np.abs(np.array(found) - speed).max() <= ERROR * speed.max()
+
+
+def test_a_second_call_goes_on_with_what_is_there(place, dataset, monkeypatch):
+    def not_again(*args, **kwargs):
+        raise AssertionError("a point was computed again")
+
+    monkeypatch.setattr(RacewayFriction, "run", not_again)
+    again = SurrogateSettings(SCENE, OVER, error=ERROR, checks=6, engine="serial", out=place / "tables").answer()
+    assert again["mean_friction"].equals(dataset["mean_friction"])
+    assert json.loads(again.attrs["nodes"]) == json.loads(dataset.attrs["nodes"])
+    assert "surrogate" in cli.commands
