@@ -188,7 +188,7 @@ def read_foreign(path: str | os.PathLike[str]) -> tuple[Scene, tuple[str, ...]]:
 
 
 def write_foreign(
-    scene: Scene, path: str | os.PathLike[str], result: "xr.Dataset | None" = None, **choices: object
+    scene: Scene, path: str | os.PathLike[str], result: "xr.Dataset | None" = None, **choices: Any
 ) -> tuple[str, ...]:
     """Write a scene, with what was calculated of it, into a file that another program reads; say what it cannot hold.
 

@@ -52,7 +52,7 @@ VARIABLES: Final = (
     ("drag_reserve", "1", "output", "", "largest torque of the rollers on the cage over its drag"),
     ("first_cage_slip", "1", "parameter", "", "cage slip at the start"),
 )
-_UNITS: Final[Mapping[str, Mapping[str, str]]] = {
+_UNITS: Final[Mapping[str, dict[str, str]]] = {
     "s": {"s": "1"}, "N": {"kg": "1", "m": "1", "s": "-2"}, "rad/s": {"rad": "1", "s": "-1"}, "K": {"K": "1"}, "1": {},
     "N.m": {"kg": "1", "m": "2", "s": "-2"}, "W": {"kg": "1", "m": "2", "s": "-3"},
 }  # fmt: skip
@@ -228,12 +228,11 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
     known = ET.SubElement(root, "ModelVariables")
     ranges = {name: result[f"{name}_range"].to_numpy() for name in ("radial_load", "temperature")}
     for reference, (name, of, causality, first, text) in enumerate(VARIABLES):
-        more = {"parameter": {"variability": "fixed", "initial": "exact"},
+        more: dict[str, dict[str, str]] = {"parameter": {"variability": "fixed", "initial": "exact"},
                 "output": {"variability": "continuous", "initial": "calculated"}}  # fmt: skip
-        variable = ET.SubElement(
-            known, "ScalarVariable", name=name, valueReference=str(reference), causality=causality,
-            description=text, **more.get(causality, {"variability": "continuous"}),
-        )  # fmt: skip
+        said = {"name": name, "valueReference": str(reference), "causality": causality, "description": text}
+        said |= more.get(causality, {"variability": "continuous"})
+        variable = ET.SubElement(known, "ScalarVariable", said)
         real = ET.SubElement(variable, "Real", unit=of)
         if first or causality == "parameter":
             real.set("start", repr(float(result[first])) if first else "0.0")
@@ -242,8 +241,8 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
     structure = ET.SubElement(root, "ModelStructure")
     for group in ("Outputs", "InitialUnknowns"):
         unknowns = ET.SubElement(structure, group)
-        for index, variable in enumerate(VARIABLES, start=1):
-            if variable[2] == "output":
+        for index, (*_, causality, _, _) in enumerate(VARIABLES, start=1):
+            if causality == "output":
                 ET.SubElement(unknowns, "Unknown", index=str(index))
     ET.indent(root, " ")
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"

@@ -185,7 +185,7 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
         try:
             if len(parts) > 2:
                 raise ValueError(f"{text!r} is no range; write LOW:HIGH, with units")
-            check_typed(text, parts, unit)
+            check_typed(str(text), parts, unit)
             ends = evenly(parts[0], parts[-1], 2, unit)
             low, high = float(ends[0]), float(ends[-1])
             if low > high or (name == _KEYS[1] and not low > 0.0):
@@ -379,7 +379,7 @@ def _refined(nodes: _Nodes, level: Sequence[int], allowed: float) -> list[int]:
             row = _row(axes[k], found[k])
             half = [(a + b) // 2 for a, b in pairwise(row)]
             known, true = (nodes.at(*((some, other) if k == 0 else (other, some))) for some in (row, half))
-            between = weights(len(row), np.arange(len(half)) + 0.5)
+            between = weights(len(row), np.arange(0.5, len(half)))
             guessed = {name: _along(known[name], k, between) for name in _TABLES}
             if _errors(*({n: np.moveaxis(of[n], k, 0) for n in _TABLES} for of in (guessed, true))).max() <= allowed:
                 break
@@ -389,7 +389,7 @@ def _refined(nodes: _Nodes, level: Sequence[int], allowed: float) -> list[int]:
 
 def _random_places(made: Surrogate) -> dict[str, Array]:
     """Return temperatures and loads of the random operations."""
-    changes = [made.random.design.changes(k) for k in range(made.random.design.size)]
+    changes: list[Mapping[str, Any]] = [made.random.design.changes(k) for k in range(made.random.design.size)]
     return {
         key.partition(".")[2]: np.array([float(one.get(key, made.ranges[key][0])) for one in changes])
         for key in _KEYS[:2]
