@@ -78,7 +78,7 @@ IMPOSSIBLE_LAWS = [
 
 @pytest.mark.parametrize(("key", "value", "shown", "meant"), SLIPS, ids=lambda one: str(one)[:30])
 def test_a_slip_is_told_with_its_value_and_what_was_meant(key: str, value: object, shown: str, meant: str) -> None:
-    [told] = implausible(evolve(SCENE, {key: value}))
+    [told] = [one for one in implausible(evolve(SCENE, {key: value})) if "runs preloaded" not in one]
     place, _, sentence = told.partition(f"changes: {key}")
     assert place == ""
     assert shown in sentence
@@ -344,4 +344,6 @@ def test_bearings_like_those_of_catalogues_are_usual(
     }
     surface = dict.fromkeys(("inner_raceway_roughness", "roller_roughness"), f"{roughness} um")
     raw = {"bearing": bearing, "lubricant": oil, "operation": operation, "surface": surface}
-    assert implausible(from_raw(raw, "catalogue")) == []
+    said = implausible(from_raw(raw, "catalogue"))
+    assert all("runs preloaded" in one for one in said)
+    assert len(said) <= (clearance < 0.0)

@@ -268,6 +268,10 @@ def test_all_in_the_box_cite_from_the_bibliographies():
 
 #: What stands for a source where there is no publication.
 REMARKS = {
+    "No law: the ring keeps its shape.",
+    "The finite-element model that gave the matrix.",
+    "Derived from the momentum of each roller: docs/theory/motion.rst. Friction is that of the boundary law of "
+    "raceways where nothing but sliding is left.",
     "No law: a number that is given, made smooth where the cage stands.",
     "Coulomb friction, regularised by a linear ramp.",
     "No law: the temperatures of the scene.",

@@ -54,7 +54,15 @@ ELSEWHERE = {
 
 def test_the_studies_of_the_box_are_offered_like_those_of_others():
     assert {name: offer.package for name, offer in available("study").items()} == dict.fromkeys(
-        ("dynamics", "effective-friction", "friction-curve", "steady-slip", "surface-damage", "thermal-balance"),
+        (
+            "dynamics",
+            "effective-friction",
+            "friction-curve",
+            "raceway-friction",
+            "steady-slip",
+            "surface-damage",
+            "thermal-balance",
+        ),
         "rollslip",
     )
 

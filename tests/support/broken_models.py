@@ -37,6 +37,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
+from rollslip.rings import RingModel, RingShapes
 from rollslip.structure import FrozenTable
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.surface_damage.model import DamageModel
@@ -1095,6 +1096,22 @@ def fault_of(model):
         if broken is model:
             return fault
     return (type(model).__doc__ or "").strip().splitlines()[0].rstrip(".")
+
+
+# Rings ---------------------------------------------------------------------------------------------------------------
+
+
+@breaks("check_a_preloaded_bearing_rests_in_it_and_presses_less")
+@attrs.frozen(kw_only=True)
+class Squeezed(RingModel):
+    """A seat that squeezes its ring, told as part of how the ring yields."""
+
+    name = "squeezed"
+    equation = "K q = F - P"
+    references = SOURCE
+
+    def shapes(self, bearing, ring, turns):
+        return RingShapes(np.ones((1, 1), complex), np.array([1e9]), pushes=np.array([-1e5]))
 
 
 # Thermal models ------------------------------------------------------------------------------------------------------

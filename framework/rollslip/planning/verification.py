@@ -10,7 +10,7 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.planning.plan import LONG, Plan
+from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT
 from rollslip.studies.accuracy import Errors, Probe, apart, difference, errors_between
 from rollslip.studies.answers import Estimated, total
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+#: Time that a run may take that is made again since it was off [s]; beyond, its error is told.
+_PATIENCE = 10.0
 #: How an error may fall with the number of instants: like n^-2 past the kinks of the loads, like n^-1 where rollers
 #: jump from one balance to another, and no order below the first is taken for convergence.
 _LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
@@ -177,7 +179,7 @@ def again(
 
     Slices take the second order of their rule, instants the order that was seen, a half at least: few may err alike.
     Four times as many at most, and again up to the finest. A run is not made again that kept its tolerance, which is
-    not the curves themselves, or that would take a minute by the ``seconds`` of the last one.
+    not the curves themselves, or that would take ten seconds by the ``seconds`` of the last one.
     """
     accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
     off = {name: error for name, error in judgement.total.items() if error > accuracy.of(name)}
@@ -195,7 +197,7 @@ def again(
         share = numbers[part] / numbers_then[part]
         left[part] = {name: error * share ** orders[name] for name, error in errors.items()}
     more = math.prod(numbers_then.values()) / math.prod(numbers.values())
-    if more == 1.0 or more * seconds > LONG:
+    if more == 1.0 or more * seconds > _PATIENCE:
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
     return attrs.evolve(

@@ -22,7 +22,7 @@ class SurrogateSettings(OfPoints):
 
     Effective friction, force, largest friction and rolling resistance of both rings, and the drags of the cage: all
     that a motion of cage and rollers needs. Nodes are added until random operations are within --error, which stands in
-    the file. rollslip export --result FILE.nc writes it as an FMU, as C, as a table or for rotor dynamics.
+    the file. rollslip export --result FILE.nc writes it as an FMU, as C or as a table.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Tables of a surrogate for other programs: FMU, C, CSV, and stiffness for the rotor dynamics of ROSS.
+"""Tables of a surrogate for other programs: FMU, C and CSV.
 
 - Formats of the kind that scenes have: found by the ending, written by ``rollslip export --result surrogate.nc``. They
   hold no scene, so that nothing is read from them.

@@ -99,7 +99,8 @@ def held(balance: TorqueBalance, slip: float, close: float = 0.0) -> tuple[float
         return 1.0, False
     way = balance.way(max(RANGE, slip))
     least = next((one.slip for one in way.steady(balance.drag)), math.inf)
-    shares = [one.torque / -balance.drag(one.slip) for one in way.path if one.slip < _BESIDE * slip]
+    dragging = [(one, -balance.drag(one.slip)) for one in way.path if one.slip < _BESIDE * slip]
+    shares = [one.torque / drag for one, drag in dragging if drag > 0.0]
     threes = zip(shares[:-2], shares[1:-1], shares[2:], strict=True)
     return least / slip, any(abs(at - 1.0) < close for low, at, high in threes if low < at > high)
 
