@@ -123,7 +123,9 @@ def test_a_friction_curve_is_of_the_roller_in_the_line_of_load(placed, of):
 DRAG = {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}
 
 
-@pytest.mark.parametrize("of", [name for name in PLACES if name != "roller"])
+@pytest.mark.parametrize(
+    "of", ["orbit_angle", *(pytest.param(name, marks=pytest.mark.slow) for name in ("position", "transverse_speed"))]
+)
 def test_a_steady_slip_has_places(placed, of):
     found = run(placed(of, **DRAG), "steady-slip")
     for ring in ("inner", "outer"):

@@ -25,6 +25,8 @@ from rollslip_campaigns.surrogate.exports import sources
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 from rollslip_studies.raceway_friction.study import RacewayFriction
 
+pytestmark = pytest.mark.slow
+
 SCENE = rollslip.load_scene("gearbox")  # every drag that acts by default
 OVER = ["radial_load=1 kN:2.5 kN", "temperature=70 degC:90 degC", "inner_speed=500 rpm:1800 rpm"]
 ERROR = 0.01

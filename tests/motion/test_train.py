@@ -133,6 +133,7 @@ def test_a_motion_in_time_without_a_cage_is_refused(level):
         Dynamics(level=level).moving(assemble(NONE))
 
 
+@pytest.mark.slow
 def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage():
     bare = apart(PAPER, model="none")
     bare = evolve(bare, {"models.separator": "none"})

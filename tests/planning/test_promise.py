@@ -88,7 +88,7 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
 
 
 def test_a_run_is_made_again_only_where_that_helps():
-    """Errors fourfold: second order asks for 4^(1/2)/0.35^(1/2) times as many, others for four times, in ten seconds."""
+    """Errors fourfold: second order asks for 4^(1/2)/0.35^(1/2) times as many, others four times, in ten seconds."""
     epicyclic = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
     free = plan(JUMPS, STUDY)
 

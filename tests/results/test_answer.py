@@ -457,6 +457,7 @@ def test_what_another_law_does_to_the_answer_is_what_a_run_with_it_gives():
     assert found.as_dict()["notes"][0]["moved"]["slip"] == list(notes["W20"].moved["slip"])
 
 
+@pytest.mark.slow
 def test_a_law_without_compiled_form_is_a_factor_at_the_motion_of_the_steady_slip(monkeypatch):
     """The same law with its compiled form and without it: a first step against a solution, near where it begins."""
     scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9})

@@ -115,6 +115,7 @@ def test_info_is_that_of_the_command(result, tmp_path):
     assert "<pre>" in rollslip.info()._repr_html_()
 
 
+@pytest.mark.slow
 def test_the_notebook_of_the_lecture_has_ten_lines_and_each_cell_shows_something(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     cells = json.loads((ROOT / "docs" / "examples" / "lecture.ipynb").read_text(encoding="utf-8"))["cells"]
