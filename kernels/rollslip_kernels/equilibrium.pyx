@@ -110,11 +110,11 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[:, ::1
     instant; ``direction`` holds cos psi, sin psi and -B of the shapes (M, Z, u), ``form`` those of both raceways
     (M, Z), ``given`` and ``held`` load and stiffness of each unknown of the rings (u,), those from ``outer`` on of the
     outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is the force of each
-    instant (M,): where rollers stand as in the one before, it goes on from there. Of the slices carried along, all of a roller or its
-    half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h) those of the
-    moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach`` the longest move due to clearance,
-    profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring (M, u), residual (M, 2),
-    shift, tip (M, Z), moment, passes (M,).
+    instant (M,): where rollers stand as in the one before, it goes on from there. Of the slices carried along, all of a
+    roller or its half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h)
+    those of the moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach`` the longest move due to
+    clearance, profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring (M, u), residual
+    (M, 2), shift, tip (M, Z), moment, passes (M,).
     """
     cdef Py_ssize_t instants = direction.shape[0], Z = direction.shape[1], u = direction.shape[2], h = xi.shape[0]
     cdef Py_ssize_t s = stops.shape[0]
@@ -484,7 +484,7 @@ cdef double _share(const bearing_t *b, size_t j, double gap, const double *step,
 
 cdef bint _solve(size_t n, double *k, const double *force, double *step) noexcept nogil:
     """Solve a symmetric positive system of the rings, (n, n) with its upper half given; that half is used up."""
-    cdef size_t i, j, l
+    cdef size_t i, j, m
     cdef double factor
     for i in range(n):
         step[i] = force[i]
@@ -493,8 +493,8 @@ cdef bint _solve(size_t n, double *k, const double *force, double *step) noexcep
             return False
         for j in range(i + 1, n):
             factor = k[i * n + j] / k[i * n + i]
-            for l in range(j, n):
-                k[j * n + l] -= factor * k[i * n + l]
+            for m in range(j, n):
+                k[j * n + m] -= factor * k[i * n + m]
             step[j] -= factor * step[i]
     for i in range(n - 1, -1, -1):
         for j in range(i + 1, n):
@@ -572,7 +572,7 @@ cdef void _advance(bearing_t *b, double depth) noexcept nogil:
     cdef double k[3]
     cdef double step[2]
     cdef bint free = True, settled
-    cdef size_t i, j, l, h = b.slices, u = b.unknowns
+    cdef size_t i, j, m, h = b.slices, u = b.unknowns
     cdef roller_t *r
     for j in range(b.rollers):
         r = &b.roller[j]
@@ -580,15 +580,15 @@ cdef void _advance(bearing_t *b, double depth) noexcept nogil:
     for i in range(u):
         lacking = max(lacking, fabs(b.force[i]))
         b.move[i], b.condensed[i] = 0.0, b.force[i]
-        for l in range(i, u):
-            b.hessian[i * u + l] = 0.0
+        for m in range(i, u):
+            b.hessian[i * u + m] = 0.0
         b.hessian[i * u + i] = (TRACE if u == 2 else HELD) * trace + b.held[i]
     for j in range(b.stops):
         if b.deep[j] > 0.0:
             for i in range(u):
                 part = b.stop_stiffness[j] * b.stop[j * u + i]
-                for l in range(i, u):
-                    b.hessian[i * u + l] += part * b.stop[j * u + l]
+                for m in range(i, u):
+                    b.hessian[i * u + m] += part * b.stop[j * u + m]
     trace *= TRACE
     for j in range(b.rollers):
         r = &b.roller[j]
@@ -618,8 +618,8 @@ cdef void _advance(bearing_t *b, double depth) noexcept nogil:
         for i in range(u):
             b.condensed[i] += passed * r.direction[i]
             part = series * r.direction[i]
-            for l in range(i, u):
-                b.hessian[i * u + l] += part * r.direction[l]
+            for m in range(i, u):
+                b.hessian[i * u + m] += part * r.direction[m]
 
     if free and not _rings_taken_back(b):
         _rings_step(b, depth)

@@ -4,7 +4,8 @@ from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
 from libc.stdlib cimport free, malloc
 from libc.string cimport memcpy
 
-from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_ALWAYS, ROLLSLIP_N_COLUMNS, rs_evaluate, rs_model, rs_slices
+from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_ALWAYS, ROLLSLIP_N_COLUMNS
+from rollslip_abi cimport rs_evaluate, rs_model, rs_slices
 
 # Cython's own declarations look for a Python error after NULL. A capsule may be freed while an error is on its way,
 # which would then be taken for a fault of the destructor, printed and lost.

@@ -69,8 +69,8 @@ def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists, positi
     """Return a raceway that runs a compiled chain on every loaded slice; ``resists`` if it fills the resistance.
 
     ``slices`` is the table to work in, with room for those of all rollers; ``widths`` are those of a roller's [m], and
-    ``position`` their places, with which a table that has places is filled; ``across`` is the largest transverse sliding
-    speed over the orbit [m/s].
+    ``position`` their places, with which a table that has places is filled; ``across`` is the largest transverse
+    sliding speed over the orbit [m/s].
     """
     if rollers < 1 or len(slices) % rollers:
         raise ValueError(f"a table of {len(slices)} slices is not one of {rollers} rollers")

@@ -117,8 +117,9 @@ cdef class Spin:
 
     ``rings`` holds, of inner and outer ring, (stage, table, load, force, width, first, resists): the capsule of the
     chain, a table of slices to work in, and of all loaded slices load, force and width, with the first one of every
-    position, (K + 1,), and last, where a law asks, where they are, (4, N). A ring with one friction curve is (nodes, limits, scale, force, resistance) instead: values and
-    slopes per cell, (N, 2), at equal steps of V/(|V| + scale) between the limits, and forces and resistances (K,).
+    position, (K + 1,), and last, where a law asks, where they are, (4, N). A ring with one friction curve is (nodes,
+    limits, scale, force, resistance) instead: values and slopes per cell, (N, 2), at equal steps of V/(|V| + scale)
+    between the limits, and forces and resistances (K,).
     Or it is a call that returns tractions and resistances (2, K) [N] at roller slips (K,).
     ``radii`` are those of inner and outer raceway, roller and orbit [m], ``rolling`` is the speed of epicyclic rolling
     and ``slow`` the one that the film never falls below [m/s], ``pocket`` a coefficient of friction. ``brakes`` are
