@@ -469,7 +469,6 @@ def test_a_drag_of_this_process_is_taken(monkeypatch):
     assert bearing("linear").cage.drags.torque(3.0, 0.0, 0.0) == -3.0
 
 
-@pytest.mark.slow
 def test_sweeps_over_names_of_bearings_take_the_cage_of_each():
     scene = parse_scene(NAMED + "[study.steady-slip]\n[accuracy]\ntolerance = 1e-2\nslices = 5\n", "mine.toml")
     names = ["NU 2312 ECP", "NU 2312 MA"]

@@ -87,7 +87,6 @@ def test_gauss_slices_carry_the_forces_of_a_motion():
         np.testing.assert_allclose(np.nan_to_num(ring), force, atol=2 * loads.error * force.sum())
 
 
-@pytest.mark.slow
 def test_stages_run_in_numpy_where_a_resolution_says_so():
     fast, plain = (STUDY.run(assemble(SCENE, Resolution(slices=7, instants=1, compiled=c))) for c in (True, False))
     np.testing.assert_allclose(plain.effective_friction, fast.effective_friction, rtol=1e-10)

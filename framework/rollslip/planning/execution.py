@@ -113,7 +113,7 @@ def execute(
         estimated = plan.estimated[study]
         unwatched = plan.assembly.at(estimated.resolution)
         judgement = judge(running, unwatched, estimated, dataset)
-        finer = None if exactly else again(running, unwatched, estimated, judgement, spent)
+        finer = None if exactly else again(running, unwatched, estimated, judgement)
         if finer is None:
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-#: Time that a run may take that is made again since it was off [s]; beyond, its error is told.
-_PATIENCE = 10.0
+#: Slices of all rollers over an orbit with which a run is made again at most, some seconds with compiled laws; beyond,
+#: its error is told. A limit of time would let the answer depend on the machine.
+_MOST_SLICES = 500_000
 #: How an error may fall with the number of instants: like n^-2 past the kinks of the loads, like n^-1 where rollers
 #: jump from one balance to another, and no order below the first is taken for convergence.
 _LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
@@ -172,14 +173,12 @@ def _seen(study: Study, curved: Study, at: Assembly, instants: int, times: int =
     return xr.Dataset(*some[0]).isel({made.curves_of.slip: slice(None, None, times if points else 1)})
 
 
-def again(
-    study: Study, assembly: Assembly, estimated: Estimated, judgement: Judgement, seconds: float = 0.0
-) -> Estimated | None:
+def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Judgement) -> Estimated | None:
     """Return the resolution with which a run is made again that was seen to be off; None if that would not help.
 
     Slices take the second order of their rule, instants the order that was seen, a half at least: few may err alike.
     Four times as many at most, and again up to the finest. A run is not made again that kept its tolerance, which is
-    not the curves themselves, or that would take ten seconds by the ``seconds`` of the last one.
+    not the curves themselves, or that would have too many slices.
     """
     accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
     off = {name: error for name, error in judgement.total.items() if error > accuracy.of(name)}
@@ -196,8 +195,7 @@ def again(
         numbers_then[part] = max(min(math.ceil(times * numbers[part]), most[part]), numbers[part])
         share = numbers[part] / numbers_then[part]
         left[part] = {name: error * share ** orders[name] for name, error in errors.items()}
-    more = math.prod(numbers_then.values()) / math.prod(numbers.values())
-    if more == 1.0 or more * seconds > _PATIENCE:
+    if numbers_then == numbers or assembly.scene.bearing.rollers * math.prod(numbers_then.values()) > _MOST_SLICES:
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
     return attrs.evolve(

@@ -161,13 +161,15 @@ def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, fl
 def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[str, float]]:
     """What is off at the largest drag: itself at its slip, and that slip where it leaves the range in which it is told.
 
-    It is the vertex of a parabola through both ends of that range and the slip between.
+    It is the vertex of a parabola through both ends of that range and the slip between; at an end there is none.
     """
     low, slip, high = slips = np.array([float(dataset[f"largest_drag_{one}"]) for one in ("low", "slip", "high")])
     torques = balance.torques(slips)
     yield "largest drag", _OF_JUMPS * _apart(float(dataset["largest_drag"]), torques[1])
+    if not low < slip < high:
+        return
     curvature, slope, _ = np.polyfit((slips - slip) / (high - low), torques, 2)
-    vertex = slip - 0.5 * slope / curvature * (high - low) if curvature < 0.0 else math.nan
+    vertex = slip - 0.5 * slope / curvature * (high - low) if curvature < 0.0 else math.inf
     yield "slip of the largest drag", 0.0 if low <= vertex <= high else abs(vertex / slip - 1.0)
 
 
