@@ -134,11 +134,13 @@ def test_the_account_tells_the_error_and_the_ranges(dataset):
 def test_a_table_of_operations_says_where_the_bearing_runs(place, dataset):
     rows = list(csv.DictReader(io.StringIO(exported(place, dataset, "b.csv").read_text(encoding="utf-8"))))
     assert len(rows) == dataset["steady_cage_slip"].size
-    row = rows[len(rows) // 2]
     at = {"operation.temperature": "temperature [K]", "operation.radial_load": "radial_load [N]",
           "operation.inner_speed": "inner_speed [rad/s]"}  # fmt: skip
-    run = rollslip.run(evolve(SCENE, {key: float(row[name]) for key, name in at.items()}), study="effective-friction")
-    assert float(row["steady_cage_slip [1]"]) == pytest.approx(float(run["steady_cage_slip"]), abs=ERROR)
+    for row in (rows[len(rows) // 2], rows[len(rows) // 3]):
+        run = rollslip.run(evolve(SCENE, {key: float(row[name]) for key, name in at.items()}), study="steady-slip")
+        # a mean roller slips less than rollers that each find their own balance
+        assert 0.65 < float(row["steady_cage_slip [1]"]) / float(run["steady_slip"][0]) < 1.0
+        assert float(row["friction_torque [N m]"]) == pytest.approx(float(run["friction_torque"][0]), rel=0.05)
 
 
 def test_files_hold_no_scene_and_need_tables(place, dataset, capsys):
@@ -166,7 +168,7 @@ def test_equal_tables_give_equal_files_and_sources_can_be_left_out(place, datase
 @needs_compiler
 def test_types_are_those_of_the_official_headers(fmpy, dataset, tmp_path):
     headers = Path(fmpy.__file__).parent / "c-code"
-    for name, text in sources(dataset).items():
+    for name, text in sources(dataset)[0].items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     for more in ([], ["-DFMI2_HEADERS", f"-I{headers}"]):
         subprocess.run(["cc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-Wno-missing-braces", *more, "-c", "fmi2.c"],

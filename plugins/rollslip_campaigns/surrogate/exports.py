@@ -6,6 +6,7 @@
   compiler is told no path. The library is of this machine; hosts of another system compile the sources.
 """
 
+import abc
 import csv
 import io
 import json
@@ -84,7 +85,8 @@ def _array(name: str, values: Any, kind: str = "double") -> str:
 
 def c_header(result: "xr.Dataset") -> tuple[str, str]:
     """Return the tables as numbers in C, and the GUID that is made of them."""
-    tables, n = Tables.of(result), Tables.of(result).numbers
+    tables = Tables.of(result)
+    n = tables.numbers
 
     def axis(letter: str, of: Axis) -> str:
         nodes = np.log(of.nodes) if of.logarithmic else of.nodes
@@ -114,12 +116,10 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
     return f'/* Tables of a bearing, within {float(result.attrs["error"]):.2g}. */\n#define GUID "{guid}"\n{text}', guid
 
 
-def sources(result: "xr.Dataset") -> dict[str, str]:
-    """Return the files of which a library is compiled, by name."""
-    return {
-        "bearing_data.h": c_header(result)[0],
-        **{name: _own(name) for name in ("bearing.h", "bearing.c", "fmi2.c")},
-    }
+def sources(result: "xr.Dataset") -> tuple[dict[str, str], str]:
+    """Return the files of which a library is compiled, by name, and the GUID."""
+    header, guid = c_header(result)
+    return {"bearing_data.h": header, **{name: _own(name) for name in ("bearing.h", "bearing.c", "fmi2.c")}}, guid
 
 
 @attrs.frozen
@@ -139,9 +139,9 @@ class _OfTables(SceneFormat):
             )  # fmt: skip
         return self.of(result)
 
+    @abc.abstractmethod
     def of(self, result: "xr.Dataset") -> Written:
         """Return the file."""
-        raise NotImplementedError
 
 
 @attrs.frozen
@@ -154,7 +154,7 @@ class Fmu(_OfTables):
 
     def of(self, result: "xr.Dataset") -> Written:
         """Return the archive: description, sources, and a library for this machine where there is a compiler."""
-        made, (_, guid) = sources(result), c_header(result)
+        made, guid = sources(result)
         library, note = _library(made)
         if library is None and self.binary_only:
             raise OutputError(f"an FMU without sources needs a library, and {note}")
@@ -256,18 +256,15 @@ class C(_OfTables):
 
     def of(self, result: "xr.Dataset") -> Written:
         """Return header, numbers and code in one file; bearing.h at its beginning is what callers copy."""
-        made = sources(result)
+        made, _ = sources(result)
         code = made["bearing.c"]
         for name in ("bearing.h", "bearing_data.h"):
             code = code.replace(f'#include "{name}"\n', made[name], 1)
         return Written(code)
 
 
-#: Column -> variable of the table of operations, and what a column is called in the file.
-_COLUMNS: Final = (
-    "steady_cage_slip", "friction_torque", "outer_torque", "power_loss", "drag_reserve", "largest_force",
-    "stiffness_along", "stiffness_across",
-)  # fmt: skip
+#: Columns of the table of operations beside those that say where.
+_COLUMNS: Final = ("steady_cage_slip", "friction_torque", "outer_torque", "power_loss", "drag_reserve")
 
 
 @attrs.frozen
@@ -279,14 +276,13 @@ class Csv(_OfTables):
     def of(self, result: "xr.Dataset") -> Written:
         """Return the rows, in SI units, with the units in the head."""
         axes = ("temperature", "radial_load", "inner_speed")
-        columns = [name for name in _COLUMNS if name in result]
         text = io.StringIO()
         rows = csv.writer(text, lineterminator="\n")
-        rows.writerow([f"{name} [{result[name].attrs['units']}]" for name in (*axes, *columns)])
+        rows.writerow([f"{name} [{result[name].attrs['units']}]" for name in (*axes, *_COLUMNS)])
         for at in np.ndindex(*(result.sizes[name] for name in axes)):
             place = dict(zip(axes, at, strict=True))
             values = [*(float(result[name][place[name]]) for name in axes)]
-            values += [float(result[name].transpose(*axes)[at]) for name in columns]
+            values += [float(result[name].transpose(*axes)[at]) for name in _COLUMNS]
             rows.writerow(["" if np.isnan(value) else f"{value:.8g}" for value in values])
         return Written(text.getvalue())
 

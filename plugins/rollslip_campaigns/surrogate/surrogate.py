@@ -113,13 +113,18 @@ class Surrogate:
 
     @property
     def axes(self) -> dict[str, Axis]:
-        """The rows of temperature and load; one node where both ends are the same."""
-        found = {}
-        for key, name, logarithmic in zip(_KEYS, ("temperature", "radial_load"), (False, True), strict=False):
-            low, high = self.ranges[key]
-            row = (np.geomspace if logarithmic else np.linspace)(low, high, _ROW)
-            found[name] = Axis(row if high > low else row[:1], logarithmic)
-        return found
+        """The rows of temperature and load."""
+        return _axes(self.ranges)
+
+
+def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
+    """Return the rows of temperature and load; one node where both ends are the same."""
+    found = {}
+    for key, name, logarithmic in zip(_KEYS, ("temperature", "radial_load"), (False, True), strict=False):
+        low, high = ranges[key]
+        row = (np.geomspace if logarithmic else np.linspace)(low, high, _ROW)
+        found[name] = Axis(row if high > low else row[:1], logarithmic)
+    return found
 
 
 def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
@@ -143,12 +148,11 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
     how = {"study": RacewayFriction.name, "output": list(_OUTPUTS), "engine": asked.engine,
            "time_limit": asked.time_limit}  # fmt: skip
     rows, spans = dict[str, object](), dict[str, object]()
-    for key, logarithmic in ((_KEYS[0], False), (_KEYS[1], True)):
-        low, high = ranges[key]
-        row = (np.geomspace if logarithmic else np.linspace)(low, high, _ROW).tolist()
-        rows[key] = row if high > low else [low]
-        if high > low:
-            spans[key] = f"{low!r}:{high!r}{':log' if logarithmic else ''}"
+    for key, axis in zip(_KEYS, _axes(ranges).values(), strict=False):
+        rows[key] = axis.nodes.tolist()
+        if axis.nodes.size > 1:
+            low, high = ranges[key]
+            spans[key] = f"{low!r}:{high!r}{':log' if axis.logarithmic else ''}"
     sweep = plan_sweep(scene, rows, **how)
     asked_engine(sweep)
     random = plan_sweep(
@@ -550,7 +554,7 @@ def _with_steady(found: "xr.Dataset", made: Surrogate) -> "xr.Dataset":
         ("friction_torque", "N m", "torque that drives the inner ring there"),
         ("outer_torque", "N m", "torque that drives the outer ring there"),
         ("power_loss", "W", "losses there"),
-        ("drag_reserve", "1", "largest torque of the rollers on the cage over its drag; below 1 it skids"),
+        ("drag_reserve", "1", "largest torque of the rollers on the cage over its drag, 1e6 at most; below 1 it skids"),
     )
     made_of = {name: (dims, rows[..., k], about(unit, text)) for k, (name, unit, text) in enumerate(told)}
     speed = {"inner_speed": ("inner_speed", speeds, about("rad/s", "speed of the inner ring"))}
