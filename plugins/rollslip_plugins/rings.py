@@ -96,7 +96,7 @@ def numbers(bearing: Bearing, highest: int | None, usual: int = _HARMONICS) -> l
         for part in (raceway.form if raceway is not None else ())
     ]
     most = max(2, bearing.rollers // 2)
-    return [n for n in range(min(max(usual, *lobes, 0, 0), most) + 1 if highest is None else highest + 1) if n != 1]
+    return [n for n in range(min(max([usual, *lobes]), most) + 1 if highest is None else highest + 1) if n != 1]
 
 
 def width_of(bearing: Bearing) -> float:
@@ -282,8 +282,8 @@ class Thin(RingModel):
     thickness: float | None = _size("radial thickness; by default from the raceway to the seat")
     width: float | None = _size("width; by default that of the catalogue, or 1.8 times the rollers (D)")
     section_inertia: float | None = parameter(
-        default=None, doc="moment of inertia of the section [m4]; by default width times thickness^3/12",
-        validator=attrs.validators.optional(positive), unit="1", possible=(1e-20, 1.0),
+        default=None, doc="moment of inertia of the section; by default width times thickness^3/12",
+        validator=attrs.validators.optional(positive), unit="m4", possible=(1e-20, 1.0),
     )  # fmt: skip
     seat_stiffness: float = parameter(
         default=0.0, unit="Pa", doc="load of the arc per displacement of the seat", validator=non_negative,

@@ -17,7 +17,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops
 from rollslip.scene.clearance import share
 from rollslip.scene.rings import reaching
-from rollslip_plugins.rings import Annulus, Thin, beam_stiffness, compliance_of_annulus, modal
+from rollslip_plugins.rings import Annulus, Thin, ToothForce, beam_stiffness, compliance_of_annulus, modal
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
 R, WIDTH, H, E = 0.10125, 0.028, 0.0075, 208e9
@@ -62,8 +62,11 @@ def test_two_opposed_forces_on_a_free_ring_flatten_it_as_timoshenko_says():
     assert 2 * moved[2] == pytest.approx(1 / 2 - 2 / np.pi, rel=1e-9)
 
 
-def frame(n, seat):
-    """Radial compliance of a ring of n straight beams without shear on radial springs of ``seat`` [N/m2 of arc]."""
+def frame(n, seat, loads=None):
+    """Radial displacement of a ring of n straight beams without shear on radial springs of ``seat`` [N/m2 of arc].
+
+    Under unit radial forces, or ``loads``: radial, along the ring, moment at each node in turn.
+    """
     L = 2 * R * np.sin(np.pi / n)
     a, b, K, T = E * AREA / L, E * INERTIA, np.zeros((3 * n, 3 * n)), np.zeros((6, 6))
     own = [np.array([[a, 0, 0], [0, 12 * b / L**3, s * b / L**2], [0, s * b / L**2, 4 * b / L]]) for s in (6, -6)]
@@ -73,7 +76,8 @@ def frame(n, seat):
     for e in range(n):
         dof = (3 * e + np.arange(6)) % (3 * n)
         K[np.ix_(dof, dof)] += T.T @ np.block([[own[0], link], [link.T, own[1]]]) @ T
-    return np.linalg.solve(K + np.diag(np.tile([seat * L, 1e-9 * seat * L, 0], n)), np.eye(3 * n)[:, ::3])[::3]
+    loads = np.eye(3 * n)[:, ::3] if loads is None else loads
+    return np.linalg.solve(K + np.diag(np.tile([seat * L, 1e-9 * seat * L, 0], n)), loads)[::3]
 
 
 @pytest.mark.parametrize(("seat", "error"), [(1e8, 1e-3), (1e9, 2e-3)])
@@ -84,6 +88,21 @@ def test_a_thin_ring_on_a_seat_yields_as_a_frame_of_beams_does(seat, error):
     ring, C = modal(R, {k: stiff + seat for k, stiff in free.items()}), frame(n, seat)[:, 0]
     found = ring.at(2 * np.pi * np.arange(n) / n) @ (ring.at(np.zeros(1))[0] / ring.stiffness)
     assert np.abs(found - C).max() < error * C.max()
+
+
+@pytest.mark.parametrize("acts", ["radial", "tangential", "arm"])
+def test_forces_of_teeth_move_a_rim_as_a_frame_of_beams_does(acts):
+    # two teeth opposite each other, tangential ones against each other so that nothing turns the rim as a whole
+    n, seat, size, arm = 360, 3e8, 5e3, 0.012 if acts == "arm" else 0.0
+    loads, forces = np.zeros(3 * n), []
+    for node, sign in ((25, 1.0), (25 + n // 2, -1.0)):
+        W, T = (size, 0.0) if acts == "radial" else (0.0, sign * size)
+        loads[3 * node : 3 * node + 3] = W, T, T * arm
+        forces.append(ToothForce(angle=2 * np.pi * node / n, radial=W, tangential=T, arm=arm))
+    thin = Thin(width=WIDTH, thickness=H, harmonics=30, seat_stiffness=seat, forces=tuple(forces))
+    ring, true = thin.shapes(scene().bearing, "outer", False), frame(n, seat, loads)
+    found = ring.at(2 * np.pi * np.arange(n) / n) @ (ring.pushes / ring.stiffness)
+    assert np.abs(found - true).max() < 0.05 * np.abs(true).max()  # the frame does not shear
 
 
 @pytest.mark.parametrize("n", [0, 2, 3, 6])
