@@ -117,6 +117,7 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage(dataset):
         (SCENE, {"over": ["lubricant.name=a:b"]}, "lubricant.name: there are: operation.temperature"),
         (SCENE, {"over": ["radial_load=2 kN:1 kN"]}, "the first end must be above 0 and below the second"),
         (SCENE, {"over": ["inner_speed=0 rpm:0 rpm"]}, "nothing rolls at any speed"),
+        (SCENE, {"over": ["inner_speed=0 rpm"]}, "nothing rolls at any speed"),
     ],
 )
 def test_what_cannot_be_tabulated_is_refused_in_words(scene, asked, said):

@@ -353,3 +353,11 @@ def test_reading_a_scene_imports_nothing_heavy() -> None:
 def test_an_example_is_a_usual_value_of_the_field():
     with pytest.raises(SceneError, match=r"roller_roughness: '3 N' is a force, .* expected, such as '0\.1 um'"):
         evolve(load_scene("1032930-70C"), {"surface.roller_roughness": "3 N"})
+
+
+@pytest.mark.parametrize(("name", "said"), [("anulus", "'anulus'; did you mean 'annulus'?"), ("annulus", None)])
+def test_the_model_of_a_ring_is_looked_for_among_rings(name, said):
+    with pytest.raises(SceneError) as error:
+        evolve(load_scene("1032930-70C"), {"models.outer_ring": name, "operation.inner_speed": "fast"})
+    assert "no kind" not in str(error.value)
+    assert (f"no ring is called {said}" in str(error.value)) == (said is not None)

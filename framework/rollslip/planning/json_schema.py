@@ -14,6 +14,7 @@ from typing import Any, Final
 from rollslip.catalogue.discovery import available
 from rollslip.planning.keys import keys
 from rollslip.scene.schema import SchemaRow
+from rollslip.scene.values import model_kind
 
 __all__ = ["json_schema"]
 
@@ -71,7 +72,7 @@ def _put(at: dict[str, Any], name: str, row: SchemaRow) -> None:
     if row.unit not in ("", "1"):
         said["description"] += f" [{row.unit}]"
     kind = re.fullmatch(r"models\.(\w+)(\.model)?", row.key)
-    names = {"enum": [*available(re.sub(r"^(inner|outer)_", "", kind[1]))]} if kind else {}
+    names = {"enum": [*available(model_kind(kind[1]))]} if kind else {}
     if row.type.startswith("a name, or a table"):
         table = {"type": "object", "properties": {}, "additionalProperties": False}
         of: dict[str, Any] = {"anyOf": [{"type": "string", **names}, table]}

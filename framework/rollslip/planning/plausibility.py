@@ -17,7 +17,7 @@ from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
 from rollslip.scene.rings import reaching
-from rollslip.scene.values import Scene, resolved
+from rollslip.scene.values import Scene, model_kind, resolved
 from rollslip.structure import Location
 from rollslip.studies.study import study_class
 from rollslip.toml import parse, split_key
@@ -103,8 +103,7 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
     models, cage = raw.get("models"), raw.get("cage")
     for kind, model in models.items() if isinstance(models, Mapping) else ():
-        of = "ring" if kind in ("inner_ring", "outer_ring") else kind
-        yield from unusual_model(of, model, where.at("models").at(kind))
+        yield from unusual_model(model_kind(kind), model, where.at("models").at(kind))
     drags = cage.get("drag", ()) if isinstance(cage, Mapping) else ()
     for k, drag in enumerate(drags if isinstance(drags, list | tuple) else ()):
         yield from unusual_model("drag", drag, where.at("cage").at("drag").at(k))

@@ -19,7 +19,7 @@ from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import FOLLOWS, before_mounting, in_operation, listed
 from rollslip.scene.plausibility import impossible_relations
-from rollslip.scene.values import Models, Scene, resolved
+from rollslip.scene.values import Models, Scene, model_kind, resolved
 from rollslip.structure import FrozenTable, Location, bare_key, fields_of, structure, thawed
 from rollslip.toml import KeyPath, parse
 from rollslip.units import as_written
@@ -133,7 +133,7 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
                 wanted.append(("study", at.at(key), key, ""))
             elif key in _KINDS:
                 several = given if isinstance(given, list | tuple) else (given,)
-                wanted += [(key, at.at(key), one, "model") for one in several]
+                wanted += [(model_kind(key), at.at(key), one, "model") for one in several]
     problems = []
     for kind, place, named, key in wanted:
         name = named.get(key) if isinstance(named, Mapping) else named

@@ -108,6 +108,11 @@ class ModelChoice:
     parameters: FrozenTable = field(default=FrozenTable(), doc="parameters of the model", rest=True)
 
 
+def model_kind(key: str) -> str:
+    """Return the kind of what a key of `Models` names: both rings are of one."""
+    return "ring" if key in ("inner_ring", "outer_ring") else key
+
+
 @attrs.frozen(kw_only=True)
 class Models:
     """Which law each stage of a contact follows."""

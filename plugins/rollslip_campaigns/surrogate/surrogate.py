@@ -185,6 +185,7 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
             there = f"there are: {', '.join(_KEYS)}"
             problems.append(f"{key}: {there if key in known else unknown(key, known)}")
             continue
+        text = text[0] if isinstance(text, list) and len(text) == 1 else text  # one value, where nothing varies
         unit, parts = str(known[name].unit), [part.strip() for part in str(text).split(":")]
         try:
             if len(parts) > 2:

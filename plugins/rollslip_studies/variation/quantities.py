@@ -18,7 +18,7 @@ from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import Known, Quantity
-from rollslip.scene.values import LubricantTable, ModelChoice, Scene
+from rollslip.scene.values import LubricantTable, ModelChoice, Scene, model_kind
 from rollslip.structure import Location, fields_of
 from rollslip.units import UnitError, quantity
 
@@ -34,9 +34,9 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     models = {**assembly.models, "separator": assembly.separator}
     for attribute in attrs.fields(type(scene.models)):
         kind, choice = attribute.name, getattr(scene.models, attribute.name)
-        if isinstance(choice, ModelChoice) and kind in ("inner_ring", "outer_ring"):
-            found.append(_choice(f"models.{kind}", attribute, choice.name, "ring"))
-            made = structure_model("ring", {"model": choice.name, **choice.parameters}, Location({}), [])
+        if isinstance(choice, ModelChoice) and (of := model_kind(kind)) != kind:
+            found.append(_choice(f"models.{kind}", attribute, choice.name, of))
+            made = structure_model(of, {"model": choice.name, **choice.parameters}, Location({}), [])
             found += _of(made, f"models.{kind}")
         elif isinstance(choice, ModelChoice):
             found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
