@@ -525,13 +525,7 @@ class Drag(abc.ABC):
     references: ClassVar[tuple[Citation, ...]]
 
     def check_given(self) -> None:
-        """Refuse to go on while a parameter is left to a scene.
-
-        Raises
-        ------
-        DomainError
-            If there is one.
-        """
+        """Raise a `DomainError` where a parameter is still left to a scene."""
         if missing := left_to_scene(self):
             names = ", ".join(a.name for a in missing)
             raise DomainError(f"drag {self.name!r} takes {names} from a scene; outside of one give them")
@@ -542,6 +536,9 @@ class DragModel(Drag):
 
     #: Ring that bears the reaction, "inner" or "outer"; empty for what stands still: housing, oil, air.
     against: str = ""
+    #: Whether the torque varies in time; ``torque`` then has a fourth argument ``time``, s since the motion began, with a
+    #: default. Only motions in time have such a torque: what asks for a steady one is refused.
+    varies_in_time: bool = False
     #: Rule of the conformance kit that the law breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Relative difference allowed between the compiled and the Python form.

@@ -102,7 +102,18 @@ class Drags:
         return resistance is None or "viscosity" not in resistance.reads
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
-        """Return the sum of the torques on the cage [N m]; speeds in rad/s."""
+        """Return the sum of the torques on the cage [N m]; speeds in rad/s.
+
+        Raises
+        ------
+        DomainError
+            If one of them varies in time.
+        """
+        if varying := [model.name for model in self.torques if model.varies_in_time]:
+            raise DomainError(
+                f"drag {varying[0]!r} varies in time, and no motion is steady with it; ask for a motion in time, or leave "
+                "it out"
+            )
         return sum((model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0)
 
     def capsules(self) -> tuple[object, ...]:
@@ -120,25 +131,25 @@ def torque_capsule(model: DragModel) -> object:
     except Exception as error:
         raise PluginError(f"{who} fails ({in_words(error)}); {origin(type(model))}") from error
     if capsule is None:
-        return compiled.python_drag(_checked(model))
+        return compiled.python_drag(_checked(model), model.varies_in_time)
     if problem := compiled.problem(capsule):
         raise PluginError(f"{who} {problem}; {origin(type(model))}")
     return capsule
 
 
-def _checked(model: DragModel) -> Callable[[float, float, float], float]:
+def _checked(model: DragModel) -> Callable[..., float]:
     """Return ``torque`` of a model such that only finite numbers leave it, and its errors say whose they are."""
 
-    def torque(cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+    def torque(*given: float) -> float:
         try:
-            value = float(model.torque(cage_speed, inner_speed, outer_speed))
+            value = float(model.torque(*given))
         except BaseException as error:
             error.add_note(f"raised by torque() of drag {model.name!r}; {origin(type(model))}")
             raise
         if not math.isfinite(value):
             raise DomainError(
                 f"drag {model.name!r} gives a torque of {value} at cage, inner and outer speed "
-                f"{cage_speed:g}, {inner_speed:g}, {outer_speed:g} rad/s"
+                f"{given[0]:g}, {given[1]:g}, {given[2]:g} rad/s" + "".join(f", {time:g} s" for time in given[3:])
             )
         return value
 

@@ -334,6 +334,12 @@ def check_takes_what_an_oil_says_of_pressure(law: PressureViscosity) -> None:
 # Drag ----------------------------------------------------------------------------------------------------------------
 
 _SPEEDS = st.tuples(*[st.one_of(st.just(0.0), signed(st.floats(1e-3, 3e3)))] * 3)
+_TIMES = st.tuples(st.floats(0.0, 100.0))
+
+
+def _given(model: DragModel) -> st.SearchStrategy[tuple[float, ...]]:
+    """Speeds of cage, inner and outer ring [rad/s], and a time [s] where the torque varies in it."""
+    return st.builds(tuple.__add__, _SPEEDS, _TIMES) if model.varies_in_time else _SPEEDS
 
 
 def _torque(model: DragModel, speeds: tuple[float, ...]) -> float:
@@ -351,10 +357,10 @@ def check_torque_is_finite_and_the_same_again(model: DragModel) -> None:
 
     def holds(speeds: tuple[float, ...]) -> None:
         first = _torque(model, speeds)
-        _torque(model, speeds[::-1])
+        _torque(model, (*speeds[2::-1], *speeds[3:]))
         refuse_unless(_torque(model, speeds) == first, f"the torque at {speeds} rad/s is another at the second time")
 
-    for_all(_SPEEDS, holds)
+    for_all(_given(model), holds)
 
 
 @rule(DragModel)
@@ -362,12 +368,12 @@ def check_torque_changes_sign_with_all_speeds(model: DragModel) -> None:
     """A bearing seen from its other side is the same bearing."""
 
     def holds(speeds: tuple[float, ...]) -> None:
-        one, mirrored = _torque(model, speeds), _torque(model, tuple(-speed for speed in speeds))
+        one, mirrored = _torque(model, speeds), _torque(model, (*(-speed for speed in speeds[:3]), *speeds[3:]))
         refuse_unless(
             abs(one + mirrored) <= 1e-12 * abs(one), f"the torque is {one:g} at {speeds} rad/s, mirrored {mirrored:g}"
         )
 
-    for_all(_SPEEDS, holds)
+    for_all(_given(model), holds)
 
 
 @rule(DragModel)
@@ -375,11 +381,11 @@ def check_torque_takes_power_out_of_a_cage_between_still_rings(model: DragModel)
     """With both rings at rest nothing drives the cage; and nothing acts on a cage at rest there."""
 
     def holds(speeds: tuple[float, ...]) -> None:
-        torque = _torque(model, (speeds[0], 0.0, 0.0))
+        torque = _torque(model, (speeds[0], 0.0, 0.0, *speeds[3:]))
         refuse_unless(torque * speeds[0] <= 0, f"the torque {torque:g} N m drives a cage at {speeds[0]:g} rad/s")
         refuse_unless(speeds[0] != 0 or torque == 0, f"the torque is {torque:g} N m where all is at rest")
 
-    for_all(_SPEEDS, holds)
+    for_all(_given(model), holds)
 
 
 @rule(DragModel)
@@ -398,7 +404,7 @@ def check_compiled_torque_equals_python(model: DragModel) -> None:
             f"the compiled torque is {found:.17g} at {speeds} rad/s, that of Python {expected:.17g}",
         )
 
-    for_all(_SPEEDS, holds)
+    for_all(_given(model), holds)
 
 
 @rule(ResistanceModel)

@@ -87,10 +87,15 @@ typedef struct {
  * NaN: a Python error is set, or the speeds are outside the drag's domain. */
 typedef double (*rs_torque)(double cage_speed, double inner_speed, double outer_speed, const void *params);
 
+/* The same at a time in s since the motion began. */
+typedef double (*rs_torque_at)(
+    double cage_speed, double inner_speed, double outer_speed, double time, const void *params);
+
 typedef struct {
     uint32_t abi;           /* ROLLSLIP_ABI the provider was compiled with */
     uint32_t size;          /* sizeof(rs_drag) the provider was compiled with */
     rs_torque torque;       /* re-entrant, without the GIL; never NULL */
     const void *params;     /* read-only; lives as long as the capsule */
+    rs_torque_at torque_at; /* NULL where time does not matter; else called in place of torque by motions in time */
 } rs_drag;
 #endif

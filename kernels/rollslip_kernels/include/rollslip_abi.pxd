@@ -53,9 +53,11 @@ cdef extern from "rollslip.h" nogil:
         const void *params
 
     ctypedef double (*rs_torque)(double, double, double, const void *) noexcept nogil
+    ctypedef double (*rs_torque_at)(double, double, double, double, const void *) noexcept nogil
 
     ctypedef struct rs_drag:
         uint32_t abi
         uint32_t size
         rs_torque torque
         const void *params
+        rs_torque_at torque_at

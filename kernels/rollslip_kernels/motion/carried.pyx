@@ -40,8 +40,9 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, NAN, fabs, fmin, isfinite, sqrt
 from libc.string cimport memcpy, memset
 
-from rollslip_abi cimport ROLLSLIP_DRAG, rs_drag
+from rollslip_abi cimport rs_drag
 from rollslip_arrow cimport RS_RAISED
+from rollslip_drag cimport rs_drag_of, rs_torque_then
 from rollslip_errors cimport rs_raise_pending
 from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
 from rollslip_raceway cimport (
@@ -162,6 +163,7 @@ cdef struct carried_t:
     rs_raceway raceway[RINGS]
     rs_drag drags[MAX_DRAGS]
     size_t n_drags
+    bint in_time   # a drag varies in time
     rs_pocket cage
     double epicyclic_speed, critical_slip, film_limit
     int refused
@@ -464,8 +466,8 @@ cdef int _head_rates(double t, const double *head, double *rates, void *state) n
     cdef double torque = 0.0
     cdef size_t k
     for k in range(p.n_drags):
-        torque += p.direction * p.drags[k].torque(
-            p.direction * head[1], p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, p.drags[k].params)
+        torque += p.direction * rs_torque_then(
+            &p.drags[k], p.direction * head[1], p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, t)
     if not isfinite(torque):
         with gil:
             if PyErr_Occurred() != NULL:
@@ -588,8 +590,10 @@ cdef class Carried:
 
         if len(drags) > MAX_DRAGS:
             raise ValueError(f"at most {MAX_DRAGS} drags act on a cage, got {len(drags)}")
+        p.in_time = False
         for k, capsule in enumerate(drags):
-            p.drags[k] = (<rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG))[0]
+            p.drags[k] = rs_drag_of(capsule)
+            p.in_time = p.in_time or p.drags[k].torque_at != NULL
         p.n_drags = len(drags)
 
         self.scale = np.array(scale, dtype=float)
@@ -653,7 +657,7 @@ cdef class Carried:
         s.head, s.rollers, s.block, s.ledger = HEAD, self.p.c.rollers, self.p.c.block, ALL - HEAD
         s.roller_rates, s.head_rates = _roller_rates, _head_rates
         s.watched, s.watch = 1 if self.p.film_limit != self.p.film_limit else 2, _watch
-        s.jacobian, s.scale, s.autonomous, s.state = NULL, &self.scale[0], 1, &self.p
+        s.jacobian, s.scale, s.autonomous, s.state = NULL, &self.scale[0], not self.p.in_time, &self.p
         rs_tells_nothing(&s)
         s.rates, s.kicked, s.drift = _rates, &self.kicked[0], _drift
         if self.p.c.pocket:   # one roller against the cage

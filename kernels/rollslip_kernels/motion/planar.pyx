@@ -47,7 +47,8 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, M_PI, NAN, cos, fabs, fmax, fmin, sin, sqrt
 from libc.string cimport memcpy, memset
 
-from rollslip_abi cimport ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
+from rollslip_abi cimport ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
+from rollslip_drag cimport rs_drag_of, rs_torque_then
 from rollslip_errors cimport rs_raise_pending
 from rollslip_land cimport (
     ALL_OF_LAND, INNER_LAND, LAND_FILM, LAND_METAL, ROLLERS, rs_land, rs_land_force, rs_land_forces,
@@ -247,6 +248,7 @@ ctypedef struct planar_t:
     rs_raceway raceway[2]
     rs_drag drags[MOST_DRAGS]
     size_t n_drags
+    bint in_time   # a drag varies in time
     double direction       # -1 where the speeds are those of the mirror image
     size_t evaluated       # slices of the deflection law
     # rolling resistance at equal steps of sqrt(Q), where friction is not conventional
@@ -752,8 +754,8 @@ cdef int own_rates(
     rates[IMPULSE_GRAVITY] = (p.ring_mass * (p.c.gravity_y * head[RING_X] - p.c.gravity_x * head[RING_Y])
                               + fy * head[CAGE_X] - fx * head[CAGE_Y] + weight)
     for k in range(p.n_drags):
-        drag += p.direction * p.drags[k].torque(
-            p.direction * w, p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, p.drags[k].params)
+        drag += p.direction * rs_torque_then(
+            &p.drags[k], p.direction * w, p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, t)
     if drag != drag:
         with gil:
             if PyErr_Occurred() != NULL:
@@ -897,9 +899,10 @@ cdef class Planar:
         p.drop, p.widths, p.c.lowest_drop = &self.drop[0], &self.widths[0], np.min(drop)
         if len(drags) > MOST_DRAGS:
             raise ValueError(f"at most {MOST_DRAGS} drags act on a cage, got {len(drags)}")
-        p.n_drags = len(drags)
+        p.n_drags, p.in_time = len(drags), False
         for k in range(p.n_drags):
-            p.drags[k] = (<const rs_drag *>PyCapsule_GetPointer(drags[k], ROLLSLIP_DRAG))[0]
+            p.drags[k] = rs_drag_of(drags[k])
+            p.in_time = p.in_time or p.drags[k].torque_at != NULL
         self.deflections = tuple(deflections)
         self.forces = tuple(np.array(values, dtype=float, order="C") for _, values in forces or ())
         for ring in range(<size_t>len(self.forces)):
@@ -968,7 +971,7 @@ cdef class Planar:
         s.head, s.rollers, s.block, s.ledger = HEAD, self.p.c.rollers, BLOCK, LEDGER
         s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
         s.watched, s.watch = 3, watch
-        s.scale, s.autonomous, s.state = &self.scale[0], 1, &self.p
+        s.scale, s.autonomous, s.state = &self.scale[0], not self.p.in_time, &self.p
         rs_tells_nothing(&s)
         s.rates, s.kicked, s.drift = all_rates, &self.kicked[0], drift
         s.until_contact, s.swing_frequency = until_contact, swing_frequency

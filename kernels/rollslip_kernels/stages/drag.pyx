@@ -11,9 +11,16 @@ from libc.math cimport NAN, fabs, sqrt
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
 from rollslip_blocks cimport rolling_params, rs_active_blocks
-from rollslip_drag cimport rs_new_drag
+from rollslip_drag cimport rs_drag_of, rs_new_drag, rs_torque_then
 from rollslip_errors cimport rs_raise_pending
 from rollslip_stage cimport rs_cut, rs_new_model
+
+cdef extern from *:
+    """
+    #include <stddef.h>
+    #define RS_LEAST_DRAG offsetof(rs_drag, torque_at)   /* what every provider has */
+    """
+    const size_t RS_LEAST_DRAG
 
 cdef enum:
     MOST = 8
@@ -29,19 +36,24 @@ def problem(capsule):
     given = <const rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG)
     if given.abi != ROLLSLIP_ABI:
         return f"was built for ABI {given.abi} of rollslip.h, this is {ROLLSLIP_ABI}: rebuild it against this version"
-    if given.size < sizeof(rs_drag):
-        return f"has {given.size} bytes of rs_drag, this rollslip reads {sizeof(rs_drag)}: rebuild it"
+    if given.size < RS_LEAST_DRAG:
+        return f"has {given.size} bytes of rs_drag, this rollslip reads {RS_LEAST_DRAG}: rebuild it"
     if given.torque == NULL:
         return "gave a table whose torque is NULL"
     return ""
 
 
-def torque(capsule, double cage_speed, double inner_speed, double outer_speed):
-    """Return what the torque in ``capsule`` gives; an error of a Python function behind it is raised."""
-    cdef const rs_drag *given = <const rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG)
-    cdef double found
+def torque(capsule, double cage_speed, double inner_speed, double outer_speed, time=None):
+    """Return what the torque in ``capsule`` gives; an error of a Python function behind it is raised.
+
+    At a ``time`` [s] it is what a motion in time calls.
+    """
+    cdef rs_drag given = rs_drag_of(capsule)
+    cdef double found, t = 0.0 if time is None else time
+    if time is None:
+        given.torque_at = NULL
     with nogil:
-        found = given.torque(cage_speed, inner_speed, outer_speed, given.params)
+        found = rs_torque_then(&given, cage_speed, inner_speed, outer_speed, t)
     if found != found and PyErr_Occurred() != NULL:
         rs_raise_pending()
     return found
@@ -78,17 +90,28 @@ cdef double _churning(double cage, double inner, double outer, const void *param
 
 cdef double _call_python(double cage, double inner, double outer, const void *params) noexcept nogil:
     """A Python torque seen from C."""
-    cdef double found
     with gil:
-        if PyErr_Occurred() != NULL:   # of another one, whose sum with this one is asked for
-            return NAN
-        try:
-            found = (<object>(<void **>params)[0])(cage, inner, outer)
-            if found != found:
-                raise ArithmeticError(f"the torque is nan at cage, inner and outer speed {cage}, {inner}, {outer}")
-        except BaseException as error:
-            PyErr_SetObject(type(error), error)
-            return NAN
+        return _called(<object>(<void **>params)[0], (cage, inner, outer))
+
+
+cdef double _call_python_at(double cage, double inner, double outer, double time, const void *params) noexcept nogil:
+    """A Python torque that varies in time seen from C."""
+    with gil:
+        return _called(<object>(<void **>params)[0], (cage, inner, outer, time))
+
+
+cdef double _called(object torque, tuple given) noexcept:
+    """What a Python torque returns; NaN where an error is set."""
+    cdef double found
+    if PyErr_Occurred() != NULL:   # of another one, whose sum with this one is asked for
+        return NAN
+    try:
+        found = torque(*given)
+        if found != found:
+            raise ArithmeticError(f"the torque is nan at cage, inner and outer speed {', '.join(map(str, given))}")
+    except BaseException as error:
+        PyErr_SetObject(type(error), error)
+        return NAN
     return found
 
 
@@ -109,9 +132,14 @@ def churning(double factor):
     return rs_new_drag(_churning, &factor, sizeof(factor), None)
 
 
-def python_drag(torque):
-    """Return a capsule that calls ``torque(cage_speed, inner_speed, outer_speed)`` with the GIL; NaN is its error."""
+def python_drag(torque, bint in_time=False):
+    """Return a capsule that calls ``torque(cage_speed, inner_speed, outer_speed)`` with the GIL; NaN is its error.
+
+    ``in_time``: motions in time give it the time as a fourth argument.
+    """
     cdef void *pointer = <void *>torque
+    if in_time:
+        return rs_new_drag(_call_python, &pointer, sizeof(pointer), torque, _call_python_at)
     return rs_new_drag(_call_python, &pointer, sizeof(pointer), torque)
 
 

@@ -264,7 +264,7 @@ def _heat(moving: MovingBearing, found: Trajectory, rolling: tuple[Array, Array]
         torques = tuple(torque for torque in torques if torque.against not in RINGS)
     work, turned = np.diff(of["work_drag"]), np.diff(of["impulse_drag"])
     now = moving.ring_speeds(t)
-    for torque, share in zip(torques, _shares(moving, torques, of["cage_speed"], now), strict=True):
+    for torque, share in zip(torques, _shares(moving, torques, t, of["cage_speed"], now), strict=True):
         against = torque.against
         place, body = ("oil", 0.0) if against not in RINGS else (f"{against} land", now[RINGS.index(against)])
         middle = body if isinstance(body, float) else 0.5 * (body[1:] + body[:-1])
@@ -273,13 +273,19 @@ def _heat(moving: MovingBearing, found: Trajectory, rolling: tuple[Array, Array]
     return heat
 
 
-def _shares(moving: MovingBearing, torques: Any, cage: Array, rings: Array) -> list[Any]:
+def _shares(moving: MovingBearing, torques: Any, times: Array, cage: Array, rings: Array) -> list[Any]:
     """What of the torque on the cage each drag gives over every interval, at the temperatures of one station."""
     if len(torques) < 2:
         return [1.0] * len(torques)
     sign = moving.direction
     values = np.array(
-        [[one.torque(sign * c, sign * i, sign * o) for c, i, o in zip(cage, *rings, strict=True)] for one in torques]
+        [
+            [
+                one.torque(sign * c, sign * i, sign * o, *([t] if one.varies_in_time else ()))
+                for t, c, i, o in zip(times, cage, *rings, strict=True)
+            ]
+            for one in torques
+        ]
     )
     values = 0.5 * (values[:, 1:] + values[:, :-1])
     whole = values.sum(axis=0)

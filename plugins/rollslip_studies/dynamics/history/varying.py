@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip_kernels.motion.system import System
@@ -200,7 +201,9 @@ def varying_motion(
             f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
             "make it 0, or leave load_direction out"
         )
-    read = planar is not None and friction.name != "effective"  # which is an average over the loads
+    taken = set[str]().union(*(taken_from_scene(model) for model in assembly.cage.named))
+    # effective friction is an average over the loads, and a drag may take the load of its scene
+    read = planar is not None and not (friction.name == "effective" or "radial_load" in taken)
     mapped = [name for name in history.conditions if not (read and name == "radial_load")]
     axes = [Axis.of(name, *spans[name]) for name in mapped if name in history.varies]
     if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
@@ -260,7 +263,7 @@ def varying_motion(
         cage_speed=list(base.names[0]).index("cage_speed"),
         inner_share=k.inner_radius / (k.inner_radius + k.outer_radius),
         still=STILL * _fastest(assembly, history),
-        autonomous=not history.varies,
+        autonomous=not (history.varies or any(model.varies_in_time for model in assembly.cage.drags.torques)),
         scale=base.system.scale,
     )
     return VaryingMotion(
