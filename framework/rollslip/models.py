@@ -536,8 +536,8 @@ class DragModel(Drag):
 
     #: Ring that bears the reaction, "inner" or "outer"; empty for what stands still: housing, oil, air.
     against: str = ""
-    #: Whether the torque varies in time; ``torque`` then has a fourth argument ``time``, s since the motion began, with a
-    #: default. Only motions in time have such a torque: what asks for a steady one is refused.
+    #: Whether the torque varies in time; ``torque`` then has a fourth argument ``time``, s since the motion began, by
+    #: default any. Only motions in time have such a torque: what asks for a steady one is refused.
     varies_in_time: bool = False
     #: Rule of the conformance kit that the law breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})

@@ -111,8 +111,8 @@ class Drags:
         """
         if varying := [model.name for model in self.torques if model.varies_in_time]:
             raise DomainError(
-                f"drag {varying[0]!r} varies in time, and no motion is steady with it; ask for a motion in time, or leave "
-                "it out"
+                f"drag {varying[0]!r} varies in time, and no motion is steady with it; ask for a motion in time, or "
+                "leave it out"
             )
         return sum((model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0)
 
