@@ -81,6 +81,8 @@ class _Former(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
+        if not fullname.startswith("rollslip."):  # most of what a process imports
+            return None
         home = _RENAMED.get(fullname, "")
         if not home and fullname not in _STAYED:
             former, root = next((pair for pair in _ROOTS.items() if f"{fullname}.".startswith(f"{pair[0]}.")), ("", ""))

@@ -102,6 +102,8 @@ def verdicts(_: object, __: object, given: Sequence[str]) -> list[str]:
 
 def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
     """Return codes of notes, several with commas between; one that there is not is refused."""
+    if not given:
+        return []
     from rollslip.cli.models import explained
 
     codes = [code.strip().upper() for text in given for code in text.split(",")]

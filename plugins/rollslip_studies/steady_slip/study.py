@@ -105,7 +105,6 @@ class SteadySlip(Study):
         {"orbits": "a steady motion of the rollers for every slip that is asked for"}
     )
     with_cage: ClassVar[bool] = True
-    libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
     measured: ClassVar[Mapping[str, Measurable]] = MEASURED
     with_bands = staticmethod(band.with_bands)
 
@@ -139,6 +138,12 @@ class SteadySlip(Study):
             limits = getattr(self, name)
             if limits and not (len(limits) == 2 and limits[0] < limits[1]):
                 raise FieldError(name, f"must be two values that ascend, or empty, not {list(limits)}")
+
+    @property
+    def libraries(self) -> tuple[str, ...]:  # type: ignore[override]
+        """SciPy where slips are followed, or friction is effective; its import takes longer than other runs."""
+        followed = any(getattr(self, name) for name in VARIED)
+        return ("scipy.optimize", "scipy.interpolate") if followed or self.friction == "effective" else ()
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
         """Return how many numbers the slip-drag curve holds at least."""
@@ -180,12 +185,8 @@ class SteadySlip(Study):
         found = attrs.evolve(found, resolution=attrs.evolve(found.resolution, instants=instants))
         if away is None:
             return found
-        reason = f"{away.text}; widen accuracy.friction beyond that to have it"
-        return attrs.evolve(
-            found,
-            resolution=attrs.evolve(found.resolution, friction="conventional"),
-            reasons={**found.reasons, "friction": reason},
-        )
+        reasons = {**found.reasons, "friction": f"{away.text}; widen accuracy.friction beyond that to have it"}
+        return attrs.evolve(found, resolution=attrs.evolve(found.resolution, friction="conventional"), reasons=reasons)
 
     def _near_running_away(self, assembly: Assembly) -> Near | None:
         """What effective friction would leave, where it is named and that is too much."""

@@ -77,7 +77,7 @@ class ThermalBalance(Study):
     )
     acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
     with_cage: ClassVar[bool] = True
-    libraries: ClassVar[tuple[str, ...]] = SteadySlip.libraries
+    libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
     with_heat: ClassVar[bool] = True
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "steady slips at many temperatures"})
 
