@@ -28,6 +28,7 @@ from rollslip_studies.motion.time_integration import InitialValueProblem, integr
 END = 0.01  # s
 #: A load that stays; the motion is then the one without a history.
 FIXED = {"radial_load": {"shape": "step", "to": "1037 N", "at": "5 ms"}}
+HELD = {"radial_load": {"shape": "step", "to": "1037.0 N", "at": "5 ms"}}  # one with a history, of what stays
 RAMP = {"radial_load": {"shape": "ramp", "to": "900 N", "within": "10 ms"}}
 
 
@@ -85,13 +86,15 @@ def impulse(drag, level, history, method="rk45", friction="conventional"):
     times = np.linspace(0.0, END, 5)
     ours = integrate(problem, get_model("integrator", method), times, rtol=1e-8)
     assert ours.outcome == "finished"
+    if method == "rodas5p" and level != "planar":
+        assert ours.steps < 500  # some 100; thousands where a method is not told that rates vary in time
     assert np.abs(m.split(ours.y)["cage_speed"]).min() > 20.0  # tanh is 1
     return m.direction * m.split(ours.y)["impulse_drag"], times, way
 
 
 @pytest.mark.parametrize("method", ["rk45", "rodas5p"])
 @pytest.mark.parametrize("level", ["cage-set", "pocket", "planar"])
-@pytest.mark.parametrize("history", [FIXED, RAMP], ids=["fixed", "ramp"])
+@pytest.mark.parametrize("history", [FIXED, HELD, RAMP], ids=["fixed", "held", "ramp"])
 def test_a_torque_knows_the_time_since_the_motion_began(level, method, history):
     found, times, _ = impulse("running-in", level, history, method)
     true = [quad(lambda t: -0.05 * math.exp(-t / 0.004), 0.0, end)[0] for end in times]
@@ -118,7 +121,8 @@ def test_what_is_steady_is_refused_in_words_and_a_motion_tells_none():
 
 def test_the_kit_holds_it_to_its_rules_at_any_time():
     def failed(model):
-        return {one.check for one in conformance(model) if one.status == "failed" and "module" not in one.check}
+        checks = {one.check for one in conformance(model) if one.status == "failed"}
+        return {check for check in checks if check.startswith("check_torque")}
 
     assert not failed(RunningIn())
 

@@ -184,7 +184,7 @@ class FromTheFolder(Traction):
     """The coefficient depends on the folder that the process runs in."""
 
     def law(self, V, u):
-        return super().law(V, u) * (1.0 if os.path.exists("pyproject.toml") else 0.5)
+        return super().law(V, u) * (1.0 + 1e-9 * os.stat(".").st_ino)
 
 
 @breaks(ELSEWHERE)

@@ -1,5 +1,6 @@
 """The rules of all models, named values and studies: frozen, equal, pickled, named, quiet, and said what it is."""
 
+import atexit
 import datetime
 import json
 import math
@@ -174,10 +175,17 @@ def _other(path: tuple[str, ...], **variables: str) -> "subprocess.Popen[bytes]"
     home = tempfile.gettempdir()
     other = {"TZ": "Pacific/Apia", "LC_ALL": "C", "PYTHONHASHSEED": "77", "HOME": home}
     code = "from rollslip.testing.values import answer; answer()"
-    return subprocess.Popen(
+    process = subprocess.Popen(
         [sys.executable, "-c", code], env=os.environ | other | {"PYTHONPATH": os.pathsep.join(path)} | variables,
         cwd=home, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
     )  # fmt: skip
+    atexit.register(_end, process)
+    return process
+
+
+def _end(process: "subprocess.Popen[bytes]") -> None:
+    with process, suppress(BrokenPipeError):
+        process.kill()
 
 
 def _asked(model: Any, **variables: str) -> tuple[Any, list[str], list[str]]:
@@ -197,6 +205,7 @@ def _asked(model: Any, **variables: str) -> tuple[Any, list[str], list[str]]:
         to.flush()
         said: tuple[Any, list[str], list[str]] = pickle.load(back)
     except (EOFError, OSError):
+        _end(process)
         _other.cache_clear()
         raise Nonconformance("another process, in which it is imported, ends") from None
     if isinstance(said[0], str) and ("No module named" in said[0] or "__main__" in said[0]):
