@@ -207,6 +207,7 @@ def main() -> None:
         "planted",
         max_examples=40,
         database=None,
+        deadline=None,  # builds and other work beside take the processor
         phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate],
     )
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):

@@ -249,6 +249,16 @@ def test_commands_that_are_named_next_work_as_pasted(ran):
     assert float(slip[0]) < 0.05
 
 
+def test_with_a_report_it_is_read_next_and_does_not_ask_for_itself(ran):
+    folder, *_ = ran
+    given = [str(folder / "my.toml"), "--set", "operation.radial_load=20 kN"]
+    page = folder / "safe" / "report.html"
+    done = CliRunner().invoke(cli, ["run", *given, "--report", "--out", str(page.parent)])
+    assert done.output.startswith("OK ")
+    assert f"next     read {page}\n" in done.output
+    assert f"next: rollslip uncertainty {given[0]} --set" in page.read_text(encoding="utf-8")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "code"),

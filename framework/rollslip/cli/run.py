@@ -193,7 +193,12 @@ def run(
     if "interrupted" not in outcomes:
         forget(kept)
     found = answer(*datasets.values(), scene=shlex.join(changed), ignored=ignored)
-    found = attrs.evolve(found, faults=(*found.faults, *(f"{name} failed, see below" for name in failures)))
+    page = results.target / "report.html"
+    found = attrs.evolve(
+        found,
+        faults=(*found.faults, *(f"{name} failed, see below" for name in failures)),
+        next=tuple(f"read {page}" if page.exists() and to_do.endswith(" --report") else to_do for to_do in found.next),
+    )
     if results.as_json:
         print_json(console.run_as_dict(made, datasets, found) | results.as_dict())
     else:

@@ -81,6 +81,8 @@ def write_report(
     """Write one self-contained HTML file about the results of a run; `scene` is what its commands are to take."""
     cases = {case for one in datasets.values() if (case := case_of(one))}
     first = answer(*datasets.values(), scene=scene) if len(cases) < 2 else Answer()
+    asks = {to_do: to_do.removesuffix(" --report").replace(" run ", " uncertainty ") for to_do in first.next}
+    first = attrs.evolve(first, next=tuple(asks[to_do] if " --report" in to_do else to_do for to_do in asks))
     leading = next((row.by for row in first.rows if row.key == "cage_slip"), "")
     lead, drawings, colours = _figures(figures, leading)
     shown = [
