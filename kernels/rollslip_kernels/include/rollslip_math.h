@@ -140,7 +140,7 @@ RS_INLINE double rs_log2_plus_one(double x) {
     return 0.5 + rs_log2_ratio((x - RS_SQRT2_LESS) / (x + RS_SQRT2_MORE));
 }
 
-/* 1.5 ulp */
+/* 2 ulp near 0.42, 1.4 elsewhere */
 RS_INLINE double rs_log1p(double x) {
     double u = 1.0 + x, back = u - 1.0, lost = (1.0 - (u - back)) + (x - back), k, m = rs_split_normal(u, &k);
     double f = k == 0.0 ? x : (m - 1.0) + lost * rs_power_of_two(k < 60.0 ? -k : -60.0);
@@ -148,7 +148,7 @@ RS_INLINE double rs_log1p(double x) {
     return rs_log_domain(u, fabs(x) < 0x1p-54 ? x : result);
 }
 
-/* 3.5 ulp, near 0.36; 2.5 elsewhere */
+/* 5 ulp near 0.36, 2.5 elsewhere */
 RS_INLINE double rs_asinh(double x) {
     double a = fabs(x), k, m, s, r;
     int large = a > 0x1p28;   /* log(2 a) to the last bit */
@@ -183,7 +183,7 @@ RS_INLINE double rs_clamped(double x, double low, double high) {   /* a NaN stay
     return x < low ? low : x;
 }
 
-/* 1.0 ulp */
+/* 1.1 ulp */
 RS_INLINE double rs_exp(double x) {
     double n, f = rs_exp_reduced(rs_clamped(x, -750.0, 750.0), &n);
     return rs_scaled(1.0 + RS_FMA(f * f, rs_exp_rest(f), f), n);
@@ -196,7 +196,7 @@ RS_INLINE double rs_exp_normal(double x) {
     return rs_of_bits(rs_bits(1.0 + RS_FMA(f * f, rs_exp_rest(f), f)) + (rs_bits(t) << 52));
 }
 
-/* 1.7 ulp near 0.35, 1.1 elsewhere; exp(x) beside it as rs_exp */
+/* 2.5 ulp near 0.36, 1.1 elsewhere; exp(x) beside it as rs_exp */
 RS_INLINE double rs_expm1_exp(double x, double *whole) {
     double n, f = rs_exp_reduced(rs_clamped(x, -750.0, 750.0), &n);
     double p = RS_FMA(f * f, rs_exp_rest(f), f), m = rs_clamped(n, -60.0, 60.0);
@@ -272,7 +272,7 @@ RS_INLINE double rs_exp2_normal(double a, double b) {
     return p * rs_power_of_two(rs_clamped(n, -1023.0, 1024.0));
 }
 
-/* 1.1 ulp */
+/* 1.2 ulp */
 RS_INLINE double rs_exp2(double x) { return rs_exp2_sum(x, 0.0); }
 
 /* x^y for x >= 0, 1.3 ulp however large the exponent: 2^(y log2 x) with the logarithm in two doubles */
