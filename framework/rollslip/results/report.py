@@ -477,7 +477,7 @@ h3 { font-size: 1rem; margin: 1.25rem 0 .25rem; }
 p, ul { margin: .5rem 0; max-width: 46rem; }
 li { margin: .25rem 0; }
 a { color: var(--link); }
-.answer p:first-child { font-size: 1.15rem; font-weight: 600; }
+.answer p:first-child { font-size: 1.15rem; font-weight: 600; } .answer td:nth-child(2) { white-space: nowrap; }
 .answer strong { padding: .1em .5em; color: #000; background: #f0b849; }
 .answer.ok strong { background: #7bc47f; } .answer.skids strong { color: #fff; background: #b42318; }
 .answer.unknown strong { color: #fff; background: #86198f; } .answer .marked td { font-weight: 600; }
