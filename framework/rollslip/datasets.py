@@ -263,21 +263,13 @@ class Raceway:
 
 @attrs.frozen
 class MountedClearance:
-    """How the clearance in operation came about.
+    """How the clearance in operation came about."""
 
-    Parameters
-    ----------
-    terms : tuple
-        What each part of it is called, and its share [m], the clearance before mounting first.
-    deviation : float
-        Standard deviation of the clearance [m]: of class, seats and rings, each even over its tolerance.
-    assumed : tuple of str
-        Keys of `Mounting` that nobody stated.
-    """
-
+    #: What each part of it is called, and its share [m], the clearance before mounting first.
     terms: tuple[tuple[str, float], ...]
+    #: Standard deviation of the clearance [m]: of class, seats and rings, each even over its tolerance.
     deviation: float
-    assumed: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()  #: Keys of `Mounting` that nobody stated.
 
     @property
     def clearance(self) -> float:
@@ -469,21 +461,11 @@ class SurfaceData:
 
 
 class OwnCage(NamedTuple):
-    """The cage that a designation stands for.
+    """The cage that a designation stands for."""
 
-    Attributes
-    ----------
-    make : str
-        What it is of: "brass", "steel" or "polyamide"; empty for a full complement, which has none.
-    guidance : str
-        What guides it: "roller", or the land of the "inner" or "outer" ring.
-    letters : str
-        Those of the designation that say so; empty where it is what makers put into such a bearing.
-    """
-
-    make: str
-    guidance: str
-    letters: str = ""
+    make: str  #: What it is of: "brass", "steel" or "polyamide"; empty for a full complement, which has none.
+    guidance: str  #: What guides it: "roller", or the land of the "inner" or "outer" ring.
+    letters: str = ""  #: Those of the designation that say so; empty where it is what makers put into such a bearing.
 
 
 @attrs.frozen(kw_only=True)

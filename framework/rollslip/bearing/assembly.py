@@ -198,14 +198,8 @@ class Assembly:
     ) -> LoadDistribution:
         """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
 
-        Parameters
-        ----------
-        instants : int
-            Number of instants.
-        cage_speed : float, optional
-            Speed [rad/s] with which the rollers go round, for their centrifugal force; by default the epicyclic one.
-        known : LoadDistribution, optional
-            That of half as many instants at this cage speed, whose instants are not solved for again.
+        Their centrifugal force is that at a cage speed [rad/s], by default the epicyclic one. Instants of the ``known``
+        distribution, of half as many at this speed, are not solved for again.
         """
         if known is not None or cage_speed is not None:
             return self._solved_loads(instants, cage_speed, known)

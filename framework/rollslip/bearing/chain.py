@@ -330,16 +330,8 @@ Job: TypeAlias = "tuple[kernels.Bound | Guarded, Array, Array, NDArray[np.intp],
 def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
     """Evaluate bound tables at one row of speeds after the other, the small ones in one go without the GIL.
 
-    Parameters
-    ----------
-    jobs : sequence
-        Tables from `Chain.bind`; for each of them rolling and sliding speeds [m/s] of k rollers, or of all slices if k
-        is 1, (n, k), the roller that each slice belongs to and a weight, (N,).
-
-    Returns
-    -------
-    list
-        Sums of the friction by weight and smallest films [m] of every row, (n,) each.
+    Speeds are those of k rollers, or of all slices if k is 1. Of each table sums of the friction by weight and smallest
+    films [m] of every row, (n,) each.
     """
     small = [(bound, u, V, owner, weight) for bound, u, V, owner, weight in jobs if isinstance(bound, kernels.Bound)]
     sums = iter(kernels.along(small))

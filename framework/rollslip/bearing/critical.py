@@ -77,25 +77,7 @@ class Curve:
 def locate(
     curve: Callable[[float], float], slip: Array, friction: Array, allow: str, *, most: float = MOST_CAGE_SLIP
 ) -> Critical:
-    """Locate the largest friction of one curve, as `searched` does.
-
-    Parameters
-    ----------
-    curve : callable
-        Friction at one slip.
-    slip, friction, allow, most
-        Its `Curve`.
-
-    Returns
-    -------
-    Critical
-        The maximum.
-
-    Raises
-    ------
-    DomainError
-        If the curve holds NaN or infinity.
-    """
+    """Locate the largest friction of one `Curve`, by a function of one slip, as `searched` does."""
     (found,) = searched(
         [Curve(slip, friction, allow, most)], lambda asked: [np.array([curve(float(at))]) for _, (at,) in asked]
     )
@@ -105,24 +87,9 @@ def locate(
 def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
     """Locate the largest friction of continuous curves, not of their grids, and the first maxima before these.
 
-    Parameters
-    ----------
-    curves : sequence of Curve
-        The curves.
-    evaluate : callable
-        Friction of curves, by their number, at slips.
-
-    Returns
-    -------
-    list of Critical
-        The maximum on the two intervals of the grid around the best point, by `rollslip.bearing.search.largest`; the
-        first of equal ones. A first maximum is one behind which friction falls by a thousandth on the grid before it is
-        larger again.
-
-    Raises
-    ------
-    DomainError
-        If a curve holds NaN or infinity.
+    That is the maximum on the two intervals of the grid around the best point, by `rollslip.bearing.search.largest`;
+    the first of equal ones. A first maximum is one behind which friction falls by a thousandth on the grid before it is
+    larger again. A curve that holds NaN or infinity is refused.
     """
     owners, beside = list[int](), list[list[int]]()
     for k, one in enumerate(curves):

@@ -59,12 +59,8 @@ class Contacts(Protocol):
 def angular_positions(rollers: int, instants: int) -> Floats:
     """Angular positions of all rollers at instants spread evenly over one roller pitch.
 
-    psi[m, j] = 2 pi (j + m / instants) / Z: after one pitch a bearing with equal rollers repeats itself.
-
-    Returns
-    -------
-    ndarray
-        psi [rad], 0 in the line of load, of shape (instants, Z).
+    psi[m, j] = 2 pi (j + m / instants) / Z [rad], 0 in the line of load: after one pitch a bearing with equal rollers
+    repeats itself.
     """
     if rollers < 1 or instants < 1:
         raise ValueError(f"{rollers} rollers at {instants} instants: there must be at least one of each")
@@ -81,45 +77,21 @@ def _midpoints(length: float, slices: int) -> Floats:
 
 @attrs.frozen(eq=False)
 class LoadCase:
-    """A bearing, its rollers' positions and its load.
+    """A bearing, its rollers' positions and its load; what is unfit of it is refused by name."""
 
-    Parameters
-    ----------
-    psi : ndarray
-        Angular positions of the rollers [rad], 0 in the line of load, of shape (instants, Z); `angular_positions`.
-    roller_length : float
-        Effective roller length l [m].
-    drop : ndarray
-        Profile P at n slices [m], of shape (n,); `profile_drop`. A straight roller without misalignment needs one slice
-        only.
-    radial_clearance : float
-        Radial internal clearance G_r [m], the full play (ISO 5593); negative for preload.
-    radial_load : float
-        Radial load F_r on the inner ring [N], not negative.
-    misalignment : float
-        Tilt of the inner ring in the plane of load [rad].
-    centrifugal_force : float or ndarray
-        Centrifugal force F_c of a roller [N], not negative; one, or that of each instant, (instants,). Where rollers
-        stand as at the instant before, its equilibrium is where the search begins.
-    position, widths : ndarray, optional
-        Places of the slices from the roller's middle and their widths, the weights of a quadrature along it [m], of
-        shape (n,); by default the midpoints of equal slices.
-    rings : Rings, optional
-        Rings that yield and forms of the raceways; by default both are rigid and round.
-
-    Raises
-    ------
-    ValueError
-        A shape or value is unfit; the message names it.
-    """
-
+    #: Angular positions of the rollers [rad], 0 in the line of load, of shape (instants, Z); `angular_positions`.
     psi: Floats = attrs.field(converter=_array)
-    roller_length: float
+    roller_length: float  #: Effective roller length l [m].
+    #: Profile P at n slices [m], of shape (n,); `profile_drop`. A straight roller without misalignment needs one slice.
     drop: Floats = attrs.field(converter=_array)
-    radial_clearance: float
-    radial_load: float
-    misalignment: float = 0.0
+    radial_clearance: float  #: Radial internal clearance G_r [m], the full play (ISO 5593); negative for preload.
+    radial_load: float  #: Radial load F_r on the inner ring [N], not negative.
+    misalignment: float = 0.0  #: Tilt of the inner ring in the plane of load [rad].
+    #: Centrifugal force F_c of a roller [N], not negative; one, or that of each instant, (instants,). Where rollers
+    #: stand as at the instant before, its equilibrium is where the search begins.
     centrifugal_force: float | Floats = 0.0
+    #: position, widths: Places of the slices from the roller's middle and their widths, the weights of a quadrature
+    #: along it [m], of shape (n,); by default the midpoints of equal slices.
     position: Floats = attrs.field(
         default=attrs.Factory(lambda case: _midpoints(case.roller_length, case.drop.size), takes_self=True),
         converter=_array,
@@ -130,6 +102,7 @@ class LoadCase:
         ),
         converter=_array,
     )
+    #: Rings that yield and forms of the raceways; by default both are rigid and round.
     rings: Rings | None = None
 
     def __attrs_post_init__(self) -> None:
@@ -213,19 +186,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     Without radial load and with clearance nothing rests on the inner ring: inner loads are zero, which is for the
     caller to judge.
 
-    Parameters
-    ----------
-    case : LoadCase
-        Bearing and load.
-    contacts : pair
-        With inner and outer ring; each has the ``conditions`` of its slices and, as ``deflection``, a bound `Chain`
-        that fills load per length w [N/m] and stiffness dw/dapproach [N/m2] from the approach [m]. w must rise with it;
-        the law is asked for contacts that touch only.
-
-    Returns
-    -------
-    LoadDistribution
-        Loads, positions and residuals at every instant.
+    The law of the contacts is asked for those that touch only.
 
     Raises
     ------

@@ -16,26 +16,14 @@ Floats = NDArray[np.float64]
 
 @attrs.frozen(eq=False)
 class SurfaceSpeeds:
-    """Sliding and rolling speeds of both contacts; arrays of one shape, that of the slips they belong to.
+    """Sliding and rolling speeds of both contacts; arrays of one shape, that of the slips they belong to."""
 
-    Attributes
-    ----------
-    inner_sliding, outer_sliding : ndarray
-        Sliding speed [m/s], positive where the contact pushes the roller forward along its orbit.
-    inner_rolling, outer_rolling : ndarray
-        Entrainment speed, the mean of the two surfaces' speeds [m/s].
-    cage_speed : ndarray
-        Angular speed of the cage [rad/s].
-    roller_speed : ndarray
-        Spin of the roller relative to the cage [rad/s].
-    """
-
-    inner_sliding: Floats
-    inner_rolling: Floats
+    inner_sliding: Floats  #: Sliding speed [m/s], positive where the contact pushes the roller forward along its orbit.
+    inner_rolling: Floats  #: Entrainment speed, the mean of the two surfaces' speeds [m/s].
     outer_sliding: Floats
     outer_rolling: Floats
-    cage_speed: Floats
-    roller_speed: Floats
+    cage_speed: Floats  #: Angular speed of the cage [rad/s].
+    roller_speed: Floats  #: Spin of the roller relative to the cage [rad/s].
 
 
 _length = and_(gt(0.0), lt(math.inf))
@@ -59,23 +47,6 @@ class Kinematics:
     The fields keep the speeds as given; every speed that is returned is the mirror image's, and `direction` = -1
     times it the real one.
 
-    Parameters
-    ----------
-    inner_radius, outer_radius : float
-        Raceway radii R_i < R_o [m].
-    roller_radius : float
-        Roller radius r [m].
-    inner_speed, outer_speed : float
-        Angular speeds of the rings w_i, w_o [rad/s].
-
-    Raises
-    ------
-    ValueError
-        A radius is not positive, a speed is not finite, or the outer raceway is not larger than the inner one and the
-        roller.
-    DomainError
-        Both rings turn at one speed: nothing rolls.
-
     Examples
     --------
     >>> bearing = Kinematics(0.0825, 0.0975, 0.0075, inner_speed=667.2, outer_speed=0.0)
@@ -83,11 +54,11 @@ class Kinematics:
     305.8
     """
 
-    inner_radius: float = attrs.field(validator=_length)
-    outer_radius: float = attrs.field(validator=_length)
-    roller_radius: float = attrs.field(validator=_length)
-    inner_speed: float = attrs.field(validator=_speed)
-    outer_speed: float = attrs.field(validator=_speed)
+    inner_radius: float = attrs.field(validator=_length)  #: Raceway radius R_i [m].
+    outer_radius: float = attrs.field(validator=_length)  #: Raceway radius R_o [m].
+    roller_radius: float = attrs.field(validator=_length)  #: Roller radius r [m].
+    inner_speed: float = attrs.field(validator=_speed)  #: Angular speed of the ring w_i [rad/s].
+    outer_speed: float = attrs.field(validator=_speed)  #: Angular speed of the ring w_o [rad/s].
 
     def __attrs_post_init__(self) -> None:
         if self.outer_radius <= max(self.inner_radius, self.roller_radius):
@@ -140,22 +111,8 @@ class Kinematics:
             V_o = r w_r - R_o (w_c - w_o)      u_o = [R_o (w_c - w_o) + r w_r] / 2
 
         evaluated in the slips, so that sliding speeds vanish exactly with them. V_i + V_o = (R_i + R_o)(w_ce - w_c).
-
-        Parameters
-        ----------
-        cage_slip, roller_slip : array_like
-            S_c and S_r [-], broadcast against each other.
-
-        Returns
-        -------
-        SurfaceSpeeds
-            Arrays of the broadcast shape.
-
-        Raises
-        ------
-        DomainError
-            There is a cage slip, and the epicyclic cage speed that it refers to is zero (rings turning against each
-            other).
+        Refused is a cage slip where the epicyclic cage speed that it refers to is zero (rings turning against each
+        other).
         """
         Sc, Sr = np.asarray(cage_slip, dtype=float), np.asarray(roller_slip, dtype=float)
         if Sc.shape != Sr.shape:
@@ -173,23 +130,7 @@ class Kinematics:
         )
 
     def leads(self, cage_slip: ArrayLike) -> tuple[Floats, Floats]:
-        """Sliding speeds of inner and outer contact without roller slip [m/s], as `surface_speeds` has them.
-
-        Parameters
-        ----------
-        cage_slip : array_like
-            S_c [-].
-
-        Returns
-        -------
-        tuple of ndarray
-            V_i and V_o at S_r = 0, of the same shape.
-
-        Raises
-        ------
-        DomainError
-            There is a cage slip, and the epicyclic cage speed that it refers to is zero.
-        """
+        """Sliding speeds V_i and V_o without roller slip [m/s], as `surface_speeds` has them."""
         lag = self._lag(np.asarray(cage_slip, dtype=float))
         return self.inner_radius * lag, self.outer_radius * lag
 
@@ -198,23 +139,7 @@ class Kinematics:
         return self._slip_reference() * cage_slip if np.any(cage_slip) else np.zeros_like(cage_slip)
 
     def roller_slip_outer_rolling(self, cage_slip: ArrayLike) -> Floats:
-        """Roller slip at which the outer contact rolls without sliding, V_o = 0: S_r = R_o w_ce S_c / (r w_re).
-
-        Parameters
-        ----------
-        cage_slip : array_like
-            S_c [-].
-
-        Returns
-        -------
-        ndarray
-            S_r [-], of the same shape.
-
-        Raises
-        ------
-        DomainError
-            The epicyclic cage speed is zero: no cage slip refers to it.
-        """
+        """Roller slip at which the outer contact rolls without sliding, V_o = 0: S_r = R_o w_ce S_c / (r w_re)."""
         u = self.roller_radius * self.epicyclic_roller_speed
         return self.outer_radius * self._slip_reference() / u * np.asarray(cage_slip, dtype=float)
 

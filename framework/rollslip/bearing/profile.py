@@ -10,25 +10,7 @@ SHAPES = ("none", "iso16281", "circular", "table")
 
 
 def slice_positions(length: float, slices: int) -> Floats:
-    """Midpoints of equal slices of a roller, measured from its middle (ISO/TS 16281).
-
-    Parameters
-    ----------
-    length : float
-        Effective roller length [m].
-    slices : int
-        Number of slices n; each is length / n wide.
-
-    Returns
-    -------
-    ndarray
-        Positions [m], ascending, of shape (n,).
-
-    Raises
-    ------
-    ValueError
-        The length is not positive or there is no slice.
-    """
+    """Midpoints [m] of equal slices of a roller of effective length [m], from its middle (ISO/TS 16281)."""
     if not 0.0 < length < np.inf or slices < 1:
         raise ValueError(f"a roller of length {length} m cannot be cut into {slices} slices: both must be positive")
     # Odd integers times half a width: symmetric about the middle to the last bit.
@@ -52,30 +34,8 @@ def profile_drop(
     - ``table``: measured or designed, interpolated by monotone cubics (PCHIP), which pass through every point, do not
       overshoot and leave no kinks to concentrate pressure. It need not be symmetric.
 
-    Parameters
-    ----------
-    shape : {"none", "iso16281", "circular", "table"}
-        The kind of profile.
-    positions : array_like
-        x, measured from the roller's middle [m].
-    roller_length, roller_diameter : float
-        Effective length L and diameter D [m].
-    radius : float, optional
-        Radius R of the crown [m]; for ``circular`` only.
-    table : pair of array_like, optional
-        Positions from the middle [m], ascending and covering the roller, and the drop there [m]; for ``table`` only.
-
-    Returns
-    -------
-    ndarray
-        The drop P [m], of the shape of `positions`.
-
-    Raises
-    ------
-    ValueError
-        A position lies outside the roller; the shape is unknown; `radius` or `table` is missing, unfit or superfluous.
-    DomainError
-        The logarithmic profile was asked at an end of the roller.
+    P [m] at x, positions from the roller's middle [m]; L and D are its effective length and its diameter, R the radius
+    of the crown [m]. A table has positions that ascend and cover the roller, and the drop there [m].
 
     References
     ----------

@@ -66,20 +66,9 @@ class Raceway:
 class LoadedContacts:
     """The loaded slices of one raceway, one table that is evaluated again and again.
 
-    Parameters
-    ----------
-    raceway : Raceway
-        The raceway.
-    load : ndarray
-        Loads per length [N/m] of rollers, (rollers, n).
-    widths : ndarray
-        Widths of the slices [m], (n,), or of those of each roller, (rollers, n).
-    orbit : float
-        Direction of the rollers' orbit, 1 or -1.
-    count : ndarray, optional
-        How many rollers each one stands for, (rollers,); by default one.
-    places : mapping, optional
-        Where they are, if a law asks: ``position`` (n,), and of each roller what else `PLACES` has, (rollers,).
+    Loads per length [N/m] of rollers are of shape (rollers, n), widths of the slices [m] of (n,), or of (rollers, n).
+    The direction of the ``orbit`` is 1 or -1; each roller stands for a ``count`` of them, by default one. If a law
+    asks, ``places`` are ``position`` (n,), and of each roller what else `PLACES` has, (rollers,).
     """
 
     def __init__(
@@ -247,19 +236,8 @@ def gauss_rule(load: Array, force: Array, count: int) -> Array:
 
     With weights q_k at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials that are
     orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its eigenvectors
-    their shares of the weight (`rollslip_kernels.gauss.rules`).
-
-    Parameters
-    ----------
-    load, force : ndarray
-        Loads per length w [N/m] and force [N] at each, (N,).
-    count : int
-        Nodes m of the rule.
-
-    Returns
-    -------
-    ndarray
-        Load per length [N/m] and share of the force of each node that has one, (m, 2).
+    their shares of the weight (`rollslip_kernels.gauss.rules`). The
+    rule is load per length [N/m] and share of the force of each node that has one, (m, 2).
 
     References
     ----------
@@ -272,21 +250,10 @@ def gauss_rule(load: Array, force: Array, count: int) -> Array:
 
 
 def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], tolerance: float) -> Array:
-    """Return as few loads as leave a mean by force right, with their shares of the force.
+    """Return as few loads as leave a mean by force right, with their shares of the force, (m, 2).
 
-    Parameters
-    ----------
-    load, force : ndarray
-        Loads per length [N/m] and forces [N] of all slices, positive, (N,).
-    mean : callable
-        Means of loads and shares, (m, 2), at all that is looked at.
-    tolerance : float
-        Largest error, relative to the largest mean.
-
-    Returns
-    -------
-    ndarray
-        Loads per length [N/m] and shares of the force, (m, 2); those of all slices if no few of them are right.
+    ``mean`` gives the means of a rule at all that is looked at; errors are relative to the largest of them. If no few
+    loads are right it is the rule of all slices.
     """
     whole = np.stack((load, force / force.sum()), axis=1)
     different = np.unique(load).size

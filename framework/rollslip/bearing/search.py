@@ -31,22 +31,13 @@ _MOST: Final = 200
 def largest(evaluate: Callable[[Rows, Array], Array], x: Array, y: Array) -> tuple[Array, Array]:
     """Return place and value of the largest of each of n curves between its samples, (n,) each.
 
-    Parameters
-    ----------
-    evaluate : callable
-        Values of curves, by their numbers, at one place each, (m,) both.
-    x, y : ndarray
-        Three samples of each curve, places ascending, the middle one as large as the others or larger, and above zero,
-        (n, 3). Where it is an end of the interval its place stands twice; a maximum nearer to it than 1e-4 of the
-        interval is not looked for.
+    Of the three samples of each curve, (n, 3), places ascend, and the middle one is as large as the others or larger,
+    and above zero. Where it is an end of the interval its place stands twice; a maximum nearer to it than 1e-4 of the
+    interval is not looked for. Curves are evaluated by their numbers, at one place each, (m,) both.
 
-    Returns
-    -------
-    tuple of ndarray
-        The maximum after Chandrupatla's method, parabolas or golden sections where these fail, to 1e-8 of the interval.
-        That is the root of the rounding of the value, since a maximum is flat; the parabola through two values further
-        off tells more of it. It is the middle sample where no value is larger. A gap in which a curve is NaN is nowhere
-        larger.
+    It is found after Chandrupatla's method, parabolas or golden sections where these fail, to 1e-8 of the interval.
+    That is the root of the rounding of the value, since a maximum is flat; the parabola through two values further off
+    tells more of it. It is the middle sample where no value is larger. A gap in which a curve is NaN is nowhere larger.
 
     References
     ----------
@@ -167,20 +158,8 @@ def secants(
 ) -> tuple[float, float] | None:
     """Return where a curve passes zero beside a place, by secants, and its slope there; None if they lead elsewhere.
 
-    Parameters
-    ----------
-    curve : callable
-        The curve, at one place.
-    start, slope : float
-        The place, and about the slope there.
-    tolerance : float
-        Length of the last step; what is left is far less.
-    within : tuple of float
-        Places that steps must not leave.
-    longest : float
-        Longest step.
-    most : int
-        Most steps.
+    They start with about the slope at the place, and end with a step of the tolerance: what is left is far less. Steps
+    are no longer than ``longest``, and leave ``within`` nowhere; there are ``most`` at most.
     """
     at, value = start, curve(start)
     for _ in range(most):

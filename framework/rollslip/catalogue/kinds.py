@@ -28,73 +28,35 @@ __all__ = [
 
 @attrs.frozen(kw_only=True)
 class Template:
-    """What the files of a new package of a kind say beside their law.
+    """What the files of a new package of a kind say beside their law."""
 
-    Attributes
-    ----------
-    summary, contents : str
-        What it is, and what its module holds.
-    use : str
-        Command that uses it, with ``${model}`` in place of its name.
-    classes : tuple of str
-        Classes that its files import, and whose names are taken.
-    needs : tuple of str
-        What it requires beside rollslip.
-    compiled : bool
-        Whether there is a form compiled against ``rollslip.h``.
-    beside : tuple of str
-        Further modules beside that of the model.
-    files : mapping
-        Further files of the module: path -> template. Package data.
-    package : str
-        Package in whose folder ``templates`` they are, each as ``NAME.in``; what is not there is that of the box.
-    """
-
-    summary: str
-    contents: str
-    use: str
-    classes: tuple[str, ...] = ()
-    needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")
-    compiled: bool = False
-    beside: tuple[str, ...] = ()
+    summary: str  #: What it is.
+    contents: str  #: What its module holds.
+    use: str  #: Command that uses it, with ``${model}`` in place of its name.
+    classes: tuple[str, ...] = ()  #: Classes that its files import, and whose names are taken.
+    needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")  #: What it requires beside rollslip.
+    compiled: bool = False  #: Whether there is a form compiled against ``rollslip.h``.
+    beside: tuple[str, ...] = ()  #: Further modules beside that of the model.
+    #: Further files of the module: path -> template. Package data.
     files: Mapping[str, str] = attrs.field(factory=dict)
+    #: Package in whose folder ``templates`` they are, each as ``NAME.in``; what is not there is that of the box.
     package: str = "rollslip.catalogue"
 
 
 @attrs.frozen(kw_only=True)
 class Kind:
-    """A kind of thing that packages offer through the entry points ``rollslip.NAME``, with ``_`` for a hyphen.
+    """A kind of thing that packages offer through the entry points ``rollslip.NAME``, with ``_`` for a hyphen."""
 
-    Attributes
-    ----------
-    name : str
-        "film", for example.
-    hook : str
-        The function of `rollslip.hookspecs` that collects what a module offers.
-    base : type
-        What a class of this kind derives from, or a named value is an instance of.
-    data : bool
-        Whether named values are offered, not classes.
-    waits : bool
-        Whether a class is taken as it is, since its fields wait for what a user asks.
-    template : Template or None
-        How a new package of it is written; None if there is no such package.
-    from_scene : bool
-        Whether a scene gives parameters of its classes that are not set (`rollslip.models.from_scene`).
-    check : callable
-        Says what else is wrong with a class of it; an empty string for nothing.
-    rules : str
-        Module whose functions under `rollslip.testing.rule` things of a kind of one's own are checked by.
-    """
-
-    name: str
-    hook: str
-    base: Any
-    data: bool = False
-    waits: bool = False
-    template: Template | None = None
+    name: str  #: "film", for example.
+    hook: str  #: The function of `rollslip.hookspecs` that collects what a module offers.
+    base: Any  #: What a class of this kind derives from, or a named value is an instance of.
+    data: bool = False  #: Whether named values are offered, not classes.
+    waits: bool = False  #: Whether a class is taken as it is, since its fields wait for what a user asks.
+    template: Template | None = None  #: How a new package of it is written; None if there is no such package.
+    #: Whether a scene gives parameters of its classes that are not set (`rollslip.models.from_scene`).
     from_scene: bool = False
-    check: Callable[[Any], str] = lambda _: ""
+    check: Callable[[Any], str] = lambda _: ""  #: Says what else is wrong with a class of it; empty for nothing.
+    #: Module whose functions under `rollslip.testing.rule` things of a kind of one's own are checked by.
     rules: str = ""
 
     def holds(self, thing: object) -> bool:

@@ -91,28 +91,17 @@ class Campaign(abc.ABC):
 
     The docstring of a class of this kind is the help of its command; from the section Returns on it is of its function,
     which takes the fields as arguments.
-
-    Attributes
-    ----------
-    name : str
-        Of its command, ``rollslip NAME``, and of its function, ``rollslip.NAME`` with ``_`` for a hyphen.
-    summary : str
-        Its line of ``rollslip --help``, where that is not how the help of its command begins.
-    result : str
-        What its folder and its dataset, NAME.nc, are called; by default its name.
-    goes_on : {"", "folder", "resume"}
-        How a command that was interrupted goes on: not at all; by itself, with its folder; by ``--resume``.
-    writes : str
-        What it writes beside plots.
-    own_command : str
-        Where its command is, ``module:name``, if that is more than one that can be made of the fields.
     """
 
+    #: Of its command, ``rollslip NAME``, and of its function, ``rollslip.NAME`` with ``_`` for a hyphen.
     name: ClassVar[str]
+    #: Its line of ``rollslip --help``, where that is not how the help of its command begins.
     summary: ClassVar[str] = ""
-    result: ClassVar[str] = ""
+    result: ClassVar[str] = ""  #: What its folder and its dataset, NAME.nc, are called; by default its name.
+    #: How a command that was interrupted goes on: "" not at all, by itself, with its "folder", or by "resume".
     goes_on: ClassVar[str] = ""
-    writes: ClassVar[str] = "data"
+    writes: ClassVar[str] = "data"  #: What it writes beside plots.
+    #: Where its command is, ``module:name``, if that is more than one that can be made of the fields.
     own_command: ClassVar[str] = ""
 
     report: Callable[..., None] | None = attrs.field(  # by name alone: type checkers see that of no other function

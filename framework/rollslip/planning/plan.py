@@ -45,23 +45,13 @@ _SLICE, _NUMBER = 2e-8, 8
 
 @attrs.frozen(eq=False, kw_only=True, repr=False)
 class Plan:
-    """What will be modelled: studies with their settings, the bearing at the resolution of each, reasons line by line.
-
-    Attributes
-    ----------
-    assembly : Assembly
-        The bearing as the scene states it.
-    assemblies : mapping
-        Study -> its bearing, with a watch over what is left out.
-    estimated : mapping
-        Study -> its resolution, with estimated errors.
-    """
+    """What will be modelled: studies with their settings, the bearing of each at its resolution, and why, in lines."""
 
     scene: Scene
-    assembly: Assembly
+    assembly: Assembly  #: The bearing as the scene states it.
     studies: dict[str, Study]
-    assemblies: Mapping[str, Assembly]
-    estimated: Mapping[str, Estimated]
+    assemblies: Mapping[str, Assembly]  #: Study -> its bearing, with a watch over what is left out.
+    estimated: Mapping[str, Estimated]  #: Study -> its resolution, with estimated errors.
     parts: tuple[Part, ...]
     degrees_of_freedom: int
     evaluations: int

@@ -32,13 +32,7 @@ def time_left(elapsed: float, since: float, share: float, left: float, seconds: 
 
 
 class Watch:
-    """The time since something began, and what was last told of it.
-
-    Parameters
-    ----------
-    seconds : float
-        How long all of it was estimated to take [s].
-    """
+    """The time since something began, and what was last told of it; all of it was estimated to take some seconds."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds, self.begin = seconds, time.monotonic()

@@ -81,22 +81,14 @@ class Account:
     """How the results of one study are told; a study or campaign derives a class of its own from this one.
 
     What is left out is told by nothing: `topics` or `sentences`, `record` and `figures` are what there should be.
-
-    Attributes
-    ----------
-    name : str
-        The study, as the attribute ``study`` of its datasets has it.
-    numbers : mapping of str to tuple of str
-        Attributes of its datasets that are numbers of interest: what each is called, and its unit.
-    units : mapping of str to str
-        Keys of its records whose numbers are no variables and none of `numbers`: the unit of each.
-    drawn : str
-        Function that draws its figures, as "module:function"; empty where it draws none.
     """
 
-    name: str
+    name: str  #: The study, as the attribute ``study`` of its datasets has it.
+    #: Attributes of its datasets that are numbers of interest: what each is called, and its unit.
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    #: Keys of its records whose numbers are no variables and none of `numbers`: the unit of each.
     units: ClassVar[Mapping[str, str]] = {}
+    #: Function that draws its figures, as "module:function"; empty where it draws none.
     drawn: ClassVar[str] = ""
 
     @staticmethod

@@ -29,20 +29,13 @@ FIRST: Final = ("first_maximum_slip", "first_maximum_friction")
 
 @attrs.frozen(kw_only=True)
 class Curves:
-    """The names of what makes the friction curves of a study: what is compared and drawn.
+    """The names of what makes the friction curves of a study: what is compared and drawn."""
 
-    Attributes
-    ----------
-    variable, over, slip : str
-        Friction, the dimension with one curve for each value, and the slip that it is plotted against.
-    critical : str
-        Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it, and
-        ``first_maximum_slip`` and ``first_maximum_friction`` where friction falls before, if a study tells of them.
-    """
-
-    variable: str
-    over: str
-    slip: str
+    variable: str  #: Friction.
+    over: str  #: The dimension with one curve for each value.
+    slip: str  #: The slip that friction is plotted against.
+    #: Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it, and
+    #: ``first_maximum_slip`` and ``first_maximum_friction`` where friction falls before, if a study tells of them.
     critical: str
 
     @property
@@ -59,38 +52,22 @@ class Curves:
 
 @attrs.frozen(eq=False, kw_only=True)
 class Curve:
-    """One friction curve of a dataset, with what was found of its critical slip.
+    """One friction curve of a dataset, with what was found of its critical slip."""
 
-    Attributes
-    ----------
-    name : str
-        "300 N" or "inner ring".
-    of, against : str
-        What is plotted against what: "friction coefficient", "cage slip".
-    slip, friction, film_parameter : ndarray
-        Shape (n,); the film parameter is NaN where the dataset has none.
-    critical_slip, critical_friction : float
-        NaN if there is none; `status` says why.
-    regime : str
-        Film regime in words, empty if it is not a matter of one contact.
-    first_slip, first_friction : float
-        The first maximum, from which friction falls; NaN if there is none, or if the dataset does not tell.
-    rests_on : str
-        What the curve rests on, of its dataset's attribute ``curves_with``: "with rollers in pure rolling".
-    """
-
-    name: str
-    of: str
+    name: str  #: "300 N" or "inner ring".
+    of: str  #: What is plotted, "friction coefficient", and against what: "cage slip".
     against: str
     slip: Array
     friction: Array
-    film_parameter: Array
-    critical_slip: float
+    film_parameter: Array  #: NaN where the dataset has none; all three of shape (n,).
+    critical_slip: float  #: NaN if there is none, as its friction; `status` says why.
     critical_friction: float
     status: str
-    regime: str = ""
+    regime: str = ""  #: Film regime in words, empty if it is not a matter of one contact.
+    #: The first maximum, from which friction falls; NaN if there is none, or if the dataset does not tell.
     first_slip: float = math.nan
     first_friction: float = math.nan
+    #: What the curve rests on, of its dataset's attribute ``curves_with``: "with rollers in pure rolling".
     rests_on: str = ""
 
     @property

@@ -20,36 +20,21 @@ Some: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 
 @attrs.frozen
 class Output:
-    """A variable of the result of a study.
+    """A variable of the result of a study."""
 
-    Attributes
-    ----------
-    dims : str
-        Its dimensions, with spaces between; empty for a single value.
-    unit : str
-        SI unit, "1" for shares, words and numbers.
-    meaning : str
-        What it is; its ``long_name``.
-    status : str
-        Variable that says in words whether there is a value, where it may be missing.
-    default : bool
-        Whether a point of a sweep keeps it where nothing is asked for.
-    attribute : bool
-        Whether it is an attribute of the result: a single value about the whole run.
-    also : tuple of str
-        Other names by which it may be asked for.
-    floor : float
-        Size in its unit below which it is none: errors are relative to this at least. What is judged and may be 0 needs
-        one.
-    """
-
-    dims: str
-    unit: str
-    meaning: str
+    dims: str  #: Its dimensions, with spaces between; empty for a single value.
+    unit: str  #: SI unit, "1" for shares, words and numbers.
+    meaning: str  #: What it is; its ``long_name``.
+    #: Variable that says in words whether there is a value, where it may be missing.
     status: str = attrs.field(default="", kw_only=True)
+    #: Whether a point of a sweep keeps it where nothing is asked for.
     default: bool = attrs.field(default=False, kw_only=True)
+    #: Whether it is an attribute of the result: a single value about the whole run.
     attribute: bool = attrs.field(default=False, kw_only=True)
+    #: Other names by which it may be asked for.
     also: tuple[str, ...] = attrs.field(default=(), kw_only=True)
+    #: Size in its unit below which it is none: errors are relative to this at least. What is judged and may be 0 needs
+    #: one.
     floor: float = attrs.field(default=0.0, kw_only=True)
 
     def variable(self, values: Any) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
@@ -60,32 +45,18 @@ class Output:
 
 @attrs.frozen(kw_only=True)
 class Estimated:
-    """A resolution for a study: what its parts are estimated to leave, and what is left out under a bound.
-
-    Attributes
-    ----------
-    resolution : Resolution
-        The resolution.
-    errors : mapping
-        Part -> key of [accuracy] -> estimated relative error.
-    left_out : tuple of LeftOut
-        What is left out under a bound.
-    reasons : mapping
-        Setting of the study that the scene does not name -> why it was chosen.
-    failed : str
-        Why there are no estimates; empty if there are.
-    seen : str
-        What a run with fewer slices and instants was seen to leave, after which these were chosen; empty if none was.
-    laws_tried : bool
-        Whether it was looked for laws that are not needed, or that cheaper ones could replace.
-    """
+    """A resolution for a study: what its parts are estimated to leave, and what is left out under a bound."""
 
     resolution: Resolution
+    #: Part -> key of [accuracy] -> estimated relative error.
     errors: Mapping[str, Errors] = attrs.field(factory=dict)
     left_out: tuple[LeftOut, ...] = ()
+    #: Setting of the study that the scene does not name -> why it was chosen.
     reasons: Mapping[str, str] = attrs.field(factory=dict)
-    failed: str = ""
+    failed: str = ""  #: Why there are no estimates; empty if there are.
+    #: What a run with fewer slices and instants was seen to leave, after which these were chosen; empty if none was.
     seen: str = ""
+    #: Whether it was looked for laws that are not needed, or that cheaper ones could replace.
     laws_tried: bool = False
 
     @property
@@ -119,42 +90,21 @@ class Part:
 
 @attrs.frozen
 class Compared:
-    """A result that choices are held against each other by: rows of values, one for each curve, or a single value.
-
-    Attributes
-    ----------
-    values : sequence
-        A row for each curve; a single value is one row of it.
-    status : str
-        What was found of a single value that may be missing.
-    tolerance : str
-        Key of [accuracy] that it is held against; empty for the general one.
-    """
+    """A result that choices are held against each other by: rows of values, one for each curve, or a single value."""
 
     values: Sequence[Sequence[float]]
-    status: str = "found"
-    tolerance: str = ""
+    status: str = "found"  #: What was found of a single value that may be missing.
+    tolerance: str = ""  #: Key of [accuracy] that it is held against; empty for the general one.
 
 
 @attrs.frozen(kw_only=True)
 class Measurable:
-    """A quantity that can be measured, as a variable of a study.
+    """A quantity that can be measured, as a variable of a study."""
 
-    Attributes
-    ----------
-    variable : str
-        The variable; its `Output` names the status.
-    beyond : bool
-        Whether no value means one beyond the range of the study, larger than all in it.
-    below : str
-        What the status says where no value means one below the range, smaller than all in it.
-    lasting : int or None
-        Of steady slips, which of those that last: 0 the smallest, -1 the largest; None where there is one value.
-    """
-
-    variable: str
-    beyond: bool = False
-    below: str = ""
+    variable: str  #: The variable; its `Output` names the status.
+    beyond: bool = False  #: Whether no value means one beyond the range of the study, larger than all in it.
+    below: str = ""  #: What the status says where no value means one below the range, smaller than all in it.
+    #: Of steady slips, which of those that last: 0 the smallest, -1 the largest; None where there is one value.
     lasting: int | None = None
 
 

@@ -112,13 +112,7 @@ class Study(estimates.Curved, abc.ABC):
 
     @classmethod
     def of(cls, scene: Scene) -> Self:
-        """Return the study with the settings of a scene.
-
-        Raises
-        ------
-        SceneError
-            If they are wrong; all faults at once.
-        """
+        """Return the study with the settings of a scene; what is wrong with them is one `SceneError`."""
         problems = list[str]()
         study = structure(cls, scene.study.get(cls.name, {}), Location(scene.origins, ("study", cls.name)), problems)
         if study is None:
@@ -203,10 +197,7 @@ class Study(estimates.Curved, abc.ABC):
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose the resolution by what the scene asks for: by curves, or by doubling where there are none.
 
-        Raises
-        ------
-        RollslipError
-            If there is no estimate.
+        Where there is no estimate a `RollslipError` says why.
         """
         curved = self.curved(assembly)
         if curved is None:
@@ -227,10 +218,7 @@ class Study(estimates.Curved, abc.ABC):
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] that each part takes at the resolution of the bearing: of a whole run in small, scaled.
 
-        Raises
-        ------
-        RollslipError
-            If a part cannot be computed.
+        Where a part cannot be computed a `RollslipError` says why.
         """
         resolution = assembly.resolution
         few = attrs.evolve(resolution, slices=min(resolution.slices, estimates.FEW), quadrature="equal", instants=1)
@@ -241,14 +229,7 @@ class Study(estimates.Curved, abc.ABC):
     def parts(self, assembly: Assembly, estimated: Estimated, costs: Mapping[str, float]) -> list[Part]:
         """Return the lines of the plan that are particular to the study, with errors and costs.
 
-        Parameters
-        ----------
-        assembly : Assembly
-            The bearing at the resolution that was chosen.
-        estimated : Estimated
-            That choice.
-        costs : mapping
-            What `cost` says, empty if it has nothing to say.
+        The bearing is at the resolution that was chosen, ``costs`` what `cost` says, empty if it has nothing to say.
         """
         left, errors, why = dict(costs), estimated.errors, parts.share_of(assembly, estimated)
         found = [parts.slices(assembly, errors.get("slices", {}), why)]
@@ -325,15 +306,7 @@ class Study(estimates.Curved, abc.ABC):
         return "without slip", _rolling(assembly) if self.bearing_loads else []
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
-        """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves.
-
-        Parameters
-        ----------
-        assembly : Assembly
-            The bearing that was run.
-        dataset : Dataset
-            The result.
-        """
+        """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves."""
         raise NotImplementedError(f"study {self.name!r} has no curves to compare")
 
 
