@@ -398,36 +398,17 @@ class Surface:
 
 @attrs.frozen(kw_only=True)
 class BearingData:
-    """A bearing that a scene can name: ``[bearing] name = "1032930"``; the other keys of the table change its values.
+    """A bearing that a scene can name, ``[bearing] name = "1032930"``; other keys of the table change its values."""
 
-    Parameters
-    ----------
-    name : str
-        What a scene calls it.
-    description : str
-        What it is, in one line.
-    source : str
-        Where the values come from, and which are assumed.
-    validity : str
-        What they hold for: whether the clearance is one in operation, for example.
-    references : tuple of Reference or str
-        One citation each, see `rollslip.references`.
-    bearing : Bearing
-        The values.
-    grades : mapping
-        A letter of `rollslip.lubricant.GRADES` for each key that is not printed in the source.
-    scatter : tuple of Scatter
-        What is uncertain of it, for `rollslip uncertainty`.
-    """
-
-    name: str
-    description: str
-    source: str
-    validity: str
-    references: tuple[Citation, ...] = ()
-    bearing: Bearing
+    name: str  #: What a scene calls it.
+    description: str  #: What it is, in one line.
+    source: str  #: Where the values come from, and which are assumed.
+    validity: str  #: What they hold for: whether the clearance is one in operation, for example.
+    references: tuple[Citation, ...] = ()  #: One citation each, see `rollslip.references`.
+    bearing: Bearing  #: The values.
+    #: A letter of `rollslip.lubricant.GRADES` for each key that is not printed in the source.
     grades: Mapping[str, str] = attrs.field(default=FrozenTable(), converter=FrozenTable)
-    scatter: tuple[Scatter, ...] = ()
+    scatter: tuple[Scatter, ...] = ()  #: What is uncertain of it, for `rollslip uncertainty`.
 
     @property
     def data(self) -> Bearing:
@@ -470,24 +451,16 @@ class OwnCage(NamedTuple):
 
 @attrs.frozen(kw_only=True)
 class FitData:
-    """A fit of a shaft or a housing, which a scene names under ``[bearing.mounting]``.
+    """A fit of a shaft or a housing, which a scene names under ``[bearing.mounting]``."""
 
-    Parameters
-    ----------
-    name, description, source, validity, references
-        As in `BearingData`.
-    ring : str
-        "inner" for a shaft, "outer" for a housing.
-    limits : tuple
-        Up to which nominal diameter, lower and upper deviation of the seat, those of the ring [m]; ascending.
-    """
-
+    #: name, description, source, validity, references: As in `BearingData`.
     name: str
     description: str
     source: str
     validity: str
     references: tuple[Citation, ...] = ()
-    ring: str
+    ring: str  #: "inner" for a shaft, "outer" for a housing.
+    #: Up to which nominal diameter, lower and upper deviation of the seat, those of the ring [m]; ascending.
     limits: tuple[tuple[float, float, float, float, float], ...]
 
     def interference(self, diameter: float) -> tuple[float, float]:
@@ -501,18 +474,10 @@ class FitData:
 
 
 class Family(abc.ABC):
-    """Many named sets of one kind behind one entry point, ``NAME = "module:OBJECT"``; each is made when asked for.
+    """Many named sets of one kind behind one entry point, ``NAME = "module:OBJECT"``; each is made when asked for."""
 
-    Attributes
-    ----------
-    name : str
-        That of the entry point.
-    description : str
-        What it holds, in one line.
-    """
-
-    name: str
-    description: str
+    name: str  #: That of the entry point.
+    description: str  #: What it holds, in one line.
 
     @property
     @abc.abstractmethod

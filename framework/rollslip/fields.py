@@ -65,28 +65,16 @@ class FieldError(RollslipError, ValueError):
 
 @attrs.frozen(kw_only=True)
 class Scatter:
-    """How uncertain a datum of an oil or a bearing is, or a value that a field has by default, and who says so.
+    """How uncertain a datum of an oil or a bearing is, or a value that a field has by default, and who says so."""
 
-    Parameters
-    ----------
-    quantity : str
-        Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters; empty where a field declares it
-        of itself: ``parameter(..., scatter=Scatter(...))``.
-    distribution : str
-        Name of its distribution, as in the table ``[uncertainty]`` of a scene.
-    parameters : mapping
-        Its parameters there, with units; a centre that is left out is the value of the scene.
-    grade : str
-        A letter of `rollslip.lubricant.GRADES` in parentheses.
-    source : str
-        Where it comes from, in a sentence.
-    """
-
+    #: Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters; empty where a field declares it of
+    #: itself: ``parameter(..., scatter=Scatter(...))``.
     quantity: str = ""
-    distribution: str
+    distribution: str  #: Name of its distribution, as in the table ``[uncertainty]`` of a scene.
+    #: Its parameters there, with units; a centre that is left out is the value of the scene.
     parameters: Mapping[str, object] = attrs.field(converter=FrozenTable)
-    grade: str
-    source: str
+    grade: str  #: A letter of `rollslip.lubricant.GRADES` in parentheses.
+    source: str  #: Where it comes from, in a sentence.
 
 
 def field(

@@ -43,32 +43,6 @@ class Validity:
 
     Outside of it there is a number and a warning (`rollslip.studies.validity`), outside of the domain an error.
 
-    Attributes
-    ----------
-    quantity : str
-        What is bounded: one of the law's own `SliceModel.quantities`, one that all laws know
-        (`rollslip.bearing.regimes.QUANTITIES`), or a member of the slices, in SI units.
-    low, high : float
-        Least and largest value that the law was made for.
-    called : str, optional
-        What the quantity is called in sentences, by default its name and its symbol.
-    made_for : str, optional
-        The bound in words, where a number says little: "the rigid-isoviscous regime".
-    consequence : str
-        What is so outside, a clause; ``{error}`` in it stands for per cent.
-    error : callable, optional
-        Per cent, not negative, at a value of the quantity outside; None where nobody knows it.
-    remedy : str
-        What to take or to do instead.
-    source : str
-        What bound and consequence rest on.
-    instead : str
-        The law to evaluate in its place, with a dot the parameter that it is then; empty where that takes minutes.
-    code : str
-        Short and the same for ever, such as "W11": by it a note is looked up (``rollslip explain``) and left out.
-    common : bool
-        Whether nearly every bearing leaves it: while its error is not known it is counted, and no warning of its own.
-
     Examples
     --------
     >>> thin = Validity(quantity="film_parameter", low=3.0, consequence="roughness changes the film by {error}",
@@ -77,17 +51,24 @@ class Validity:
     ('>= 3', 'roughness changes the film by 10 to 20 %')
     """
 
+    #: What is bounded: one of the law's own `SliceModel.quantities`, one that all laws know
+    #: (`rollslip.bearing.regimes.QUANTITIES`), or a member of the slices, in SI units.
     quantity: str
+    #: low, high: Least and largest value that the law was made for.
     low: float = -math.inf
     high: float = math.inf
-    called: str = ""
-    made_for: str = ""
-    consequence: str
+    called: str = ""  #: What the quantity is called in sentences, by default its name and its symbol.
+    made_for: str = ""  #: The bound in words, where a number says little: "the rigid-isoviscous regime".
+    consequence: str  #: What is so outside, a clause; ``{error}`` in it stands for per cent.
+    #: Per cent, not negative, at a value of the quantity outside; None where nobody knows it.
     error: Callable[[float], float] | None = None
-    remedy: str
-    source: str
+    remedy: str  #: What to take or to do instead.
+    source: str  #: What bound and consequence rest on.
+    #: The law to evaluate in its place, with a dot the parameter that it is then; empty where that takes minutes.
     instead: str = ""
+    #: Short and the same for ever, such as "W11": by it a note is looked up (``rollslip explain``) and left out.
     code: str = ""
+    #: Whether nearly every bearing leaves it: while its error is not known it is counted, and no warning of its own.
     common: bool = False
 
     @property

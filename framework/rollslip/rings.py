@@ -24,21 +24,11 @@ Floats = NDArray[np.float64]
 
 @attrs.frozen(eq=False)
 class Stops:
-    """A seat with clearance: springs round a ring that press on it only where it has closed the gap.
+    """A seat with clearance: springs round a ring that press on it only where it has closed the gap."""
 
-    Parameters
-    ----------
-    angles : ndarray
-        Where they are [rad], from the line of load, (s,).
-    stiffness : float
-        Of each [N/m].
-    gap : float
-        By how much the ring yields before one presses [m].
-    """
-
-    angles: Floats
-    stiffness: float
-    gap: float
+    angles: Floats  #: Where they are [rad], from the line of load, (s,).
+    stiffness: float  #: Of each [N/m].
+    gap: float  #: By how much the ring yields before one presses [m].
 
 
 def _none(shapes: "RingShapes") -> Floats:
@@ -49,27 +39,19 @@ def _none(shapes: "RingShapes") -> Floats:
 class RingShapes:
     """Shapes in which the raceway of a ring yields, away from the rollers.
 
-    Parameters
-    ----------
-    harmonics : ndarray
-        c of B(psi) = Re sum c_n exp(i n psi) for each shape, complex, (m, N + 1): 1 is a cosine, -i a sine.
-    stiffness : ndarray
-        Of each shape [N/m], (m,): K q = sum Q B(psi) at rest. Zero where stops alone hold it.
-    pushes : ndarray
-        Loads on the shapes beside those of the rollers [N], (m,).
-    stops : Stops, optional
-        A seat with clearance.
-
     Raises
     ------
     ValueError
         A stiffness is not positive though nothing else holds its shape, or arrays do not fit each other.
     """
 
+    #: c of B(psi) = Re sum c_n exp(i n psi) for each shape, complex, (m, N + 1): 1 is a cosine, -i a sine.
     harmonics: NDArray[np.complex128] = attrs.field(factory=lambda: np.zeros((0, 1), complex))
+    #: Of each shape [N/m], (m,): K q = sum Q B(psi) at rest. Zero where stops alone hold it.
     stiffness: Floats = attrs.field(factory=lambda: np.zeros(0))
+    #: Loads on the shapes beside those of the rollers [N], (m,).
     pushes: Floats = attrs.field(default=attrs.Factory(_none, takes_self=True))
-    stops: Stops | None = None
+    stops: Stops | None = None  #: A seat with clearance.
 
     def __attrs_post_init__(self) -> None:
         m = self.stiffness.size

@@ -64,13 +64,7 @@ def models_as_dict(what: str | None) -> Any:
 
 
 def explained(code: str) -> dict[str, str]:
-    """Return what a code of a note, or of a rule of the verdict, stands for: each part by what it is called.
-
-    Raises
-    ------
-    UnknownNameError
-        If nothing has the code.
-    """
+    """Return what a code of a note, or of a rule of the verdict, stands for: each part by what it is called."""
     found = {
         one.code: {"verdict": one.verdict, "where": one.condition, "rests on": one.source} for one in RULES
     } | {APPROXIMATION: {"note": "a law that approximates another is off it by as much as the note says",

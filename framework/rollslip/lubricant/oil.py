@@ -48,36 +48,16 @@ def legend(grades: Iterable[str]) -> str:
 
 @frozen(kw_only=True)
 class OilState:
-    """An oil at one temperature; what the oil lacks is nan, and no model that reads it may be bound to it.
+    """An oil at one temperature; what the oil lacks is nan, and no model that reads it may be bound to it."""
 
-    Parameters
-    ----------
-    temperature : float
-        T [K].
-    viscosity : float
-        Dynamic viscosity at ambient pressure, eta0 [Pa s].
-    pressure_viscosity : float
-        Pressure-viscosity coefficient alpha [1/Pa].
-    thermoviscosity : float
-        beta0 = -d(ln eta0)/dT [1/K].
-    pressure_thermoviscosity : float
-        gamma = -d(alpha)/dT [1/(Pa K)].
-    conductivity : float
-        Thermal conductivity K_f [W/(m K)].
-    eyring_stress : float
-        tau0 [Pa].
-    shear_modulus : float
-        Gamma [Pa].
-    """
-
-    temperature: float
-    viscosity: float
-    pressure_viscosity: float
-    thermoviscosity: float
-    pressure_thermoviscosity: float
-    conductivity: float
-    eyring_stress: float
-    shear_modulus: float
+    temperature: float  #: T [K].
+    viscosity: float  #: Dynamic viscosity at ambient pressure, eta0 [Pa s].
+    pressure_viscosity: float  #: Pressure-viscosity coefficient alpha [1/Pa].
+    thermoviscosity: float  #: beta0 = -d(ln eta0)/dT [1/K].
+    pressure_thermoviscosity: float  #: gamma = -d(alpha)/dT [1/(Pa K)].
+    conductivity: float  #: Thermal conductivity K_f [W/(m K)].
+    eyring_stress: float  #: tau0 [Pa].
+    shear_modulus: float  #: Gamma [Pa].
 
 
 def positive_field(
@@ -106,106 +86,73 @@ class Lubricant:
     its slope with it, so gamma takes `pressure_viscosity_factor` *and* `pressure_thermoviscosity_factor`. The fourth
     multiplies ln(eta/eta0): it moves what the oil becomes in a contact, and not the alpha that forms the film.
 
-    Parameters
-    ----------
-    name : str
-        As scenes call it.
-    description : str
-        What it is, in a sentence.
-    viscosity : TemperatureLaw
-        Dynamic viscosity at ambient pressure, eta0(T) [Pa s].
-    pressure_viscosity : TemperatureLaw, optional
-        Pressure-viscosity coefficient alpha(T) [1/Pa].
-    thermoviscosity : callable, optional
-        beta0(T) [1/K], where it is not the slope of `viscosity`, as in lists of constants.
-    pressure_thermoviscosity : callable, optional
-        gamma(T) [1/(Pa K)], where it is not the slope of `pressure_viscosity`, likewise.
-    pressure_viscosity_kind : str
-        Which alpha `pressure_viscosity` is: "tangent", the slope of ln(eta) at no pressure, or "film", alpha* =
-        1/integral(eta0/eta dp). Film formulas take it as it is; a law makes its own constants of it.
-    pressure_viscosity_law : PressureViscosity
-        How viscosity rises with pressure, by default Roelands's law; one that fixes alpha itself overrules
-        `pressure_viscosity`.
-    base_oil : str, optional
-        What the oil is made of: mineral, pao, ester or pag.
-    conductivity : TemperatureLaw, optional
-        Thermal conductivity K_f(T) [W/(m K)].
-    density : TemperatureLaw, optional
-        Density rho(T) [kg/m3], which drags read.
-    eyring_stress : float or TemperatureLaw, optional
-        tau0 or tau0(T) [Pa].
-    shear_modulus : float or TemperatureLaw, optional
-        Gamma or Gamma(T) [Pa].
-    eyring_stress_slope, shear_modulus_slope : float
-        Their rise with pressure, dtau0/dp and dGamma/dp [1]: tau0 and Gamma are those at ambient pressure, and a slice
-        has what belongs to its mean pressure.
-    minimum_temperature, maximum_temperature : float
-        Range in which the data hold [K].
-    source : str
-        Origin of each datum, with its grade where it is not a published value.
-    references : tuple of Reference or str
-        One citation each, see `rollslip.references`.
-    viscosity_factor, pressure_viscosity_factor, pressure_thermoviscosity_factor : float
-        Factors on eta0, alpha and gamma [-].
-    pressure_exponent_factor : float
-        Factor on ln(eta/eta0) under pressure [-].
-    scatter : tuple of Scatter
-        How uncertain its data are: what ``rollslip uncertainty`` takes where the scene states nothing.
-    grades : mapping of str to str
-        Property -> letter of `GRADES`.
-    synonyms : tuple of str
-        What else it is called; capitals, spaces and hyphens do not count in names of data.
-    models : mapping
-        Its constants for laws, defaults of their parameters: a mapping for each law by name, and beside these what all
-        laws have that know the key; numbers in SI, or texts with a unit.
-
     Raises
     ------
     ValueError
         A value is not positive, the range is empty, the viscosity rises over it, or a grade does not exist.
     """
 
-    name: str
-    description: str
-    viscosity: TemperatureLaw
-    pressure_viscosity: TemperatureLaw | None = None
+    name: str  #: As scenes call it.
+    description: str  #: What it is, in a sentence.
+    viscosity: TemperatureLaw  #: Dynamic viscosity at ambient pressure, eta0(T) [Pa s].
+    pressure_viscosity: TemperatureLaw | None = None  #: Pressure-viscosity coefficient alpha(T) [1/Pa].
+    #: beta0(T) [1/K], where it is not the slope of `viscosity`, as in lists of constants.
     thermoviscosity: Callable[[float], float] | None = None
+    #: gamma(T) [1/(Pa K)], where it is not the slope of `pressure_viscosity`, likewise.
     pressure_thermoviscosity: Callable[[float], float] | None = None
+    #: Which alpha `pressure_viscosity` is: "tangent", the slope of ln(eta) at no pressure, or "film", alpha* =
+    #: 1/integral(eta0/eta dp). Film formulas take it as it is; a law makes its own constants of it.
     pressure_viscosity_kind: str = field(
         doc="which alpha it is, by its tangent or for films", default="tangent", validator=one_of(*ALPHAS)
     )
+    #: How viscosity rises with pressure, by default Roelands's law; one that fixes alpha itself overrules
+    #: `pressure_viscosity`.
     pressure_viscosity_law: PressureViscosity = Factory(default_law)
+    #: What the oil is made of: mineral, pao, ester or pag.
     base_oil: str | None = field(doc="kind of base oil", default=None, validator=optional(one_of(*BASE_OILS)))
-    conductivity: TemperatureLaw | None = None
-    density: TemperatureLaw | None = None
+    conductivity: TemperatureLaw | None = None  #: Thermal conductivity K_f(T) [W/(m K)].
+    density: TemperatureLaw | None = None  #: Density rho(T) [kg/m3], which drags read.
+    #: tau0 or tau0(T) [Pa].
     eyring_stress: float | TemperatureLaw | None = field(
         unit="Pa", doc="Eyring stress", default=None, validator=_positive_or_law
     )
+    #: Gamma or Gamma(T) [Pa].
     shear_modulus: float | TemperatureLaw | None = field(
         unit="Pa", doc="shear modulus", default=None, validator=_positive_or_law
     )
+    #: eyring_stress_slope, shear_modulus_slope: Their rise with pressure, dtau0/dp and dGamma/dp [1]: tau0 and Gamma
+    #: are those at ambient pressure, and a slice has what belongs to its mean pressure.
     eyring_stress_slope: float = field(
         unit="1", doc="rise of the Eyring stress with pressure", default=0.0, validator=non_negative
     )
     shear_modulus_slope: float = field(
         unit="1", doc="rise of the shear modulus with pressure", default=0.0, validator=non_negative
     )
+    #: minimum_temperature, maximum_temperature: Range in which the data hold [K].
     minimum_temperature: float = positive_field("K", "lowest temperature at which the data hold")
     maximum_temperature: float = positive_field("K", "highest temperature at which the data hold")
-    source: str
-    references: tuple[Citation, ...] = ()
+    source: str  #: Origin of each datum, with its grade where it is not a published value.
+    references: tuple[Citation, ...] = ()  #: One citation each, see `rollslip.references`.
+    #: viscosity_factor, pressure_viscosity_factor, pressure_thermoviscosity_factor: Factors on eta0, alpha and gamma
+    #: [-].
     viscosity_factor: float = positive_field("1", "factor on the viscosity", 1.0)
     pressure_viscosity_factor: float = positive_field("1", "factor on the pressure-viscosity coefficient", 1.0)
     pressure_thermoviscosity_factor: float = positive_field("1", "factor on the slope of that coefficient", 1.0)
+    #: Factor on ln(eta/eta0) under pressure [-].
     pressure_exponent_factor: float = positive_field("1", "factor on ln(eta/eta0) under pressure", 1.0)
+    #: How uncertain its data are: what ``rollslip uncertainty`` takes where the scene states nothing.
     scatter: tuple[Scatter, ...] = ()
+    #: Property -> letter of `GRADES`.
     grades: Mapping[str, str] = attrib(
         default=_NO_GRADES,
         converter=FrozenTable,
         validator=_known_grades,
         metadata={"doc": "data quality of each property"},
     )
+    #: What else it is called; capitals, spaces and hyphens do not count in names of data.
     synonyms: tuple[str, ...] = ()
+    #: Its constants for laws, defaults of their parameters: a mapping for each law by name, and beside these what all
+    #: laws have that know the key; numbers in SI, or texts with a unit.
     models: Mapping[str, Any] = attrib(
         default=FrozenTable(), converter=FrozenTable, metadata={"doc": "constants for laws, by law"}
     )
@@ -246,23 +193,7 @@ class Lubricant:
         return {"eyring_stress_slope": self.eyring_stress_slope, "shear_modulus_slope": self.shear_modulus_slope}
 
     def at(self, temperature: float) -> OilState:
-        """Properties at a temperature.
-
-        Parameters
-        ----------
-        temperature : float
-            T [K].
-
-        Returns
-        -------
-        OilState
-            nan where the oil has no data.
-
-        Raises
-        ------
-        DomainError
-            The temperature is outside the range in which the oil's data hold.
-        """
+        """Properties at a temperature [K], nan where the oil has no data; refused outside of their range."""
         if not self.minimum_temperature <= temperature <= self.maximum_temperature:
             raise DomainError(
                 f"{self.name} at {_celsius(temperature)}: its data hold from {_celsius(self.minimum_temperature)} to "
@@ -294,11 +225,6 @@ class Lubricant:
 
         Papers list both as constants, which fit together at one temperature only. That is allowed; what follows from it
         is said.
-
-        Parameters
-        ----------
-        temperature : float
-            T [K].
         """
         alpha, alpha_fall = _evaluate(self.pressure_viscosity, temperature)
         eta0, eta0_fall = _evaluate(self.viscosity, temperature)

@@ -63,17 +63,8 @@ class PressureViscosity(SliceModel):
     def of_oil(self, alpha: str = "tangent", factor: float = 1.0) -> "PressureViscosity":
         """Return the law as an oil has it.
 
-        Parameters
-        ----------
-        alpha : str
-            Which alpha the oil gives, one of `ALPHAS`; a law asks for it by `alpha_of_oil`.
-        factor : float
-            Factor on ln(eta/eta0) [1]; a law takes it by `factor_of_oil`.
-
-        Raises
-        ------
-        FieldError
-            A factor is given, and the law takes none.
+        ``alpha`` is one of `ALPHAS`, which a law asks for by `alpha_of_oil`; ``factor`` is that on ln(eta/eta0), which
+        it takes by `factor_of_oil`, or refuses.
         """
         mine: Any = self
         own = {a.name: a.metadata["of_oil"] for a in attrs.fields(type(mine)) if "of_oil" in a.metadata}

@@ -41,15 +41,9 @@ class TemperatureLaw(Protocol):
 
 @frozen
 class Constant:
-    """A property that does not depend on temperature.
+    """A property that does not depend on temperature."""
 
-    Parameters
-    ----------
-    value : float
-        The property, SI.
-    """
-
-    value: float
+    value: float  #: The property, SI.
 
     def __call__(self, T: float) -> float:
         """Property at the temperature `T` [K]."""
@@ -64,21 +58,14 @@ class Constant:
 class Table:
     """Linear interpolation between tabulated values; beyond the table its end value holds.
 
-    Parameters
-    ----------
-    temperatures : tuple of float
-        Rising temperatures [K], two or more.
-    values : tuple of float
-        The property at each, SI.
-
     Raises
     ------
     ValueError
         The temperatures do not rise, or their number differs from that of the values.
     """
 
-    temperatures: tuple[float, ...]
-    values: tuple[float, ...]
+    temperatures: tuple[float, ...]  #: Rising temperatures [K], two or more.
+    values: tuple[float, ...]  #: The property at each, SI.
 
     def __attrs_post_init__(self) -> None:
         if not len(self.temperatures) == len(self.values) >= 2:
@@ -115,21 +102,14 @@ class SmoothTable:
     0.08 %, beta0 1.9 % and gamma 1.5 % from 40 to 70 degC, 5 and 3.5 % towards the ends
     (``tests/lubricant/test_tables.py``).
 
-    Parameters
-    ----------
-    temperatures : tuple of float
-        Rising temperatures [K], two or more.
-    values : tuple of float
-        The property at each, positive, SI.
-
     References
     ----------
     Fritsch F.N., Butland J. A method for constructing local monotone piecewise cubic interpolants. SIAM J. Sci. Stat.
     Comput. 5, 1984, 300-304.
     """
 
-    temperatures: tuple[float, ...]
-    values: tuple[float, ...]
+    temperatures: tuple[float, ...]  #: Rising temperatures [K], two or more.
+    values: tuple[float, ...]  #: The property at each, positive, SI.
 
     def __attrs_post_init__(self) -> None:
         Table(self.temperatures, self.values)  # its rules hold here too
@@ -189,14 +169,9 @@ class SmoothTable:
 
 @frozen
 class Product:
-    """Product of two laws, as dynamic viscosity is of kinematic viscosity and density.
+    """Product of two laws, as dynamic viscosity is of kinematic viscosity and density."""
 
-    Parameters
-    ----------
-    first, second : TemperatureLaw
-        The factors.
-    """
-
+    #: first, second: The factors.
     first: TemperatureLaw
     second: TemperatureLaw
 
@@ -219,27 +194,16 @@ class Walther:
     viscosity carry their own k. Constants published in natural logarithms, ln ln(nu + c) = a - B ln T, are the same
     law with A = (a - ln ln 10) / ln 10. ASTM D341 takes c = 0.7, for nu above 2 mm2/s.
 
-    Parameters
-    ----------
-    intercept : float
-        A [-].
-    slope : float
-        B [-].
-    constant : float
-        c [-], in mm2/s where k comes from a density.
-    scale : float
-        k [Pa s].
-
     References
     ----------
     ASTM D341, Standard Practice for Viscosity-Temperature Equations and Charts for Liquid Petroleum or Hydrocarbon
     Products.
     """
 
-    intercept: float
-    slope: float
-    constant: float
-    scale: float
+    intercept: float  #: A [-].
+    slope: float  #: B [-].
+    constant: float  #: c [-], in mm2/s where k comes from a density.
+    scale: float  #: k [Pa s].
 
     def __call__(self, T: float) -> float:
         """Dynamic viscosity [Pa s] at the temperature `T` [K]."""
@@ -260,20 +224,11 @@ class Vogel:
     """Viscosity after Vogel (1921), Fulcher and Tammann.
 
     eta = A exp(B / (T - C)),  T > C.
-
-    Parameters
-    ----------
-    limit : float
-        A [Pa s], approached at high temperature.
-    slope : float
-        B [K].
-    pole : float
-        C [K], where the viscosity would grow without bound.
     """
 
-    limit: float
-    slope: float
-    pole: float
+    limit: float  #: A [Pa s], approached at high temperature.
+    slope: float  #: B [K].
+    pole: float  #: C [K], where the viscosity would grow without bound.
 
     def __call__(self, T: float) -> float:
         """Dynamic viscosity [Pa s] at the temperature `T` [K]."""
@@ -289,23 +244,12 @@ class Andrade:
     """Viscosity after Andrade (1930), with an optional quadratic term.
 
     eta = eta_ref exp(b d + c d^2),  d = 1/T - 1/T_ref.
-
-    Parameters
-    ----------
-    reference_viscosity : float
-        eta_ref [Pa s].
-    reference_temperature : float
-        T_ref [K].
-    slope : float
-        b [K].
-    curvature : float
-        c [K2]; zero is Andrade's own law.
     """
 
-    reference_viscosity: float
-    reference_temperature: float
-    slope: float
-    curvature: float = 0.0
+    reference_viscosity: float  #: eta_ref [Pa s].
+    reference_temperature: float  #: T_ref [K].
+    slope: float  #: b [K].
+    curvature: float = 0.0  #: c [K2]; zero is Andrade's own law.
 
     def __call__(self, T: float) -> float:
         """Dynamic viscosity [Pa s] at the temperature `T` [K]."""
@@ -322,21 +266,11 @@ class Andrade:
 
 @frozen
 class Hyperbola:
-    """Pressure-viscosity coefficient as a hyperbola, alpha = a + b / (T - c), T > c.
+    """Pressure-viscosity coefficient as a hyperbola, alpha = a + b / (T - c), T > c."""
 
-    Parameters
-    ----------
-    limit : float
-        a [1/Pa], approached at high temperature.
-    slope : float
-        b [K/Pa].
-    pole : float
-        c [K].
-    """
-
-    limit: float
-    slope: float
-    pole: float
+    limit: float  #: a [1/Pa], approached at high temperature.
+    slope: float  #: b [K/Pa].
+    pole: float  #: c [K].
 
     def __call__(self, T: float) -> float:
         """Pressure-viscosity coefficient [1/Pa] at the temperature `T` [K]."""
@@ -349,21 +283,11 @@ class Hyperbola:
 
 @frozen
 class Exponential:
-    """Pressure-viscosity coefficient as an exponential, alpha = alpha_ref exp(-k (T - T_ref)).
+    """Pressure-viscosity coefficient as an exponential, alpha = alpha_ref exp(-k (T - T_ref))."""
 
-    Parameters
-    ----------
-    reference_value : float
-        alpha_ref [1/Pa].
-    reference_temperature : float
-        T_ref [K].
-    rate : float
-        k [1/K].
-    """
-
-    reference_value: float
-    reference_temperature: float
-    rate: float
+    reference_value: float  #: alpha_ref [1/Pa].
+    reference_temperature: float  #: T_ref [K].
+    rate: float  #: k [1/K].
 
     def __call__(self, T: float) -> float:
         """Pressure-viscosity coefficient [1/Pa] at the temperature `T` [K]."""
@@ -376,21 +300,11 @@ class Exponential:
 
 @frozen
 class PowerOfViscosity:
-    """Pressure-viscosity coefficient tied to the viscosity, alpha = k eta^m with eta in Pa s.
+    """Pressure-viscosity coefficient tied to the viscosity, alpha = k eta^m with eta in Pa s."""
 
-    Parameters
-    ----------
-    viscosity : TemperatureLaw
-        eta(T).
-    factor : float
-        k [1/Pa], alpha at 1 Pa s.
-    exponent : float
-        m [-].
-    """
-
-    viscosity: TemperatureLaw
-    factor: float
-    exponent: float
+    viscosity: TemperatureLaw  #: eta(T).
+    factor: float  #: k [1/Pa], alpha at 1 Pa s.
+    exponent: float  #: m [-].
 
     def __call__(self, T: float) -> float:
         """Pressure-viscosity coefficient [1/Pa] at the temperature `T` [K]."""
@@ -410,18 +324,13 @@ class WuKlausDuda:
     where m is the slope of Walther's law of ASTM D341. Range: nu above 0.2 mm2/s, where alpha is positive. Against FVA
     3 as measured it is 4 to 12 % low (one oil); correlations of this sort differ by 25 % among themselves.
 
-    Parameters
-    ----------
-    kinematic : Walther
-        Kinematic viscosity nu(T) [m2/s]: its scale is 1e-6.
-
     References
     ----------
     Wu C.S., Klaus E.E., Duda J.L. Development of a method for the prediction of pressure-viscosity coefficients of
     lubricating oils based on free-volume theory. J. Tribol. 111, 1989, 121-128.
     """
 
-    kinematic: Walther
+    kinematic: Walther  #: Kinematic viscosity nu(T) [m2/s]: its scale is 1e-6.
 
     def __call__(self, T: float) -> float:
         """Pressure-viscosity coefficient [1/Pa] at the temperature `T` [K]."""

@@ -54,45 +54,20 @@ _ASSUMED: Final = re.compile(r"^\s*(\w+)\s*=.*#.*\bASSUMED\b", re.MULTILINE)
 
 @attrs.frozen(kw_only=True)
 class Row:
-    """One quantity of an answer.
+    """One quantity of an answer."""
 
-    Attributes
-    ----------
-    key : str
-        What it is, alike in all results: "cage_slip".
-    label : str
-        What people call it.
-    value : float
-        SI value, NaN where there is none.
-    unit : str
-        SI unit.
-    text : str
-        How it is printed.
-    band : tuple of float, optional
-        Between what it lies, 5 to 95 % or bounds; infinite where there is no end.
-    note : str
-        What is said beside it.
-    known : int
-        How well its study knows it: of several the best known is told.
-    within : float
-        Relative difference from another study's value that is no fault.
-    alarm : bool
-        Whether a limit is passed, for which another row makes room.
-    by : str
-        The study that it is of.
-    """
-
-    key: str
-    label: str
-    value: float = math.nan
-    unit: str = "1"
-    text: str
+    key: str  #: What it is, alike in all results: "cage_slip".
+    label: str  #: What people call it.
+    value: float = math.nan  #: SI value, NaN where there is none.
+    unit: str = "1"  #: SI unit.
+    text: str  #: How it is printed.
+    #: Between what it lies, 5 to 95 % or bounds; infinite where there is no end.
     band: tuple[float, float] | None = None
-    note: str = ""
-    known: int = 0
-    within: float = 0.1
-    alarm: bool = False
-    by: str = ""
+    note: str = ""  #: What is said beside it.
+    known: int = 0  #: How well its study knows it: of several the best known is told.
+    within: float = 0.1  #: Relative difference from another study's value that is no fault.
+    alarm: bool = False  #: Whether a limit is passed, for which another row makes room.
+    by: str = ""  #: The study that it is of.
 
 
 @attrs.frozen(kw_only=True)

@@ -88,16 +88,11 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
 
 
 class Figures(dict[str, "Figure"]):
-    """Figures of a result by name, which a notebook shows below each other.
-
-    Attributes
-    ----------
-    captions : dict of str to str
-        What each shows, by the same names.
-    """
+    """Figures of a result by name, which a notebook shows below each other."""
 
     def __init__(self) -> None:
         super().__init__()
+        #: What each shows, by the same names.
         self.captions: dict[str, str] = {}
 
     def __repr__(self) -> str:

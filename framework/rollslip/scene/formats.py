@@ -26,18 +26,10 @@ __all__ = ["SCENE_FORMAT", "Read", "SceneFormat", "Written", "endings", "format_
 
 @attrs.frozen
 class Read:
-    """What a file says.
+    """What a file says."""
 
-    Attributes
-    ----------
-    document : object
-        The neutral parameters, as `rollslip.scene.interchange.from_parameters` takes them.
-    notes : tuple of str
-        What was missing or not used, a sentence each, without full stops.
-    """
-
-    document: object
-    notes: tuple[str, ...] = ()
+    document: object  #: The neutral parameters, as `rollslip.scene.interchange.from_parameters` takes them.
+    notes: tuple[str, ...] = ()  #: What was missing or not used, a sentence each, without full stops.
 
 
 @attrs.frozen
@@ -50,18 +42,10 @@ class Written:
 
 @attrs.frozen
 class SceneFormat(abc.ABC):
-    """A file format of scenes; a package derives a class and offers an instance by the hook ``scene_formats``.
+    """A file format of scenes; a package derives a class and offers an instance by the hook ``scene_formats``."""
 
-    Attributes
-    ----------
-    name : str
-        As its entry point has it.
-    endings : tuple of str
-        Endings of its files, in small letters, such as ``(".json",)``.
-    """
-
-    name: str
-    endings: ClassVar[tuple[str, ...]]
+    name: str  #: As its entry point has it.
+    endings: ClassVar[tuple[str, ...]]  #: Endings of its files, in small letters, such as ``(".json",)``.
 
     @abc.abstractmethod
     def read(self, content: bytes, source: str) -> Read:

@@ -34,25 +34,14 @@ NONE_EXPECTED: Final[Mapping[str, str]] = MappingProxyType({})
 
 @attrs.frozen
 class Finding:
-    """What one check says of one model.
+    """What one check says of one model."""
 
-    Attributes
-    ----------
-    model : str
-        Name of the model, or of the stage that it hands out.
-    check : str
-        Name of the check.
-    status : str
-        "ok", "failed", "expected" (it fails, as declared), "warning" (it costs time, and makes no number wrong) or
-        "skipped" (the rule says nothing about this model).
-    message : str
-        Why, unless it is "ok".
-    """
-
-    model: str
-    check: str
+    model: str  #: Name of the model, or of the stage that it hands out.
+    check: str  #: Name of the check.
+    #: "ok", "failed", "expected" (it fails, as declared), "warning" (it costs time, and makes no number wrong) or
+    #: "skipped" (the rule says nothing about this model).
     status: str
-    message: str = ""
+    message: str = ""  #: Why, unless it is "ok".
 
 
 def name_of(model: object) -> str:
@@ -193,17 +182,10 @@ def format_findings(findings: Sequence[Finding]) -> str:
 
 
 class Conformance:
-    """Base of a test class: one test of pytest for each model and each rule of its kind.
+    """Base of a test class: one test of pytest for each model and each rule of its kind."""
 
-    Attributes
-    ----------
-    models : sequence
-        The models, with the parameters that matter.
-    expected_failures : mapping
-        Check -> reason; held against every model of the class.
-    """
-
-    models: ClassVar[Sequence[object]] = ()
+    models: ClassVar[Sequence[object]] = ()  #: The models, with the parameters that matter.
+    #: Check -> reason; held against every model of the class.
     expected_failures: ClassVar[Mapping[str, str]] = NONE_EXPECTED
 
     def pytest_generate_tests(self, metafunc: Any) -> None:

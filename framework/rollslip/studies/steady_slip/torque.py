@@ -52,45 +52,24 @@ class Duty:
     What its designation says is exact. Without one the bore d and the outside diameter D lie half a roller's diameter
     from the raceways, within 9 and 7 % of the bearings whose inner geometry is known, and the width B is 1.65 times the
     length of the rollers, within 10 % in reinforced bearings and up to 40 % too small in old and light ones (D).
-
-    Attributes
-    ----------
-    bore, outside_diameter, width : float
-        Boundary dimensions d, D and B [m]; the width is None if nobody knows it.
-    series : str
-        Dimension series as designations have it, such as "22"; empty if the bearing has no designation.
-    estimated : tuple of str
-        What of these is estimated from the rollers.
-    roller_diameter : float or None
-        Diameter of a roller [m]; formulas of drag take the middle of the lowest one from it.
-    supply : str
-        How oil comes to the rollers: "bath", "splash", "circulating", "jet", "mist" or "grease".
-    oil_level : float or None
-        Level of a bath above the lowest point of the outer raceway [m]; None for the middle of the lowest roller.
-    pitch_diameter : float
-        Diameter of the pitch circle d_m [m].
-    radial_load : float
-        F_r [N].
-    speed : float
-        Relative speed of the rings [rad/s], not negative.
-    viscosity : float
-        Dynamic viscosity of the oil at its temperature and ambient pressure [Pa s].
-    density : float or None
-        Density of the oil [kg/m3], None if the scene does not know it.
     """
 
+    #: bore, outside_diameter, width: Boundary dimensions d, D and B [m]; the width is None if nobody knows it.
     bore: float
     outside_diameter: float
-    pitch_diameter: float
-    radial_load: float
-    speed: float
-    viscosity: float
-    density: float | None = None
+    pitch_diameter: float  #: Diameter of the pitch circle d_m [m].
+    radial_load: float  #: F_r [N].
+    speed: float  #: Relative speed of the rings [rad/s], not negative.
+    viscosity: float  #: Dynamic viscosity of the oil at its temperature and ambient pressure [Pa s].
+    density: float | None = None  #: Density of the oil [kg/m3], None if the scene does not know it.
     width: float | None = None
+    #: Dimension series as designations have it, such as "22"; empty if the bearing has no designation.
     series: str = ""
-    estimated: tuple[str, ...] = ()
+    estimated: tuple[str, ...] = ()  #: What of these is estimated from the rollers.
+    #: Diameter of a roller [m]; formulas of drag take the middle of the lowest one from it.
     roller_diameter: float | None = None
-    supply: str = "bath"
+    supply: str = "bath"  #: How oil comes to the rollers: "bath", "splash", "circulating", "jet", "mist" or "grease".
+    #: Level of a bath above the lowest point of the outer raceway [m]; None for the middle of the lowest roller.
     oil_level: float | None = None
 
     @classmethod

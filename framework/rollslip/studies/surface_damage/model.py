@@ -51,25 +51,15 @@ Array = NDArray[np.float64]
 
 @attrs.frozen(eq=False, kw_only=True)
 class Contacts:
-    """Evaluated slices of rollers on one ring, and what their surfaces are of.
+    """Evaluated slices of rollers on one ring, and what their surfaces are of."""
 
-    Attributes
-    ----------
-    slices : Slices
-        With load, half width, pressure, film thickness, friction and speeds, and the conditions that they share.
-    ring : {"inner", "outer"}
-        The ring.
-    ring_temperature, roller_temperature : float
-        Bulk temperatures [K].
-    material : Material
-        Of ring and rollers.
-    """
-
+    #: With load, half width, pressure, film thickness, friction and speeds, and the conditions that they share.
     slices: Slices
-    ring: "Ring"
+    ring: "Ring"  #: The ring.
+    #: ring_temperature, roller_temperature: Bulk temperatures [K].
     ring_temperature: float
     roller_temperature: float
-    material: Material
+    material: Material  #: Of ring and rollers.
 
     @classmethod
     def of(cls, assembly: "Assembly", ring: "Ring", slices: Slices) -> "Contacts":
