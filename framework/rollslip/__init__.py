@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from rollslip.cli.console import info as info
     from rollslip.errors import RollslipDeprecationWarning as RollslipDeprecationWarning
     from rollslip.planning.campaign import function_of
-    from rollslip.planning.execution import load_distribution as load_distribution
     from rollslip.planning.execution import run as run
+    from rollslip.planning.loads import load_distribution as load_distribution
     from rollslip.planning.new_scene import new as new
     from rollslip.planning.plan import plan as plan
     from rollslip.results.account import answer as answer
@@ -56,7 +56,7 @@ _HOMES = {
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",
     "info": "rollslip.cli.console",
-    "load_distribution": "rollslip.planning.execution",
+    "load_distribution": "rollslip.planning.loads",
     "load_scene": "rollslip.scene.reading",
     "model": "rollslip.catalogue.session",
     "new": "rollslip.planning.new_scene",

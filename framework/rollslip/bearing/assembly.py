@@ -3,7 +3,7 @@
 import logging
 import math
 import operator
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable
 from functools import cached_property, partial
 from typing import Any, Final, TypeVar
 
@@ -23,16 +23,16 @@ from rollslip.bearing.equilibrium import (
 )
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop
-from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring, check_given, members
+from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated
-from rollslip.catalogue.registry import available, get_class, structure_model
-from rollslip.errors import DomainError, PluginError, SceneError, nearest
-from rollslip.fields import submodels
+from rollslip.catalogue.registry import get_class, structure_model
+from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, TractionModel
 from rollslip.rings import Rings
+from rollslip.scene.oil import check_given, members, unused_constants
 from rollslip.scene.rings import rings_of
 from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
@@ -368,7 +368,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
             ("traction", scene.models.traction),
         )
     }
-    problems += _unused_constants(scene, models, where.at("lubricant").at("models"))
+    problems += unused_constants(scene, models, where.at("lubricant").at("models"))
     named, thermal = where.at("models"), scene.models.thermal
     beside = [] if thermal is None else [("thermal", named.at("thermal"), thermal)]
     beside += [("damage", named.at("damage").at(k), one) for k, one in enumerate(scene.models.damage)]
@@ -424,30 +424,6 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         known_loads=loads,
         **models,
     )
-
-
-def _unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -> list[str]:
-    """Say which constants that a scene has of its oil are of no law of a contact, or of none of the scene's laws."""
-    tables = scene.lubricant.data.get("models")
-    if not isinstance(tables, Mapping):
-        return []
-    known = {name for kind in models for name in available(kind)}
-    laws = [
-        law
-        for model in models.values()
-        if model is not None
-        for law in (model, *(child for _, child in submodels(model)))
-    ]
-    has = {name for law in laws for name in attrs.fields_dict(type(law))}
-    said = list[str]()
-    for name, value in tables.items():
-        if isinstance(value, Mapping) and name not in known:
-            near = f"; did you mean {' or '.join(found)}?" if (found := nearest(name, known)) else ""
-            said.append(where.at(name).says(f"no law of a contact is called so{near}"))
-        elif not isinstance(value, Mapping) and name not in has and None not in models.values():
-            used = ", ".join(law.name for law in laws)
-            said.append(where.at(name).says(f"no law of this scene has such a parameter: {used}"))
-    return said
 
 
 def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:

@@ -10,11 +10,10 @@
   A law with a kink, such as film model ``regime``, needs many, or all the slices.
 """
 
-import math
 from collections.abc import Callable, Mapping
-from functools import cached_property, lru_cache
+from functools import cached_property
 from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 import attrs
 import numpy as np
@@ -22,14 +21,9 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain, Guarded, Job, along
 from rollslip.bearing.regimes import LIGHT, groups, regime_limits
-from rollslip.errors import SceneError
-from rollslip.lubricant.oil import Lubricant
-from rollslip.lubricant.pressure import without_slope
-from rollslip.models import SliceModel
-from rollslip.structure import Location
 from rollslip_kernels.chain import Bound
 from rollslip_kernels.gauss import rules
-from rollslip_kernels.slices import CONDITIONS, PLACES, Conditions, Slices
+from rollslip_kernels.slices import PLACES, Conditions, Slices
 
 Array = NDArray[np.float64]
 Ring = Literal["inner", "outer"]
@@ -267,57 +261,3 @@ def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], toleran
             return rule
         count *= 2
     return whole
-
-
-#: What oils have of a member that one may lack, with grade.
-_LIKELY: Final = {
-    "pressure_viscosity": "'18 1/GPa' (mineral oils at 40 degC have 16 to 22 (B), esters 9 to 14 (C))",
-    "conductivity": "'0.14 W/(m K)' (oils have 0.13 to 0.15 (C))",
-    "eyring_stress": "'5 MPa' (mineral oils have 3 to 8 MPa, esters 2 to 6 MPa (C))",
-    "shear_modulus": "'0.3 GPa' (published values go from 0.05 to 1 GPa (C))",
-}
-
-
-def _given_by(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
-    """What to type to have a member of the oil; a law that fixes what pressure does to viscosity lets none be given."""
-    law = lubricant.pressure_viscosity_law
-    if member.startswith("pressure_") and not math.isnan(law.coefficient(conditions.temperature)):
-        return f"{law.name!r} lets none be given: take another lubricant.pressure_viscosity_law"
-    likely = f" = {_LIKELY[member]}" if member in _LIKELY else ""
-    return f"give lubricant.{member}{likely},"
-
-
-@lru_cache(maxsize=64)
-def members(reads: tuple[frozenset[str], ...]) -> frozenset[str]:
-    """Conditions among what models read."""
-    return frozenset().union(*reads) & CONDITIONS.keys()
-
-
-def check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location) -> None:
-    """Refuse models that read what the scene does not give."""
-    reads = tuple(frozenset(model.reads) for model in models)
-    if not any(lubricant.slopes.values()) and not any(math.isnan(getattr(conditions, name)) for name in members(reads)):
-        return
-    problems = [
-        where.at("lubricant").says(
-            f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "
-            f"which model {model.name!r} needs; {_given_by(member, conditions, lubricant)} or choose another model"
-        )
-        for model in models
-        for member in sorted(model.reads & CONDITIONS.keys())
-        if math.isnan(getattr(conditions, member))
-    ]
-    problems += [
-        where.at("lubricant")
-        .at(slope)
-        .says(
-            f"model {name!r} takes one {slope.removesuffix('_slope')} at all pressures; leave the slope out, or choose "
-            "another traction model: laws of Eyring fluids at the mean pressure of a slice follow it"
-        )
-        for slope, value in lubricant.slopes.items()
-        if value
-        for model in models
-        for name in without_slope(model, slope.removesuffix("_slope"))
-    ]
-    if problems:
-        raise SceneError(problems)

@@ -22,7 +22,7 @@ from rollslip.errors import PluginError, UnknownNameError, in_words, nearest
 
 __all__ = [
     "Kind", "Template", "canonical", "check_kind", "entry_points", "get_kind", "is_disabled", "kind_of", "kinds",
-    "offered_kinds", "unread", "usable_kinds",
+    "offered_kinds", "usable_kinds",
 ]  # fmt: skip
 
 
@@ -169,21 +169,6 @@ def offered_kinds() -> list[str]:
     ours = {name for name, of in _found().items() if "rollslip" in of}
     shown = [kind for kind in usable_kinds() if kind.template is not None or kind.name not in ours]
     return [kind.name for kind in shown if not kind.waits]
-
-
-def unread() -> dict[str, str]:
-    """Return the groups ``rollslip.NAME`` that nobody reads, each with what is wrong: no kind has the name."""
-    found = dict[str, str]()
-    for distribution in importlib.metadata.distributions():
-        with suppress(Exception):  # an installation that was cut off, and pip says so
-            for group in {point.group for point in distribution.entry_points if point.group.startswith("rollslip.")}:
-                name = group.removeprefix("rollslip.").replace("_", "-")
-                if name != "kind" and name not in kinds() and not is_disabled(distribution.name):
-                    near = nearest(name, kinds(), count=1)
-                    hint = f"did you mean rollslip.{near[0].replace('-', '_')}" if near else "no kind has its name"
-                    said = f"a group that nobody reads; {hint}, or is the package that brings the kind not installed?"
-                    found[f"{distribution.name}: {group}"] = said
-    return dict(sorted(found.items()))
 
 
 def kind_of(thing: object) -> Kind | None:

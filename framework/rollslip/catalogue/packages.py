@@ -5,6 +5,7 @@ import importlib.metadata
 import importlib.util
 import json
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,12 @@ from typing import Any
 import attrs
 
 from rollslip.catalogue.discovery import THIS_PROCESS, Offer, catalogue, load
-from rollslip.catalogue.kinds import is_disabled, unread
-from rollslip.errors import PluginError, SceneError
+from rollslip.catalogue.kinds import is_disabled, kinds
+from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.structure import Location
 
-__all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "edited", "packages", "requirements"]
+__all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "edited", "packages", "requirements",
+           "unread"]  # fmt: skip
 
 
 @attrs.frozen(kw_only=True)
@@ -41,6 +43,21 @@ def packages() -> list[PluginPackage]:
         if offer.package != THIS_PROCESS:
             offers.setdefault(offer.package, []).append(_tried(offer))
     return [_package(offers[name]) for name in sorted(offers, key=lambda name: (name != "rollslip", name))]
+
+
+def unread() -> dict[str, str]:
+    """Return the groups ``rollslip.NAME`` that nobody reads, each with what is wrong: no kind has the name."""
+    found = dict[str, str]()
+    for distribution in importlib.metadata.distributions():
+        with suppress(Exception):  # an installation that was cut off, and pip says so
+            for group in {point.group for point in distribution.entry_points if point.group.startswith("rollslip.")}:
+                name = group.removeprefix("rollslip.").replace("_", "-")
+                if name != "kind" and name not in kinds() and not is_disabled(distribution.name):
+                    near = nearest(name, kinds(), count=1)
+                    hint = f"did you mean rollslip.{near[0].replace('-', '_')}" if near else "no kind has its name"
+                    said = f"a group that nobody reads; {hint}, or is the package that brings the kind not installed?"
+                    found[f"{distribution.name}: {group}"] = said
+    return dict(sorted(found.items()))
 
 
 def edited(packages: Iterable[str]) -> dict[str, str]:

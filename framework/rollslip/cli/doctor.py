@@ -156,8 +156,8 @@ def _kernels() -> Iterator[Finding]:
 
 
 def _plugins() -> Iterator[Finding]:
-    from rollslip.catalogue.kinds import get_kind, kinds, unread
-    from rollslip.catalogue.packages import packages
+    from rollslip.catalogue.kinds import get_kind, kinds
+    from rollslip.catalogue.packages import packages, unread
     from rollslip.errors import PluginError
 
     for name in kinds():

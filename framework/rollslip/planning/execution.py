@@ -9,9 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import numpy as np
 
-from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.errors import RollslipError
 from rollslip.planning.plan import Plan, plan
@@ -20,8 +18,6 @@ from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import run_origin
 from rollslip.planning.verification import accuracy_rows, again, judge, told
 from rollslip.results.account import answer
-from rollslip.results.dataset import about
-from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies import validity
 from rollslip.studies.answers import Keep, Store
@@ -132,66 +128,6 @@ def execute(
     said = [*told(plan, study, judgement), *warned]
     dataset.attrs |= run_origin(plan, study, said, evaluated, time.perf_counter() - begin)
     return dataset
-
-
-def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
-    """Return the quasi-static load distribution of a scene.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file.
-    instants : int
-        Instants spread over one roller pitch; at the first one a roller is in the line of load.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions (ring, instant, roller): normal_force; (ring, instant, roller, slice): load_per_length;
-        (instant, direction): displacement; (instant,): moment; attributes force_residual and moment_residual,
-        relative.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If the scene or a model it names cannot be used.
-    ConvergenceError
-        If forces and moments do not balance to 1e-10.
-    """
-    import xarray as xr
-
-    assembly = assemble(scene if isinstance(scene, Scene) else load_scene(scene))
-    loads = assembly.load_distribution(instants)
-
-    contacts = ("ring", "instant", "roller")
-    return xr.Dataset(
-        {
-            "normal_force": (contacts, np.stack([loads.inner_force, loads.outer_force]), about("N", "normal force")),
-            "load_per_length": (
-                (*contacts, "slice"),
-                np.stack([loads.inner_load, loads.outer_load]),
-                about("N/m", "normal force per length"),
-            ),
-            "displacement": (
-                ("instant", "direction"),
-                loads.displacement,
-                about("m", "displacement of the inner ring"),
-            ),
-            "roller_tilt": (("instant", "roller"), loads.roller_tilt, about("rad", "tilt of the roller")),
-            "moment": ("instant", loads.moment, about("N m", "moment on the inner ring from its misalignment")),
-        },
-        coords={
-            "ring": ("ring", np.array(["inner", "outer"]), about("1", "ring")),
-            "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
-            "angle": (("instant", "roller"), loads.psi, about("rad", "position from the line of load")),
-            "position": ("slice", loads.position, about("m", "position along the roller from its middle")),
-        },
-        attrs={
-            "force_residual": loads.force_residual,
-            "moment_residual": loads.moment_residual,
-            "iterations": loads.iterations,
-        },
-    )
 
 
 def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], dict[str, Any]]:

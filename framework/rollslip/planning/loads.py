@@ -1,0 +1,73 @@
+"""The quasi-static loads of all rollers of a scene, as a dataset."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rollslip.bearing.assembly import assemble
+from rollslip.results.dataset import about
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
+    """Return the quasi-static load distribution of a scene.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file.
+    instants : int
+        Instants spread over one roller pitch; at the first one a roller is in the line of load.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions (ring, instant, roller): normal_force; (ring, instant, roller, slice): load_per_length;
+        (instant, direction): displacement; (instant,): moment; attributes force_residual and moment_residual,
+        relative.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene or a model it names cannot be used.
+    ConvergenceError
+        If forces and moments do not balance to 1e-10.
+    """
+    import xarray as xr
+
+    assembly = assemble(scene if isinstance(scene, Scene) else load_scene(scene))
+    loads = assembly.load_distribution(instants)
+
+    contacts = ("ring", "instant", "roller")
+    return xr.Dataset(
+        {
+            "normal_force": (contacts, np.stack([loads.inner_force, loads.outer_force]), about("N", "normal force")),
+            "load_per_length": (
+                (*contacts, "slice"),
+                np.stack([loads.inner_load, loads.outer_load]),
+                about("N/m", "normal force per length"),
+            ),
+            "displacement": (
+                ("instant", "direction"),
+                loads.displacement,
+                about("m", "displacement of the inner ring"),
+            ),
+            "roller_tilt": (("instant", "roller"), loads.roller_tilt, about("rad", "tilt of the roller")),
+            "moment": ("instant", loads.moment, about("N m", "moment on the inner ring from its misalignment")),
+        },
+        coords={
+            "ring": ("ring", np.array(["inner", "outer"]), about("1", "ring")),
+            "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
+            "angle": (("instant", "roller"), loads.psi, about("rad", "position from the line of load")),
+            "position": ("slice", loads.position, about("m", "position along the roller from its middle")),
+        },
+        attrs={
+            "force_residual": loads.force_residual,
+            "moment_residual": loads.moment_residual,
+            "iterations": loads.iterations,
+        },
+    )
