@@ -263,7 +263,7 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
     """Check the model called NAME by the rules of its kind, in a process of its own."""
     from rollslip import testing
     from rollslip.cli.models import kinds_of
-    from rollslip.results.account import with_units
+    from rollslip.cli.units import with_units
     from rollslip.testing.findings import passed
 
     findings = [

@@ -17,7 +17,8 @@ from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
-from rollslip.results.account import account_of, of_laws, with_units
+from rollslip.cli.units import with_units
+from rollslip.results.account import account_of, of_laws
 from rollslip.results.answer import COLOURS, Answer
 from rollslip.results.words import confidence, first_line
 from rollslip.scene.reading import load_scene

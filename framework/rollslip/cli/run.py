@@ -236,8 +236,8 @@ def plan(
     --set changes SCENE, not OTHER: --set operation.radial_load="9 kN" --diff SCENE shows what that value changes.
     """
     from rollslip.cli import console
+    from rollslip.cli.units import with_units
     from rollslip.planning.plan import changed, part_as_dict, plan
-    from rollslip.results.account import with_units
 
     made = plan(scene_of(scene, changes), study)
     if other is not None:

@@ -4,8 +4,7 @@
   studies) and values changed by `rollslip.evolve` are reported with the right place.
 - Only the standard library and attrs are imported, the slower modules when an error needs them: a scene must be read
   before a terminal feels slow.
-- A scene may name a bearing or surfaces that a plugin offers. They are looked up here, since a scene is complete and
-  checked once it is read; only then is a plugin loaded.
+- What names of bearing and surfaces stand for is filled in first (`rollslip.scene.named`).
 """
 
 import os
@@ -17,17 +16,15 @@ import attrs
 
 from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
-from rollslip.scene.clearance import FOLLOWS, before_mounting, in_operation, listed
+from rollslip.scene.clearance import in_operation
+from rollslip.scene.named import with_named_data, with_own_cage
 from rollslip.scene.plausibility import impossible_relations
-from rollslip.scene.values import Models, Scene, model_kind, resolved
-from rollslip.structure import FrozenTable, Location, bare_key, fields_of, structure, thawed
+from rollslip.scene.values import Models, Scene, model_kind
+from rollslip.structure import FrozenTable, Location, fields_of, structure, thawed
 from rollslip.toml import KeyPath, parse
-from rollslip.units import as_written
 
-__all__ = ["NAMED", "checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes", "unknown_names"]
+__all__ = ["checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes", "unknown_names"]
 
-#: Tables that may start from the values of a named set that a plugin offers; they are of the kind of that name.
-NAMED: Final = ("bearing", "surface")
 #: Keys of models, each the kind that it takes.
 _KINDS: Final = frozenset(key for key, _ in fields_of(Models))
 
@@ -111,7 +108,7 @@ def checked_scene(
 ) -> Scene:
     """Return the scene of a raw table whose keys came from the places given; ``known`` are tables read already."""
     problems: list[str] = []
-    complete = _with_own_cage(raw, _with_named_data(raw, Location(origins), problems))
+    complete = with_own_cage(raw, with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
         scene = attrs.evolve(scene, bearing=in_operation(scene, complete, Location(origins), problems))
@@ -143,70 +140,3 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
         except PluginError as error:
             problems.append(place.says(str(error)))
     return problems
-
-
-def _with_named_data(raw: dict[str, object], where: Location, problems: list[str]) -> dict[str, object]:
-    """Return a raw scene with the values of the data that its tables name; the name itself is no value of a scene."""
-    complete = dict(raw)
-    for kind in NAMED:
-        table, at = raw.get(kind), where.at(kind).at("name")
-        if not isinstance(table, Mapping) or "name" not in table:
-            continue
-        own = {key: value for key, value in table.items() if key != "name"}
-        complete[kind] = own
-        from rollslip.catalogue.discovery import get_class  # only a scene that names data needs a plugin
-
-        try:
-            if not isinstance(name := table["name"], str):
-                if isinstance(name, int) and not isinstance(name, bool):
-                    get_class(kind, str(name))  # says what is called so: 6312 is a ball bearing
-                problems.append(at.says(f"a text is expected, not {as_written(name)}"))
-                continue
-            data = get_class(kind, name).data
-            if kind == "bearing":
-                data = listed(own, name, data, where.at(kind), problems)
-            complete[kind] = filled = _filled(own, data)
-            gives = any(filled[key] != own.get(key) for key in filled if key not in FOLLOWS)
-            if kind == "bearing":
-                before_mounting(filled, own, data)
-        except PluginError as error:
-            raise type(error)(at.says(str(error))) from error
-        if not gives:  # as when a name is set in a scene that spells all values out
-            problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
-    return complete
-
-
-def _with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:
-    """Return a raw scene with the cage that its bearing's name stands for, or without one, where it does not say."""
-    bearing, cage = raw.get("bearing"), raw.get("cage", {})
-    if not (isinstance(bearing, Mapping) and "name" in bearing and isinstance(cage, Mapping)):
-        return complete
-    from rollslip.catalogue.discovery import own_cage  # only a scene that names data needs a plugin
-
-    models = raw.get("models", {})
-    if (own := own_cage(bearing["name"])) is None or not isinstance(models, Mapping):
-        return complete
-    apart = models.get("separator", {})
-    if not own.make:
-        apart = {"model": "none", **apart} if isinstance(apart, Mapping) else apart
-        return {**complete, "models": {**models, "separator": apart}}
-    if apart not in ({}, "cage", {"model": "cage"}):
-        return complete
-    guidance = {"guidance": own.guidance} if cage.get("make", own.make) == own.make else {}
-    return {**complete, "cage": {"make": own.make, **guidance, **cage}}
-
-
-def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
-    """Fill what a table leaves out with given values, but for those that follow from others and follow on."""
-    filled = dict(table)
-    for key, attribute in fields_of(type(data)):
-        value = getattr(data, attribute.name)
-        inner = attrs.has(type(value))
-        if key not in filled:
-            default: Any = attribute.default
-            follows = isinstance(default, attrs.Factory) and default.takes_self and default.factory(data) == value  # type: ignore[arg-type]
-            if value is not None and not follows:
-                filled[key] = resolved(value) if inner else value
-        elif inner and bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):
-            filled[key] = _filled(below, value)  # a table that may be a bare name is a choice, and taken whole
-    return filled

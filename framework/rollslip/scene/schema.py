@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, get_args, get_origin
 import attrs
 
 from rollslip.fields import span_in_words
-from rollslip.scene.reading import NAMED
+from rollslip.scene.named import NAMED
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, attributes, bare_key, fields_of, types_of
 from rollslip.units import format_quantity

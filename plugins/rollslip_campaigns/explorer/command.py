@@ -16,8 +16,8 @@ from rollslip_campaigns.explorer import ExplorerSettings
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a page of rollslip.")
 @json_option
 def _explore(asked: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool) -> None:
+    from rollslip.cli.units import with_units
     from rollslip.errors import OutputError
-    from rollslip.results.account import with_units
     from rollslip.results.report import is_report
     from rollslip_campaigns.explorer.page import library
 

@@ -106,7 +106,7 @@ def sweep_retry(
 @json_option
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
-    from rollslip.results.account import with_units
+    from rollslip.cli.units import with_units
     from rollslip_campaigns.sweep.folder import status
 
     found = status(folder, errors)
@@ -154,7 +154,8 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
 def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
     """Write the dataset of a sweep and say what is in it."""
     from rollslip.cli import console
-    from rollslip.results.account import account_of, with_units
+    from rollslip.cli.units import with_units
+    from rollslip.results.account import account_of
     from rollslip_campaigns.sweep.folder import RESULT, finish
 
     dataset = finish(made, folder)

@@ -1,0 +1,87 @@
+"""What the names in a scene stand for: values of a bearing and of surfaces that plugins offer, and a bearing's cage.
+
+They are filled in before a scene is checked, since it is complete once it is read; only then is a plugin loaded.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import attrs
+
+from rollslip.errors import PluginError
+from rollslip.scene.clearance import FOLLOWS, before_mounting, listed
+from rollslip.scene.values import resolved
+from rollslip.structure import Location, bare_key, fields_of
+from rollslip.units import as_written
+
+__all__ = ["NAMED", "with_named_data", "with_own_cage"]
+
+#: Tables that may start from the values of a named set that a plugin offers; they are of the kind of that name.
+NAMED: Final = ("bearing", "surface")
+
+
+def with_named_data(raw: dict[str, object], where: Location, problems: list[str]) -> dict[str, object]:
+    """Return a raw scene with the values of the data that its tables name; the name itself is no value of a scene."""
+    complete = dict(raw)
+    for kind in NAMED:
+        table, at = raw.get(kind), where.at(kind).at("name")
+        if not isinstance(table, Mapping) or "name" not in table:
+            continue
+        own = {key: value for key, value in table.items() if key != "name"}
+        complete[kind] = own
+        from rollslip.catalogue.discovery import get_class  # only a scene that names data needs a plugin
+
+        try:
+            if not isinstance(name := table["name"], str):
+                if isinstance(name, int) and not isinstance(name, bool):
+                    get_class(kind, str(name))  # says what is called so: 6312 is a ball bearing
+                problems.append(at.says(f"a text is expected, not {as_written(name)}"))
+                continue
+            data = get_class(kind, name).data
+            if kind == "bearing":
+                data = listed(own, name, data, where.at(kind), problems)
+            complete[kind] = filled = _filled(own, data)
+            gives = any(filled[key] != own.get(key) for key in filled if key not in FOLLOWS)
+            if kind == "bearing":
+                before_mounting(filled, own, data)
+        except PluginError as error:
+            raise type(error)(at.says(str(error))) from error
+        if not gives:  # as when a name is set in a scene that spells all values out
+            problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
+    return complete
+
+
+def with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:
+    """Return a raw scene with the cage that its bearing's name stands for, or without one, where it does not say."""
+    bearing, cage = raw.get("bearing"), raw.get("cage", {})
+    if not (isinstance(bearing, Mapping) and "name" in bearing and isinstance(cage, Mapping)):
+        return complete
+    from rollslip.catalogue.discovery import own_cage  # only a scene that names data needs a plugin
+
+    models = raw.get("models", {})
+    if (own := own_cage(bearing["name"])) is None or not isinstance(models, Mapping):
+        return complete
+    apart = models.get("separator", {})
+    if not own.make:
+        apart = {"model": "none", **apart} if isinstance(apart, Mapping) else apart
+        return {**complete, "models": {**models, "separator": apart}}
+    if apart not in ({}, "cage", {"model": "cage"}):
+        return complete
+    guidance = {"guidance": own.guidance} if cage.get("make", own.make) == own.make else {}
+    return {**complete, "cage": {"make": own.make, **guidance, **cage}}
+
+
+def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
+    """Fill what a table leaves out with given values, but for those that follow from others and follow on."""
+    filled = dict(table)
+    for key, attribute in fields_of(type(data)):
+        value = getattr(data, attribute.name)
+        inner = attrs.has(type(value))
+        if key not in filled:
+            default: Any = attribute.default
+            follows = isinstance(default, attrs.Factory) and default.takes_self and default.factory(data) == value  # type: ignore[arg-type]
+            if value is not None and not follows:
+                filled[key] = resolved(value) if inner else value
+        elif inner and bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):
+            filled[key] = _filled(below, value)  # a table that may be a bare name is a choice, and taken whole
+    return filled
