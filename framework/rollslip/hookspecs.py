@@ -3,120 +3,52 @@
 What a thing of a kind has to be, its base class says (`rollslip.catalogue.kinds`); nothing of it is imported here.
 """
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, Final
 
 import pluggy
 
 hookspec = pluggy.HookspecMarker("rollslip")
 hookimpl = pluggy.HookimplMarker("rollslip")
 
-
-@hookspec
-def contact_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Contact models this plugin offers: classes derived from `rollslip.models.ContactModel`."""
-
-
-@hookspec
-def film_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Film models this plugin offers: classes derived from `rollslip.models.FilmModel`."""
-
-
-@hookspec
-def pressure_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Models of the pressure in a film of this plugin: classes derived from `rollslip.models.PressureModel`."""
-
-
-@hookspec
-def traction_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Traction models this plugin offers: classes derived from `rollslip.models.TractionModel`."""
-
-
-@hookspec
-def pressure_viscosity_laws() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Laws of viscosity under pressure: classes derived from `rollslip.lubricant.pressure.PressureViscosity`."""
-
-
-@hookspec
-def ring_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Models of rings that yield of this plugin: classes derived from `rollslip.rings.RingModel`."""
+#: Name of a hook -> what a plugin offers by it: classes derived from one, or values of one.
+HOOKS: Final = {
+    "contact_models": "Contact models: classes derived from `rollslip.models.ContactModel`.",
+    "film_models": "Film models: classes derived from `rollslip.models.FilmModel`.",
+    "pressure_models": "Models of the pressure in a film: classes derived from `rollslip.models.PressureModel`.",
+    "traction_models": "Traction models: classes derived from `rollslip.models.TractionModel`.",
+    "pressure_viscosity_laws": "Laws of viscosity under pressure: classes derived from "
+    "`rollslip.lubricant.pressure.PressureViscosity`.",
+    "ring_models": "Models of rings that yield: classes derived from `rollslip.rings.RingModel`.",
+    "drag_models": "Drag models: classes derived from one of `rollslip.models.Drag`.",
+    "integrator_models": "Integrators: classes derived from `rollslip.models.IntegratorModel`.",
+    "thermal_models": "Thermal models: classes derived from `rollslip.studies.thermal_balance.model.ThermalModel`.",
+    "damage_models": "Damage models: classes derived from `rollslip.studies.surface_damage.model.DamageModel`.",
+    "torque_formulas": "Formulas of the friction torque: classes derived from "
+    "`rollslip.studies.steady_slip.torque.TorqueFormula`.",
+    "separators": "What may keep rollers apart: classes derived from `rollslip.bearing.cage.Separator`.",
+    "engines": "Engines of sweeps: classes derived from `rollslip.engine.Engine`.",
+    "studies": "Studies: classes derived from `rollslip.studies.study.Study`.",
+    "campaigns": "Campaigns: classes derived from `rollslip.planning.campaign.Campaign`.",
+    "accounts": "Accounts, one for each study that it offers: values of `rollslip.results.account.Account`.",
+    "scene_formats": "File formats of scenes: values of `rollslip.scene.formats.SceneFormat`.",
+    "lubricants": "Lubricants: values of `rollslip.lubricant.Lubricant`.",
+    "bearings": "Bearings: values of `rollslip.datasets.BearingData`.",
+    "measurements": "Data sets: values of `rollslip_campaigns.measurement.Measurement`.",
+    "surfaces": "Surfaces: values of `rollslip.datasets.SurfaceData`.",
+    "fits": "Fits: values of `rollslip.datasets.FitData`.",
+}
 
 
-@hookspec
-def drag_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Drag models this plugin offers: classes derived from one of `rollslip.models.Drag`."""
+def _hook(name: str, offered: str) -> Callable[[], Iterable[Any]]:
+    """Return the hook of a name, a function without arguments that a plugin has under it too."""
+
+    def hook() -> Iterable[Any]:
+        raise NotImplementedError(name)  # pluggy calls those of plugins
+
+    hook.__name__, hook.__qualname__, hook.__doc__ = name, name, offered
+    marked: Callable[[], Iterable[Any]] = hookspec(hook)
+    return marked
 
 
-@hookspec
-def integrator_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Integrators this plugin offers: classes derived from `rollslip.models.IntegratorModel`."""
-
-
-@hookspec
-def thermal_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Thermal models this plugin offers: classes derived from `rollslip.studies.thermal_balance.model.ThermalModel`."""
-
-
-@hookspec
-def damage_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Damage models this plugin offers: classes derived from `rollslip.studies.surface_damage.model.DamageModel`."""
-
-
-@hookspec
-def torque_formulas() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Formulas of the friction torque: classes derived from `rollslip.studies.steady_slip.torque.TorqueFormula`."""
-
-
-@hookspec
-def separators() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """What may keep rollers apart: classes derived from `rollslip.bearing.cage.Separator`."""
-
-
-@hookspec
-def engines() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Engines of sweeps this plugin offers: classes derived from `rollslip.engine.Engine`."""
-
-
-@hookspec
-def studies() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Studies this plugin offers: classes derived from `rollslip.studies.study.Study`."""
-
-
-@hookspec
-def campaigns() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Campaigns this plugin offers: classes derived from `rollslip.planning.campaign.Campaign`."""
-
-
-@hookspec
-def accounts() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Accounts this plugin offers, one for each study that it offers: values of `rollslip.results.account.Account`."""
-
-
-@hookspec
-def scene_formats() -> Iterable[Any]:  # type: ignore[empty-body]
-    """File formats of scenes this plugin offers: values of `rollslip.scene.formats.SceneFormat`."""
-
-
-@hookspec
-def lubricants() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Lubricants this plugin offers: values of `rollslip.lubricant.Lubricant`."""
-
-
-@hookspec
-def bearings() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Bearings this plugin offers: values of `rollslip.datasets.BearingData`."""
-
-
-@hookspec
-def measurements() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Data sets this plugin offers: values of `rollslip_campaigns.measurement.Measurement`."""
-
-
-@hookspec
-def surfaces() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Surfaces this plugin offers: values of `rollslip.datasets.SurfaceData`."""
-
-
-@hookspec
-def fits() -> Iterable[Any]:  # type: ignore[empty-body]
-    """Fits this plugin offers: values of `rollslip.datasets.FitData`."""
+globals().update({name: _hook(name, offered) for name, offered in HOOKS.items()})
