@@ -175,7 +175,7 @@ def test_a_package_that_hangs_is_named_with_a_way_round_it(tmp_path: Path) -> No
     information.mkdir()
     (information / "METADATA").write_text("Metadata-Version: 2.1\nName: rollslip-hanging\nVersion: 1.0\n")
     (information / "entry_points.txt").write_text("[rollslip.film]\nhanging = hanging\n")
-    program = "import rollslip.catalogue.discovery as d; d._SLOW = 0.1; from rollslip.cli import main; main()"
+    program = "import rollslip.catalogue.shipped as d; d._SLOW = 0.1; from rollslip.cli import main; main()"
     process = subprocess.Popen(
         [sys.executable, "-c", program, "models", "hanging"],
         cwd=tmp_path,

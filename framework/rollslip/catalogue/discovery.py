@@ -17,11 +17,8 @@
 import difflib
 import importlib.metadata
 import logging
-import os
 import re
-import sys
-import threading
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from types import MappingProxyType, ModuleType
@@ -29,8 +26,10 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.kinds import Kind, canonical, check_kind, get_kind, is_disabled, kinds
-from rollslip.catalogue.shipped import altered, held, is_ours
+from rollslip.catalogue.installed import Offer, ordered
+from rollslip.catalogue.installed import installed as _installed
+from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
+from rollslip.catalogue.shipped import altered, held, is_ours, told_if_slow
 from rollslip.errors import PluginError, UnknownNameError, in_words, wants_memory
 from rollslip.units import as_written
 
@@ -39,109 +38,11 @@ _log = logging.getLogger(__name__)
 #: In place of the package and the version of what this process has registered.
 THIS_PROCESS: Final = "(this process)"
 UNPACKAGED: Final = "unpackaged"
-#: Seconds that an import may take without a word.
-_SLOW: Final = 10.0
-
-
-@attrs.frozen(kw_only=True)
-class Offer:
-    """One name that one installed package, or this process, offers.
-
-    ``state`` is "ok", "disabled" (by ROLLSLIP_DISABLED_PLUGINS), "incompatible" (its package requires another
-    rollslip) or "shadowed" (two packages offer the name, or this process has replaced it); ``cause`` says why in a
-    sentence. That a package is "broken" shows only when it is imported, as `rollslip.catalogue.packages.packages` does.
-    """
-
-    kind: str
-    name: str
-    package: str
-    version: str
-    module: str
-    state: str = "ok"
-    cause: str = ""
-
-    @property
-    def is_family(self) -> bool:
-        """Whether it is one of many names, or the entry point that offers them."""
-        return ":" in self.module
 
 
 def catalogue() -> tuple[Offer, ...]:
     """Return everything offered, by kind and name, without importing any of it."""
     return _with_session(_installed()) if _registered else _installed()
-
-
-@cache
-def _installed() -> tuple[Offer, ...]:
-    offers: dict[tuple[str, str, str], Offer] = {}
-    for distribution in importlib.metadata.distributions():
-        try:
-            offered = _offers(distribution)
-        except Exception:  # metadata that cannot be read: an installation that was cut off, and pip says so
-            continue
-        for offer in offered:
-            # a package found twice on the path is one package: the first one is what Python imports
-            offers.setdefault((offer.kind, offer.name, canonical(offer.package)), offer)
-    usable: dict[tuple[str, str], list[Offer]] = {}
-    for offer in offers.values():
-        if offer.state == "ok":
-            usable.setdefault((offer.kind, offer.name), []).append(offer)
-    return _ordered(_shadowed(offer, usable.get((offer.kind, offer.name), [])) for offer in offers.values())
-
-
-def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
-    points = [
-        (kind, point)
-        for point in distribution.entry_points
-        if (kind := point.group.removeprefix("rollslip.").replace("_", "-")) in kinds() and point.group != kind
-    ]
-    if not points or not distribution.name or not distribution.version:
-        return []
-    state, cause = _state(distribution)
-    package, version = distribution.name, distribution.version
-    return [
-        Offer(
-            kind=kind, name=point.name, package=package, version=version, module=point.value, state=state, cause=cause
-        )
-        for kind, point in points
-    ]
-
-
-def _ordered(offers: Iterable[Offer]) -> tuple[Offer, ...]:
-    return tuple(sorted(offers, key=lambda o: (o.kind, o.name, o.package)))
-
-
-def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
-    """State of a package by its metadata alone."""
-    if is_disabled(distribution.name):
-        return "disabled", "disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there to use it"
-    if distribution.name == "rollslip":
-        return "ok", ""
-    from packaging.requirements import InvalidRequirement, Requirement
-
-    ours = importlib.metadata.version("rollslip")
-    for line in distribution.requires or ():
-        try:
-            requirement = Requirement(line)
-        except InvalidRequirement:
-            continue  # pip already refused or accepted it; only a readable requirement on rollslip concerns us
-        if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
-            continue
-        if canonical(requirement.name) == "rollslip" and not requirement.specifier.contains(ours, prereleases=True):
-            cause = f"requires rollslip{requirement.specifier}, this is {ours}; install a version that fits"
-            return "incompatible", cause
-    return "ok", ""
-
-
-def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
-    if offer.state != "ok" or len(same_name) < 2:
-        return offer
-    packages = " and ".join(sorted(o.package for o in same_name))
-    return attrs.evolve(
-        offer,
-        state="shadowed",
-        cause=f"packages {packages} offer this name; uninstall one or put it in ROLLSLIP_DISABLED_PLUGINS",
-    )
 
 
 #: Numbers of a name that tell it from others.
@@ -280,7 +181,7 @@ def _load(offer: Offer) -> Any:
     path, _, member = offer.module.partition(":")
     before = {} if is_ours(path) else held()
     try:
-        with _told_if_slow(offer):
+        with told_if_slow(blame, offer.module, offer.package):
             module = importlib.import_module(path)
     except KeyboardInterrupt:
         raise
@@ -329,29 +230,6 @@ def _of_family(offer: Offer, family: Any, kind: Kind, blame: str, remedy: str) -
     if problem := kind.fault(thing):
         raise PluginError(f"{blame} cannot be used, {problem}; {remedy}")
     return thing
-
-
-@contextmanager
-def _told_if_slow(offer: Offer) -> Iterator[None]:
-    """Say on the standard error what is being imported, once it has taken longer than anybody is patient."""
-    told = threading.Timer(_SLOW, _tell_slow, (offer,))
-    told.daemon = True
-    told.start()
-    try:
-        yield
-    finally:
-        told.cancel()
-
-
-def _tell_slow(offer: Offer) -> None:
-    disabled = ",".join(filter(None, (os.environ.get("ROLLSLIP_DISABLED_PLUGINS"), offer.package)))
-    with suppress(OSError, ValueError, AttributeError):  # there may be nobody to tell
-        sys.stderr.write(
-            f"{offer.kind} {offer.name!r} of package {offer.package} {offer.version}: importing {offer.module} has "
-            f"taken {_SLOW:g} s and goes on; if it hangs, interrupt (Ctrl-C) and do without the package: "
-            f"ROLLSLIP_DISABLED_PLUGINS={disabled}\n"
-        )
-        sys.stderr.flush()
 
 
 def offered_by(module: ModuleType, kind: Kind) -> list[Any]:
@@ -433,4 +311,4 @@ def _with_session(installed: tuple[Offer, ...]) -> tuple[Offer, ...]:
         )
         for (kind, name), thing in registered.items()
     ]
-    return _ordered([*replaced, *ours])
+    return ordered([*replaced, *ours])

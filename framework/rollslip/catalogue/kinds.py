@@ -6,24 +6,18 @@
   name of one of the box, and one that cannot be used is left out of lists, and told who asks for it.
 """
 
-import importlib.metadata
 import inspect
-import os
-import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
-from types import MappingProxyType
 from typing import Any
 
 import attrs
 
+from rollslip.catalogue.installed import by_package, kinds
 from rollslip.errors import PluginError, UnknownNameError, in_words, nearest
 
-__all__ = [
-    "Kind", "Template", "canonical", "check_kind", "entry_points", "get_kind", "is_disabled", "kind_of", "kinds",
-    "offered_kinds", "usable_kinds",
-]  # fmt: skip
+__all__ = ["Kind", "Template", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds", "usable_kinds"]
 
 
 @attrs.frozen(kw_only=True)
@@ -86,45 +80,6 @@ class Kind:
         return self.check(thing)
 
 
-def canonical(name: str) -> str:
-    """Return the form in which the names of packages are compared: "Rollslip_Flat" is "rollslip-flat"."""
-    return re.sub(r"[-_.]+", "-", name).lower()
-
-
-def is_disabled(package: str) -> bool:
-    """Return whether ROLLSLIP_DISABLED_PLUGINS, a list with commas, holds a package."""
-    disabled = os.environ.get("ROLLSLIP_DISABLED_PLUGINS", "").split(",")
-    return canonical(package) in {canonical(name.strip()) for name in disabled}
-
-
-def entry_points(group: str) -> Iterator[tuple[str, importlib.metadata.EntryPoint]]:
-    """Yield package and entry point of all in a group; a package whose metadata cannot be read is left out."""
-    seen = set[str]()
-    for distribution in importlib.metadata.distributions():
-        with suppress(Exception):  # an installation that was cut off, and pip says so
-            points = distribution.entry_points.select(group=group)
-            package = canonical(distribution.name) if points else ""
-            if package not in seen:  # twice on the path it is one package: the first one is what Python imports
-                yield from ((package, point) for point in points)
-            seen |= {package} - {""}
-
-
-@cache
-def _found() -> Mapping[str, Mapping[str, importlib.metadata.EntryPoint]]:
-    """Return the kinds by name, each by package: more than one where strangers disagree."""
-    found = dict[str, dict[str, importlib.metadata.EntryPoint]]()
-    for package, point in sorted(entry_points("rollslip.kind"), key=lambda one: (one[1].name, one[0])):
-        if package == "rollslip" or not is_disabled(package):
-            found.setdefault(point.name, {})[package] = point
-    return {name: {"rollslip": of["rollslip"]} if "rollslip" in of else of for name, of in found.items()}
-
-
-@cache
-def kinds() -> Mapping[str, importlib.metadata.EntryPoint]:
-    """Return all kinds by name, in alphabetical order; what is behind them is loaded by `get_kind`."""
-    return MappingProxyType({name: next(iter(of.values())) for name, of in _found().items()})
-
-
 def check_kind(name: str) -> None:
     """Refuse a name that no kind has, without loading any."""
     if name not in kinds():
@@ -137,7 +92,7 @@ def check_kind(name: str) -> None:
 def get_kind(name: str) -> Kind:
     """Return a kind by name."""
     check_kind(name)
-    (package, point), *others = _found()[name].items()
+    (package, point), *others = by_package()[name].items()
     if others:
         packages = " and ".join([package, *dict(others)])
         raise PluginError(
@@ -166,7 +121,7 @@ def usable_kinds() -> tuple[Kind, ...]:
 
 def offered_kinds() -> list[str]:
     """Return the kinds that a scene or a command names something of; what waits for a user is a command itself."""
-    ours = {name for name, of in _found().items() if "rollslip" in of}
+    ours = {name for name, of in by_package().items() if "rollslip" in of}
     shown = [kind for kind in usable_kinds() if kind.template is not None or kind.name not in ours]
     return [kind.name for kind in shown if not kind.waits]
 

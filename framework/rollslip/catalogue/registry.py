@@ -8,7 +8,8 @@ from typing import Any, TypeAlias
 
 import attrs
 
-from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class, origin
+from rollslip.catalogue.discovery import available, catalogue, find, get_class, origin
+from rollslip.catalogue.installed import Offer
 from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import PluginError, SceneError, in_words
 from rollslip.fields import FieldError

@@ -1,17 +1,22 @@
-"""Whether the modules of rollslip are as they were shipped: no package may change a law that results name as ours.
+"""Watches over the import of a package: that it changes no law that results name as ours, and how long it takes.
 
 A method that another package puts in place of one of ours changes numbers, and a result names rollslip alone for them.
 So what our modules hold is compared before and after the import of a package: names, members of classes, code. A module
 of ours that is imported meanwhile has no before; a function of strangers in one of its classes tells.
 """
 
+import os
 import sys
+import threading
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, Final
 
-__all__ = ["altered", "held", "is_ours"]
+__all__ = ["altered", "held", "is_ours", "told_if_slow"]
 
+#: Seconds that an import may take without a word.
+_SLOW: Final = 10.0
 _ROOTS = frozenset({"rollslip", "rollslip_campaigns", "rollslip_kernels", "rollslip_plugins", "rollslip_studies"})
 
 
@@ -50,3 +55,25 @@ def altered(before: Mapping[str, Any]) -> list[str]:
             stranger = isinstance(after[name], FunctionType) and not is_ours(after[name].__module__)
             found += [name] if place in before or stranger else []
     return sorted({name.removesuffix("()") for name in found})
+
+
+@contextmanager
+def told_if_slow(what: str, module: str, package: str) -> Iterator[None]:
+    """Say on the standard error what is being imported, once it has taken longer than anybody is patient."""
+    told = threading.Timer(_SLOW, _tell_slow, (what, module, package))
+    told.daemon = True
+    told.start()
+    try:
+        yield
+    finally:
+        told.cancel()
+
+
+def _tell_slow(what: str, module: str, package: str) -> None:
+    disabled = ",".join(filter(None, (os.environ.get("ROLLSLIP_DISABLED_PLUGINS"), package)))
+    with suppress(OSError, ValueError, AttributeError):  # there may be nobody to tell
+        sys.stderr.write(
+            f"{what}: importing {module} has taken {_SLOW:g} s and goes on; if it hangs, interrupt (Ctrl-C) and do "
+            f"without the package: ROLLSLIP_DISABLED_PLUGINS={disabled}\n"
+        )
+        sys.stderr.flush()

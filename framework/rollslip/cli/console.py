@@ -79,7 +79,7 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 def print_short_plan(plan: "Plan") -> None:
     """Print the plan in a few lines: cautions, of each study how finely and at what cost, and what is out."""
-    from rollslip.planning.plan import duration_range
+    from rollslip.results.words import duration_range
 
     for caution in plan.cautions:
         click.echo(caution)
@@ -110,7 +110,7 @@ def print_plan(plan: "Plan") -> None:
 
 
 def _print_size(plan: "Plan") -> None:
-    from rollslip.planning.plan import duration_range
+    from rollslip.results.words import duration_range
 
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "

@@ -6,7 +6,8 @@ from typing import Any
 import attrs
 import click
 
-from rollslip.catalogue.discovery import Offer, available, catalogue, families, find, get_class, is_another, load
+from rollslip.catalogue.discovery import available, catalogue, families, find, get_class, is_another, load
+from rollslip.catalogue.installed import Offer
 from rollslip.catalogue.kinds import get_kind, offered_kinds, usable_kinds
 from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, UnknownNameError, nearest

@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, ParamSpec
 
 import attrs
 
-from rollslip.catalogue.kinds import Kind, Template, entry_points
+from rollslip.catalogue.installed import entry_points
+from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import PluginError, SceneError, in_words, nearest
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.models import FilmModel, PressureModel, SliceModel
-from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF
+from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF, duration_range
 from rollslip.scene.reading import load_scene, unknown_names
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
@@ -374,34 +374,6 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
 def _caged(studies: Mapping[str, Study]) -> bool:
     """Whether a study tells of the cage."""
     return any(study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values())
-
-
-def duration(seconds: float) -> str:
-    """Return a time in words: "0.3 s", "12 s", "3 min 20 s", "2 h 5 min", "12 days"."""
-    whole = round(seconds)
-    if seconds < 1.0:
-        return f"{seconds:.1g} s"
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    if whole < 172800:
-        return f"{whole // 3600} h {whole % 3600 // 60} min"
-    return f"{whole // 86400} days"
-
-
-def duration_range(seconds: float) -> str:
-    """Return half to twice an estimated time in words, where nine of ten runs end ("docs/tables/plan_proof.csv").
-
-    Examples
-    --------
-    >>> duration_range(0.44), duration_range(130.0), duration_range(0.0)
-    ('0.2 to 0.9 s', '1 min 5 s to 4 min 20 s', 'less than 0.01 s')
-    """
-    if seconds < 0.005:
-        return "less than 0.01 s"
-    low, high = duration(0.5 * seconds), duration(2.0 * seconds)
-    return f"{low.removesuffix(' s')} to {high}" if high.count(" ") == low.count(" ") == 1 else f"{low} to {high}"
 
 
 def _size(number: float) -> str:

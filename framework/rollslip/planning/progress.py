@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from html import escape
 from typing import Any, Protocol
 
-from rollslip.planning.plan import duration
+from rollslip.results.words import duration
 
 __all__ = ["Shown", "Watch", "progress_in_notebook", "time_left"]
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted",
-    "estimated", "first_line", "force", "force_unit", "html_table", "in_python", "of_key", "percent", "plain",
-    "power", "rounded_up", "runs_at", "runs_away", "span", "two", "warned",
+    "duration", "duration_range", "estimated", "first_line", "force", "force_unit", "html_table", "in_python",
+    "of_key", "percent", "plain", "power", "rounded_up", "runs_at", "runs_away", "span", "two", "warned",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -164,6 +164,34 @@ def percent(share: float) -> str:
     ('4.3 %', 'below 0.1 %', '93 %')
     """
     return "below 0.1 %" if abs(share) < 1e-3 else f"{two(100.0 * share)} %"
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words: "0.3 s", "12 s", "3 min 20 s", "2 h 5 min", "12 days"."""
+    whole = round(seconds)
+    if seconds < 1.0:
+        return f"{seconds:.1g} s"
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    if whole < 172800:
+        return f"{whole // 3600} h {whole % 3600 // 60} min"
+    return f"{whole // 86400} days"
+
+
+def duration_range(seconds: float) -> str:
+    """Return half to twice an estimated time in words, where nine of ten runs end ("docs/tables/plan_proof.csv").
+
+    Examples
+    --------
+    >>> duration_range(0.44), duration_range(130.0), duration_range(0.0)
+    ('0.2 to 0.9 s', '1 min 5 s to 4 min 20 s', 'less than 0.01 s')
+    """
+    if seconds < 0.005:
+        return "less than 0.01 s"
+    low, high = duration(0.5 * seconds), duration(2.0 * seconds)
+    return f"{low.removesuffix(' s')} to {high}" if high.count(" ") == low.count(" ") == 1 else f"{low} to {high}"
 
 
 def span(low: float, high: float) -> str:

@@ -24,11 +24,11 @@ from rollslip.catalogue.discovery import available
 from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, in_words, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import execute
-from rollslip.planning.plan import Plan, duration_range, plan
+from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
-from rollslip.results.words import counted
+from rollslip.results.words import counted, duration_range
 from rollslip.results.words import warned as of_consequence
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash

@@ -25,8 +25,9 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
-from rollslip.planning.plan import duration_range, estimate
+from rollslip.planning.plan import estimate
 from rollslip.results.dataset import about, save
+from rollslip.results.words import duration_range
 from rollslip.scene.changes import Quantity, evolve, unknown
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable

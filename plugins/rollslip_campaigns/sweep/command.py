@@ -186,7 +186,7 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
 
 def sweep_progress(of: "Progress") -> str:
     """Return how far a sweep is, in one line."""
-    from rollslip.planning.plan import duration
+    from rollslip.results.words import duration
 
     left = f", {duration(of.left)} left" if of.left is not None else ""
     return f"{of.told[0]}{left}"
@@ -194,7 +194,7 @@ def sweep_progress(of: "Progress") -> str:
 
 def sweep_standing(of: "Status") -> list[str]:
     """Return how a sweep stands, line by line."""
-    from rollslip.planning.plan import duration
+    from rollslip.results.words import duration
 
     lines = [f"sweep of {of.study} in {of.folder}: {of.done} of {of.total} points done"]
     lines += [f"  {name}: {count}" for name, count in of.counts.items()]

@@ -32,8 +32,8 @@ import numpy as np
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import Array
 from rollslip.errors import SceneError
-from rollslip.planning.plan import duration_range
 from rollslip.results.dataset import UNITS, about
+from rollslip.results.words import duration_range
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
