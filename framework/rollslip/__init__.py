@@ -7,7 +7,7 @@ import importlib
 import logging
 from typing import TYPE_CHECKING, Any
 
-from rollslip.former import find_former_paths
+from rollslip.catalogue.former import find_former_paths
 
 if TYPE_CHECKING:
     from rollslip.bearing.chain import Chain as Chain

@@ -13,12 +13,13 @@ from rollslip import compare, evolve, get_model, load_scene, open_result, run
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
-from rollslip.models import FILM_REGIMES, FilmModel, TractionModel
+from rollslip.models import FilmModel, TractionModel
 from rollslip.results.account import account_of
 from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
+from rollslip.validity import FILM_REGIMES
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
 from rollslip_campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables

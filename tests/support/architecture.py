@@ -19,7 +19,7 @@ ORDER = (
 #: Roots whose modules stand in these folders.
 PLACES = ("framework/rollslip", "plugins/rollslip_studies", "plugins/rollslip_campaigns")
 #: The face of the package names everything, for types, and the finder of former paths the new homes.
-FACES = {"rollslip", "rollslip.former"}
+FACES = {"rollslip", "rollslip.catalogue.former"}
 MOST_MODULES, MOST_LINES = 12, 600
 #: Lines that roots and folders may have, and the files that are counted: what is written, nothing that is built.
 BUDGETS = tomllib.loads((ROOT / "tests" / "support" / "budgets.toml").read_text(encoding="utf-8"))
@@ -255,7 +255,7 @@ def named_studies(root: Path = ROOT) -> list[str]:
         for line, text in _texts(path):
             for name, homes in own.items():
                 if re.search(rf"(?<![\w-]){name}(?![\w-])", text) and module.rpartition(".")[0] not in homes:
-                    if module == "rollslip.former" or (module == "rollslip.scene.values" and text == name):
+                    if module == "rollslip.catalogue.former" or (module == "rollslip.scene.values" and text == name):
                         continue  # a path where modules were, and the default
                     found.append(f"{module}:{line} names the study {name!r}")
         if folder(module) in ("studies", "rollslip_studies"):
