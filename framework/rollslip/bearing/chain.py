@@ -1,33 +1,25 @@
 """Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed.
 
-- A large table is cut between blocks, and threads take its parts in order, each without the GIL. Stages are pure and a
-  block is the same in any part, so the number of threads changes no bit. All parts before one that is refused are gone
-  through, so it changes no refusal either.
-- A thread that is late does less: the calling one takes what is left, and waits for parts begun only.
+- A large table is cut between blocks, and threads take its parts in order (`rollslip.engine.shared`), each without the
+  GIL. Stages are pure and a block is the same in any part, so the number of threads changes no bit. All parts before
+  one that is refused are gone through, so it changes no refusal either.
 - Where Python takes part there is one thread: it would hold the others up, and is not asked to be re-entrant.
-- Threads are made when the first large table comes, and kept; a forked process makes its own.
 """
 
-import _thread
 import os
-import threading
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from functools import cache, partial
-from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import origin
+from rollslip.engine import cores, helps, shared
 from rollslip.errors import DomainError, PluginError, RollslipError, in_words
 from rollslip.models import FINITE, SliceModel, in_unit, interval
 from rollslip_kernels import chain as kernels
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
-
-if TYPE_CHECKING:
-    from concurrent.futures import Future
 
 Array = NDArray[np.float64]
 
@@ -41,48 +33,12 @@ def threads() -> int:
     """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use."""
     given = os.environ.get("ROLLSLIP_THREADS")
     if given is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return cores()
     if not (given.isascii() and given.isdecimal() and int(given) > 0):
         raise RollslipError(
             f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
         )
     return int(given)
-
-
-#: What this thread is; one that helps waits for no others, who may wait for it.
-_here = threading.local()
-
-
-@cache
-def _helpers(count: int) -> "SimpleQueue[tuple[Future[None], Callable[[], None]]]":
-    """Return a queue from which threads take work, as many as can be started.
-
-    They are none of `threading`, which waits without end for one that dies for want of memory before it runs, or that
-    a signal let nobody know of. What none of them takes the calling thread does.
-    """
-    work: SimpleQueue[tuple[Future[None], Callable[[], None]]] = SimpleQueue()
-    with suppress(RuntimeError, MemoryError):  # nor does one start at the end of the interpreter
-        for _ in range(count):
-            _thread.start_new_thread(_help, (work,))
-    return work
-
-
-def _help(work: "SimpleQueue[tuple[Future[None], Callable[[], None]]]") -> None:
-    """Do what comes, for ever; nothing, where memory does not suffice for that."""
-    try:
-        _here.helps = True
-    except MemoryError:
-        return
-    while True:
-        told, part = work.get()
-        if told.set_running_or_notify_cancel():
-            part()
-            told.set_result(None)
-        del told, part  # which hold a table
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_helpers.cache_clear)  # the threads of the parent are not in the child
 
 
 def stage(model: SliceModel) -> object:
@@ -253,43 +209,12 @@ class Chain:
 
     def _run_large(self, slices: Slices) -> "kernels.Refusal | None":
         """Evaluate a table in threads, of which this is one; return the refusal of the first part that has any."""
-        n, block = len(slices), self.block
-        count = 1 if not block or hasattr(_here, "helps") else self._threads or threads()
+        count = 1 if not self.block or helps() else self._threads or threads()
         if count == 1:
             return self._chain.run(slices)
-        from concurrent.futures import Future
-
-        step = -(-_PART // block) * block
-        starts, outcomes = iter(range(0, n, step)), dict[int, Any]()
-        others: list[Future[None]] = []
         if self.placed:
             slices.places()  # before threads ask for them
-        held = [slices]  # what is taken back below waits in its queue, and is not to keep the table
-
-        def work() -> None:
-            while not outcomes and (start := next(starts, None)) is not None:
-                try:
-                    outcome = self._chain.run(held[0], start, min(n, start + step))
-                except BaseException as error:
-                    outcomes[start] = error
-                else:
-                    if outcome is not None:
-                        outcomes[start] = outcome
-
-        try:
-            while len(others) < min(count, -(-n // step)) - 1:
-                others.append(Future())
-                _helpers(count - 1).put((others[-1], work))
-            work()
-        finally:
-            starts = iter(())
-            for other in others:  # no part goes on behind the back of the caller
-                other.cancel() or other.exception()
-            held.clear()
-        first: kernels.Refusal | BaseException | None = outcomes[min(outcomes)] if outcomes else None
-        if isinstance(first, BaseException):
-            raise first
-        return first
+        return shared(partial(self._chain.run, slices), len(slices), -(-_PART // self.block) * self.block, count)
 
     @property
     def kernel(self) -> kernels.Chain:
