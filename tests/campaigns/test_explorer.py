@@ -49,6 +49,9 @@ def test_what_a_node_does_not_have_is_taken_from_the_nodes_around_or_not_at_all(
     assert between([one], table, [0.3])[0] == pytest.approx(0.027)
     assert np.isnan(between([one], table, [0.95])[0])
     assert between([one], table, [one.nodes[3]])[0] == pytest.approx(one.nodes[3] ** 3)
+    assert (np.diff(one.nodes) > 0.0).all()
+    table = np.where(one.nodes < 0.1, np.nan, one.nodes**3)[:, None]
+    assert [between([one], table, [x])[0] for x in (0.2, 0.9, 1.0)] == pytest.approx([0.008, 0.729, 1.0])
 
 
 @pytest.mark.parametrize(

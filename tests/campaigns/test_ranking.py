@@ -1,10 +1,12 @@
 """Rankings tell which law predicts better where the data tell it, and nothing where they do not."""
 
 import itertools
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 from json_units import without_units
 from rollslip import fit, rank
@@ -36,6 +38,13 @@ def test_laws_that_are_the_same_cannot_be_told():
     assert tell(errors).probability[0, 1] == 1.0
 
 
+def test_the_interval_of_an_error_is_that_of_means_of_drawn_conditions():
+    """Half of eight errors are e: as many of eight drawn ones as a coin says, from 1 to 7 in 95 % of draws."""
+    told = tell(np.exp([[0.0] * 4 + [1.0] * 4]))
+    ends = binom.ppf([0.025, 0.975], 8, 0.5) / 8
+    assert np.log([told.low[0], told.high[0]]) == pytest.approx(ends)
+
+
 def test_few_conditions_tell_nothing():
     errors = np.array([np.full(FEWEST - 1, 1.0), np.full(FEWEST - 1, 100.0)])
     assert np.isnan(tell(errors).probability).all()
@@ -54,8 +63,9 @@ def test_groups_count_as_one_each():
     """Six days of three conditions, one law twice as good: the chance is that of six tosses, not of eighteen."""
     days = [f"day {k // 3}" for k in range(18)]
     errors = np.array([np.ones(18), np.full(18, 2.0)])
-    assert tell(errors).probability[0, 1] <= 2 / 4096
-    assert tell(errors, groups=days).probability[0, 1] == 2 / 64
+    assert 1 / 4096 <= tell(errors).probability[0, 1] <= 2 / 4096  # what was observed is one of the patterns
+    one = tell(errors, groups=days)
+    assert (one.probability[0, 1], one.low[1], one.high[1]) == (2 / 64, pytest.approx(2.0), pytest.approx(2.0))
     # what a day has in common: independent conditions tell a difference, five days against one do not
     common = np.array([np.ones(18), np.repeat([2.0, 2.0, 2.0, 2.0, 2.0, 0.5], 3)])
     assert tell(common).probability[0, 1] <= 0.05 < tell(common, groups=days).probability[0, 1] == 14 / 64
@@ -92,7 +102,7 @@ def test_errors_are_those_of_a_fit_that_did_not_see_the_condition(data, found):
     problem = rig_problem(series.data, series.rig, "eyring")
     measured = np.array([row.measured for row in series.rows])
     sigma = series.rows[0].uncertainty
-    held = operating_points(problem)[7]
+    held = operating_points(problem)[3]
     others = np.setdiff1d(np.arange(measured.size), held)
 
     def misses(logarithm):
@@ -102,7 +112,7 @@ def test_errors_are_those_of_a_fit_that_did_not_see_the_condition(data, found):
     best = minimize_scalar(lambda x: np.sum(misses(x)[others] ** 2), bounds=(-3.0, 3.0), method="bounded",
                            options={"xatol": 1e-9}).x  # fmt: skip
     by_hand = np.sqrt(np.mean(misses(best)[held] ** 2))
-    assert found.condition_error.sel(law="eyring").to_numpy()[7] == pytest.approx(by_hand, rel=1e-5)
+    assert found.condition_error.sel(law="eyring").to_numpy()[3] == pytest.approx(by_hand, rel=1e-5)
 
 
 def test_a_ranking_is_told_and_drawn(found):
@@ -118,7 +128,7 @@ def test_a_ranking_is_told_and_drawn(found):
     assert record["laws"]["newtonian-thermal"]["better_than"] == []
 
 
-def test_predictions_of_another_program_are_ranked_as_they_are(data, tmp_path):
+def test_predictions_of_another_program_are_ranked_as_they_are(data, tmp_path, monkeypatch):
     lines = (
         form(data).replace("program: NAME", "program: the truth").replace("parameters: 0", "parameters: 3").splitlines()
     )
@@ -127,10 +137,16 @@ def test_predictions_of_another_program_are_ranked_as_they_are(data, tmp_path):
     path = tmp_path / "truth.csv"
     path.write_text("\n".join([*lines[:5], *rows]), encoding="utf-8")
     read = read_predictions(path, data)
+    clock = SimpleNamespace(perf_counter=itertools.count().__next__)  # one second from one look to the next
+    monkeypatch.setattr("rollslip_campaigns.validation.ranking.time", clock)
     made = rank([data], traction="eyring", predictions=[read])
+    assert float(made.seconds[1]) == pytest.approx(1 / len(truth))
     assert list(made.law.to_numpy()) == ["the truth", "eyring"]
     assert list(made.parameters.to_numpy()) == [3, 0]
     assert 0.5 < float(made.error[0]) < 1.2  # the noise alone
+    measured = {(one.name, row.line): (row.measured, 0.0) for one in data.series for row in one.rows}
+    exactly = rank([data], traction="eyring", predictions=[attrs.evolve(read, values=measured)])
+    assert float(exactly.error[0]) == pytest.approx(0.1)  # less is none
 
 
 def test_nothing_to_rank_is_refused(data):

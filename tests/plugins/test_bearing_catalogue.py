@@ -13,7 +13,7 @@ from rollslip.datasets import BearingData, Family
 from rollslip.errors import UnknownNameError
 from rollslip.planning.plausibility import implausible
 from rollslip.scene.reading import parse_scene
-from rollslip_plugins.data.cylindrical import CATALOGUE, RULES
+from rollslip_plugins.data.cylindrical import CATALOGUE, RULES, clearance
 from rollslip_studies.variation.scatter import with_scatter
 from tabled import REFERENCES, rows_of
 
@@ -126,9 +126,20 @@ def test_classes_of_clearance_are_those_of_the_standard():
     middle = {"C2": 12.5, "CN": 32.5, "C3": 47.5, "C4": 62.5, "CNL": 26.25, "CNH": 38.75, "CNM": 32.5}
     for group, value in middle.items():
         assert CATALOGUE[f"NU205E-{group}"].bearing.radial_clearance == pytest.approx(1e-6 * value)
+    for group, width in {"CN": 25.0, "CNL": 12.5, "CNM": 12.5, "CNH": 12.5}.items():
+        mounting = CATALOGUE[f"NU205E-{group}"].bearing.mounting
+        assert mounting.initial_tolerance == pytest.approx(1e-6 * width)
     # over 250 to 280 mm: CN 125-195
     assert CATALOGUE["NU252E"].bearing.radial_clearance == pytest.approx(160e-6)
     assert CATALOGUE["NU252E"].grades["radial_clearance"] == "C"
+
+
+def test_clearances_are_those_of_a_second_list():
+    printed = Path(__file__).with_name("clearances.txt").read_text(encoding="utf-8").splitlines()[2:]
+    assert len(printed) == 20
+    for bore, *ends in (map(int, line.split()) for line in printed):
+        found = [clearance(bore, group) for group in ("C2", "CN", "C3", "C4", "C5")]
+        assert [end for pair in found for end in pair] == ends, bore
 
 
 def test_printed_static_ratings_are_met_series_by_series():
@@ -175,12 +186,13 @@ def test_the_family_itself_is_no_bearing():
         ("NU206", 13, 9.0, 46.5),  # data set of Saarland University, from its orders of faults
         ("NU406", 9, 14.0, 59.0),  # Huddersfield, recalled
         ("NU209-old", 14, 10.0, 65.0),  # the bearing 209 of Harris's book
+        ("NU228", None, 28.0, 197.0),  # raceways of 169 and 225 mm in makers' catalogues
         ("NU2220", 17, 22.0, 141.0),  # raceways of 119 and 163 mm in NSK's catalogue, number from its C0
     ],
 )
 def test_insides_that_others_print_are_met_within_one_roller(name, rollers, diameter, pitch):
     bearing = get_class("bearing", name).bearing
-    assert abs(bearing.rollers - rollers) <= 1
+    assert rollers is None or abs(bearing.rollers - rollers) <= 1
     assert bearing.roller_diameter == pytest.approx(1e-3 * diameter, rel=0.06)
     middle = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 2
     assert middle == pytest.approx(1e-3 * pitch, rel=0.02)  # of series 4 the worst is off by 3 %, of others by 1.4 %
@@ -215,6 +227,9 @@ def test_its_scatter_is_taken_where_the_scene_says_nothing_of_it():
     assert table == {"distribution": "normal", "mean": "0 um", "deviation": f"{left:.3g} um"}
     assert made.uncertainty["bearing.roller_length"]["scatter"] == RULES["22E"].scatter
     assert any(text.startswith("bearing.roller_length (D): ") for text in said)
+    known, _ = with_scatter(scene("name = 'NU2210'\nmounting.initial_clearance = '40 um'"))
+    seats = (0.8 * 50.0 / 59.5) * ((11.0**2 + 12.0**2) / 12.0) ** 0.5
+    assert known.uncertainty["bearing.mounting.clearance_deviation"]["deviation"] == f"{seats:.3g} um"
     own, _ = with_scatter(scene("name = 'NU2210'\nradial_clearance = '20 um'"))
     assert [key for key in own.uncertainty if key.startswith("bearing.")] == ["bearing.roller_length"]
 
@@ -226,6 +241,11 @@ def test_less_than_the_least_load_of_skf_is_told():
     assert told.startswith("scene.toml:7: operation.radial_load: 300 N is ")
     assert f"{100 * 0.3 / least:.3g} % of SKF's catalogue minimum load" in told
     assert not implausible(scene("name = 'NU2210'", "600 N"))
+    # general catalogue: 0.1 of series 10, 0.15 of 2, 3 and 4, 0.2 of 22, 0.25 of 23
+    factors = {"10": 0.1, "2": 0.15, "3": 0.15, "4": 0.15, "22": 0.2, "23": 0.25}
+    assert {series: rule.minimum_load for series, rule in RULES.items()} == {
+        series: factors[series.removesuffix("E")] for series in RULES
+    }
 
 
 def test_all_that_is_estimated_says_so():

@@ -224,7 +224,8 @@ def test_scuffing_is_judged_by_the_contact_temperature():
 
 
 def test_scuffing_temperatures_take_the_oil_of_the_scene():
-    assembly = assemble(evolve(load_scene("1032930-70C"), {"lubricant.density": "930 kg/m3"}))
+    warm = {f"operation.{part}_temperature": "90 degC" for part in ("inner_ring", "outer_ring", "roller")}
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"lubricant.density": "930 kg/m3", **warm}))
     oil = assembly.lubricant
     assert ScuffingIso(fzg_stage=8).of(assembly).viscosity == oil.at(343.15).viscosity
     assert ScuffingIso(fzg_stage=8, viscosity=0.02).of(assembly).viscosity == 0.02

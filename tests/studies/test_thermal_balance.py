@@ -15,6 +15,7 @@ from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.scene.reading import from_raw
+from rollslip.scene.supply import DENSITY
 from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_studies.motion.losses import Loss, PowerBalance
@@ -358,6 +359,45 @@ def test_warm_rings_change_the_clearance_where_they_expand():
     T = model.start(SCENE) + np.array([0.0, 10.0, 20.0, 5.0, 0.0, 0.0])
     grown = 1.2e-5 * (0.195 * 5.0 - 0.165 * 10.0 - 2.0 * 0.015 * 20.0)
     assert model.changes(T, SCENE)["bearing.radial_clearance"] == pytest.approx(grown)
+
+
+def test_what_size_and_oil_say_of_a_network_is_that_by_hand():
+    supplied = {"supply": "circulating", "oil_flow": "2 l/min"}
+    made = assemble(evolve(SCENE, {"lubrication": supplied, "bearing.roller_length": "40 mm"}))
+    model, b, k = get_model("thermal", "network").of(made), made.scene.bearing, made.kinematics
+    width, oil, T = 1.8 * b.roller_length, made.lubricant.at(SCENE.operation.temperature), SCENE.operation.temperature
+    density, steel = made.lubricant.density(T) if made.lubricant.density else DENSITY, b.material
+    assert model.oil_flow == pytest.approx(2e-3 / 60 * density)
+    seats = {"shaft": np.pi * b.boundaries[0] * width, "housing": np.pi * b.boundaries[1] * width}
+    flux = 1.6e4 * (sum(seats.values()) / 0.05) ** -0.34  # ISO 15312 at an excess of 50 K; less than up to 0.05 m2
+    assert flux < 1.6e4
+    assert 2000.0 * seats["shaft"] == pytest.approx(model.inner_ring_shaft)
+    assert 2000.0 * seats["housing"] == pytest.approx(model.outer_ring_housing)
+    for way in ((model.inner_ring_shaft, model.shaft_ambient), (model.outer_ring_housing, model.housing_ambient)):
+        assert 50.0 / sum(1.0 / one for one in way) == pytest.approx(flux * way[0] / 2000.0)
+    around = max(k.epicyclic_cage_speed, 0.1 * k.epicyclic_roller_speed)
+    Re = k.orbit_radius * around / 3.0 * 2.0 * k.orbit_radius * density / oil.viscosity
+    Nu = 0.332 * Re**0.5 * (oil.viscosity * 2000.0 / oil.conductivity) ** (1 / 3)
+    wetted = np.pi * b.outer_raceway_diameter * width
+    assert model.oil_outer_ring == pytest.approx(Nu * oil.conductivity / (2.0 * k.orbit_radius) * wetted)
+    load = (2.0 * SCENE.operation.radial_load / b.rollers + 1.0) / b.roller_length
+    u = k.roller_radius * k.epicyclic_roller_speed
+    for raceway, found in zip(made.raceways, (model.inner_ring_rollers, model.outer_ring_rollers), strict=True):
+        one = raceway.evaluate(np.array([load]), u, 0.0)
+        wide, film = 2.0 * one.half_width[0], one.film_thickness[0] / oil.conductivity
+        flash = (np.pi * wide / u) ** 0.5 / (steel.thermal_conductivity * steel.density * steel.specific_heat) ** 0.5
+        assert found == pytest.approx(b.rollers * b.roller_length * wide / (film + flash))
+    heat = steel.density * steel.specific_heat * np.pi / 4.0
+    ring = heat * (b.boundaries[1] ** 2 - b.outer_raceway_diameter**2) * width
+    assert model.outer_ring_capacity == pytest.approx(ring)
+    assert model.housing_capacity == pytest.approx(5.0 * (ring + model.inner_ring_capacity))
+    assert model.rollers_capacity == pytest.approx(heat * b.rollers * b.roller_diameter**2 * b.roller_length)
+
+
+def test_heat_of_a_contact_is_split_as_asked():
+    model = get_model("thermal", "network", contact_share=0.2, **CUT | {"inner_ring_rollers": 1.0})
+    flows = dict(zip(model.nodes, model.inflows(np.full(3, 293.15), {"inner contact": 100.0}), strict=True))
+    assert flows == pytest.approx({"oil": 0.0, "inner ring": 80.0, "rollers": 20.0})
 
 
 def test_estimated_conductances_can_scatter():

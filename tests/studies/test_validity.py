@@ -29,6 +29,7 @@ from rollslip.studies.validity import (
     APPROXIMATION,
     Difference,
     Filled,
+    Outside,
     difference,
     filled,
     laws_of,
@@ -266,6 +267,9 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
     assert (found.share, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
     (found,) = (one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter")
     assert (found.share, found.ring) == (0.25, ""), "both alike"
+    even = tables(force=np.ones(41), load=2.0 * light[0] * np.arange(1, 42) / 100.0)
+    (spread,) = (one for one in outside([contact], even) if one.validity.quantity == "load_parameter")
+    assert (*spread.values, spread.middle) == pytest.approx((0.06, 0.78, 0.42)), "of 0.02 to 0.82 by 0.02"
     (said,) = sentences(told([found], None))
     assert said.startswith("pressure 'hertz' is valid for load parameter M >= 2; 25 % of the contact force is out")
     assert "its mean by load is at most 58 % lower; remedy: models.pressure = 'light-contact'" in said
@@ -347,6 +351,9 @@ def test_what_a_law_is_off_another_comes_first_while_it_is_more_than_the_toleran
     found = outside([made_for(0.5)], tables(sliding_speed=1.0))
     off = Difference(law="simple", reference="exact", key="models.traction", rms=0.01, mean=0.01, largest=0.01)
     assert [one.measured for one in told(found, off, tolerance=1e-3)] == [True, False]
+    own = Validity(quantity="x", low=3.0, high=5.0, consequence="it is off", remedy="none", source="a test")
+    (known,) = told([Outside(law="traction 'simple'", validity=own, share=1.0)], off)
+    assert ", with 100 % at x < 3 and > 5 of the contact force; remedy" in known.text
     assert [(one.measured, one.warned) for one in told(found, off, tolerance=0.1)] == [(False, True), (True, False)]
 
 
@@ -518,6 +525,7 @@ def test_a_film_of_a_stranger_that_knows_its_regime_only_warns_as_before():
     (said, *_) = sentences(told(outside([Rigid()], tables(load=1e6)), None))
     assert said.startswith("film 'strange-film' is valid for the rigid-isoviscous regime; all loaded contacts are ")
     assert "where its film may be far off; remedy: film 'moes', which covers all regimes" in said
+    assert "outside (100 % elastic-piezoviscous), where" in said
 
 
 def test_judging_changes_no_result():
