@@ -43,7 +43,9 @@ cdef extern from *:
     static void rs_ask_for(const double *column, size_t n) {
         for (size_t i = 0; i < n; i += 8) RS_SOON(column + i);
     }
+    #define RS_LEAST offsetof(rs_slices, position)   /* of the first version */
     """
+    const size_t RS_LEAST
     void rs_ask_for(const double *, size_t) noexcept nogil
 
 cdef enum:
@@ -529,6 +531,8 @@ def problem(capsule, bint placed=False):
     if given.size > sizeof(rs_slices):
         return (f"reads {given.size} bytes of rs_slices, this rollslip has {sizeof(rs_slices)}: "
                 "it needs a newer rollslip")
+    if given.size < RS_LEAST:
+        return f"reads {given.size} bytes of rs_slices, which never had less than {RS_LEAST}: set size to sizeof(rs_slices)"
     if placed and given.size < sizeof(rs_slices):
         return (f"reads where slices are, but knows only {given.size} bytes of rs_slices, and these stand behind them: "
                 "rebuild it against this version")

@@ -35,7 +35,8 @@ FUNCTIONS = {
     "log2": (lambda x: mpmath.log(x, 2),
              lambda r, n: np.concatenate([spread(r, 1e-320, MOST, n), near_one(r, n)]), 1.5),
     "log1p": (mpmath.log1p, lambda r, n: np.concatenate(
-        [spread(r, 1e-310, MOST, n), -spread(r, 1e-310, 1, n), spread(r, 2.0**-52, 0.4, n) - 1.0, r.uniform(0.41, 0.48, n)]), 2.0),
+        [spread(r, 1e-310, MOST, n), -spread(r, 1e-310, 1, n), spread(r, 2.0**-52, 0.4, n) - 1.0,
+         r.uniform(0.41, 0.48, n)]), 2.0),
     "asinh": (mpmath.asinh, lambda r, n: np.concatenate(
         [spread(r, 1e-310, MOST, 2 * n, both=True), r.uniform(0.35, 0.42, n)]), 5.0),
 }  # fmt: skip

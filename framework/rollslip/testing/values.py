@@ -243,6 +243,8 @@ def answer() -> None:
 
 def _set_clocks() -> None:
     """Let the clocks that programs ask for the date be late."""
+    import pandas  # noqa: F401 - its compiled dates inherit from the class that they find, and have no room for another
+
     now, nanoseconds, apart = time.time, time.time_ns, datetime.timedelta(seconds=_LATER)
 
     class Later(datetime.datetime):

@@ -36,7 +36,9 @@ def fill(path, inputs):
         chain, found, refused = Chain(model), [], []
         for block in range(-(-inputs // BLOCK)):
             for column in varied:
-                getattr(slices, column)[:] = getattr(before, column) * np.ldexp(rng.uniform(1.0, 2.0, BLOCK), rng.integers(-6, 6, BLOCK))
+                getattr(slices, column)[:] = getattr(before, column) * np.ldexp(
+                    rng.uniform(1.0, 2.0, BLOCK), rng.integers(-6, 6, BLOCK)
+                )
             for column in model.writes:
                 getattr(slices, column)[:] = np.nan
             try:
