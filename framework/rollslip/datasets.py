@@ -397,14 +397,20 @@ class Surface:
 
 
 @attrs.frozen(kw_only=True)
-class BearingData:
-    """A bearing that a scene can name, ``[bearing] name = "1032930"``; other keys of the table change its values."""
+class _Named:
+    """What a scene can name."""
 
     name: str  #: What a scene calls it.
     description: str  #: What it is, in one line.
     source: str  #: Where the values come from, and which are assumed.
     validity: str  #: What they hold for: whether the clearance is one in operation, for example.
     references: tuple[Citation, ...] = ()  #: One citation each, see `rollslip.references`.
+
+
+@attrs.frozen(kw_only=True)
+class BearingData(_Named):
+    """A bearing that a scene can name, ``[bearing] name = "1032930"``; other keys of the table change its values."""
+
     bearing: Bearing  #: The values.
     #: A letter of `rollslip.lubricant.GRADES` for each key that is not printed in the source.
     grades: Mapping[str, str] = attrs.field(default=FrozenTable(), converter=FrozenTable)
@@ -417,23 +423,10 @@ class BearingData:
 
 
 @attrs.frozen(kw_only=True)
-class SurfaceData:
-    """Surfaces that a scene can name: ``[surface] name = "ground"``; the other keys of the table change their values.
+class SurfaceData(_Named):
+    """Surfaces that a scene can name, ``[surface] name = "ground"``; other keys of the table change their values."""
 
-    Parameters
-    ----------
-    name, description, source, validity, references
-        As in `BearingData`.
-    surface : Surface
-        The values.
-    """
-
-    name: str
-    description: str
-    source: str
-    validity: str
-    references: tuple[Citation, ...] = ()
-    surface: Surface
+    surface: Surface  #: The values.
 
     @property
     def data(self) -> Surface:
@@ -450,15 +443,9 @@ class OwnCage(NamedTuple):
 
 
 @attrs.frozen(kw_only=True)
-class FitData:
+class FitData(_Named):
     """A fit of a shaft or a housing, which a scene names under ``[bearing.mounting]``."""
 
-    #: name, description, source, validity, references: As in `BearingData`.
-    name: str
-    description: str
-    source: str
-    validity: str
-    references: tuple[Citation, ...] = ()
     ring: str  #: "inner" for a shaft, "outer" for a housing.
     #: Up to which nominal diameter, lower and upper deviation of the seat, those of the ring [m]; ascending.
     limits: tuple[tuple[float, float, float, float, float], ...]

@@ -96,10 +96,7 @@ class RingModel(abc.ABC):
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return the shapes of the "inner" or "outer" ring of a bearing, which ``turns`` against the load or stands.
 
-        Raises
-        ------
-        FieldError
-            A parameter does not fit the bearing; the reason names what to change.
+        A parameter that does not fit the bearing is a `FieldError`, whose reason names what to change.
         """
 
 

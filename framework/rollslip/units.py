@@ -278,13 +278,7 @@ def as_written(value: object) -> str:
 
 @lru_cache
 def check_unit(unit: str) -> str:
-    """Return the unit of a field, if it is one of the table and without a factor.
-
-    Raises
-    ------
-    UnitError
-        The unit is unknown, or is not the SI unit of its dimension.
-    """
+    """Return the unit of a field, if it is one of the table and without a factor: that of SI."""
     if _unit(unit)[0] != 1:
         raise UnitError(f"{unit!r} is not an SI unit: a field declares the unit in which its value is kept")
     return unit

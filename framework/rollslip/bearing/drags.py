@@ -102,13 +102,7 @@ class Drags:
         return resistance is None or "viscosity" not in resistance.reads
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
-        """Return the sum of the torques on the cage [N m]; speeds in rad/s.
-
-        Raises
-        ------
-        DomainError
-            If one of them varies in time.
-        """
+        """Return the sum of the torques on the cage [N m], speeds in rad/s; refused where one varies in time."""
         if varying := [model.name for model in self.torques if model.varies_in_time]:
             raise DomainError(
                 f"drag {varying[0]!r} varies in time, and no motion is steady with it; ask for a motion in time, or "

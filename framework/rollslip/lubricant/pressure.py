@@ -46,10 +46,7 @@ class PressureViscosity(SliceModel):
     def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
         """Return viscosity [Pa s] and its fall -dln(eta)/dT [1/K] at pressures [Pa] of any shape.
 
-        Raises
-        ------
-        DomainError
-            If the law has no value at a pressure.
+        A pressure at which the law has no value is a `DomainError`.
         """
 
     def coefficient(self, temperature: float) -> float:

@@ -49,36 +49,18 @@ class SceneFormat(abc.ABC):
 
     @abc.abstractmethod
     def read(self, content: bytes, source: str) -> Read:
-        """Read a file.
+        """Read what a file holds; ``source`` is what it is called, for messages.
 
-        Parameters
-        ----------
-        content : bytes
-            What it holds.
-        source : str
-            What it is called, for messages.
-
-        Raises
-        ------
-        SceneError
-            If it is no such file, or what cannot be done without is missing: which, and what to do.
+        That it is no such file, or that what cannot be done without is missing, is a `SceneError`: which, and what to
+        do.
         """
 
     @abc.abstractmethod
     def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
         """Write the neutral parameters of a scene, and where the format has a place for it what was calculated.
 
-        Parameters
-        ----------
-        document : mapping
-            As `rollslip.scene.interchange.to_parameters` gives it: all values, in SI units.
-        result : xarray.Dataset or None
-            A result of that scene.
-
-        Raises
-        ------
-        SceneError
-            If the format cannot hold this scene.
+        They are as `rollslip.scene.interchange.to_parameters` gives them, all values in SI units; the result, if there
+        is one, is of that scene. A scene that the format cannot hold is a `SceneError`.
         """
 
 

@@ -99,13 +99,7 @@ class Duty:
 
     @property
     def kinematic_viscosity(self) -> float:
-        """Kinematic viscosity of the oil [m2/s].
-
-        Raises
-        ------
-        DomainError
-            If the density of the oil is not known.
-        """
+        """Kinematic viscosity of the oil [m2/s]; a `DomainError` where its density is not known."""
         if self.density is None:
             raise DomainError("needs the oil's kinematic viscosity: give lubricant.density, such as '870 kg/m3'")
         return self.viscosity / self.density
@@ -136,10 +130,7 @@ class TorqueFormula(abc.ABC):
     def terms(self, duty: Duty) -> Mapping[str, float]:
         """Return the friction torque [N m] by what makes it, none below zero.
 
-        Raises
-        ------
-        DomainError
-            If something is not known that the formula takes.
+        What the formula takes and is not known is a `DomainError`.
         """
 
 

@@ -127,10 +127,7 @@ class DamageModel(abc.ABC):
     def of(self, assembly: "Assembly") -> Self:
         """Return the measure with what its limit takes of the oil and the bearing.
 
-        Raises
-        ------
-        SceneError
-            If the scene does not give what is needed.
+        What the scene does not give is a `SceneError`.
         """
         return self
 
@@ -138,21 +135,13 @@ class DamageModel(abc.ABC):
     def evaluate(self, contacts: Contacts) -> Array:
         """Return the measure of every slice in its unit, (n,), without changing the slices.
 
-        Raises
-        ------
-        DomainError
-            If a slice is outside of what the measure is defined on.
+        A slice outside of what the measure is defined on is a `DomainError`.
         """
 
     def across(self, contacts: Contacts, places: Array) -> Array | None:
         """Return the measure across the contacts, (n, m); None if it has one value for a slice.
 
-        Parameters
-        ----------
-        contacts : Contacts
-            The slices.
-        places : ndarray
-            Places in half widths from the middle, -1 where surfaces enter and 1 where they leave, (m,).
+        Places, (m,), are in half widths from the middle, -1 where surfaces enter and 1 where they leave.
         """
         return None
 

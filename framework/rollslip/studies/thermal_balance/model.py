@@ -60,10 +60,7 @@ class ThermalModel(abc.ABC):
     def of(self, assembly: "Assembly") -> Self:
         """Return the model with all that it leaves to the bearing.
 
-        Raises
-        ------
-        SceneError
-            If heat has no way out, or the bearing does not give what is needed.
+        Heat that has no way out is a `SceneError`, and a bearing that does not give what is needed.
         """
         return self
 
