@@ -13,9 +13,10 @@ from plan_scenes import STUDY, TRACTIONS, judge, pick, points, scene
 from rollslip import Conditions, Slices, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError, Resolution, finest
+from rollslip.cli.console import changed
 from rollslip.errors import SceneError
 from rollslip.planning.execution import execute
-from rollslip.planning.plan import changed, plan
+from rollslip.planning.plan import plan
 from rollslip.planning.verification import verify
 from rollslip.studies.accuracy import Bound, difference
 from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts

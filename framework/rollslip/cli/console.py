@@ -118,6 +118,26 @@ def _print_size(plan: "Plan") -> None:
     )
 
 
+def changed(this: "Plan", other: "Plan") -> "list[tuple[Part | None, Part | None]]":
+    """Return the parts of two plans that differ in what is modelled or how finely, None where one has no such part."""
+
+    def numbered(plan: "Plan") -> "dict[tuple[str, str, int], Part]":
+        found: dict[tuple[str, str, int], Part] = {}
+        for part in plan.parts:
+            of = part.study if len(plan.studies) > 1 else ""
+            count = sum(key[:2] == (of, part.part) for key in found)
+            found[of, part.part, count] = part
+        return found
+
+    parts, others = numbered(this), numbered(other)
+    pairs = [(parts.get(key), others.get(key)) for key in dict.fromkeys((*parts, *others))]
+
+    def said(part: "Part | None") -> tuple[object, ...] | None:
+        return None if part is None else (part.included, part.choice, part.resolution)
+
+    return [pair for pair in pairs if said(pair[0]) != said(pair[1])]
+
+
 def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str, other: str) -> None:
     """Print the parts in which two plans differ."""
     if not pairs:

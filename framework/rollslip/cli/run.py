@@ -237,11 +237,11 @@ def plan(
     """
     from rollslip.cli import console
     from rollslip.cli.units import with_units
-    from rollslip.planning.plan import changed, part_as_dict, plan
+    from rollslip.planning.plan import part_as_dict, plan
 
     made = plan(scene_of(scene, changes), study)
     if other is not None:
-        pairs = changed(made, plan(scene_of(other, ()), study))
+        pairs = console.changed(made, plan(scene_of(other, ()), study))
         if as_json:
             parts = [[None if part is None else with_units(part_as_dict(part)) for part in pair] for pair in pairs]
             print_json([{"this": this, "other": that} for this, that in parts])

@@ -28,7 +28,8 @@ from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.models import FilmModel, PressureModel, SliceModel
 from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF, duration_range
-from rollslip.scene.reading import load_scene, unknown_names
+from rollslip.scene.named import unknown_names
+from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
@@ -168,26 +169,6 @@ def part_as_dict(part: Part) -> dict[str, Any]:
     """Return a line of a plan as plain values; an error that cannot be determined is null."""
     errors = {name: error if math.isfinite(error) else None for name, error in part.errors.items()}
     return attrs.asdict(part) | {"errors": errors}
-
-
-def changed(this: Plan, other: Plan) -> list[tuple[Part | None, Part | None]]:
-    """Return the parts of two plans that differ in what is modelled or how finely, None where one has no such part."""
-
-    def numbered(plan: Plan) -> dict[tuple[str, str, int], Part]:
-        found: dict[tuple[str, str, int], Part] = {}
-        for part in plan.parts:
-            of = part.study if len(plan.studies) > 1 else ""
-            count = sum(key[:2] == (of, part.part) for key in found)
-            found[of, part.part, count] = part
-        return found
-
-    parts, others = numbered(this), numbered(other)
-    pairs = [(parts.get(key), others.get(key)) for key in dict.fromkeys((*parts, *others))]
-
-    def said(part: Part | None) -> tuple[object, ...] | None:
-        return None if part is None else (part.included, part.choice, part.resolution)
-
-    return [pair for pair in pairs if said(pair[0]) != said(pair[1])]
 
 
 def _at_once(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembly]:

@@ -10,14 +10,16 @@ import attrs
 
 from rollslip.errors import PluginError
 from rollslip.scene.clearance import FOLLOWS, before_mounting, listed
-from rollslip.scene.values import resolved
+from rollslip.scene.values import Models, model_kind, resolved
 from rollslip.structure import Location, bare_key, fields_of
 from rollslip.units import as_written
 
-__all__ = ["NAMED", "with_named_data", "with_own_cage"]
+__all__ = ["NAMED", "unknown_names", "with_named_data", "with_own_cage"]
 
 #: Tables that may start from the values of a named set that a plugin offers; they are of the kind of that name.
 NAMED: Final = ("bearing", "surface")
+#: Keys of models, each the kind that it takes.
+_KINDS: Final = frozenset(key for key, _ in fields_of(Models))
 
 
 def with_named_data(raw: dict[str, object], where: Location, problems: list[str]) -> dict[str, object]:
@@ -85,3 +87,27 @@ def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
         elif inner and bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):
             filled[key] = _filled(below, value)  # a table that may be a bare name is a choice, and taken whole
     return filled
+
+
+def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
+    """Return the faults of names of models, studies and the oil, whose tables are read only once all else is right."""
+    from rollslip.catalogue.discovery import find
+
+    wanted = [("lubricant", where.at("lubricant").at("name"), raw.get("lubricant"), "name")]
+    for table in ("models", "study"):
+        below, at = raw.get(table), where.at(table)
+        for key, given in below.items() if isinstance(below, Mapping) else ():
+            if table == "study":
+                wanted.append(("study", at.at(key), key, ""))
+            elif key in _KINDS:
+                several = given if isinstance(given, list | tuple) else (given,)
+                wanted += [(model_kind(key), at.at(key), one, "model") for one in several]
+    problems = []
+    for kind, place, named, key in wanted:
+        name = named.get(key) if isinstance(named, Mapping) else named
+        try:
+            if isinstance(name, str):
+                find(kind, name)
+        except PluginError as error:
+            problems.append(place.says(str(error)))
+    return problems

@@ -10,23 +10,20 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import attrs
 
-from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.errors import SceneError, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import in_operation
-from rollslip.scene.named import with_named_data, with_own_cage
+from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
 from rollslip.scene.plausibility import impossible_relations
-from rollslip.scene.values import Models, Scene, model_kind
-from rollslip.structure import FrozenTable, Location, fields_of, structure, thawed
+from rollslip.scene.values import Scene
+from rollslip.structure import FrozenTable, Location, structure, thawed
 from rollslip.toml import KeyPath, parse
 
-__all__ = ["checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes", "unknown_names"]
-
-#: Keys of models, each the kind that it takes.
-_KINDS: Final = frozenset(key for key, _ in fields_of(Models))
+__all__ = ["checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes"]
 
 
 def shipped_scenes() -> list[str]:
@@ -116,27 +113,3 @@ def checked_scene(
     if scene is None or problems:
         raise SceneError([*problems, *unknown_names(raw, Location(origins))])
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)
-
-
-def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
-    """Return the faults of names of models, studies and the oil, whose tables are read only once all else is right."""
-    from rollslip.catalogue.discovery import find
-
-    wanted = [("lubricant", where.at("lubricant").at("name"), raw.get("lubricant"), "name")]
-    for table in ("models", "study"):
-        below, at = raw.get(table), where.at(table)
-        for key, given in below.items() if isinstance(below, Mapping) else ():
-            if table == "study":
-                wanted.append(("study", at.at(key), key, ""))
-            elif key in _KINDS:
-                several = given if isinstance(given, list | tuple) else (given,)
-                wanted += [(model_kind(key), at.at(key), one, "model") for one in several]
-    problems = []
-    for kind, place, named, key in wanted:
-        name = named.get(key) if isinstance(named, Mapping) else named
-        try:
-            if isinstance(name, str):
-                find(kind, name)
-        except PluginError as error:
-            problems.append(place.says(str(error)))
-    return problems
