@@ -15,9 +15,7 @@ from rollslip.bearing.chain import Chain
 from rollslip.bearing.equilibrium import (
     LoadCase,
     angular_positions,
-    over_pitch,
     solve_equilibrium,
-    solve_orbits,
     solve_pitch,
 )
 from rollslip.bearing.profile import profile_drop, slice_positions
@@ -25,6 +23,7 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.models import SliceModel
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.contact import Lundberg, Palmgren
+from rollslip_studies.motion.spins import over_pitch, solve_orbits
 
 LENGTH = 0.015
 

@@ -17,8 +17,6 @@ from rollslip.bearing.equilibrium import (
     LoadCase,
     LoadDistribution,
     angular_positions,
-    over_pitch,
-    solve_orbits,
     solve_pitch,
 )
 from rollslip.bearing.kinematics import Kinematics
@@ -37,7 +35,6 @@ from rollslip.scene.rings import rings_of
 from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity
-from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.slices import Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
@@ -105,9 +102,10 @@ class Assembly:
     @property
     def centrifugal_force(self) -> float:
         """Centrifugal force m R_m w_ce^2 of a roller at the epicyclic cage speed [N]."""
-        return self._centrifugal_force_at(self.kinematics.epicyclic_cage_speed)
+        return self.centrifugal_force_at(self.kinematics.epicyclic_cage_speed)
 
-    def _centrifugal_force_at(self, cage_speed: float) -> float:
+    def centrifugal_force_at(self, cage_speed: float) -> float:
+        """Return that force at a cage speed [rad/s]."""
         force = self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)  # a power would raise
         if not force < math.inf:
             raise DomainError(
@@ -205,26 +203,6 @@ class Assembly:
             return self._solved_loads(instants, cage_speed, known)
         return self.kept_by_loads(("loads", instants), instants, lambda: self._solved_loads(instants, None, None))
 
-    def orbit_loads(
-        self, instants: int, cage_speeds: Array, few: int = 0
-    ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Loads per length of inner and outer ring [N/m] at cage speeds [rad/s], and their widths [m].
-
-        Of shape (speeds, instants, Z, slices), the widths (slices,), or both (speeds, instants, Z, few) of their Gauss
-        rules of a few loads.
-        """
-        forces = np.array([self._centrifugal_force_at(speed) for speed in cage_speeds.tolist()])
-
-        def whole(part: Array) -> tuple[Array, Array]:
-            if not few:
-                return over_pitch(part, instants), self.widths
-            rule = row_rules(np.ascontiguousarray(part).reshape(-1, self.slices), self.widths, few)
-            load, width = (over_pitch(of.reshape(*part.shape[:3], few), instants) for of in rule)
-            return load, width
-
-        inner, outer = solve_orbits(self._case(instants), self.raceways, forces)
-        return whole(inner), whole(outer)
-
     def kept(self, what: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
         """Return something of the bearing under a key that has all it depends on, made once."""
         try:
@@ -253,10 +231,11 @@ class Assembly:
     def _solved_loads(
         self, instants: int, cage_speed: float | None, known: LoadDistribution | None
     ) -> LoadDistribution:
-        force = self.centrifugal_force if cage_speed is None else self._centrifugal_force_at(cage_speed)
-        return solve_pitch(self._case(instants, force), self.raceways, known)
+        force = self.centrifugal_force if cage_speed is None else self.centrifugal_force_at(cage_speed)
+        return solve_pitch(self.load_case(instants, force), self.raceways, known)
 
-    def _case(self, instants: int, centrifugal_force: float = 0.0) -> LoadCase:
+    def load_case(self, instants: int, centrifugal_force: float = 0.0) -> LoadCase:
+        """Return what the equilibrium is solved of, at instants spread over one roller pitch."""
         b, o = self.scene.bearing, self.scene.operation
         return LoadCase(
             angular_positions(b.rollers, instants),

@@ -306,28 +306,6 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     )
 
 
-def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats) -> tuple[Floats, Floats]:
-    """Loads of inner and outer ring [N/m] at several centrifugal forces [N], each from the one before.
-
-    Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings do not mirror
-    themselves in the line of load it is the whole pitch.
-    """
-    instants, rollers = case.psi.shape
-    solved = instants // 2 + 1 if case.mirrored else instants
-    psi, forces = np.repeat(case.psi[:solved], centrifugal.size, axis=0), np.tile(centrifugal, solved)
-    solution = solve_equilibrium(attrs.evolve(case, psi=psi, centrifugal_force=forces), contacts)
-    inner, outer = (
-        load.reshape(solved, centrifugal.size, rollers, -1).swapaxes(0, 1)
-        for load in (solution.inner_load, solution.outer_load)
-    )
-    return inner, outer
-
-
-def over_pitch(part: Floats, instants: int) -> Floats:
-    """Return what rollers have over a whole pitch (n, instants, Z, ...), of its first half, which the other mirrors."""
-    return np.concatenate((part, part[:, instants - part.shape[1] : 0 : -1, ::-1]), axis=1)
-
-
 #: Arrays of a `LoadDistribution` whose first axis is that of the instants, beside psi.
 _BY_INSTANT = (
     "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "deflection", "roller_shift",

@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain, Guarded, Job, along
-from rollslip.bearing.regimes import LIGHT, groups, regime_limits
 from rollslip_kernels.chain import Bound
 from rollslip_kernels.gauss import rules
 from rollslip_kernels.slices import PLACES, Conditions, Slices
@@ -202,27 +201,6 @@ class LoadedContacts:
         probes = np.linspace(0, rolling.size - 1, PROBES).astype(int)
         rule = load_rule(self.load, self.force, over(probes), tolerance)
         return over(slice(None))(rule)
-
-    def regimes(self, rolling: Array) -> tuple[Array, float, float]:
-        """Shares of the force by film regime, (4,), and at M < LIGHT, means over rolling speeds, and the largest M.
-
-        The speeds [m/s] are of shape (n,) for all rollers, or (n, rollers).
-        """
-        share, light, largest = np.zeros(4), 0.0, 0.0
-        alike = [(np.ones(self.owner.size, dtype=bool), rolling)]
-        for chosen, speed in alike if rolling.ndim == 1 else [(self.owner == k, u) for k, u in enumerate(rolling.T)]:
-            order = np.argsort(self.load[chosen])
-            if order.size == 0:
-                continue
-            load = self.load[chosen][order]
-            below = np.concatenate(([0.0], np.cumsum(self.force[chosen][order]))) / (self.total * speed.size)
-            U, G, W = groups(Slices.of_columns(self.raceway.conditions, {"rolling_speed": speed, "load": load}))
-            elastic, piezoviscous, both = (below[np.searchsorted(W, at, side="right")] for at in regime_limits(U, G))
-            rigid, mixed = np.minimum(elastic, piezoviscous), np.maximum(both, piezoviscous)
-            share += [part.sum() for part in (rigid, mixed - piezoviscous, piezoviscous - rigid, below[-1] - mixed)]
-            light += float(below[np.searchsorted(W, LIGHT * np.sqrt(2.0 * U))].sum())
-            largest = max(largest, float(W[-1] / np.sqrt(2.0 * U.min())))
-        return share, light, largest
 
 
 def gauss_rule(load: Array, force: Array, count: int) -> Array:

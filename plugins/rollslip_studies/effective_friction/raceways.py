@@ -23,13 +23,14 @@ from rollslip.bearing.critical import Critical, Curve, searched, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
-from rollslip.bearing.regimes import LIGHT, NAMES
+from rollslip.bearing.regimes import LIGHT, NAMES, groups, regime_limits
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Output
 from rollslip.units import format_quantity
+from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Spins
 
 #: Error of a map's loads relative to the tolerance.
@@ -275,7 +276,7 @@ class LoadedRaceways:
 
     def regimes(self, speeds: SurfaceSpeeds) -> tuple[Array, Array, Array]:
         """What `regime_variables` takes: in which film regimes the contacts run, over all rows of speeds."""
-        rings = self.inner.regimes(speeds.inner_rolling), self.outer.regimes(speeds.outer_rolling)
+        rings = regime_shares(self.inner, speeds.inner_rolling), regime_shares(self.outer, speeds.outer_rolling)
         share, light, largest = (np.array(values) for values in zip(*rings, strict=True))
         return share, largest, light
 
@@ -388,3 +389,25 @@ def largest_change(before: Array, after: Array) -> float:
     """Return the largest change of curves of both rings, relative to their largest value; without friction none."""
     scale = np.abs(after).max(axis=1, keepdims=True)
     return float((np.abs(after - before) / np.where(scale > 0.0, scale, 1.0)).max())
+
+
+def regime_shares(contacts: LoadedContacts, rolling: Array) -> tuple[Array, float, float]:
+    """Shares of the force by film regime, (4,), and at M < LIGHT, means over rolling speeds, and the largest M.
+
+    The speeds [m/s] are of shape (n,) for all rollers, or (n, rollers).
+    """
+    share, light, largest = np.zeros(4), 0.0, 0.0
+    alike = [(np.ones(contacts.owner.size, dtype=bool), rolling)]
+    for chosen, speed in alike if rolling.ndim == 1 else [(contacts.owner == k, u) for k, u in enumerate(rolling.T)]:
+        order = np.argsort(contacts.load[chosen])
+        if order.size == 0:
+            continue
+        load = contacts.load[chosen][order]
+        below = np.concatenate(([0.0], np.cumsum(contacts.force[chosen][order]))) / (contacts.total * speed.size)
+        U, G, W = groups(Slices.of_columns(contacts.raceway.conditions, {"rolling_speed": speed, "load": load}))
+        elastic, piezoviscous, both = (below[np.searchsorted(W, at, side="right")] for at in regime_limits(U, G))
+        rigid, mixed = np.minimum(elastic, piezoviscous), np.maximum(both, piezoviscous)
+        share += [part.sum() for part in (rigid, mixed - piezoviscous, piezoviscous - rigid, below[-1] - mixed)]
+        light += float(below[np.searchsorted(W, LIGHT * np.sqrt(2.0 * U))].sum())
+        largest = max(largest, float(W[-1] / np.sqrt(2.0 * U.min())))
+    return share, light, largest

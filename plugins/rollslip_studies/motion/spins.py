@@ -24,10 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.equilibrium import angular_positions
+from rollslip.bearing.equilibrium import Contacts, Floats, LoadCase, angular_positions, solve_equilibrium
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError
+from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
@@ -263,7 +264,7 @@ class Motions:
         def rows(of: Array) -> Array:
             return of if of.ndim == 1 else of.reshape(slips.size, order.size, -1)[:, order].reshape(-1, of.shape[-1])
 
-        inner, outer = self.assembly.orbit_loads(self.instants, speeds, self._few)
+        inner, outer = orbit_loads(self.assembly, self.instants, speeds, self._few)
         return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
 
     @property
@@ -487,3 +488,49 @@ class Motions:
     def link(self, below: Motion, motion: Motion) -> Motion:
         """Return a motion, marked by whether it goes on from the one at the slip below."""
         return attrs.evolve(motion, linked=self.apart(below.share, motion.share) <= GOES_ON)
+
+
+# Loads over an orbit ------------------------------------------------------------------------------------------------
+
+
+def orbit_loads(
+    assembly: Assembly, instants: int, cage_speeds: Array, few: int = 0
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Loads per length of inner and outer ring [N/m] at cage speeds [rad/s], and their widths [m].
+
+    Of shape (speeds, instants, Z, slices), the widths (slices,), or both (speeds, instants, Z, few) of their Gauss
+    rules of a few loads.
+    """
+    forces = np.array([assembly.centrifugal_force_at(speed) for speed in cage_speeds.tolist()])
+
+    def whole(part: Array) -> tuple[Array, Array]:
+        if not few:
+            return over_pitch(part, instants), assembly.widths
+        rule = row_rules(np.ascontiguousarray(part).reshape(-1, assembly.slices), assembly.widths, few)
+        load, width = (over_pitch(of.reshape(*part.shape[:3], few), instants) for of in rule)
+        return load, width
+
+    inner, outer = solve_orbits(assembly.load_case(instants), assembly.raceways, forces)
+    return whole(inner), whole(outer)
+
+
+def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats) -> tuple[Floats, Floats]:
+    """Loads of inner and outer ring [N/m] at several centrifugal forces [N], each from the one before.
+
+    Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings do not mirror
+    themselves in the line of load it is the whole pitch.
+    """
+    instants, rollers = case.psi.shape
+    solved = instants // 2 + 1 if case.mirrored else instants
+    psi, forces = np.repeat(case.psi[:solved], centrifugal.size, axis=0), np.tile(centrifugal, solved)
+    solution = solve_equilibrium(attrs.evolve(case, psi=psi, centrifugal_force=forces), contacts)
+    inner, outer = (
+        load.reshape(solved, centrifugal.size, rollers, -1).swapaxes(0, 1)
+        for load in (solution.inner_load, solution.outer_load)
+    )
+    return inner, outer
+
+
+def over_pitch(part: Floats, instants: int) -> Floats:
+    """Return what rollers have over a whole pitch (n, instants, Z, ...), of its first half, which the other mirrors."""
+    return np.concatenate((part, part[:, instants - part.shape[1] : 0 : -1, ::-1]), axis=1)

@@ -26,6 +26,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Keep, Output
 from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip_studies.motion.spins import orbit_loads
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -123,7 +124,7 @@ class RacewayFriction(Study):
         ratio = SMALL * np.sinh(np.linspace(0.0, math.asinh(REACH / SMALL), _SLIDING))
         instants = assembly.resolution.instants or _INSTANTS
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
-        loads, _ = zip(*assembly.orbit_loads(instants, speeds.ravel()), strict=True)
+        loads, _ = zip(*orbit_loads(assembly, instants, speeds.ravel()), strict=True)
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING))
         force, resistance = np.zeros(friction.shape[:3]), np.zeros(friction.shape[:3])
         for ring, raceway in enumerate(assembly.raceways):

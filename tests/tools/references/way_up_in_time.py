@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 import way_up_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import SLOW, place_of, slip_of
+from rollslip_studies.motion.spins import SLOW, orbit_loads, place_of, slip_of
 
 TABLE = Path(__file__).with_name("way_up_in_time.csv")
 RANGE, TURN = 0.95, 2.0 * math.pi
@@ -83,7 +83,7 @@ class InTime:
         instants = -(-ANGLES // Z)
         psi = angular_positions(Z, instants).ravel()
         order, speeds = np.argsort(psi), k.epicyclic_cage_speed * np.sqrt(np.linspace(0.0, 1.0, SPEEDS))
-        inner, outer = one.assembly.orbit_loads(instants, speeds)
+        inner, outer = orbit_loads(one.assembly, instants, speeds)
         loads = np.stack((inner[0], outer[0])).reshape(2, SPEEDS, psi.size, -1)[:, :, order].transpose(2, 0, 1, 3)
         self.width, self.least = inner[1], 1e-9 * loads.max()
         ends = np.append(psi[order], psi[order][0] + TURN)
