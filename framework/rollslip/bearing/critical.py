@@ -74,12 +74,10 @@ class Curve:
     most: float = MOST_CAGE_SLIP  # largest slip to look for: of a cage one that still turns
 
 
-def locate(
-    curve: Callable[[float], float], slip: Array, friction: Array, allow: str, *, most: float = MOST_CAGE_SLIP
-) -> Critical:
+def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow: str) -> Critical:
     """Locate the largest friction of one `Curve`, by a function of one slip, as `searched` does."""
     (found,) = searched(
-        [Curve(slip, friction, allow, most)], lambda asked: [np.array([curve(float(at))]) for _, (at,) in asked]
+        [Curve(slip, friction, allow)], lambda asked: [np.array([curve(float(at))]) for _, (at,) in asked]
     )
     return found
 

@@ -26,6 +26,8 @@ _BESIDE, _MOVED = 1e-4, 1e-2
 _GOLDEN: Final = 0.5 * (3.0 - math.sqrt(5.0))
 #: Most evaluations of a search, far more than halving takes.
 _MOST: Final = 200
+#: And of secants, which go beside a root or lead elsewhere.
+_SECANTS: Final = 12
 
 
 def largest(evaluate: Callable[[Rows, Array], Array], x: Array, y: Array) -> tuple[Array, Array]:
@@ -154,15 +156,14 @@ def secants(
     tolerance: float,
     within: tuple[float, float],
     longest: float = math.inf,
-    most: int = 12,
 ) -> tuple[float, float] | None:
     """Return where a curve passes zero beside a place, by secants, and its slope there; None if they lead elsewhere.
 
     They start with about the slope at the place, and end with a step of the tolerance: what is left is far less. Steps
-    are no longer than ``longest``, and leave ``within`` nowhere; there are ``most`` at most.
+    are no longer than ``longest``, and leave ``within`` nowhere; there are twelve at most.
     """
     at, value = start, curve(start)
-    for _ in range(most):
+    for _ in range(_SECANTS):
         step = min(max(-value / slope, -longest), longest) if slope else math.nan
         if not within[0] <= at + step <= within[1]:
             return None
