@@ -16,6 +16,8 @@ import importlib.metadata
 import sys
 from pathlib import Path
 
+from sphinx.ext.napoleon import NumpyDocstring
+
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "tests" / "support")]  # what the layout promises stands there
 
@@ -51,6 +53,8 @@ templates_path = ["_templates"]
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
+# What is said of a field is prose: what stands before its first colon is no type.
+NumpyDocstring._parse_attribute_docstring = NumpyDocstring._consume_to_end
 
 sphinx_gallery_conf = {
     "examples_dirs": "questions",
