@@ -10,7 +10,7 @@ import pytest
 from rollslip import evolve, load_scene, plot, register, run
 from rollslip.catalogue.discovery import taken_back
 from rollslip.errors import PluginError
-from rollslip.results.account import of_laws
+from rollslip.results.words import of_laws
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.traction.eyring import Muraki
 

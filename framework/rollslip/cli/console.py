@@ -18,9 +18,9 @@ from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
-from rollslip.results.account import account_of, of_laws
+from rollslip.results.account import account_of
 from rollslip.results.answer import COLOURS, Answer
-from rollslip.results.words import confidence, first_line
+from rollslip.results.words import confidence, first_line, of_laws
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene, scene_hash
 from rollslip.units import format_quantity

@@ -16,26 +16,20 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
-import numpy as np
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import SceneError
 from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
 from rollslip.results.curves import Curves, critical_rows, curves
-from rollslip.results.dataset import LAW
-from rollslip.results.words import LOWER_BOUNDS, percent
+from rollslip.results.words import LOWER_BOUNDS, capital, percent, with_unit
 from rollslip.scene.reading import shipped_scenes
-from rollslip.units import UnitError, format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = [
-    "ACCOUNT", "Account", "Contact", "PlainAccount", "Sheet", "Story", "Table", "account_of", "answer", "capital",
-    "with_unit",
-]  # fmt: skip
+__all__ = ["ACCOUNT", "Account", "Contact", "PlainAccount", "Sheet", "Story", "Table", "account_of", "answer"]
 
 
 @attrs.frozen
@@ -266,32 +260,6 @@ def account_of(dataset: "xr.Dataset") -> Account:
     return account
 
 
-def of_laws(dataset: "xr.Dataset") -> list[str]:
-    """Say what laws give beside their columns (`rollslip.models.SliceModel.outputs`), a sentence for each and curve."""
-    said = list[str]()
-    for variable in dataset.data_vars.values():
-        if LAW not in variable.attrs:
-            continue
-        (dim, *_), unit = variable.dims, dataset[variable.dims[0]].attrs.get("units", "1")
-        for at, values in zip(dataset[dim].to_numpy().tolist(), variable.to_numpy(), strict=True):
-            known = values[np.isfinite(values)]
-            ends = (
-                (with_unit(float(end), variable.attrs["units"]) for end in (known.min(), known.max()))
-                if known.size
-                else ("no value",)
-            )
-            label = f"{at} {dim}" if isinstance(at, str) else with_unit(at, unit)
-            said.append(
-                f"{variable.attrs['long_name']} by {variable.attrs[LAW]!r}, {label}: {' to '.join(dict.fromkeys(ends))}"
-            )
-    return said
-
-
-def capital(text: str) -> str:
-    """Return a text with a capital as its first letter, unless its first word is a name such as "steady_slip"."""
-    return f"{text[:1].upper()}{text[1:]}" if text.partition(" ")[0].rstrip(":,;").isalpha() else text
-
-
 def _critical(dataset: "xr.Dataset", row: Mapping[str, Any]) -> str:
     """Critical slip of a curve, and what the curve rests on."""
     return f"slip at largest traction {row['critical_slip']:.2%} {dataset.attrs.get('curves_with', '')}".rstrip()
@@ -338,14 +306,6 @@ def _places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable,
     ):
         return []
     return [(f", {value} {dim}", {dim: k}) for k, value in enumerate(dataset[dim].to_numpy())]
-
-
-def with_unit(value: float, unit: str) -> str:
-    """Return a value of a result as people read it."""
-    try:
-        return format_quantity(value, unit, 4)
-    except UnitError:  # a unit for which there is no other way to write it
-        return f"{value:.4g} {unit.partition(',')[0]}"
 
 
 #: The kind of an account; packages that offer studies offer theirs.

@@ -33,12 +33,12 @@ from rollslip.files import whole_file
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
-from rollslip.results.account import Table, account_of, answer, capital, of_laws
+from rollslip.results.account import Table, account_of, answer
 from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
-from rollslip.results.words import confidence, counted, html_table, warned
+from rollslip.results.words import capital, confidence, counted, html_table, of_laws, warned
 from rollslip.scene.schema import rows_of, schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS

@@ -7,16 +7,20 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from rollslip.results.curves import percent as three_digits
-from rollslip.units import format_quantity
+from rollslip.results.dataset import LAW
+from rollslip.units import UnitError, format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "confidence", "counted",
-    "duration", "duration_range", "estimated", "first_line", "force", "force_unit", "html_table", "in_python",
-    "of_key", "percent", "plain", "power", "rounded_up", "runs_at", "runs_away", "span", "two", "warned",
+    "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "capital", "confidence",
+    "counted", "duration", "duration_range", "estimated", "first_line", "force", "force_unit", "html_table",
+    "in_python", "of_key", "of_laws", "percent", "plain", "power", "rounded_up", "runs_at", "runs_away", "span", "two",
+    "warned", "with_unit",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -133,12 +137,46 @@ def confidence(datasets: "Iterable[xr.Dataset]") -> str:
     return "; ".join(said)
 
 
+def of_laws(dataset: "xr.Dataset") -> list[str]:
+    """Say what laws give beside their columns (`rollslip.models.SliceModel.outputs`), a sentence for each and curve."""
+    said = list[str]()
+    for variable in dataset.data_vars.values():
+        if LAW not in variable.attrs:
+            continue
+        (dim, *_), unit = variable.dims, dataset[variable.dims[0]].attrs.get("units", "1")
+        for at, values in zip(dataset[dim].to_numpy().tolist(), variable.to_numpy(), strict=True):
+            known = values[np.isfinite(values)]
+            ends = (
+                (with_unit(float(end), variable.attrs["units"]) for end in (known.min(), known.max()))
+                if known.size
+                else ("no value",)
+            )
+            label = f"{at} {dim}" if isinstance(at, str) else with_unit(at, unit)
+            said.append(
+                f"{variable.attrs['long_name']} by {variable.attrs[LAW]!r}, {label}: {' to '.join(dict.fromkeys(ends))}"
+            )
+    return said
+
+
+def capital(text: str) -> str:
+    """Return a text with a capital as its first letter, unless its first word is a name such as "steady_slip"."""
+    return f"{text[:1].upper()}{text[1:]}" if text.partition(" ")[0].rstrip(":,;").isalpha() else text
+
+
 # How people read values -----------------------------------------------------------------------------------------------
 
 
 def in_percent(name: str, unit: str) -> bool:
     """Whether a result is told, drawn and limited in percent: slips are."""
     return unit == "1" and "slip" in name
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a value of a result as people read it."""
+    try:
+        return format_quantity(value, unit, 4)
+    except UnitError:  # a unit for which there is no other way to write it
+        return f"{value:.4g} {unit.partition(',')[0]}"
 
 
 def two(value: float) -> str:

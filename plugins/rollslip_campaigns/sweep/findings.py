@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.account import with_unit
 from rollslip.results.dataset import TOLD_BY, UNITS
-from rollslip.results.words import in_percent
+from rollslip.results.words import in_percent, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
