@@ -1,11 +1,13 @@
 """The explorer: its interpolation against functions that are known, its page against runs, in a real browser."""
 
+import json
 import re
 import shutil
 import subprocess
 
 import numpy as np
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 
 import rollslip
@@ -77,6 +79,37 @@ def test_by_default_load_speed_temperature_clearance_and_the_law_of_traction_mov
     ]  # fmt: skip
     assert planned.choices == {"models.traction.hydrodynamic": ("muraki", "maxwell-eyring")}
     assert planned.size == 2 * (5 * 3 * 3 * 5 + 24)
+
+
+def test_a_slider_begins_at_the_value_of_the_scene_and_goes_to_both_sides_of_it():
+    scene = rollslip.evolve(rollslip.load_scene("1032930-50C"), {"bearing.radial_clearance": "10 um"})
+    *_, clearance = ExplorerSettings(scene).plan().dials  # 2e-4 of 165 mm are 33 um; none is below 0
+    assert (clearance.low, clearance.start, clearance.high) == pytest.approx((0.0, 1e-5, 4.3e-5), abs=1e-9)
+    low, far, high = (
+        ExplorerSettings(scene, {"operation.radial_load": over}).plan().dials[0]
+        for over in ("1 N:2 N", "100 N:301 N", "1 MN:2 MN")
+    )
+    assert (low.start, high.start) == (2.0, 1e6)
+    assert [one.logarithmic for one in (low, far, high)] == [False, True, False]  # from a factor of 3 on
+
+
+def test_the_page_holds_units_angles_and_errors(tmp_path, monkeypatch):
+    monkeypatch.setattr(written, "library", lambda: "")
+    planned = ExplorerSettings("1032930-50C", {"operation.temperature": "46 degC:50 degC:2"}, checks=4).plan()
+    error = {"median": 0.01, "largest": 0.02, "known": 3, "mistaken": 1}
+    results = written.Results(
+        np.array([0.0, 1.0]), np.radians([0.0, 90.0, 180.0, 270.0]), {"runaway_slip": (0, 1)}, np.ones((1, 2, 1)),
+        {"runaway_slip": error},
+    )  # fmt: skip
+    written.write_page(tmp_path / "p.html", planned, results, xr.Dataset(attrs={"swept": "x", "packages": "{}"}))
+    text = (tmp_path / "p.html").read_text(encoding="utf-8")
+    assert "<td>1 %</td><td>2 %</td><td>1 of 4</td>" in text
+    data, _ = json.JSONDecoder().raw_decode(text, text.index('{"dials":'))
+    [dial] = data["dials"]
+    assert (dial["unit"], dial["size"], dial["zero"]) == ("\N{DEGREE SIGN}C", pytest.approx(1.0), -273.15)
+    assert data["angle"] == pytest.approx([0.0, 90.0, -180.0, -90.0])
+    (most,) = set(re.findall(r'type="range"[^>]* max="(\d+)"', text))
+    assert f"if (position >= {most}) return dial.high" in text
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,8 @@
 """Models are held against data sets: bands, verdicts and chi-square by known numbers, statements, and predictions."""
 
+import itertools
 import math
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -9,16 +11,18 @@ import pytest
 from rollslip import open_result, validate
 from rollslip.catalogue.registry import get_model
 from rollslip.cli.main import main
-from rollslip.errors import PluginError, SceneError
+from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.structure import FrozenTable
 from rollslip_campaigns.measurement.values import Row, Series, Statement, Step
 from rollslip_campaigns.validation import ValidationSettings
+from rollslip_campaigns.validation import validate as way
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import form, read_predictions
 from rollslip_campaigns.validation.residuals import Value, held, verdict_on
 from rollslip_campaigns.validation.validate import run_validation
+from synthetic_traction import exact, synthetic
 
 
 def series_of(*rows):
@@ -50,7 +54,7 @@ def test_chi_square_is_that_of_both_uncertainties_and_of_what_rows_share():
 
 
 @pytest.mark.parametrize(
-    ("measured", "verdict"), [(1.0, "inside"), (1.3, "inside"), (1.6, "outside"), (0.4, "outside")]
+    ("measured", "verdict"), [(1.0, "inside"), (1.45, "inside"), (1.53, "outside"), (0.47, "outside")]
 )
 def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verdict):
     """0.2 and 0.15 make 0.25: 1.96 of it is 0.49."""
@@ -60,6 +64,9 @@ def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verd
     [row], _ = held(OF, series_of((measured, 0.15)), values_of(1.0), samples[:, None], "")
     assert row.verdict == verdict
     assert row.ratio == pytest.approx(1.0 / measured)
+    assert row.band == pytest.approx((1.0 - 1.96 * 0.2, 1.0 + 1.96 * 0.2), rel=0.01)
+    for ratio in row.ratio_band:  # Fieller: K - r M is normal
+        assert abs(1.0 - ratio * measured) / math.hypot(0.2, 0.15 * ratio) == pytest.approx(1.96, rel=0.03)
 
 
 def test_values_beyond_the_range_are_larger_than_all_in_it():
@@ -76,6 +83,8 @@ def test_values_that_are_not_known_leave_the_verdict_open():
     [row], _ = held(OF, series_of((0.5, 0.01)), values_of(0.5), samples, "")
     assert row.verdict == "cannot be determined"
     assert row.status == "10% of the samples have no value"
+    few = np.array([0.5] * 98 + [math.nan] * 2)[:, None]  # up to 2.5 %, which the band leaves out
+    assert held(OF, series_of((0.5, 0.01)), values_of(0.5), few, "")[0][0].verdict == "inside"
 
 
 def test_too_few_samples_give_no_chi_square():
@@ -123,6 +132,9 @@ def test_the_calibrated_oil_gives_the_published_pair_and_another_law_does_not(fo
     assert verdicts == {"as stated": ["inside"] * 2, "eyring-thermal": ["outside"] * 2}
     own = found.isel(row=np.flatnonzero(found.row_models == "as stated"))
     assert own.calculated.to_numpy() == pytest.approx([0.1117, 0.5002], abs=2e-4)  # README of rollslip-klebanov
+    assert found.attrs["evaluations"] == 4 * (1 + 24)
+    assert (own.ratio_low < own.ratio).all()
+    assert (own.ratio < own.ratio_high).all()
 
 
 def test_a_validation_is_stored_and_reported(found, tmp_path):
@@ -177,6 +189,34 @@ def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
         observe(series.scene, "effective-friction/runaway_slipp", {}, [{}])
     with pytest.raises(SceneError, match="has 2 values along ring"):
         observe(series.scene, "critical-slip", {}, [{}])
+
+
+def test_a_film_is_held_against_one_at_the_same_place_alone():
+    series = get_model("measurement", "film-limits").series[0]
+    right, other = (way.nominal_values(series, way.Combination("", one))[0] for one in ({}, {"film": "dowson-toyoda"}))
+    assert (right.why, right.value) == ("", pytest.approx(series.rows[0].measured, rel=1e-3))
+    assert other.why == "dowson-toyoda gives the central film, measured was the minimum"
+
+
+def test_samples_of_an_oil_beyond_its_models_are_counted_and_rows_share_the_time(monkeypatch):
+    [series] = synthetic(exact("carreau", 2), 0.01, seed=1, count=2).series
+    clock = SimpleNamespace(perf_counter=itertools.count().__next__)  # one second from one look to the next
+    monkeypatch.setattr(way, "time", clock)
+    assert way.nominal_values(series, way.AS_STATED)[0].seconds == pytest.approx(1 / len(series.rows))
+
+    def contacts(problem, oil, column):
+        if oil is None:
+            raise DomainError("beyond")
+        return np.ones(len(series.rows))
+
+    monkeypatch.setattr(way, "_oils", lambda *_: ([None, "known"], ""))
+    monkeypatch.setattr(way, "_contacts", contacts)
+    plan = ValidationSettings("klebanov-2022", samples=2).plan()
+    _, samples, note = way._of_contacts(series, way.AS_STATED, plan)
+    assert np.isnan(samples).all(axis=1).tolist() == [True, False]
+    assert note == "1 of 2 samples of the oil lie outside the domain of a model"
+    with pytest.raises(SceneError, match="a band needs 2 at least"):
+        ValidationSettings("klebanov-2022", samples=1).plan()
 
 
 def test_names_that_nobody_offers_are_refused_before_anything_runs():

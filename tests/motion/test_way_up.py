@@ -15,8 +15,10 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import place_of, slip_of
+from rollslip_studies.motion.spins import Motion, place_of, slip_of
 from rollslip_studies.motion.torque_balance import RANGE, rollers, runaway, running
+from rollslip_studies.motion.way_up import _FALL as FALL
+from rollslip_studies.motion.way_up import _bend, _peaks, _rise, _trusted
 from tabled import REFERENCES, rows_of
 
 
@@ -283,6 +285,36 @@ def test_pocket_friction_and_effective_friction_have_a_way_and_both_rings_may_tu
     assert simple.runs_away.drag == pytest.approx(plain.runs_away.drag, rel=0.1)
     driven = balance(slices=1, **{"operation.outer_speed": "-500 rpm"}).way()
     assert driven.end == RANGE
+
+
+def curve(*torques, gaps=()):
+    """Motions at places one apart; before some of them there is a gap."""
+    return [
+        Motion(slip_of(float(k)), torque, np.zeros(1), 1.0, True, linked=k not in gaps)
+        for k, torque in enumerate(torques)
+    ]
+
+
+def test_maxima_of_a_way_fall_behind_by_more_than_rounding_before_a_larger_one_comes():
+    assert _peaks(curve(1.0, 3.0, 2.0, 4.0, 1.0)) == [1, 3]
+    assert _peaks(curve(1.0, 3.0, 3.0 * (1.0 - 0.5 * FALL), 4.0, 4.0 * (1.0 - 0.5 * FALL))) == []
+    assert _peaks(curve(-1.0, -3.0)) == []
+
+
+def test_the_bend_of_a_parabola_is_its_second_derivative_and_none_is_told_at_a_gap():
+    assert _bend(curve(0.0, 3.0, 4.0), 1) == pytest.approx(2.0)
+    assert _bend(curve(0.0, 3.0, 4.0, gaps=(2,)), 1) == _bend(curve(0.0, 3.0, 4.0), 0) == 0.0
+
+
+def test_what_a_maximum_may_be_over_the_largest_value_is_by_the_slopes_beside_it():
+    # 1 and 2 at both sides of it, one apart: by the slope of the left side on the right one 1, the other way 2, of 4
+    assert _rise([0.0, 1.0, 2.0], [3.0, 4.0, 2.0]) == pytest.approx(0.5)
+    assert _rise([0.0, 1.0, 2.0], [1.0, 2.0, 4.0]) == pytest.approx(1.0)  # still rises by 2: as far again, 2 * 2
+
+
+def test_a_motion_stays_that_goes_on_either_way_and_a_single_one_between_gaps_does_not():
+    way = curve(1.0, 2.0, 3.0, 4.0, gaps=(1, 2))  # the second by itself, the third begins one that goes on
+    assert [one.torque for one in _trusted(way)] == [1.0, 3.0, 4.0]
 
 
 def test_a_place_is_that_of_its_slip():

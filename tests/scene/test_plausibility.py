@@ -13,6 +13,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import Cage
 from rollslip.catalogue.discovery import add, get_class
 from rollslip.catalogue.registry import available, find
+from rollslip.datasets import Catalogue
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Span, parameter
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
@@ -347,3 +348,31 @@ def test_bearings_like_those_of_catalogues_are_usual(
     said = implausible(from_raw(raw, "catalogue"))
     assert all("runs preloaded" in one for one in said)
     assert len(said) <= (clearance < 0.0)
+
+
+def test_what_values_amount_to_is_that_by_hand():
+    def amounts(words):
+        return next(one for one in RELATIONS if words in one.words).of(scene)
+
+    made = evolve(load_scene("1032930-70C"), {"operation.outer_speed": "-500 rpm"})
+    given = Catalogue(minimum_load_factor=0.2, reference_speed=800.0)
+    scene = attrs.evolve(made, bearing=attrs.evolve(made.bearing, catalogue=given))
+    b, o = scene.bearing, scene.operation
+    assert amounts("surface speed of the inner") == pytest.approx(o.inner_speed * b.inner_raceway_diameter / 2)
+    load = 5.0 * o.radial_load / (b.rollers * b.roller_length)
+    half_width = 2.0 * load / (math.pi * amounts("after Hertz"))
+    assert amounts("half width") == pytest.approx(scene.surface.inner_raceway_roughness / half_width)
+    pitch = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 2
+    faster = (o.inner_speed - o.outer_speed) / 800.0
+    least = 1e3 * 0.2 * (6.0 + 4.0 * faster) * (pitch / 0.1) ** 2
+    assert amounts("SKF's catalogue minimum load") == pytest.approx(o.radial_load / least)
+
+
+def test_short_rollers_are_usual_and_a_number_without_a_unit_is_doubted_before_one_with_it():
+    made = load_scene("1032930-70C")
+    short = evolve(made, {"bearing.roller_length": 0.5 * made.bearing.roller_diameter})
+    assert not any("bearing.roller_length" in one for one in implausible(short))
+    for speed, doubted in ((600.0, True), ("5730 rpm", False), (300.0, False)):  # n d_m is 1e6 and 5e5 mm/min
+        operation = {**made.raw["operation"], "inner_speed": speed}
+        told = implausible(from_raw({**made.raw, "operation": operation}, "s.toml"))
+        assert any("(n d_m)" in one for one in told) == doubted

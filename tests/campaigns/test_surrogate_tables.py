@@ -1,0 +1,170 @@
+"""Tables of a surrogate whose friction is known in closed form: what lies between nodes, balances and files."""
+
+import math
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import brentq
+
+import rollslip
+from rollslip.errors import SceneError
+from rollslip_campaigns.surrogate import SurrogateSettings
+from rollslip_campaigns.surrogate.exports import Csv, _description, c_header
+from rollslip_campaigns.surrogate.surrogate import _drags
+from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
+
+pytestmark = pytest.mark.quick
+RI, RO = 0.08, 0.1
+SMALL, STEP = 1e-4, 0.5  # slide-roll ratios are even in asinh of them over the first, by the second
+
+
+def dataset(rise=1e-3, largest=0.05, resistance=0.0, drags=(0.0, 0.0, 0.0, 0.0), forces=(1000.0, 1200.0)):
+    """Friction that rises by so much from node to node, on each ring with one force and resistance."""
+    size = (2, 2, 2, 2, 2)
+    dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed")
+    force = np.broadcast_to(np.reshape(forces, (2, 1, 1, 1, 1)), size)
+    cages = np.sinh(np.arange(8))
+    numbers = {"inner_radius": RI, "outer_radius": RO, "roller_radius": 0.01, "orbit_radius": 0.09, "roller_mass": 0.02,
+               "orbital_inertia": 1e-3, "spin_inertia": 2e-5, "first_load": 2e3, "first_temperature": 350.0,
+               "first_inner_speed": 100.0, "first_outer_speed": -7.0}  # fmt: skip
+    lead = {name: ("temperature", np.full(2, value)) for name, value in zip(
+        ("drag_inner", "drag_outer", "drag_cage"), drags, strict=False)}  # fmt: skip
+    return xr.Dataset(
+        {
+            "mean_friction": ((*dims, "slide_roll"), np.broadcast_to(rise * np.arange(25.0), (*size, 25))),
+            "largest_friction": (dims, np.full(size, largest)),
+            "ring_resistance": (dims, np.full(size, resistance)),
+            "ring_force": (dims, force),
+            "drag_rest": (("temperature", "cage_speed"), np.tile(drags[3] * np.arange(8.0), (2, 1))),
+            "temperature_range": ("end", [340.0, 360.0]),
+            "radial_load_range": ("end", [1e3, 3e3]),
+            **lead,
+            **{name: ((), value) for name, value in numbers.items()},
+        },
+        coords={"temperature": [340.0, 360.0], "radial_load": [1e3, 3e3], "cage_ratio": [0.1, 10.0],
+                "rolling_speed": [0.1, 50.0], "slide_roll": SMALL * np.sinh(STEP * np.arange(25)), "cage_speed": cages},
+        attrs={"sliding_small": SMALL, "error": 0.01, "packages": "{}", "source": "nobody's"},
+    )  # fmt: skip
+
+
+def folded(**given):
+    return Tables.of(dataset(**given)).at(350.0, 2e3)
+
+
+def test_weights_are_those_of_the_four_nodes_around():
+    axis = Axis(np.geomspace(1.0, 100.0, 7), True)
+    np.testing.assert_allclose(axis.weights(axis.nodes), np.eye(7), atol=1e-12)
+    assert np.flatnonzero(weights(12, 5.5)[0]).tolist() == [4, 5, 6, 7]
+
+
+def test_traction_and_resistance_are_those_of_the_law():
+    V, u = np.array([0.3, -0.3, 0.01]), np.array([5.0, 5.0, 1e-3])
+    traction, resistance = folded(resistance=3.0).pull(1, np.full(3, 40.0), V, u)
+    film = np.hypot(u, 1e-3)
+    x = np.minimum(np.arcsinh(np.abs(V) / (SMALL * film)) / STEP, 24.0)
+    assert traction == pytest.approx(np.sign(V) * 1e-3 * x * 1200.0)
+    assert resistance == pytest.approx(3.0 * u / film)
+
+
+def test_drags_go_with_the_lead_of_rings_and_with_the_speed_of_the_cage():
+    one, w = folded(drags=(0.02, 0.03, 1e-4, 0.1)), np.array([20.0, -20.0])
+    by_hand = 0.02 * (100.0 - w) + 0.03 * (-7.0 - w) - 1e-4 * abs(w) * w + np.sign(w) * 0.1 * np.arcsinh(20.0)
+    assert one.drag(w, 100.0, -7.0) == pytest.approx(by_hand)
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.05])
+@pytest.mark.parametrize("resistance", [0.0, 2.0])
+def test_rollers_are_where_their_torques_balance(slip, resistance):
+    one, inner, outer = folded(resistance=resistance), 100.0, 10.0
+    w = (RI * inner + RO * outer) / (RI + RO) * (1.0 - slip)
+    a, b = RI * (inner - w), RO * (w - outer)
+
+    def forces(c):
+        return [*one.pull(0, np.array([w]), np.array([a - c]), np.array([0.5 * (a + c)])),
+                *one.pull(1, np.array([w]), np.array([c - b]), np.array([0.5 * (b + c)]))]  # fmt: skip
+
+    def spin(c):
+        Fi, Si, Fo, So = forces(c)
+        return float((Fi - Si - Fo - So)[0])
+
+    Fi, Si, Fo, So = (float(each[0]) for each in forces(brentq(spin, min(a, b) - 0.5, max(a, b) + 0.5, xtol=1e-14)))
+    left, on_inner, on_outer = one._balance(np.array([w]), np.array([inner]), outer)
+    assert on_inner[0] == pytest.approx(RI * (Fi + Si), rel=1e-3, abs=1e-4)
+    assert on_outer[0] == pytest.approx(RO * (Fo - So), rel=1e-3, abs=1e-4)
+    assert left[0] == pytest.approx(on_inner[0] + on_outer[0])
+
+
+def test_a_bearing_that_runs_steadily_takes_in_what_it_loses():
+    one = folded(resistance=2.0, drags=(1e-3, 0.0, 1e-4, 0.1))
+    found = one.steady(np.array([100.0, 150.0]), 10.0)
+    w = (RI * np.array([100.0, 150.0]) + RO * 10.0) / (RI + RO) * (1.0 - found.cage_slip)
+    ground = 1e-4 * w**2 - 0.1 * np.arcsinh(w)  # torque that no ring gives back
+    assert found.torque + found.outer_torque == pytest.approx(ground, abs=1e-4)
+    assert found.power_loss == pytest.approx(found.torque * np.array([100.0, 150.0]) + found.outer_torque * 10.0)
+    # the outer ring takes what the inner one gives a roller, 0.05 of 1000 N, less both resistances
+    most = RI * (46.0 + 3.0 * 2.0) + RO * (46.0 - 2.0)
+    assert found.drag_reserve == pytest.approx(most / abs(one.drag(w, np.array([100.0, 150.0]), 10.0)), rel=1e-3)
+
+
+def test_where_nothing_is_carried_there_is_no_slip_and_no_reserve():
+    found = folded(rise=1e-6, largest=0.5, drags=(0.0, 1.0, 0.0, 0.0)).steady(np.array([100.0]), -7.0)
+    assert np.isnan([found.cage_slip[0], found.torque[0], found.power_loss[0]]).all()
+    assert found.drag_reserve[0] == 1.0
+
+
+def test_speeds_of_a_plan_hold_those_of_its_ranges():
+    over = {"inner_speed": "100 rpm:1000 rpm", "outer_speed": "10 rpm:20 rpm"}
+    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"operation.outer_speed": "15 rpm"})
+    told = SurrogateSettings(scene, over, engine="serial").plan().sweep.scene.study["raceway-friction"]
+    b, rpm = scene.bearing, math.pi / 30.0
+    Ri, Ro = b.inner_raceway_diameter / 2, b.outer_raceway_diameter / 2
+    assert told["fastest"] == pytest.approx(1.6 * Ri * Ro / (Ri + Ro) * 990.0 * rpm)
+    ratios = [Ro * (Ri * inner + Ro * outer) / (Ri * Ro * (inner - outer)) for inner, outer in ((1000, 10), (100, 20))]
+    assert [told["least_ratio"], told["most_ratio"]] == pytest.approx(ratios)
+    backwards = rollslip.evolve(scene, {"operation.inner_speed": "-500 rpm"})
+    ends = SurrogateSettings(backwards, {}, engine="serial").plan().ranges["operation.inner_speed"]
+    assert ends == pytest.approx((-600.0 * rpm, -75.0 * rpm))
+
+
+def test_an_error_of_a_fifth_is_the_most_that_is_asked_for():
+    with pytest.raises(SceneError, match=r"a share from 0\.0001 to 0\.2 is expected"):
+        SurrogateSettings("gearbox", {}, error=0.5, engine="serial").plan()
+
+
+def test_drags_are_told_apart_by_what_they_go_with():
+    drag = [{"model": "constant-torque", "size": "0.2 N m"}]
+    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag})
+    ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
+    found, top = _drags(scene, np.array([350.0]), ranges, 0.01)
+    assert [found[name][0] for name in ("inner", "outer", "cage")] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert (top, found["rest"][0, -1]) == (pytest.approx(100.0), pytest.approx(-0.2, rel=1e-3))
+
+
+def test_files_for_other_programs_hold_the_numbers_of_the_tables():
+    result = dataset()
+    text, guid = c_header(result)
+    numbers = {name: float(value) for name, value in re.findall(r"#define (\w+) ([-\d.e]+)\n", text)}
+    assert (numbers["X_STEPS"], numbers["X_SMALL"]) == (pytest.approx(1.0 / STEP), SMALL)
+    assert (numbers["FIRST_INNER"], numbers["FIRST_OUTER"], numbers["RI"]) == (100.0, -7.0, RI)
+    root = ET.fromstring(_description(result, guid, False))
+    assert "friction within 1 % of nobody's" in root.get("description")
+    known = root.findall("ModelVariables/ScalarVariable")
+    outputs = [known[int(one.get("index")) - 1].get("causality") for one in root.findall("ModelStructure/Outputs/*")]
+    assert set(outputs) == {"output"}
+    load = next(one for one in known if one.get("name") == "radial_load").find("Real")
+    assert (float(load.get("min")), float(load.get("max"))) == (1e3, 3e3)
+
+
+def test_a_row_without_a_balance_has_empty_cells():
+    axes = {"temperature": [350.0], "radial_load": [1e3], "inner_speed": [100.0]}
+    columns = ("steady_cage_slip", "friction_torque", "outer_torque", "power_loss", "drag_reserve")
+    values = (math.nan, math.nan, math.nan, math.nan, 0.5)
+    made = xr.Dataset(
+        {name: (tuple(axes), np.full((1, 1, 1), value), {"units": "1"})
+         for name, value in zip(columns, values, strict=True)},
+        coords={name: (name, value, {"units": "1"}) for name, value in axes.items()},
+    )  # fmt: skip
+    assert Csv("csv").of(made).text.splitlines()[1] == "350,1000,100,,,,,0.5"
