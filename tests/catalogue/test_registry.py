@@ -3,6 +3,7 @@
 import inspect
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -589,3 +590,28 @@ def test_a_submodel_may_be_declared_by_its_name():
     for given in ({}, {"factory": Constant, "default": "muraki"}):
         with pytest.raises(TypeError, match="takes a factory or the name of its default, one of them"):
             submodel("traction", doc="", **given)
+
+
+def test_a_release_candidate_of_rollslip_is_one_that_fits(monkeypatch):
+    monkeypatch.setattr("importlib.metadata.version", lambda name: "0.2.0rc1")
+    assert discovery._state(SimpleNamespace(name="x", requires=["rollslip>=0.1"])) == ("ok", "")
+    assert discovery._state(SimpleNamespace(name="x", requires=["rollslip>=0.3"]))[0] == "incompatible"
+
+
+def test_of_offers_that_cannot_be_used_the_one_is_told_whose_remedy_helps(monkeypatch):
+    offers = tuple(
+        discovery.Offer(kind="film", name="flat", package=state, version="1", module="m", state=state, cause=state)
+        for state in ("incompatible", "shadowed", "disabled")
+    )
+    monkeypatch.setattr(discovery, "catalogue", lambda: offers)
+    with pytest.raises(PluginError, match="film 'flat' of package shadowed: shadowed"):
+        find("film", "flat")
+
+
+def test_what_is_offered_meanwhile_is_told_and_taken_back():
+    made = attrs.evolve(get_class("surface", next(iter(available("surface")))), name="of-a-test")
+    with discovery.taken_back() as offered:
+        discovery.add("surface", made)
+        assert find("surface", "of-a-test").package == discovery.THIS_PROCESS
+    assert offered == {("surface", "of-a-test"): made}
+    assert "of-a-test" not in available("surface")

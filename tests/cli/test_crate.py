@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from rollslip.cli.crate import CRATE, write_crate
 from rollslip.cli.main import cli
+from rollslip.references import Reference, as_dict
 from rollslip.results.dataset import open_result
 
 
@@ -89,3 +90,17 @@ def test_a_text_cited_and_a_missing_description_are_told_too(made, tmp_path):
     assert graph["./"]["description"] == "Computed by rollslip: a result.nc"
     assert [graph[one["@id"]]["name"] for one in graph["./"]["citation"]] == ["Letter of 1931"]
     assert graph["a%20result.nc"]["name"] == "a result.nc"
+
+
+def test_a_work_is_told_once_with_its_kind_and_year_and_files_with_theirs(made, graph, tmp_path):
+    thesis = as_dict(Reference(kind="thesis", title="On slip", authors=("Nobody, N.",), year=1999, publisher="Nowhere"))
+    attrs = open_result(made / "friction-curve.nc").attrs | {"bibliography": json.dumps([thesis])}
+    files = [tmp_path / name for name in ("one.nc", "two.nc")]
+    for file in files:
+        shutil.copy(made / "friction-curve.nc", file)
+    text = write_crate({file: xr.Dataset(attrs=attrs) for file in files}).read_text(encoding="utf-8")
+    both = {entity["@id"]: entity for entity in json.loads(text)["@graph"]}
+    [work] = [both[one["@id"]] for one in both["./"]["citation"]]
+    assert (work["@type"], work["name"], work["datePublished"]) == ("Thesis", "On slip", "1999")
+    assert graph["friction-curve.nc"]["encodingFormat"] == "application/x-netcdf"
+    assert graph["report.html"]["encodingFormat"] == "text/html"

@@ -21,6 +21,15 @@ def test_this_installation_is_healthy():
     assert {finding.state for finding in found} <= {"ok", "warning"}
 
 
+def test_a_warning_is_no_fault_and_numbers_of_both_are_told():
+    warned = [Finding("x", "warning", "y"), Finding("z", "ok", "1")]
+    assert healthy(warned)
+    assert as_text(warned).splitlines()[-1] == "1 warning"
+    faults = [*warned, Finding("a", "fault", "b", "c"), Finding("d", "fault", "e", "f")]
+    assert not healthy(faults)
+    assert as_text(faults).splitlines()[-1] == "2 faults and 1 warning"
+
+
 def test_an_instruction_set_that_is_not_there_is_the_only_fault():
     code, out, _ = rollslip("doctor", path="", fresh=True, ROLLSLIP_SIMD="v9")
     assert code == 5

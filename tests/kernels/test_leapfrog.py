@@ -88,6 +88,24 @@ def test_within_a_step_it_is_as_near_as_at_its_end(problem):
     assert np.all(np.log2(errors[0] / errors[1]) > 2.6)
 
 
+def test_it_goes_back_in_time_as_well():
+    rates, exact, places, end = PROBLEMS["pendulum"]
+    system = python_system(rates, 2, places=places, swing_frequency=80.0)
+    back = Leapfrog(system, end, exact(end), 0.0, 1e-5)
+    assert back.advance(max_steps=1000)[0] == "finished"
+    assert (back.t, back.y) == (0.0, pytest.approx(exact(0.0), abs=1e-3))
+
+
+def test_without_a_frequency_its_steps_go_with_the_root_of_the_tolerance():
+    rates, exact, places, end = PROBLEMS["pendulum"]
+    steps = []
+    for tolerance in (1e-4, 1e-6):
+        solver = Leapfrog(python_system(rates, 2, places=places), 0.0, exact(0.0), end, tolerance, tolerance)
+        solver.advance()
+        steps.append(solver.steps)
+    assert steps[1] / steps[0] == pytest.approx(10.0, rel=0.2)
+
+
 def test_one_evaluation_a_step_and_no_loss_over_a_thousand_swings():
     """A method of order 5 with as long steps, of six evaluations, has lost a quarter of the energy by then."""
     rates, end, h = (lambda t, y: [y[1], -y[0]]), 6400.0, 0.8

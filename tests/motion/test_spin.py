@@ -93,3 +93,9 @@ def test_friction_of_a_pocket_is_against_the_spin():
     along = INNER * 100.0 + OUTER * 100.0
     np.testing.assert_allclose(free, 0.0, atol=1e-15)
     np.testing.assert_allclose(held, -0.2 * RADIUS / ORBIT * along * ROLLING / np.hypot(ROLLING, 1e-2), rtol=1e-14)
+
+
+def test_rows_that_do_not_exist_are_refused():
+    one = Spin(POSITIONS, linear, RADII, ROLLING)
+    with pytest.raises(ValueError, match="row 1 of 1 does not exist"):
+        one.settled(np.array([1]), POSITIONS, np.ones(1), np.zeros((1, POSITIONS)), np.ones(1))

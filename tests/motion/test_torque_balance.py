@@ -1,0 +1,79 @@
+"""What is made of a balance of torques: reserves and their words, positions, and curves of effective friction."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip_studies.motion.effective_table import EffectiveTable
+from rollslip_studies.motion.torque_balance import (
+    AT_LEAST,
+    FOUND,
+    NOWHERE,
+    SKIDS,
+    EffectiveCurve,
+    Runaway,
+    Running,
+    nowhere,
+    reserve,
+    rollers,
+)
+
+pytestmark = pytest.mark.quick
+
+
+def balance(drag, **way):
+    return SimpleNamespace(drag=drag, way=lambda largest: SimpleNamespace(**way))
+
+
+def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
+    away, runs = Runaway(0.2, 3.0, "found"), Running(0.1, 1.5, FOUND)
+    assert reserve(balance(None), away, runs).factor == 2.0
+    without = Runaway(math.nan, math.nan, "no skidding", most=3.0, most_slip=0.95)
+    for at_rest, factor in ((-2.0, 1.5), (-1.0, 3.0), (-6.0, 1.0)):  # drags that fall with slip do not count for more
+        found = reserve(balance(lambda _, of=at_rest: of, end=0.95), without, Running(0.1, 1.0, FOUND))
+        assert (found.factor, found.status.startswith(AT_LEAST)) == (factor, True)
+
+
+def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
+    way = {"curve": ([0.1, 0.5, 0.9], [1.0, 2.0, -1.0])}
+    found = reserve(balance(lambda _: -4.0, **way), Runaway(math.nan, math.nan, ""), Running(math.nan, 0.0, NOWHERE))
+    assert (found.factor, found.status.startswith(SKIDS)) == (0.5, True)
+
+
+@pytest.mark.parametrize(("end", "told"), [(0.95, "there it all but stands"), (0.9, "raise KEY to look further")])
+def test_a_cage_that_all_but_stands_is_not_looked_at_further(end, told):
+    said = nowhere(SimpleNamespace(largest=(end, 1.5), end=end, refusal=""), "KEY")
+    assert said == f"no skidding up to a slip of {end:g}, where the rollers carry the largest drag, 1.5 N m; {told}"
+
+
+def test_rollers_are_followed_on_56_to_512_positions():
+    assembly = assemble(load_scene("1032930-50C"))  # 28 rollers
+    assert [rollers(assembly, asked).motions.positions for asked in (1, 7, 1000)] == [56, 196, 532]
+
+
+def test_a_bearing_that_turns_the_other_way_is_driven_by_the_same_tractions():
+    scene = load_scene("1032930-50C")
+    one, other = (
+        rollers(assemble(evolve(scene, {"operation.inner_speed": speed, "accuracy.slices": 4})), 2).orbit(0.1)
+        for speed in ("2000 rpm", "-2000 rpm")
+    )
+    assert one.traction.sum() > 0.0
+    np.testing.assert_allclose(other.traction, one.traction, rtol=1e-6, atol=1e-6)
+
+
+def test_resistance_to_rolling_fades_where_hardly_anything_rolls_in_compiled_code_too():
+    slow = rollers(assemble(evolve(load_scene("gearbox"), {"operation.inner_speed": "0.05 rpm"})), 2, inertia=False)
+    assert slow.assembly.inner.chain.resists
+    orbit = slow.orbit(0.1)
+    count = slow.assembly.scene.bearing.rollers
+    assert orbit.torque == pytest.approx(count * slow.forces(orbit)[2].mean() * slow.motions.sense, rel=1e-6)
+
+
+def test_effective_friction_is_held_beyond_its_table():
+    x = np.linspace(-0.9, 0.9, 7)
+    curve = EffectiveCurve(EffectiveTable(np.stack((x, np.full(7, 0.3)), axis=1), (-0.9, 0.9), sliding_scale=2.0))
+    assert curve(np.array([-1e9, -18.0, 2.0, 18.0, 1e9])) == pytest.approx([-0.9, -0.9, 0.5, 0.9, 0.9])
