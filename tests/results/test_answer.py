@@ -396,6 +396,13 @@ def test_a_code_is_explained_by_what_its_bound_says_and_one_that_is_not_there_is
     assert said["valid for"] == MEAN_PRESSURE.bound.join(("pressure exponent ln(eta/eta0) ", ""))
     assert said["remedy"] == MEAN_PRESSURE.remedy
     assert "traction maxwell-eyring" in said["laws"]
+    regimes = json.loads(CliRunner().invoke(cli, ["explain", "W09", "--json"]).stdout)
+    assert "film blok: the rigid-piezoviscous regime; " in regimes["valid for"]  # each law has one of its own
+    assert regimes["valid for"].endswith("film martin: the rigid-isoviscous regime")
+    assert "film martin: its film is off by " in regimes["outside"]
+    roughness = json.loads(CliRunner().invoke(cli, ["explain", "W02", "--json"]).stdout)
+    assert "film moes" in roughness["laws"]
+    assert "film moes" not in roughness["outside"]  # where all say the same nobody is named
     refused = CliRunner().invoke(cli, ["explain", "W111"])
     assert isinstance(refused.exception, UnknownNameError)
     assert "did you mean W11" in str(refused.exception)

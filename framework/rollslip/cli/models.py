@@ -70,18 +70,19 @@ def explained(code: str) -> dict[str, str]:
         one.code: {"verdict": one.verdict, "where": one.condition, "rests on": one.source} for one in RULES
     } | {APPROXIMATION: {"note": "a law that approximates another is off it by as much as the note says",
                          "remedy": "the law that it approximates, which the note names"}}  # fmt: skip
-    outside = dict[str, dict[str, list[str]]]()
+    own = dict[tuple[str, str], dict[str, list[str]]]()
     for kind in offered_kinds() if code not in found else ():
         for name, offer in available(kind).items():
             about = _model_as_dict(kind, name) if offer.state == "ok" and not get_kind(kind).data else {}
             for one in about.get("made_for", ()):
-                row = found.setdefault(one["code"], {"laws": "", "valid for": one["bound"], "outside": ""})
+                row = found.setdefault(one["code"], {"laws": "", "valid for": "", "outside": ""})
                 law = f"{kind} {name}"
                 row["laws"] = ", ".join(filter(None, (row["laws"], law)))
                 row |= {"remedy": one["remedy"], "rests on": one["source"]}
-                outside.setdefault(one["code"], {}).setdefault(one["outside"], []).append(law)
-    for each, texts in outside.items():  # laws that have numbers of their own are told with them
-        found[each]["outside"] = "; ".join(
+                for key, text in (("valid for", one["bound"]), ("outside", one["outside"])):
+                    own.setdefault((one["code"], key), {}).setdefault(text, []).append(law)
+    for (each, key), texts in own.items():  # laws that have bounds or numbers of their own are told with them
+        found[each][key] = "; ".join(
             f"{', '.join(laws)}: {text}" if len(texts) > 1 else text for text, laws in texts.items()
         )
     if code not in found:
