@@ -159,6 +159,7 @@ def test_it_is_renewed_where_it_is_off_by_what_is_allowed():
         assert solver.told == {}
         assert solver.advance()[0] == "finished"
         told.append(solver.told)
+        assert solver.told["friction_held"] * solver.renewals == pytest.approx(0.01, rel=0.05)  # but for the last one
     assert told[0]["friction_off"] == pytest.approx(1e-3, rel=0.5)
     assert told[1]["friction_off"] == pytest.approx(1e-4, rel=0.5)
     assert 2.0 < told[0]["friction_held"] / told[1]["friction_held"] < 5.0

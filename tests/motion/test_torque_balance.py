@@ -9,6 +9,7 @@ import pytest
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip_studies.motion.effective_table import EffectiveTable
+from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import (
     AT_LEAST,
     FOUND,
@@ -63,6 +64,25 @@ def test_a_bearing_that_turns_the_other_way_is_driven_by_the_same_tractions():
     )
     assert one.traction.sum() > 0.0
     np.testing.assert_allclose(other.traction, one.traction, rtol=1e-6, atol=1e-6)
+
+
+def test_contacts_are_evaluated_in_the_motion_and_counted_once():
+    one = rollers(assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4})), 2)
+    orbit = one.orbit(0.1)
+    for contacts, traction in zip(one.evaluated(orbit), orbit.traction, strict=True):
+        found = contacts.per_roller(contacts.slices.friction * contacts.force)
+        assert one.motions.sense * found == pytest.approx(traction)
+    chain, spins = one.assembly.inner.chain.kernel, one.motions.spins(np.array([0.1]))  # it is that of both rings
+    before = chain.evaluated
+    for _ in range(3):
+        spins.kernel.torques(np.zeros(one.motions.positions))
+        spins.ended("")
+    assert chain.evaluated - before == sum(spins.kernel.evaluated)
+
+
+def test_rollers_that_rub_at_neighbours_slip_without_the_cage():
+    assembly = assemble(load_scene("1032930-50C"))
+    assert [Motions(assembly, 2, rubbing=rubs).resists for rubs in (0.0, 0.05)] == [False, True]
 
 
 def test_resistance_to_rolling_fades_where_hardly_anything_rolls_in_compiled_code_too():

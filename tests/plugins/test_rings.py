@@ -17,7 +17,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops
 from rollslip.scene.clearance import share
 from rollslip.scene.rings import reaching
-from rollslip_plugins.rings import Annulus, Thin, ToothForce, beam_stiffness, compliance_of_annulus, modal
+from rollslip_plugins.rings import Annulus, Thin, ToothForce, beam_stiffness, compliance_of_annulus, modal, numbers
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
 R, WIDTH, H, E = 0.10125, 0.028, 0.0075, 208e9
@@ -105,11 +105,11 @@ def test_forces_of_teeth_move_a_rim_as_a_frame_of_beams_does(acts):
     assert np.abs(found - true).max() < 0.05 * np.abs(true).max()  # the frame does not shear
 
 
-@pytest.mark.parametrize("n", [0, 2, 3, 6])
-def test_a_thin_annulus_is_a_beam(n):
-    h = 0.02 * R
+@pytest.mark.parametrize(("n", "share", "off"), [*((n, 0.02, 0.01) for n in (0, 2, 3, 6)), (2, 0.1, 0.0025)])
+def test_a_thin_annulus_is_a_beam(n, share, off):
+    h = share * R
     annulus = compliance_of_annulus(n, ((R - h / 2, R + h / 2, E, 0.3),), WIDTH) / (R - h / 2) * R
-    assert annulus * beam_stiffness(n, R, WIDTH * h, WIDTH * h**3 / 12, E, 0.3) == pytest.approx(1.0, abs=0.01)
+    assert annulus * beam_stiffness(n, R, WIDTH * h, WIDTH * h**3 / 12, E, 0.3) == pytest.approx(1.0, abs=off)
 
 
 @pytest.mark.parametrize("n", [0, 2, 3, 8, 14])
@@ -137,6 +137,15 @@ def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, sea
 
     taken = of(r, s) - of(r, s, b)
     assert taken == pytest.approx(share(material, raceway, seat, beyond) ** 2 * (of(s, r) + of(s, b)), rel=1e-5)
+
+
+def test_shapes_go_to_half_the_rollers_and_forces_and_play_are_those_of_the_ring():
+    few = SimpleNamespace(rollers=10, inner_raceway=None, outer_raceway=None)
+    assert (numbers(few, None), numbers(few, 7)) == ([0, 2, 3, 4, 5], [0, 2, 3, 4, 5, 6, 7])
+    bearing, tooth = scene().bearing, ToothForce(angle=0.0, radial=2.0)
+    pushes = {ring: Thin(forces=(tooth,)).shapes(bearing, ring, False).pushes[0] for ring in ("inner", "outer")}
+    assert pushes == {"inner": -2.0, "outer": 2.0}  # outwards is towards the rollers, or away from them
+    assert Thin(seat_stiffness=1e9, fit_clearance=1e-4).shapes(bearing, "outer", False).stops.gap == 5e-5
 
 
 def test_a_housing_stiffens_lobes_far_more_than_the_hoop():

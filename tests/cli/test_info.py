@@ -1,0 +1,59 @@
+"""What is told of a scene, a plan and a model without a run: against the bearing itself, and by hand."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import rollslip
+from rollslip.bearing.assembly import assemble
+from rollslip.cli import console, models
+from rollslip.errors import UnknownNameError
+from rollslip.units import quantity
+
+pytestmark = pytest.mark.quick
+
+
+def test_what_follows_from_a_scene_is_that_of_its_bearing():
+    scene = rollslip.load_scene("1032930-70C")
+    told, made = rollslip.info(scene), assemble(scene)
+    loads, oil = made.load_distribution(), made.lubricant.at(343.15)
+    load = dict(told["load distribution"])
+    assert load["rollers loaded by the inner ring"] == str(np.count_nonzero(loads.inner_force))
+    assert 1 < np.count_nonzero(loads.inner_force) < 28
+    # the roller in the line of load presses the outer ring by its centrifugal force more
+    inner, outer = (quantity(load[f"largest force, {ring} ring"], "N") for ring in ("inner", "outer"))
+    assert outer - inner == pytest.approx(made.centrifugal_force, rel=0.02)
+    of = dict(told["inner raceway"])
+    assert quantity(of["viscosity"].partition(" (")[0], "Pa s") == pytest.approx(oil.viscosity, rel=1e-3)
+    alpha = float(of["pressure-viscosity coefficient"].split(" 1/GPa")[0])
+    assert alpha == pytest.approx(1e9 * oil.pressure_viscosity, rel=1e-3)
+    film = next(quantity(value, "m") for name, value in of.items() if name.startswith("  film ("))
+    assert float(of["  film parameter"]) == pytest.approx(film / quantity(of["composite roughness"], "m"), rel=1e-2)
+
+
+def test_errors_of_parts_of_a_plan_are_summed(capsys):
+    parts = [SimpleNamespace(study="s", part=name, included=True, errors={"friction": error}, seconds=1.0)
+             for name, error in (("slices", 1e-4), ("instants", 3e-4))]  # fmt: skip
+    estimated = {"s": SimpleNamespace(resolution=SimpleNamespace(slices=4, instants=2))}
+    console.print_short_plan(
+        SimpleNamespace(cautions=[], studies=["s"], parts=parts, estimated=estimated, seconds_of=lambda _: 2.0,
+                        degrees_of_freedom=3, evaluations=5, seconds=2.0, planning=0.1)
+    )  # fmt: skip
+    said = capsys.readouterr().out
+    assert "s: 4 laminae of a roller, 2 roller positions within a pitch; relative errors of about " in said
+    assert "4e-04" in said
+
+
+@pytest.mark.parametrize(("tolerance", "missed"), [(1e-3, {"friction"}), (1e-2, set())])
+def test_an_error_beyond_its_tolerance_is_missed(tolerance, missed):
+    rows = f'[{{"result": "friction", "found": 2e-3, "tolerance": {tolerance}}}]'
+    assert console.missed_errors(SimpleNamespace(attrs={"accuracy": rows})) == missed
+
+
+def test_models_tell_ranges_and_the_nearest_name(capsys):
+    assert models.models_as_dict("iso-vg-68")["lubricant"]["range"] == ["0 degC", "120 degC"]
+    with pytest.raises(UnknownNameError, match="did you mean 'muraki'"):
+        models.kinds_of("murakki")
+    models.print_models("network")
+    assert "usually from 1000 J/(kg K) to 4500 J/(kg K)" in " ".join(capsys.readouterr().out.split())
