@@ -3,6 +3,7 @@
 import math
 import re
 import xml.etree.ElementTree as ET
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.optimize import brentq
 
 import rollslip
 from rollslip.errors import SceneError
-from rollslip_campaigns.surrogate import SurrogateSettings
+from rollslip_campaigns.surrogate import SurrogateSettings, surrogate
 from rollslip_campaigns.surrogate.exports import Csv, _description, c_header
 from rollslip_campaigns.surrogate.surrogate import _drags
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
@@ -141,6 +142,20 @@ def test_drags_are_told_apart_by_what_they_go_with():
     found, top = _drags(scene, np.array([350.0]), ranges, 0.01)
     assert [found[name][0] for name in ("inner", "outer", "cage")] == pytest.approx([0.0] * 3, abs=1e-6)
     assert (top, found["rest"][0, -1]) == (pytest.approx(100.0), pytest.approx(-0.2, rel=1e-3))
+
+
+def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
+    def drags(torque):
+        made = SimpleNamespace(torque=torque, torques=[SimpleNamespace(name="odd")])
+        monkeypatch.setattr(surrogate, "assemble", lambda _: SimpleNamespace(cage=SimpleNamespace(drags=made)))
+        ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
+        return _drags(rollslip.load_scene("gearbox"), np.array([350.0]), ranges, 0.01)[0]
+
+    found = drags(lambda w, wi, wo: 0.02 * (wi - w) + 0.03 * (wo - w) - 1e-3 * abs(w) * w)
+    assert [found[name][0] for name in ("inner", "outer", "cage")] == pytest.approx([0.02, 0.03, 1e-3])
+    assert np.abs(found["rest"]).max() < 1e-8
+    with pytest.raises(SceneError, match="odd: what they do is no sum"):
+        drags(lambda w, wi, wo: 1e-3 * w * wi)
 
 
 def test_files_for_other_programs_hold_the_numbers_of_the_tables():

@@ -484,3 +484,13 @@ def test_slopes_are_those_of_the_library_s_splines(nodes):
     clamped = CubicSpline(places, values, axis=-1, bc_type=((1, rise), "not-a-knot"))
     np.testing.assert_allclose(tables._spline(values, rise), clamped(places, 1), rtol=0, atol=1e-13)
     np.testing.assert_allclose(tables._spline(values), CubicSpline(places, values, axis=-1)(places, 1), atol=1e-13)
+
+
+def test_what_classes_of_load_leave_is_added_to_what_cells_leave(monkeypatch):
+    assembly = assemble(load_scene("1032930-50C"))
+    found = []
+    for left in ((0.0, 0.0, 0.0), (1e-3, 2e-3, 3e-3)):
+        monkeypatch.setattr(tables, "_gathered", lambda *_, left=left: (lambda u, V: Hump(0.02, 0.1, 5.0)(V), left))
+        found.append(effective_table(assembly, assembly.inner, np.ones((2, 3)), 1e-2, False))
+    more = [getattr(found[1], name) - getattr(found[0], name) for name in ("error", "slope_error", "critical_error")]
+    assert more == pytest.approx([1e-3, 2e-3, 3e-3])

@@ -13,7 +13,7 @@ from rollslip.errors import DomainError
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import System, python_system
 from rollslip_studies.motion import time_integration
-from rollslip_studies.motion.time_integration import Event, InitialValueProblem, integrate
+from rollslip_studies.motion.time_integration import Event, InitialValueProblem, Trajectory, integrate
 
 SCIPY = ("rk23", "rk45", "dop853", "radau", "bdf", "lsoda")
 #: Name of an integrator, and whether it is given a compiled system.
@@ -469,3 +469,17 @@ def test_an_event_at_the_edge_of_a_step_is_found(limit, shift):
     assert [(e.watched, e.rising) for e in found.events] == [(0, False)]
     assert found.events[0].time == pytest.approx(-math.log(limit), abs=2e-3)
     assert isinstance(found.events[0], Event)
+
+
+@pytest.mark.parametrize(("rejected", "both"), [(2, 3), (-1, -1)])
+def test_a_run_that_went_on_has_the_work_of_both_parts(rejected, both):
+    first, later = (
+        Trajectory(
+            t=np.array([t]), y=np.array([[t]]), events=(), outcome="finished", message="", error=None, last_t=t,
+            last_y=np.array([t]), last_step=0.1, steps=3, rejected=no, evaluations=10, jacobians=4, wall_time=2.0,
+        )
+        for t, no in ((1.0, 1), (2.0, rejected))
+    )  # fmt: skip
+    whole = first.then(later)
+    assert (whole.steps, whole.rejected, whole.evaluations, whole.jacobians, whole.wall_time) == (6, both, 20, 8, 4.0)
+    assert (whole.t.tolist(), whole.y.tolist(), whole.last_t) == ([1.0, 2.0], [[1.0], [2.0]], 2.0)

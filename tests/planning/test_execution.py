@@ -17,3 +17,11 @@ def test_a_load_distribution_has_the_loads_of_each_ring():
     for force in (loads["normal_force"], per_slice):
         press = (force.sel(ring="outer") - force.sel(ring="inner")).to_numpy()
         np.testing.assert_allclose(press, assembly.centrifugal_force, rtol=1e-6)
+    along, across = (loads["displacement"].sel(direction=name).to_numpy() for name in ("along", "across"))
+    assert (along > 0.0).all()
+    assert (np.abs(across) < 1e-9 * along).all()  # at both instants rollers are mirrored
+    found = assembly.load_distribution(2)
+    assert (loads.attrs["force_residual"], loads.attrs["moment_residual"]) == (
+        found.force_residual,
+        found.moment_residual,
+    )

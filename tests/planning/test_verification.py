@@ -1,0 +1,120 @@
+"""How what a run leaves is made of what witnesses show: by errors that fall with a known order, and in words."""
+
+import json
+import math
+from types import SimpleNamespace
+
+import attrs
+import pytest
+
+from rollslip import evolve, load_scene
+from rollslip import plan as planned
+from rollslip.planning import execution, verification
+from rollslip.planning.verification import Judgement, _of_order, _order, _wanted_at_once, accuracy_rows, again, told
+from rollslip.studies.study import settings
+
+pytestmark = pytest.mark.quick
+SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 4, "accuracy.tolerance": 1e-3})
+STUDY = "friction-curve"
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return planned(evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), "effective-friction")
+
+
+@pytest.mark.parametrize("p", [0.5, 1.0, 2.0])
+def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p):
+    error = [n**-p for n in (4, 9, 8)]
+    assert _of_order(error[0] - error[1], p, 4) == pytest.approx(error[0])
+    assert _order(4, 8, error[0], error[2]) == pytest.approx(p)
+
+
+def test_what_both_move_at_once_counts_where_it_is_more():
+    parts = {"slices": {"friction": 1e-3}, "instants": {"friction": 5e-4, "critical_slip": 1e-3}}
+    assert Judgement(errors=parts, at_once={"friction": 3e-3}).total == {"friction": 3e-3, "critical_slip": 1e-3}
+    assert Judgement(errors=parts, at_once={"friction": 1e-3}).total["friction"] == pytest.approx(1.5e-3)
+
+
+def test_more_of_a_part_is_asked_for_by_what_the_others_leave_of_the_aim():
+    """0.7 of the tolerance is aimed at for both: of 0.7e-3 less 0.1e-3 slices have 2e-3, that fall with the square."""
+    alone = {"slices": {"friction": 2e-3}, "instants": {"friction": 1e-4}}
+    found = _wanted_at_once(Judgement(errors={"slices": {}, "instants": {}}, alone=alone), {"friction": 1e-3})
+    assert found["slices"] == pytest.approx(math.sqrt(2e-3 / 6e-4))
+    assert found["instants"] < 1.0
+
+
+def test_a_run_that_is_off_is_made_again_finer(plan):
+    study, estimated = plan.studies["effective-friction"], plan.estimated["effective-friction"]
+    before = estimated.resolution.slices
+    # 4 times 0.35 of the tolerance: twice as many slices, whose error falls with the square
+    off = Judgement(errors={"slices": {"friction": 1.4e-3}, "instants": {"friction": 0.0}})
+    made = again(study, plan.assembly.at(estimated.resolution), estimated, off)
+    assert made.resolution.slices == 2 * before
+    assert made.resolution.instants == estimated.resolution.instants
+    kept = Judgement(errors={"slices": {"friction": 0.9e-3}, "instants": {"friction": 0.0}})
+    assert again(study, plan.assembly.at(estimated.resolution), estimated, kept) is None
+
+
+def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
+    off = Judgement(errors={"instants": {"friction": 4e-3}}, orders={"friction": 1.0})
+    (said,) = told(plan, "effective-friction", off)
+    # half of the tolerance at a quarter of the error, which falls with the order of the positions as the first power
+    assert said == (
+        "friction is off by about 4.0e-03, more than the tolerance of 0.001, as positions and laminae other than those "
+        "of the run show; it falls with the order 1.0 of the positions; type --set accuracy.friction=3e-05"
+    )
+
+
+def test_slips_that_are_followed_are_to_be_more():
+    [followed] = settings(
+        evolve(SCENE, {"study.effective-friction": {"points": 9, "closure": "free-roller"}}), "effective-friction"
+    ).values()
+    assert followed.followed
+    fake = SimpleNamespace(
+        scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), studies={"effective-friction": followed},
+        estimated={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, instants=1))},
+    )  # fmt: skip
+    (said,) = told(fake, "effective-friction", Judgement(errors={"slices": {"critical_slip": 4e-3}}))
+    assert said.endswith(
+        "or go along more slips by --set study.effective-friction.points=25"
+    )  # between all two of 9, two
+
+
+def test_errors_that_were_found_stand_beside_those_that_were_foreseen(plan):
+    rows = {row["result"]: row for row in accuracy_rows(plan, "effective-friction", {"friction": 7e-3}, "here")}
+    assert rows["friction"] == {"result": "friction", "tolerance": 1e-3, "found": 7e-3, "how": "here",
+                                "estimated": plan.estimated["effective-friction"].total["friction"]}  # fmt: skip
+
+
+def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monkeypatch):
+    class Fine:
+        outputs, judged = {}, {}
+        without = at = lambda self, _: self
+        run = finer = lambda self, *_: (None, "against the finest")
+
+    found = {"friction": 2e-3, "critical_slip": math.inf}
+    monkeypatch.setattr(verification, "errors_between", lambda *_: found)
+    fake = SimpleNamespace(
+        scene=plan.scene, studies={"x": Fine()}, estimated={"x": plan.estimated["effective-friction"]}
+    )
+    result = SimpleNamespace(attrs={"warnings": "[]"}, assign_attrs=lambda **given: given)
+    one, other = json.loads(verification.verify(fake, "x", result)["warnings"])
+    assert one.startswith("friction is off by 2.0e-03 of the finest result, more than the tolerance of 0.001")
+    assert other.startswith("critical slip has a value either here or in the finest result, but not in both")
+
+
+@pytest.mark.parametrize(("left", "warned"), [(3e-5, False), (3e-3, True)])
+def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warned, monkeypatch):
+    made = planned(SCENE, STUDY)
+    judgement = Judgement(errors={"slices": {"friction": 1e-5, "critical_slip": left}})
+    monkeypatch.setattr(execution, "judge", lambda *_: judgement)
+    monkeypatch.setattr(execution, "told", lambda *_: [])
+    first, second = (execution.execute(made, STUDY, exactly=True) for _ in range(2))
+    assert first.attrs["slices_error"] == left
+    assert first.attrs["evaluations"] == second.attrs["evaluations"] > 0
+    doubled = attrs.evolve(made, parts=[attrs.evolve(one, seconds=1e6) for one in made.parts])
+    cost = json.loads(execution.execute(doubled, STUDY, exactly=True).attrs["cost"])
+    assert 0.0 < cost["actual"] < 60.0 < 1e6 <= cost["estimated"]
+    said = [one for one in json.loads(first.attrs["warnings"]) if one.startswith("4 laminae leave a relative error")]
+    assert bool(said) == warned
