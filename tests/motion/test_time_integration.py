@@ -483,3 +483,14 @@ def test_a_run_that_went_on_has_the_work_of_both_parts(rejected, both):
     whole = first.then(later)
     assert (whole.steps, whole.rejected, whole.evaluations, whole.jacobians, whole.wall_time) == (6, both, 20, 8, 4.0)
     assert (whole.t.tolist(), whole.y.tolist(), whole.last_t) == ([1.0, 2.0], [[1.0], [2.0]], 2.0)
+
+
+def test_what_would_come_later_in_the_step_that_stops_is_no_event():
+    problem = InitialValueProblem(
+        rates=lambda t, y: np.ones(1), y=np.zeros(1), atol=np.ones(1), watch=lambda t, y: y - np.array([0.2, 0.6])
+    )
+    found = integrate(
+        problem, get_model("integrator", "rk45"), np.array([0.0, 1.0]), rtol=1e-3, stop=frozenset({0}), first_step=0.9
+    )
+    assert [(event.watched, event.time) for event in found.events] == [(0, pytest.approx(0.2))]
+    assert (found.outcome, found.t.tolist()) == ("stopped", [0.0, pytest.approx(0.2)])

@@ -85,8 +85,10 @@ def test_rollers_that_rub_at_neighbours_slip_without_the_cage():
     assert [Motions(assembly, 2, rubbing=rubs).resists for rubs in (0.0, 0.05)] == [False, True]
 
 
-def test_resistance_to_rolling_fades_where_hardly_anything_rolls_in_compiled_code_too():
-    slow = rollers(assemble(evolve(load_scene("gearbox"), {"operation.inner_speed": "0.05 rpm"})), 2, inertia=False)
+@pytest.mark.parametrize("effective", [False, True])
+def test_resistance_to_rolling_fades_where_hardly_anything_rolls_in_compiled_code_too(effective):
+    scene = evolve(load_scene("gearbox"), {"operation.inner_speed": "0.05 rpm"})
+    slow = rollers(assemble(scene), 2, inertia=False, effective=effective)
     assert slow.assembly.inner.chain.resists
     orbit = slow.orbit(0.1)
     count = slow.assembly.scene.bearing.rollers

@@ -17,7 +17,16 @@ from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops
 from rollslip.scene.clearance import share
 from rollslip.scene.rings import reaching
-from rollslip_plugins.rings import Annulus, Thin, ToothForce, beam_stiffness, compliance_of_annulus, modal, numbers
+from rollslip_plugins.rings import (
+    Annulus,
+    Compliance,
+    Thin,
+    ToothForce,
+    beam_stiffness,
+    compliance_of_annulus,
+    modal,
+    numbers,
+)
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
 R, WIDTH, H, E = 0.10125, 0.028, 0.0075, 208e9
@@ -146,6 +155,16 @@ def test_shapes_go_to_half_the_rollers_and_forces_and_play_are_those_of_the_ring
     pushes = {ring: Thin(forces=(tooth,)).shapes(bearing, ring, False).pushes[0] for ring in ("inner", "outer")}
     assert pushes == {"inner": -2.0, "outer": 2.0}  # outwards is towards the rollers, or away from them
     assert Thin(seat_stiffness=1e9, fit_clearance=1e-4).shapes(bearing, "outer", False).stops.gap == 5e-5
+
+
+def test_a_ring_without_a_housing_is_one_layer_and_a_matrix_is_made_symmetric(tmp_path):
+    assert len(Annulus(outside=0.21).layers(scene().bearing, "outer")) == 1
+    assert len(Annulus(outside=0.25).layers(scene().bearing, "outer")) == 2
+    C = 1e-9 * np.eye(8)
+    C[0, 1], path = 5e-13, tmp_path / "C.csv"
+    np.savetxt(path, C, delimiter=",")
+    found = Compliance(file=str(path)).matrix()
+    assert found[0, 1] == found[1, 0] == pytest.approx(2.5e-13)
 
 
 def test_a_housing_stiffens_lobes_far_more_than_the_hoop():
