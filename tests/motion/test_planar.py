@@ -1195,3 +1195,22 @@ def test_friction_that_is_refused_says_where():
     with pytest.raises(DomainError, match="film_viscosity that is not finite") as caught:
         raise planar.error(planar.system.refusal())
     assert caught.value.__notes__ == ["in a contact with the outer ring"]
+
+
+def test_an_approach_of_the_inner_ring_is_told_whichever_roller_carried_it_before():
+    planar = motion(scene_of(6, more=(("bearing.radial_clearance", "40 um"),)))
+    b, rng, orbit = planar.assembly.scene.bearing, np.random.default_rng(8), planar.assembly.kinematics.orbit_radius
+    signs = []
+    for seed in range(40):
+        y = random_state(planar, seed)
+        head, rollers, _ = planar.parts(y)
+        place = rng.uniform(0.0, 2.0 * np.pi)
+        head[:2] = rng.uniform(5e-6, 4e-5) * np.array([np.cos(place), np.sin(place)])
+        angle = head[8 + 1] + 2.0 * np.pi * np.arange(6) / 6 + rollers[:, 0] / orbit
+        gap = head[0] * np.cos(angle) + head[1] * np.sin(angle) - rollers[:, 3]
+        most = (gap - b.radial_clearance / 2 - min(planar.assembly.drop)).max()
+        told = planar.system.watch(0.0, y)[2]
+        assert (told > 0.0) == (most > 0.0)
+        assert told > 0.0 or told == pytest.approx(most, abs=1e-12)
+        signs.append(most > 0.0)
+    assert 5 < sum(signs) < 35

@@ -118,3 +118,14 @@ def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warn
     assert 0.0 < cost["actual"] < 60.0 < 1e6 <= cost["estimated"]
     said = [one for one in json.loads(first.attrs["warnings"]) if one.startswith("4 laminae leave a relative error")]
     assert bool(said) == warned
+
+
+def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):
+    name = "effective-friction"
+    estimated = plan.estimated[name]
+    twice = attrs.evolve(estimated.resolution, slices=2 * estimated.resolution.slices)
+    then = plan.again(name, attrs.evolve(estimated, resolution=twice))
+    before, after = ({one.part: one.seconds for one in of.parts if one.study == name and one.seconds}
+                     for of in (plan, then))  # fmt: skip
+    assert before
+    assert after == pytest.approx({part: 2.0 * seconds for part, seconds in before.items()})
