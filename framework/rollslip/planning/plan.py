@@ -111,9 +111,11 @@ class Plan:
         before = {part.part: many / few * part.seconds for part in self.parts if part.study == study and part.seconds}
         made = attrs.evolve(self, estimated={**self.estimated, study: estimated}).at(study, estimated.resolution)
         lines = [
-            attrs.evolve(part, study=study, seconds=before.get(part.part))
+            attrs.evolve(part, study=study, seconds=before.pop(part.part, None))
             for part in made.studies[study].parts(self.assembly.at(estimated.resolution), estimated, {})
         ]
+        own = (part for part in self.parts if part.study == study and part.part in before)
+        lines += [attrs.evolve(part, seconds=before[part.part]) for part in own]
         others = [part for part in self.parts if part.study != study]
         return attrs.evolve(made, parts=(*others, *lines))
 
