@@ -10,7 +10,10 @@ import pytest
 from rollslip import evolve, load_scene
 from rollslip import plan as planned
 from rollslip.planning import execution, verification
+from rollslip.planning.plan import part_as_dict
 from rollslip.planning.verification import Judgement, _of_order, _order, _wanted_at_once, accuracy_rows, again, told
+from rollslip.scene.reading import from_raw
+from rollslip.studies.answers import Part
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick
@@ -129,3 +132,16 @@ def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):
                      for of in (plan, then))  # fmt: skip
     assert before
     assert after == pytest.approx({part: 2.0 * seconds for part, seconds in before.items()})
+
+
+def test_lines_tell_what_a_scene_names_and_what_it_asks_for():
+    films = {"plain": "moes", "hot": {"model": "inlet-correction", "thermal": "murch-wilson"}}
+    plans = {name: planned(evolve(SCENE, {"models.film": film}), STUDY) for name, film in films.items()}
+    made = {name: {one.part: one for one in of.parts} for name, of in plans.items()}
+    assert [made[name]["thermal inlet shear"].included for name in ("plain", "hot")] == [False, True]
+    assert made["plain"]["film"].reason == "the scene names it"
+    models = {kind: one for kind, one in SCENE.raw["models"].items() if kind != "pressure"}
+    unnamed = from_raw({**SCENE.raw, "models": models}, "s.toml")
+    assert {one.part: one for one in planned(unnamed, STUDY).parts}["pressure"].reason == "default"
+    unknown = Part(part="x", choice="", reason="", errors={"friction": math.inf, "critical_slip": 1e-3})
+    assert part_as_dict(unknown)["errors"] == {"friction": None, "critical_slip": 1e-3}

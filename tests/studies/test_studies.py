@@ -3,6 +3,7 @@
 import re
 from typing import ClassVar
 
+import attrs
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,8 +14,8 @@ from rollslip.bearing.resolution import finest
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
-from rollslip.studies.estimates import by_doubling
-from rollslip.studies.study import AXES, settings, study_class
+from rollslip.studies.estimates import FEW, by_doubling
+from rollslip.studies.study import AXES, Study, curve_labels, settings, study_class
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})
@@ -119,3 +120,22 @@ def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
         "raise accuracy.friction and accuracy.critical_slip",
         str(refused.value),
     )
+
+
+def test_unknowns_and_cost_go_with_rollers_and_slices(monkeypatch):
+    scene = load_scene("1032930-50C")  # 28 rollers
+    [one] = settings(scene, "effective-friction").values()
+    fine = assemble(evolve(scene, {"accuracy.slices": 40}))
+    coarse = fine.at(attrs.evolve(fine.resolution, slices=1))
+    assert (one.degrees_of_freedom(fine), one.degrees_of_freedom(coarse)) == (2 + 2 * 28, 2 + 28)
+    monkeypatch.setattr("rollslip.studies.study.timed", lambda work, times: 1.0)
+    at = fine.at(attrs.evolve(fine.resolution, instants=3))
+    assert Study.cost(one, at) == {"run": pytest.approx(3 * 40 / min(40, FEW))}
+
+
+def test_curves_are_told_apart_by_their_values_and_studies_are_those_of_the_scene():
+    [curves] = {study_class("friction-curve").curves_of}
+    forces = xr.Dataset(coords={curves.over: (curves.over, [300.0, 1500.0], {"units": "N"})})
+    assert curve_labels(forces, curves) == [" at 300 N", " at 1.5 kN"]
+    scene = evolve(load_scene("gearbox"), {"study": {"friction-curve": {}, "steady-slip": {}}})
+    assert list(settings(scene)) == ["friction-curve", "steady-slip"]
