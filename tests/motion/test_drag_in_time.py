@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from foreign_stages import _new_capsule
+from kit import failed
 from rollslip import evolve, get_model, load_scene, register, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.drags import torque_capsule
@@ -17,7 +18,6 @@ from rollslip.errors import DomainError
 from rollslip.fields import non_negative, parameter, positive
 from rollslip.models import DragModel, from_scene
 from rollslip.structure import Location, structure
-from rollslip.testing import conformance
 from rollslip_kernels.stages import drag as compiled
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
@@ -120,10 +120,6 @@ def test_what_is_steady_is_refused_in_words_and_a_motion_tells_none():
 
 
 def test_the_kit_holds_it_to_its_rules_at_any_time():
-    def failed(model):
-        checks = {one.check for one in conformance(model) if one.status == "failed"}
-        return {check for check in checks if check.startswith("check_torque")}
-
     assert not failed(RunningIn())
 
     class Driving(RunningIn):
