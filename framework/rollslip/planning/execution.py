@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from rollslip.bearing.resolution import BoundBrokenError
-from rollslip.errors import RollslipError
+from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import run_origin
-from rollslip.planning.verification import accuracy_rows, again, judge, told
+from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, told
 from rollslip.results.account import answer
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies import validity
@@ -108,7 +108,10 @@ def execute(
         spent = time.process_time() - processor
         estimated = plan.estimated[study]
         unwatched = plan.assembly.at(estimated.resolution)
-        judgement = judge(running, unwatched, estimated, dataset)
+        try:
+            judgement = judge(running, unwatched, estimated, dataset)
+        except ConvergenceError as refusal:  # what was computed stands
+            judgement = Judgement(errors={}, refusal=str(refusal))
         finer = None if exactly else again(running, unwatched, estimated, judgement)
         if finer is None:
             break

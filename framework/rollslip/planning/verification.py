@@ -54,6 +54,8 @@ class Judgement:
     #: what more of each part alone does, where both move more than the tolerance.
     at_once: Errors = attrs.field(factory=dict)
     alone: Mapping[str, Errors] = attrs.field(factory=dict)
+    #: What the witness of more slices and instants ended with, in words.
+    refusal: str = ""
 
     @property
     def total(self) -> Errors:
@@ -238,6 +240,8 @@ def _of_order(moved: float, order: float, m: int) -> float:
 def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
     """Tell where a run is off by more than its tolerance, or cannot claim to be within it, with what to type."""
     accuracy, estimated, said = plan.scene.accuracy, plan.estimated[study], list[str]()
+    if judgement.refusal:
+        said.append(f"how far this is off could not be judged, as on more laminae or positions {judgement.refusal}")
     numbers, best = _numbers(estimated.resolution), _numbers(finest(plan.scene))
     most = all(numbers[part] >= best[part] for part in judgement.errors)
     for result, error in judgement.total.items():
