@@ -11,7 +11,7 @@
 
 import json
 import math
-from collections.abc import Collection, Hashable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
@@ -21,8 +21,8 @@ from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import SceneError
 from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
-from rollslip.results.curves import Curves, critical_rows, curves
-from rollslip.results.words import LOWER_BOUNDS, capital, percent, with_unit
+from rollslip.results.curves import critical_rows, curves
+from rollslip.results.words import LOWER_BOUNDS, capital, percent, places, single_values
 from rollslip.scene.reading import shipped_scenes
 
 if TYPE_CHECKING:
@@ -50,8 +50,6 @@ class Contact:
     film_parameter: float
 
 
-#: Values of a variable that are told one by one, at most.
-_FEW: Final = 8
 #: What was found, in the order of a report: texts, lists of sentences without their full stops, tables.
 Story: TypeAlias = list[str | list[str] | Table]
 #: Head and rows of a spreadsheet: numbers and texts; None where there is no value.
@@ -139,7 +137,7 @@ class PlainAccount(Account):
             for c in curves(dataset) if c.has_critical
         ]  # fmt: skip
         return Answer(
-            rows=(*known, *(Row(key=name, label=name, text=text) for name, text in _single_values(dataset).items()))
+            rows=(*known, *(Row(key=name, label=name, text=text) for name, text in single_values(dataset).items()))
         )
 
     @staticmethod
@@ -149,11 +147,11 @@ class PlainAccount(Account):
             name: [row["status"] if row["critical_slip"] is None else _critical(dataset, row)]
             for name, row in critical_rows(dataset).items()
         }
-        return slips | {name: [text] for name, text in _single_values(dataset).items()}
+        return slips | {name: [text] for name, text in single_values(dataset).items()}
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return what was found of each curve, and every single value."""
-        return [curve.finding() for curve in curves(dataset)] + _named(_single_values(dataset))
+        return [curve.finding() for curve in curves(dataset)] + _named(single_values(dataset))
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return critical slip and largest friction of each curve, and every single value."""
@@ -169,14 +167,14 @@ class PlainAccount(Account):
                 slips[curve.name] += (
                     f"; friction falls already from a slip of {curve.first_slip:.2%} on, then rises again"
                 )
-        return _named(slips | _single_values(dataset))
+        return _named(slips | single_values(dataset))
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return critical slip, largest friction and status of each curve, and every single value."""
         singles: dict[str, Any] = {}
         for name in map(str, dataset.data_vars):
-            for _, at in _places(dataset, name):
+            for _, at in places(dataset, name):
                 value = dataset[name].isel(at).item()
                 value = None if isinstance(value, float) and not math.isfinite(value) else value
                 if at:
@@ -267,45 +265,6 @@ def _critical(dataset: "xr.Dataset", row: Mapping[str, Any]) -> str:
 
 def _named(texts: Mapping[str, str]) -> list[str]:
     return [f"{name}: {text}" for name, text in texts.items()]
-
-
-def _single_values(dataset: "xr.Dataset") -> dict[str, str]:
-    """Every single number and text by its long name; in place of a number that is not there, its status.
-
-    A variable with one value for each of a few names, of the rings for example, gives a line for each.
-    """
-    found = {}
-    for name in map(str, dataset.data_vars):
-        for label, at in _places(dataset, name):
-            one = dataset[name].isel(at)
-            value, said_by = one.item(), next((s for s in (f"{name}_status", "status") if s in dataset), None)
-            if isinstance(value, float):
-                status = None if said_by is None else dataset[said_by]
-                missing = "no value" if status is None else str(status.isel(at if status.ndim else {}).item())
-                said = with_unit(value, one.attrs.get("units", "1")) if math.isfinite(value) else missing
-            elif name.endswith("_status") and name.removesuffix("_status") in dataset:
-                continue  # said where the value is missing
-            else:
-                said = str(value)
-            found[f"{one.attrs.get('long_name', name)}{label}"] = said
-    return found
-
-
-def _places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable, int]]]":
-    """Where a variable has single values, and what tells them apart; nowhere if it has many or curves speak for it."""
-    variable = dataset[name]
-    if variable.ndim == 0:
-        return [("", {})]
-    dim = variable.dims[0]
-    if (
-        variable.ndim > 1
-        or Curves.of(dataset) is not None
-        or dim not in dataset.coords
-        or dataset[dim].dtype.kind not in "UO"
-        or variable.size > _FEW
-    ):
-        return []
-    return [(f", {value} {dim}", {dim: k}) for k, value in enumerate(dataset[dim].to_numpy())]
 
 
 #: The kind of an account; packages that offer studies offer theirs.

@@ -3,12 +3,13 @@
 import json
 import math
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.results.curves import Curves
 from rollslip.results.curves import percent as three_digits
 from rollslip.results.dataset import LAW
 from rollslip.units import UnitError, format_quantity
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
 __all__ = [
     "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "capital", "confidence",
     "counted", "duration", "duration_range", "estimated", "first_line", "force", "force_unit", "html_table",
-    "in_python", "of_key", "of_laws", "percent", "plain", "power", "rounded_up", "runs_at", "runs_away", "span", "two",
-    "warned", "with_unit",
+    "in_python", "of_key", "of_laws", "percent", "places", "plain", "power", "rounded_up", "runs_at", "runs_away",
+    "single_values", "span", "two", "warned", "with_unit",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -44,6 +45,8 @@ TOLD_FROM: Final = 0.005
 REST: Final = "laws are outside their range of validity, too, where the consequence is"
 #: Bounds that are told at once, at most, and the slip of a driven cage, without sign, that is told as none.
 _MOST, _NOTHING = 3, 1e-4
+#: Values of a variable that are told one by one, at most.
+_ONE_BY_ONE: Final = 8
 
 
 def first_line(version: str, subject: str, digest: str, models: Iterable[tuple[str, str, str, str]]) -> str:
@@ -161,6 +164,45 @@ def of_laws(dataset: "xr.Dataset") -> list[str]:
 def capital(text: str) -> str:
     """Return a text with a capital as its first letter, unless its first word is a name such as "steady_slip"."""
     return f"{text[:1].upper()}{text[1:]}" if text.partition(" ")[0].rstrip(":,;").isalpha() else text
+
+
+def single_values(dataset: "xr.Dataset") -> dict[str, str]:
+    """Every single number and text by its long name; in place of a number that is not there, its status.
+
+    A variable with one value for each of a few names, of the rings for example, gives a line for each.
+    """
+    found = {}
+    for name in map(str, dataset.data_vars):
+        for label, at in places(dataset, name):
+            one = dataset[name].isel(at)
+            value, said_by = one.item(), next((s for s in (f"{name}_status", "status") if s in dataset), None)
+            if isinstance(value, float):
+                status = None if said_by is None else dataset[said_by]
+                missing = "no value" if status is None else str(status.isel(at if status.ndim else {}).item())
+                said = with_unit(value, one.attrs.get("units", "1")) if math.isfinite(value) else missing
+            elif name.endswith("_status") and name.removesuffix("_status") in dataset:
+                continue  # said where the value is missing
+            else:
+                said = str(value)
+            found[f"{one.attrs.get('long_name', name)}{label}"] = said
+    return found
+
+
+def places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable, int]]]":
+    """Where a variable has single values, and what tells them apart; nowhere if it has many or curves speak for it."""
+    variable = dataset[name]
+    if variable.ndim == 0:
+        return [("", {})]
+    dim = variable.dims[0]
+    if (
+        variable.ndim > 1
+        or Curves.of(dataset) is not None
+        or dim not in dataset.coords
+        or dataset[dim].dtype.kind not in "UO"
+        or variable.size > _ONE_BY_ONE
+    ):
+        return []
+    return [(f", {value} {dim}", {dim: k}) for k, value in enumerate(dataset[dim].to_numpy())]
 
 
 # How people read values -----------------------------------------------------------------------------------------------
