@@ -9,6 +9,8 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
 from rollslip.structure import Location, structure
+from rollslip_kernels.motion.system import System
+from rollslip_kernels.motion.varying import Varying
 from rollslip_studies.dynamics.history.interpolated_rates import Axis, off, rates_of, sizes_of
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.time_functions import Course, constant, table
@@ -355,3 +357,58 @@ def test_a_file_is_looked_for_beside_the_scene(tmp_path, monkeypatch):
     assert beside.given == ("radial_load",)
     with pytest.raises(SceneError, match="cannot be read"):
         history({"file": "stand.csv"})  # a shipped scene has no folder: the file is looked for where one works
+
+
+# What the compiled system makes of it ---------------------------------------------------------------------------------
+
+BOTH = {"inner_speed": {"shape": "ramp", "to": "-3000 rpm", "within": "1 s"},
+        "outer_speed": {"shape": "ramp", "to": "500 rpm", "within": "1 s"}}  # fmt: skip
+
+
+def test_a_watched_slip_is_that_of_both_rings_whichever_way_they_turn():
+    way = history(BOTH)
+    moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set", limit=constant(0.3))
+    k, y = moving.assembly.kinematics, moving.initial(0.05, 0.05)
+    cage = float(moving.split(y)["cage_speed"])
+    for t in (0.1, 0.4, 0.9):
+        inner, outer = (k.direction * float(way.courses[name].at(t)) for name in BOTH)
+        free = (k.inner_radius * inner + k.outer_radius * outer) / (k.inner_radius + k.outer_radius)
+        lag = free - cage if free > 0.0 else cage - free
+        assert moving.system.watch(t, y)[0] == pytest.approx(lag - 0.3 * abs(free))
+
+
+def test_speeds_of_both_rings_reach_the_rates():
+    way = history(BOTH)
+    moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
+    speeds = {f"operation.{name}": f"{float(way.courses[name].at(0.2))!r} rad/s" for name in BOTH}
+    direct = carried_motion(assemble(rollslip.evolve(SCENE, speeds)), moving.stations.friction, level="cage-set")
+    y = direct.initial(0.05, 0.06)
+    np.testing.assert_allclose(moving.system(0.2, y), direct.system(0.2, y), rtol=2e-3, atol=0.1)
+
+
+def test_between_nodes_outputs_are_those_of_a_bearing_put_together_there():
+    way = history({"radial_load": {"shape": "ramp", "to": "600 N", "within": "1 s"}})
+    moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
+    load = float(way.courses["radial_load"].at(0.37))
+    there = assemble(rollslip.evolve(SCENE, {"operation.radial_load": f"{load!r} N"}), moving.assembly.resolution)
+    direct = carried_motion(there, moving.stations.friction, level="cage-set")
+    y = direct.initial(0.05, 0.06)
+    blended, true = (one.system.owner.outputs([0.37], [y]) for one in (moving, direct))
+    assert "film_parameter" in true
+    for name, values in true.items():
+        np.testing.assert_allclose(
+            blended[name], values, rtol=0.05, atol=0.01 * np.nanmax(np.abs(values)), err_msg=name
+        )
+
+
+def test_what_is_beyond_the_range_of_an_axis_is_held_at_its_end():
+    one = carried_motion(assemble(SCENE), friction(), level="cage-set")
+    k, o = one.assembly.kinematics, SCENE.operation
+    values = (o.inner_speed, o.outer_speed, 0.0, o.radial_load, math.nan, 2.0)  # of an axis from 0 to 1
+    system = Varying(
+        [(c.begin, c.powers) for c in map(constant, values)], [(0.0, 1.0)],
+        lambda place: ([[0.0, 0.3, 0.6, 1.0]], [one.system.owner] * 4), cage_speed=0,
+        inner_share=k.inner_radius / (k.inner_radius + k.outer_radius), scale=one.system.scale,
+    )  # fmt: skip
+    y = one.initial(0.05, 0.06)
+    assert System(system.system())(0.0, y) == pytest.approx(one.system(0.0, y))

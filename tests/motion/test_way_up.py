@@ -42,6 +42,15 @@ def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_
     assert steps[1][1] == pytest.approx(steps[1][0], rel=0.05)
 
 
+@pytest.mark.parametrize("celsius", [70, 100])
+def test_balances_do_not_depend_on_the_slips_that_were_asked_for_before(celsius):
+    """Where boundary friction has several balances at some positions, of which rollers leave one where it ends."""
+    one = balance("1032930-70C", instants=2, inertia=False, **{"operation.temperature": f"{celsius} degC"})
+    fine = np.geomspace(1e-3, 0.9, 121)
+    many, few = one.torques(fine), one.torques(fine[::20])
+    assert few == pytest.approx(many[::20], rel=1e-9)
+
+
 # A plain march -------------------------------------------------------------------------------------------------------
 
 
