@@ -19,7 +19,7 @@ from rollslip.scene.supply import DENSITY
 from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_studies.motion.losses import Loss, PowerBalance
-from rollslip_studies.thermal_balance.balance import Curve, Heated, State
+from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.figures import thermal_figures
 from rollslip_studies.thermal_balance.study import _jumps
 
@@ -103,6 +103,14 @@ def test_all_balances_are_found_and_which_last():
     least = 100 + 1500 / (1 + mpmath.exp(-(fold - 340) / 5)) - 20 * (fold - 300)
     assert (at, value) == (pytest.approx(float(fold), abs=0.1), pytest.approx(float(least), rel=1e-4))
     assert ends is None
+
+
+def test_a_balance_lasts_where_disturbances_fade_however_slowly():
+    assert [Balance(np.zeros(1), State(0.1), growth, 0.0).stable for growth in (-1e-9, 0.0, 1e-9)] == [
+        True,
+        False,
+        False,
+    ]
 
 
 def test_a_pair_of_balances_between_two_points_of_the_curve_is_found():
