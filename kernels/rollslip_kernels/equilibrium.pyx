@@ -37,7 +37,8 @@ cdef double ROUNDING = 1e-12    # relative residual below which one that no long
 cdef double SETTLED = 0.1       # unbalanced force of a roller with which the ring still moves, relative to what acts
 cdef double OVERSHOOT = 0.3     # a step may end where the slope is opposite and at most this share of its first
 cdef double DEPTH = 3.0         # how deep a step may close an open contact, to the approach for the unbalanced force,
-cdef double SHALLOWER = 0.9     # and from pass to pass: deep steps find contacts fast, shallow ones end a to and fro
+cdef double SHALLOWER = 0.9     # and from pass to pass: deep steps find contacts fast, shallow ones end a to and fro;
+cdef double LEAST_DEPTH = 1.0   # but steps that get ever smaller end short of where they lead
 cdef double TRACE = 1e-14       # stiffness of an open contact in the Hessian, relative to the stiffest
 cdef double HELD = 1e-9         # that of the unknowns of rings that yield, which stops alone may hold
 cdef double TINY = 2.2250738585072014e-308
@@ -356,7 +357,7 @@ cdef int _settle(bearing_t *b, double *passes, double *residual) noexcept nogil:
         if largest <= AIM or (largest <= ROUNDING and largest > 0.5 * before):
             break
         if number < LIMIT:
-            depth *= SHALLOWER
+            depth = max(depth * SHALLOWER, LEAST_DEPTH)
             _advance(b, depth)
         before = largest
     return ARRIVED
