@@ -470,7 +470,7 @@ def test_an_error_of_a_contact_law_in_python_passes_through():
 
 
 def test_tilted_rollers_of_many_slices_come_to_their_balance():
-    """Edges touch and part while the ring moves: a twentieth of these ended short of a balance by ever smaller steps."""
+    """Edges touch and part while the ring moves: a twentieth of these ended short of it by ever smaller steps."""
     rng = np.random.default_rng(5)
     for _ in range(100):
         n, length = int(rng.choice([60, 200, 600])), 10.0 ** rng.uniform(-2.2, -1.0)
