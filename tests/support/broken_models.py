@@ -49,14 +49,20 @@ SOURCE = ("Nobody N. On laws that are made to be tested. J. None 1, 2000.",)
 BROKEN = []
 
 
-def breaks(rule, **parameters):
-    """Put a model of this class on the list of those that a rule has to refuse."""
+def listing(broken):
+    """Return a decorator that puts a model on this list of those that a rule has to refuse."""
 
-    def add(cls):
-        BROKEN.append((rule, cls(**parameters)))
-        return cls
+    def breaks(rule, **parameters):
+        def add(cls):
+            broken.append((rule, cls(**parameters)))
+            return cls
 
-    return add
+        return add
+
+    return breaks
+
+
+breaks = listing(BROKEN)
 
 
 # Sound laws ----------------------------------------------------------------------------------------------------------

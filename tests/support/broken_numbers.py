@@ -10,21 +10,12 @@ from types import MappingProxyType
 import attrs
 import numpy as np
 
-from broken_models import SOURCE, Film, Line, Resistance, Springs, Traction
+from broken_models import SOURCE, Film, Line, Resistance, Springs, Traction, listing
 from rollslip.fields import parameter, positive
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, TractionModel
 
 BROKEN = []
-
-
-def breaks(rule, **parameters):
-    """Put a model of this class on the list of those that a rule has to refuse."""
-
-    def add(cls):
-        BROKEN.append((rule, cls(**parameters)))
-        return cls
-
-    return add
+breaks = listing(BROKEN)
 
 
 # Sizes ---------------------------------------------------------------------------------------------------------------

@@ -5,22 +5,13 @@ from types import MappingProxyType
 import attrs
 import numpy as np
 
+from broken_models import SOURCE, listing
 from rollslip.fields import parameter, positive
 from rollslip.lubricant.pressure import PressureViscosity, factor_of_oil
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, PressureModel
 
-SOURCE = ("Nobody N. On laws that are made to be tested. J. None 1, 2000.",)
 BROKEN = []
-
-
-def breaks(rule):
-    """Put a model of this class on the list of those that a rule has to refuse."""
-
-    def add(cls):
-        BROKEN.append((rule, cls()))
-        return cls
-
-    return add
+breaks = listing(BROKEN)
 
 
 @attrs.frozen(kw_only=True)
