@@ -1581,44 +1581,30 @@ def lost_in_barus():
     )
 
 
-def lost_in_roelands():
+def lost_in_roelands(m, column, formula, where):
+    """Lose digits in one of the law's two results, the viscosity and the rate of its fall with temperature."""
+    (law,) = (subject.model for subject in subjects() if subject.name == "roelands")
+    kappa = condition_of(lambda x: exact("roelands", law, m | x)[column], {"viscosity": m["viscosity"]})
+    got = law.at(Conditions(**{name: value for name, value in m.items() if name != "pressure"}), m["pressure"])
+    of = ("film_viscosity", "film_thermoviscosity").index(column)
+    error = off(got[of], exact("roelands", law, m)[column])
+    return Loss(formula=formula, where=where, condition=kappa, plain=error, error=error, allowed=10 * kappa)
+
+
+def lost_in_thin_oil():
     m = {"viscosity": 6.4e-5, "pressure_viscosity": 9.18e-9, "pressure": 1e7, "thermoviscosity": 0.0227}
     m |= {"pressure_thermoviscosity": 6.6e-11}
-    (law,) = (subject.model for subject in subjects() if subject.name == "roelands")
-    kappa = condition_of(lambda x: exact("roelands", law, m | x)["film_viscosity"], {"viscosity": m["viscosity"]})
-    got = law.at(Conditions(**{name: value for name, value in m.items() if name != "pressure"}), m["pressure"])[0]
-    error = off(got, exact("roelands", law, m)["film_viscosity"])
-    return Loss(
-        formula="eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5)",
-        where="eta0 = 6.4e-5 Pa s, k = 0.013, 10 MPa",
-        condition=kappa,
-        plain=error,
-        error=error,
-        allowed=10 * kappa,
-    )
+    formula = "eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5)"
+    return lost_in_roelands(m, "film_viscosity", formula, "eta0 = 6.4e-5 Pa s, k = 0.013, 10 MPa")
 
 
 def lost_in_roelands_fall():
-    m = {
-        "viscosity": 5.17e-3,
-        "pressure_viscosity": 9.18e-9,
-        "thermoviscosity": 0.0227,
-        "pressure_thermoviscosity": 0.0,
-    }
-    (law,) = (subject.model for subject in subjects() if subject.name == "roelands")
+    m = {"viscosity": 5.17e-3, "pressure_viscosity": 9.18e-9, "thermoviscosity": 0.0227}
+    m |= {"pressure_thermoviscosity": 0.0}
     k = math.log(m["viscosity"]) + 9.67
     m["pressure"] = math.expm1(k / (m["pressure_viscosity"] / 5.1e-9) * (1 - 1e-6)) / 5.1e-9
-    kappa = condition_of(lambda x: exact("roelands", law, m | x)["film_thermoviscosity"], {"viscosity": m["viscosity"]})
-    got = law.at(Conditions(**{name: value for name, value in m.items() if name != "pressure"}), m["pressure"])[1]
-    error = off(got, exact("roelands", law, m)["film_thermoviscosity"])
-    return Loss(
-        formula="its -dln(eta)/dT, a difference",
-        where="gamma = 0, beside its zero",
-        condition=kappa,
-        plain=error,
-        error=error,
-        allowed=10 * kappa,
-    )
+    formula = "its -dln(eta)/dT, a difference"
+    return lost_in_roelands(m, "film_thermoviscosity", formula, "gamma = 0, beside its zero")
 
 
 def lost_in_muraki(sigma, deborah, heating, where):
@@ -1876,7 +1862,7 @@ LOSSES = (
     lost_in_barus,
     partial(lost_in_chain, 300.0),
     partial(lost_in_chain, YIELD),
-    lost_in_roelands,
+    lost_in_thin_oil,
     lost_in_roelands_fall,
     partial(lost_in_muraki, 1.0, 1e-3, 0.1, "paper's bearing, sigma = 1, D = 1e-3, Phi = 0.1"),
     lost_in_muraki_root,
