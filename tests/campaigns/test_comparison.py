@@ -300,19 +300,10 @@ def test_a_law_of_a_stranger_states_its_own_regimes():
 
 
 def test_the_order_of_the_models_does_not_matter():
-    first = compare(
-        SCENE,
-        traction=["muraki", "eyring"],
-        film=["moes", "blok"],
-        reference="maxwell-eyring,moes",
-        study="friction-curve",
-    )
-    second = compare(
-        SCENE,
-        traction=["eyring", "muraki"],
-        film=["blok", "moes"],
-        reference="moes,maxwell-eyring",
-        study="friction-curve",
+    traction, film = ["muraki", "eyring"], ["moes", "blok"]
+    first, second = (
+        compare(SCENE, traction=traction[::step], film=film[::step], reference=reference, study="friction-curve")
+        for step, reference in ((1, "maxwell-eyring,moes"), (-1, "moes,maxwell-eyring"))
     )
     assert list(first.combination.values) != list(second.combination.values)
     again = second.sel(combination=first.combination)
