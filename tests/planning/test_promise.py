@@ -99,6 +99,13 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
         judgement = Judgement(errors={"instants": errors}, orders=orders, at_once=at_once or {})
         return again(made.studies[STUDY], assembly, estimated, judgement)
 
+    held = attrs.evolve(epicyclic.scene, accuracy=attrs.evolve(epicyclic.scene.accuracy, slices=7))
+    fixed = assemble(held, attrs.evolve(epicyclic.estimated[STUDY].resolution, slices=7, instants=10))
+    study, of = epicyclic.studies[STUDY], attrs.evolve(epicyclic.estimated[STUDY], resolution=fixed.resolution)
+    for alone, made in ({"friction": 2e-3}, False), ({"friction": 5e-4}, True):  # of laminae that the scene fixes
+        left = {"slices": {"friction": 5e-4}, "instants": {"friction": 2e-3}}
+        seen = Judgement(errors=left, at_once={"friction": 3e-3}, alone={"slices": alone, "instants": left["instants"]})
+        assert (again(study, fixed, of, seen) is not None) == made
     off = {"friction": 4e-3}
     assert then(epicyclic, {"friction": 9e-4}, {}) is None
     second = then(epicyclic, off, {"friction": 2.0})

@@ -187,6 +187,12 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     if accuracy.exact or not off or study.curved(assembly) is not study:
         return None
     numbers, most = _numbers(resolution), _numbers(best)
+    stays: dict[str, float] = {}  # what parts leave of which there are no more
+    for part in (part for part in judgement.errors if numbers[part] >= most[part]):
+        for of in (judgement.errors[part], judgement.alone.get(part, {})):
+            stays |= {name: max(error, stays.get(name, 0.0)) for name, error in of.items()}
+    if all(stays.get(name, 0.0) > accuracy.of(name) for name in off):
+        return None
     at_once = _wanted_at_once(judgement, {name: accuracy.of(name) for name in off})
     numbers_then, left = dict(numbers), dict[str, Errors]()
     for part, errors in judgement.errors.items():

@@ -5,8 +5,8 @@
  * - The files of bodies are compiled once for each instruction set, here, in one translation unit: PATH(name) is the
  *   name in the set that is being compiled.
  * - The same operations in the same order everywhere. Multiply-adds are fused where the source says RS_FMA, not where a
- *   compiler likes (setup.py): the same bits on every set that fuses, v3, v4 and the baseline of ARM. The baseline of
- *   x86-64 has no such instruction and differs by rounding. */
+ *   compiler likes (setup.py): the same bits on v3 and v4, and on the baseline of ARM to a last digit in few slices of
+ *   laws with Eyring's stress. The baseline of x86-64 has no such instruction and differs by rounding. */
 #ifndef ROLLSLIP_BLOCKS_H
 #define ROLLSLIP_BLOCKS_H
 #include "stages/table.h"
