@@ -59,6 +59,7 @@ def made(part, *arguments):
 # Code -----------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [page for page, text in PAGES.items() if ">>>" in text])
 def test_code_of_the_pages_runs_as_shown(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -78,6 +79,7 @@ def test_whole_answers_are_shown():
     assert not [page for page, text in PAGES.items() if ".. code-block:: console" in text]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", console_blocks(), ids=lambda block: block.splitlines()[0])
 def test_commands_answer_as_shown(block, tmp_path, monkeypatch, capsys):
     shutil.copytree(DOCS / "examples", tmp_path, dirs_exist_ok=True)

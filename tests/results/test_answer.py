@@ -356,6 +356,7 @@ def ten():
     return ten_scenes.answers()
 
 
+@pytest.mark.slow
 def test_ten_scenes_answer_as_recorded(ten):
     """Words as they were read, numbers within 5 %: python tests/support/ten_scenes.py writes them anew."""
     parts = re.split(r"^== (\S+)\n\n", ten_scenes.ANSWERS.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
@@ -367,6 +368,7 @@ def test_ten_scenes_answer_as_recorded(ten):
             assert numbers(now) == pytest.approx(numbers(was), rel=0.05), name
 
 
+@pytest.mark.slow
 def test_ten_answers_are_short_narrow_and_begin_with_the_verdict(ten):
     verdicts = {name: text.split()[0] for name, text in ten.items()}
     assert verdicts == {
