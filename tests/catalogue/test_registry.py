@@ -12,7 +12,7 @@ import pytest
 from packages import python
 from rollslip import available, get_model, hookspecs
 from rollslip.bearing.cage import Separator
-from rollslip.catalogue import discovery
+from rollslip.catalogue import discovery, installed
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.registry import catalogue, find, get_class
 from rollslip.engine import Engine
@@ -594,8 +594,8 @@ def test_a_submodel_may_be_declared_by_its_name():
 
 def test_a_release_candidate_of_rollslip_is_one_that_fits(monkeypatch):
     monkeypatch.setattr("importlib.metadata.version", lambda name: "0.2.0rc1")
-    assert discovery._state(SimpleNamespace(name="x", requires=["rollslip>=0.1"])) == ("ok", "")
-    assert discovery._state(SimpleNamespace(name="x", requires=["rollslip>=0.3"]))[0] == "incompatible"
+    assert installed._state(SimpleNamespace(name="x", requires=["rollslip>=0.1"])) == ("ok", "")
+    assert installed._state(SimpleNamespace(name="x", requires=["rollslip>=0.3"]))[0] == "incompatible"
 
 
 def test_of_offers_that_cannot_be_used_the_one_is_told_whose_remedy_helps(monkeypatch):
