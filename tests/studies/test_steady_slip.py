@@ -667,7 +667,8 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
         "steady-slip-radial-load",
     ]
     assert all(b"steady cage slip" in file.lower() for file in first)
-    assert all(f"{slip}, {held}".encode() in first[1] for slip, held in zip(slips, ("held", "not held"), strict=True))
+    states = [f"{slip}, {held}".encode() for slip, held in zip(slips, ("held", "not held"), strict=True)]
+    assert any(all(state in file for state in states) for file in first)
     assert f"limit drag torque, {two(float(found.largest_drag))} N m".encode() in first[0]
 
 
