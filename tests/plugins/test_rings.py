@@ -489,3 +489,22 @@ def test_plane_motion_refuses_rings_that_yield():
     given = scene(**{"models.outer_ring": "annulus"})
     with pytest.raises(DomainError, match="plane motion knows rigid, round rings only"):
         run(evolve(given, {"study.dynamics": {"level": "planar", "planar": {"inner_ring_mass": "5 kg"}}}), "dynamics")
+
+
+WAVE = {"lobes": 2, "amplitude": "6 um"}
+OVAL = {"angles": ["0 deg", "90 deg", "180 deg", "270 deg"], "heights": ["11 um", "0 um", "11 um", "0 um"]}
+
+
+@pytest.mark.parametrize(
+    ("form", "preloaded"),
+    [
+        ([WAVE], False),
+        ([WAVE, WAVE | {"lobes": 4}], True),
+        ([WAVE, WAVE | {"angle": "90 deg"}], False),
+        ([OVAL], True),
+        ([OVAL, WAVE | {"angle": "90 deg"}], False),
+    ],
+)
+def test_parts_of_a_form_preload_a_play_of_20_um_together(form, preloaded):
+    formed = scene(**{"bearing.radial_clearance": "20 um", "bearing.outer_raceway.form": form})
+    assert any("runs preloaded" in said for said in implausible(formed)) == preloaded

@@ -8,6 +8,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from rollslip.bearing.cage import Cage, doubts
 from rollslip.errors import RollslipError
 from rollslip.fields import unusual
@@ -16,7 +18,7 @@ from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
-from rollslip.scene.rings import reaching
+from rollslip.scene.rings import reaching, rings_of
 from rollslip.scene.values import Scene, model_kind, resolved
 from rollslip.structure import Location
 from rollslip.studies.study import study_class
@@ -79,9 +81,11 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
         yield where.at(key), "is not used: bearing.radial_clearance is stated, that in operation"
     b, mounted = scene.bearing, scene.bearing.mounted
     preloads = [(where.at("mounting" if mounted else "radial_clearance"), -b.radial_clearance, 0)]
-    for at, raceway in ((where.at("outer_raceway"), b.outer_raceway), (where.at("inner_raceway"), b.inner_raceway)):
-        form = () if raceway is None else raceway.form
-        preloads += [(at, 2.0 * part.amplitude - b.radial_clearance, part.lobes) for part in form if part.lobes]
+    if (shapes := rings_of(scene, lambda choice, at: None, [])) is not None:  # all parts together
+        formed = next(ring for ring in ("outer", "inner") if getattr(getattr(b, f"{ring}_raceway"), "form", ()))
+        highest = float(shapes.form(np.linspace(0.0, 2.0 * np.pi, 721)).max())
+        lobes = max(shapes.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))[0]  # a table is taken for an oval
+        preloads.append((where.at(f"{formed}_raceway"), 2.0 * highest - b.radial_clearance, lobes))
     rings = (scene.models.inner_ring, scene.models.outer_ring)
     if any(choice is not None and choice.name != "rigid" for choice in rings):
         return
