@@ -532,7 +532,8 @@ def problem(capsule, bint placed=False):
         return (f"reads {given.size} bytes of rs_slices, this rollslip has {sizeof(rs_slices)}: "
                 "it needs a newer rollslip")
     if given.size < RS_LEAST:
-        return f"reads {given.size} bytes of rs_slices, which never had less than {RS_LEAST}: set size to sizeof(rs_slices)"
+        return (f"reads {given.size} bytes of rs_slices, which never had less than {RS_LEAST}: "
+                "set size to sizeof(rs_slices)")
     if placed and given.size < sizeof(rs_slices):
         return (f"reads where slices are, but knows only {given.size} bytes of rs_slices, and these stand behind them: "
                 "rebuild it against this version")
