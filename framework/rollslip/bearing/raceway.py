@@ -208,8 +208,8 @@ def gauss_rule(load: Array, force: Array, count: int) -> Array:
 
     With weights q_k at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials that are
     orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its eigenvectors
-    their shares of the weight (`rollslip_kernels.gauss.rules`). The
-    rule is load per length [N/m] and share of the force of each node that has one, (m, 2).
+    their shares of the weight (`rollslip_kernels.gauss.rules`). The rule is load per length [N/m] and share of the
+    force of each node that has one, (m, 2).
 
     References
     ----------

@@ -74,6 +74,13 @@ _GIVEN: Final = {
     "lubrication.supply": "oil supply", "cage.make": "cage", "cage.guidance": "guided by",
 }  # fmt: skip
 
+#: Commands that write a report, in a shell and in Python, and what a page that is there names in their place.
+_ITSELF: Final = re.compile(r"^rollslip( run |\.report\(rollslip\.run\()(.*?)( --report|\)\))$")
+
+
+def _beyond(of: re.Match[str]) -> str:
+    return f"rollslip uncertainty {of[2]}" if of[3].startswith(" ") else f"rollslip.uncertainty({of[2]})"
+
 
 def write_report(
     datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path, scene: str = ""
@@ -81,8 +88,7 @@ def write_report(
     """Write one self-contained HTML file about the results of a run; `scene` is what its commands are to take."""
     cases = {case for one in datasets.values() if (case := case_of(one))}
     first = answer(*datasets.values(), scene=scene) if len(cases) < 2 else Answer()
-    asks = {to_do: to_do.removesuffix(" --report").replace(" run ", " uncertainty ") for to_do in first.next}
-    first = attrs.evolve(first, next=tuple(asks[to_do] if " --report" in to_do else to_do for to_do in asks))
+    first = attrs.evolve(first, next=tuple(_ITSELF.sub(_beyond, to_do) for to_do in first.next))
     leading = next((row.by for row in first.rows if row.key == "cage_slip"), "")
     lead, drawings, colours = _figures(figures, leading)
     shown = [
