@@ -101,13 +101,16 @@ class Drags:
         resistance = self.resistance
         return resistance is None or "viscosity" not in resistance.reads
 
+    @property
+    def in_time(self) -> str:
+        """What a torque that varies in time means for a steady motion; empty where none does."""
+        varying = next((model.name for model in self.torques if model.varies_in_time), "")
+        return f"drag {varying!r} varies in time, and no motion is steady with it" if varying else ""
+
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
         """Return the sum of the torques on the cage [N m], speeds in rad/s; refused where one varies in time."""
-        if varying := [model.name for model in self.torques if model.varies_in_time]:
-            raise DomainError(
-                f"drag {varying[0]!r} varies in time, and no motion is steady with it; ask for a motion in time, or "
-                "leave it out"
-            )
+        if self.in_time:
+            raise DomainError(f"{self.in_time}; ask for a motion in time, or leave it out")
         return sum((model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0)
 
     def capsules(self) -> tuple[object, ...]:

@@ -308,8 +308,8 @@ def told(dataset: "xr.Dataset") -> "xr.Dataset":
 
 def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float, str]:
     """Return a steady slip and its status; none where the operation changed in the last three eighths of a run."""
-    if varying := [model.name for model in moving.assembly.cage.drags.torques if model.varies_in_time]:
-        return math.nan, f"drag {varying[0]!r} varies in time, and no motion is steady with it"
+    if why := moving.assembly.cage.drags.in_time:
+        return math.nan, why
     if not isinstance(moving, VaryingMotion):
         return status
     if math.isnan(moving.unslipped(times)[0][-1]):

@@ -263,7 +263,7 @@ def varying_motion(
         cage_speed=list(base.names[0]).index("cage_speed"),
         inner_share=k.inner_radius / (k.inner_radius + k.outer_radius),
         still=STILL * _fastest(assembly, history),
-        autonomous=not (history.varies or any(model.varies_in_time for model in assembly.cage.drags.torques)),
+        autonomous=not (history.varies or assembly.cage.drags.in_time),
         scale=base.system.scale,
     )
     return VaryingMotion(
