@@ -6,6 +6,8 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -53,6 +55,16 @@ def test_an_interrupt_at_any_moment_is_heard(name, moment, tmp_path):
     kept = {"o.unfinished", "o"}.intersection(path.name for path in tmp_path.iterdir())
     assert [path.name for path in tmp_path.iterdir()] == sorted(kept)
     assert bool(kept) <= (name in KEEPING)  # what it has computed, to go on with
+
+
+def test_a_compiled_function_that_cannot_raise_shows_no_interrupt(capsys):
+    """What Cython does in one (SciPy's tables of Sobol' numbers have such): PyErr_PrintEx, which calls this hook."""
+    with ExitStack() as stack:
+        stack.callback(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT))
+        import_module("rollslip.cli.main")._heard(stack)
+        for error in (KeyboardInterrupt(), ValueError("of something else")):
+            sys.excepthook(type(error), error, None)
+    assert capsys.readouterr().err == "ValueError: of something else\n"
 
 
 # Commands that take results or folders of others, and short ones ------------------------------------------------------

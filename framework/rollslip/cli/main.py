@@ -125,9 +125,10 @@ def _terminated(number: int, *_: object) -> NoReturn:
 def _heard(into: ExitStack) -> list[int]:
     """Let no interrupt be lost: where Python ignores what is raised, in finalizers, it is raised again outside.
 
-    Finalizers of what was half built when an interrupt came have nothing to tell. Returned is what comes.
+    Finalizers of what was half built when an interrupt came have nothing to tell; compiled functions that cannot raise
+    show it before they ignore it. Returned is what comes.
     """
-    before, came = sys.unraisablehook, list[int]()
+    before, shown, came = sys.unraisablehook, sys.excepthook, list[int]()
 
     def interrupted(number: int, frame: Any) -> None:
         came.append(number)
@@ -145,8 +146,14 @@ def _heard(into: ExitStack) -> list[int]:
 
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else a shell or a host wants it otherwise
         signal.signal(signal.SIGINT, interrupted)
-    sys.unraisablehook = ignored
+
+    def show(kind: type[BaseException], *of: Any) -> None:
+        if not issubclass(kind, KeyboardInterrupt):
+            shown(kind, *of)
+
+    sys.unraisablehook, sys.excepthook = ignored, show
     into.callback(setattr, sys, "unraisablehook", before)
+    into.callback(setattr, sys, "excepthook", shown)
     return came
 
 
