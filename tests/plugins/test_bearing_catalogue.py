@@ -98,7 +98,12 @@ def test_other_bearings_are_called_what_they_are():
             find("bearing", written)
         assert f" {what}" in str(error.value), written
         assert "did you mean" not in str(error.value)
-        assert "rollslip models cylindrical roller bearings with a cage" in str(error.value)
+        assert "rollslip is for cylindrical roller bearings" in str(error.value)
+
+
+def test_a_full_complement_bearing_without_the_letter_of_one_is_asked_for():
+    with pytest.raises(UnknownNameError, match="full complement .*; did you mean 'NCF3010V'\\?"):
+        find("bearing", "NCF 3010")
 
 
 def test_the_list_of_models_tells_of_other_bearings_too():

@@ -135,9 +135,12 @@ def _meant(kind: str, name: str) -> list[Offer]:
 
 def is_another(kind: str, name: str) -> str | None:
     """Return in words what something is of which a family knows the name, but not the data; None where none does."""
-    other = _said_by("other", kind, name)
-    lists = f"'rollslip models {kind}' lists them"
-    return other and f"this is {other}; rollslip models cylindrical roller bearings with a cage ({lists})"
+    if not (other := _said_by("other", kind, name)):
+        return None
+    begins = [one for _, family in families(kind) for one in family.names if folded(one).startswith(folded(name))]
+    meant = f"did you mean {' or '.join(map(repr, begins[:3]))}? " if begins else ""
+    return f"this is {other}; {meant}rollslip is for cylindrical roller bearings ('rollslip models {kind}' lists them)"
+
 
 
 def own_cage(designation: object) -> Any:

@@ -60,7 +60,7 @@ class EffectiveFrictionAccount(PlainAccount):
         rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN), LOAD_OF_OTHERS]
         if "drag_reserve" in dataset:
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
-            rows.append(reserve_row(*reserve, known=1, within=_WITHIN))
+            rows.append(reserve_row(*reserve, known=1, within=_WITHIN, slip=slip))
         return Answer(rows=tuple(rows), assumed=assumed_of(dataset), commands=NEXT_OF_OTHERS)
 
     @staticmethod

@@ -34,6 +34,8 @@ LOAD_OF_OTHERS: Final = Row(key="minimum_load", label="minimum load", unit="N", 
                             note="--study steady-slip computes it")  # fmt: skip
 #: Slip of a driven cage, without sign, from which on it is told.
 _AHEAD: Final = 1e-3
+#: Why a cage lags at its steady slip that drags drive or leave alone.
+_BRAKED: Final = "rolling resistance, no drag, brakes the cage"
 #: Reserve above which it matters to nobody how large it is.
 _PLENTY: Final = 1000.0
 #: Share of the load below which a minimum load has a unit of its own.
@@ -79,7 +81,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
         yield _to_acceptable(dataset, acceptable)
     if "drag_reserve" in dataset:
         reserve = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
-        yield reserve_row(*reserve, known=_KNOWN, within=0.02)
+        yield reserve_row(*reserve, known=_KNOWN, within=0.02, slip=found)
     if "loss" in one and math.isfinite(torque := float(one["friction_torque"])):
         size, unit = (1e3 * torque, "mN m") if torque < 0.1 else (torque, "N m")
         heat = "; ".join(filter(None, [f"{power(float(one['loss'].sum()))} of heat", doubted(dataset)]))
@@ -104,8 +106,11 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
                within=within)  # fmt: skip
 
 
-def reserve_row(reserve: float, status: str, *, known: int, within: float) -> Row:
-    """Return the row of the drag reserve to skidding: the largest drag over that of the scene."""
+def reserve_row(reserve: float, status: str, *, known: int, within: float, slip: float) -> Row:
+    """Return the row of the drag reserve to skidding: the largest drag over that of the scene.
+
+    A cage that lags at its steady slip though no drag brakes it is held back by what the rollers resist.
+    """
     row: Any = {
         "key": "drag_reserve",
         "label": "reserve to skidding",
@@ -117,7 +122,7 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float) -> Ro
         return Row(**row, text="not found", note=status)
     least = status.startswith("at least")
     if math.isinf(reserve):
-        return Row(**row, text="no limit", note="no drag brakes the cage")
+        return Row(**row, text="no limit", note=_BRAKED if slip > _AHEAD else "no drag brakes the cage")
     band = (reserve, math.inf) if least else (reserve, reserve)
     return Row(**row, text=_times(reserve, least), band=band)
 
