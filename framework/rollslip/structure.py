@@ -281,7 +281,8 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         expected = "a text"
     else:
         raise TypeError(f"{_dotted(where.path)}: a field of type {kind} cannot be read from a scene")
-    faults.append(where.says(f"{expected} is expected, not {as_written(raw)}"))
+    alone = "; put it in [ ]" if origin is tuple else ""
+    faults.append(where.says(f"{expected} is expected, not {as_written(raw)}{alone}"))
     return MISSING
 
 

@@ -247,7 +247,7 @@ def test_all_faults_are_found_at_once():
         ({"guidance": ["outer"]}, "cage.guidance: a text is expected, not a list"),
         ({"guidance": "outer", "land_radius": "94"}, "cage.land_radius: '94' has no unit"),
         ({"land_width": "8 mm"}, "cage.land_width: only read for guidance = 'inner' or 'outer', not for 'roller'"),
-        ({"drag": "churning"}, "cage.drag: a list is expected, not 'churning'"),
+        ({"drag": "churning"}, "cage.drag: a list is expected, not 'churning'; put it in [ ]"),
         ({"drags": []}, "cage.drags: unknown key, did you mean 'drag'?"),
         ({"pocket_clearance": "-0.1 mm"}, "cage.pocket_clearance: must be at least 0, not -0.1 mm"),
         (
