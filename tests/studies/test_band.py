@@ -14,7 +14,8 @@ from rollslip import uncertainty
 from rollslip.cli.main import cli
 from rollslip.results.account import account_of
 from rollslip.scene.reading import load_scene
-from rollslip_studies.steady_slip.band import Band, bands, with_bands
+from rollslip_studies.steady_slip import band
+from rollslip_studies.steady_slip.band import Band, Moved, bands, with_bands
 from scattered import constant, uncertain
 
 SCENE = rollslip.evolve(
@@ -64,6 +65,15 @@ def test_where_a_quantity_makes_the_cage_run_away_the_band_has_no_upper_end():
     said = " ".join(account_of(dataset).lines(dataset))
     assert "to skidding (5 to 95 %), most of it by cage.drag.constant-torque.size" in said
     json.dumps(account_of(dataset).record(dataset), allow_nan=False)
+
+
+def test_no_end_of_a_band_is_a_slip_beyond_all_slips(monkeypatch):
+    """Ratios of few slices may lead there: of half the slips of the cage, three times is skidding."""
+    dataset = rollslip.run(SCENE, "steady-slip").pipe(lambda own: own.assign(steady_slip=own.steady_slip * 0.0 + 0.5))
+    moved = (Moved("lubricant.viscosity_factor", "1", (0.9, 1.1), (3.0, 0.5)),)
+    monkeypatch.setattr(band, "bands", lambda *_: {"steady_slip": Band(0.5, 3.0, moved[0].key, moved)})
+    told = json.loads(with_bands(SCENE, dataset).attrs["band"])["steady_slip"]
+    assert (told["low"], told["high"], told["moved"][0]["values"]) == (0.25, None, [None, 0.25])
 
 
 def test_independent_quantities_add_in_squares():

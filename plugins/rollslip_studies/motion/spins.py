@@ -55,9 +55,9 @@ _AT_REST: Final = 1e-3
 _IDLE, _WIDEST = 1e-12, 64.0
 #: Error of a motion of first order beyond which it is not sure.
 _WRONG = 1e-2
-#: Exactness of what neighbours brake, relative to the largest; turns at most, and from which on their mean is taken,
-#: for spins that change at a position from one balance to another and back, until torques stand still.
-_PUSHED, _TURNS, _MEAN, _STILL = 1e-5, 100, 15, 1e-4
+#: Exactness of what neighbours brake, relative to the largest; turns at most; turns whose mean is taken where steps do
+#: not fall, and how much of the least one so far a step is that does not.
+_PUSHED, _TURNS, _MEAN, _SLOWLY = 1e-5, 40, 8, 0.8
 
 
 class Friction(Protocol):
@@ -355,14 +355,18 @@ class Motions:
     def _braked(self, slips: Array, starts: Array | None) -> tuple[Array, Array]:
         """Moments (n, K) by which neighbours brake the spins [N m], and what they leave of the torque, relative (n,).
 
-        `rollslip_studies.motion.train` says how they are made. Where spins go on to change to and fro the mean is told.
+        `rollslip_studies.motion.train` says how they are made. Where a spin goes on to change from one balance to
+        another and back, the mean is told, and by how much the torque changes with it.
         """
         k, train, few = self.assembly.kinematics, self.train, _ROUGH if self._inertia else None
-        brakes, left, before = np.zeros((slips.size, self.positions)), np.zeros(slips.size), np.zeros(slips.size)
-        rows, friction = np.arange(slips.size), self.train.coefficient * self.train.radius
-        for turn in range(1, _TURNS + 1):
-            shape, now = (rows.size, self.positions), brakes[rows]
-            spins = self.spins(slips[rows], few, now)
+        brakes, left, driven = np.zeros((slips.size, self.positions)), np.zeros(slips.size), []
+        least, stalled = np.full(slips.size, np.inf), np.zeros(slips.size)
+        rows, friction = np.arange(slips.size), train.coefficient * train.radius
+        now, spins = brakes[rows], None
+        for _ in range(_TURNS):
+            shape = rows.size, self.positions
+            # compiled code reads ``now`` itself
+            spins = self.spins(slips[rows], few, now) if spins is None else spins
             at = self._came_to(slips[rows], None if starts is None else starts[rows], spins)[0][:, 0].ravel()
             (spin, torque), (spin_there, torque_there) = self._torques(spins, at), self._torques(spins, at + NUDGED)
             # a spin stays in balance, so a moment on it takes traction, which leaves less for the train
@@ -372,15 +376,20 @@ class Motions:
             falls = np.clip(taken, 0.0, k.outer_radius / k.roller_radius) * turns / np.hypot(turns, SLIDES)
             torque, falls = self.sense * torque.reshape(shape), falls.reshape(shape)
             step = friction * sum(train.pushes(torque + falls * now, falls * friction)) - now
-            brakes[rows] += step * min(1.0, _MEAN / turn)
-            left[rows] = np.abs(torque.mean(axis=1) - before[rows]) / np.abs(torque).mean(axis=1)
-            before[rows] = torque.mean(axis=1)
-            exact = np.abs(step).max(axis=1) <= _PUSHED * brakes[rows].max(axis=1)
-            left[rows[exact]] = 0.0
-            if np.all(done := exact | ((left[rows] <= _STILL) & (turn > _MEAN))):
-                return brakes, left
-            if turn >= _MEAN:  # some are left
-                rows = rows[~done]
+            size = np.abs(step).max(axis=1)
+            stalled[rows] += size > _SLOWLY * least[rows]
+            least[rows] = np.minimum(size, least[rows])
+            now += step / (1.0 + stalled[rows, None])
+            brakes[rows] = now
+            driven.append(np.full(slips.size, np.nan))
+            driven[-1][rows] = torque.mean(axis=1) / np.abs(torque).mean(axis=1)
+            left[rows] = np.ptp(driven[-_MEAN:], axis=0)[rows]
+            left[rows[exact := size <= _PUSHED * now.max(axis=1)]] = 0.0
+            if np.all(done := exact | (stalled[rows] >= _MEAN)):
+                break
+            if done.any():
+                rows, spins = rows[~done], None
+                now = brakes[rows]
         return brakes, left
 
     def _came_to(

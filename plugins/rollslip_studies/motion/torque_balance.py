@@ -35,8 +35,9 @@ from rollslip_studies.motion.way_up import WayUp, way_up
 
 #: Loads that stand for the slices of a roller on the way up.
 _FEW: Final = 8
-#: Slips at which its time is measured, the place of the first, and how many times as long all of it takes, with maxima.
-_SOME, _LOW, _ALL = 6, -9.0, 10.0
+#: Slips at which its time is measured, the place of the first, and how many times as long all of it takes, with maxima;
+#: and without a cage, of which 5 bearings took 5 to 34 times that.
+_SOME, _LOW, _ALL, _RUBBED = 6, -9.0, 10.0, 14.0
 #: Range at which no law has a value.
 _NOWHERE: Final = 1e-3
 #: Positions of an orbit, at least and at most, on which rollers are followed.
@@ -149,7 +150,7 @@ class TorqueBalance:
             if largest < _NOWHERE:
                 raise
             return self.seconds(0.5 * largest)
-        return loaded - begin + _ALL * (time.process_time() - loaded)
+        return loaded - begin + _ALL * (_RUBBED if self._rubbing else 1.0) * (time.process_time() - loaded)
 
     @property
     def rolls_freely(self) -> bool:

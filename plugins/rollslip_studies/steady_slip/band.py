@@ -81,8 +81,8 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     """Return a result of steady slips with the bands of the least one and of the least load, in attribute ``band``.
 
     Beside them stands what each quantity does on its own, what moves a value most first, and in ``consequences`` what
-    the laws that it left do. Without a steady slip it is the result as it
-    was. ``slip`` is the variable that the slip is in. A slip below 1e-5, as of a cage that is driven, counts as that.
+    the laws that it left do. Without a steady slip it is the result as it was. ``slip`` is the variable that the slip
+    is in. A slip below 1e-5, as of a cage that is driven, counts as that.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
     if not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0 or slips[0] < -_LITTLE:  # without drag, or driven
@@ -97,11 +97,11 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
             "low": min(
                 values[name] * one.low, float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0])
             ),
-            "high": or_none(values[name] * one.high),
+            "high": _end(name, values[name] * one.high),
             "most": one.most,
             "moved": [
                 attrs.asdict(by, filter=attrs.filters.exclude("factors"))
-                | {"values": [or_none(values[name] * factor) for factor in by.factors]}
+                | {"values": [_end(name, values[name] * factor) for factor in by.factors]}
                 for by in one.moved
             ],
         }
@@ -110,6 +110,11 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     plain = attrs.evolve(scene, sweep=None, uncertainty=None)
     left = consequences(plain, _few(plain), dataset, values["steady_slip"])
     return dataset.assign_attrs({"band": json.dumps(told)} if told else {}, consequences=json.dumps(left))
+
+
+def _end(name: str, value: float) -> float | None:
+    """A value by factors, as JSON has it: where they lead a slip beyond all slips, the cage skids."""
+    return or_none(math.inf if name in ("steady_slip", SLIP) and value >= 1.0 else value)
 
 
 def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[str, Band]:
@@ -291,7 +296,7 @@ def consequences(scene: Scene, few: Assembly, dataset: "xr.Dataset", slip: float
                 continue
             moved = {name: (values[name], values[name] * end[name] / begin[name]) for name in values
                      if begin[name] and not math.isnan(values[name])}  # fmt: skip
-            row["moved"] = {name: [or_none(one) for one in both] for name, both in moved.items()}
+            row["moved"] = {name: [_end(name, one) for one in both] for name, both in moved.items()}
         rows.append(row)
     return rows
 
