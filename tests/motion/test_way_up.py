@@ -104,27 +104,39 @@ def test_rows_are_sent_round_as_each_by_itself():
         assert [one.torque for one in alone] == pytest.approx([one.torque for one in here], rel=1e-9)
 
 
-def test_two_rollers_of_a_row_have_room_where_all_load_is_at_one_position():
-    """Their slices are gathered into one table, which is no larger than all loads are where these are spread."""
+def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last_bit():
+    """Where all load is at one position, and a table has room for that of one roller alone; and none with less."""
     one = scenes.balance(scenes.catalogue(4), positions=1)
     motions, slips = one.motions, np.array([0.01, 0.3])
-    spins = motions.spins(slips)
-    for contacts, (_, table, ring) in zip(spins._contacts, spins._gathered, strict=True):
-        at_positions = np.diff(ring[5]).reshape(slips.size, motions.positions).sum(axis=0)
-        assert len(table) >= max(contacts.force.size, 2 * at_positions.max())
-        if contacts.raceway is one.assembly.inner:
-            assert 2 * at_positions.max() > contacts.force.size, "or the case is none"
-    narrow = [(stage, Slices(load.size, one.assembly.inner.conditions), load, *rest)
-              for _, _, (stage, _, load, *rest) in spins._gathered]  # fmt: skip
-    k = one.assembly.kinematics
+    spins, k = motions.spins(slips), one.assembly.kinematics
     radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
-    kernel = Kernel(slips.size * motions.positions, narrow, radii, k.roller_radius * k.epicyclic_roller_speed)
-    every = np.arange(slips.size)
-    with pytest.raises(IndexError, match="has no room for"):
-        kernel.sent_round(
-            every, motions.positions, np.ones(2), np.tile([-1.0, 1.0], (2, 1)), np.ones(2),
-            np.tile([-0.1, 0.1], (2, 1)), 2, 1e-5,
-        )  # fmt: skip
+    at_positions = [int(np.diff(ring[5]).max()) for _, _, ring in spins._gathered]
+    assert max(at_positions) > 1, "or the case is none"
+
+    def kernel(short: int) -> Kernel:
+        rings = [
+            (stage, Slices(most - short, contacts.raceway.conditions), *rest)
+            for most, contacts, (_, _, (stage, _, *rest)) in zip(
+                at_positions, spins._contacts, spins._gathered, strict=True
+            )
+        ]
+        made = Kernel(slips.size * motions.positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed)
+        made.at(*(np.repeat(lead, motions.positions) for lead in k.leads(slips)))
+        return made
+
+    at = np.linspace(-0.3, 0.3, slips.size * motions.positions)
+    rows, bracket, ends = np.arange(slips.size), np.tile([-1.0, 1.0], (2, 1)), np.tile([-0.1, 0.1], (2, 1))
+    wide = Kernel(at.size, [ring for *_, ring in spins._gathered], radii, k.roller_radius * k.epicyclic_roller_speed)
+    wide.at(*(np.repeat(lead, motions.positions) for lead in k.leads(slips)))
+    narrow = kernel(0)
+    for here, there in zip(wide.torques(at), narrow.torques(at), strict=True):
+        np.testing.assert_array_equal(here, there)
+    around = rows, motions.positions, np.ones(2), bracket, np.ones(2), ends, 2, 1e-5
+    for here, there in zip(wide.sent_round(*around), narrow.sent_round(*around), strict=True):
+        np.testing.assert_array_equal(here, there)
+    assert wide.evaluated == narrow.evaluated
+    with pytest.raises(ValueError, match="has no room for"):
+        kernel(1)
 
 
 # Of any bearing ------------------------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ RINGS: tuple[Ring, Ring] = ("inner", "outer")
 
 #: At how many speeds few loads are held against all.
 PROBES = 12
-_TABLE, _LANES = 32768, 8  # slices in a table at a time, and of the widest vectors
+_TABLE, _ROOM, _LANES = 32768, 2048, 8  # slices in a table at a time, where rows go round, and of the widest vectors
 _FEWEST, _MOST = 8, 128  # loads of a rule
 _ROUNDING = 1e-13  # of a share of the force
 
@@ -156,7 +156,8 @@ class LoadedContacts:
         """
         raceway = self.raceway
         stage, table = known or (raceway.chain.kernel.as_stage(), None)
-        most = 2 * self.force.size + _LANES  # two are sent at once through a position, which may have all of it
+        # two may be sent at once through a position; what has no room in a table that a cache holds goes in parts
+        most = min(2 * self.force.size, max(_ROOM, int(np.diff(self._first).max(initial=0)))) + _LANES
         if table is None or len(table) < most:
             table = Slices(most, raceway.conditions)
         ring = stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists

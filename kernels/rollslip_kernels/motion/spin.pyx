@@ -171,13 +171,17 @@ cdef class Spin:
                 continue
             stage, table, load, force, width, first, resists, *asked = rings[k]
             gathered, n = bound(table), load.shape[0]
-            if not (force.shape[0] == width.shape[0] == n <= len(table)) or first.shape[0] != rollers + 1:
-                raise ValueError(f"loads, forces, widths and a table of {n} slices of {rollers} rollers are expected")
+            if not force.shape[0] == width.shape[0] == n or first.shape[0] != rollers + 1:
+                raise ValueError(f"loads, forces and widths of {n} slices of {rollers} rollers are expected")
             ascend = first[0] == 0 and first[rollers] == n
             for i in range(rollers):
                 ascend = ascend and first[i] <= first[i + 1]
             if not ascend:
                 raise ValueError(f"first slices that ascend from 0 to {n} are expected")
+            for i in range(rollers):
+                if first[i + 1] - first[i] > len(table):
+                    raise ValueError(f"a table of {len(table)} slices has no room for the {first[i + 1] - first[i]} of "
+                                     f"position {i}")
             self.kept.append((gathered, load, force, width, first))
             ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
             ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
@@ -753,27 +757,44 @@ cdef class Spin:
         return 0
 
     cdef int _forces(self, int which, const double *slip, Py_ssize_t count) noexcept nogil:
-        """Traction and resistance of a ring on the active rollers, of their slices gathered into its table."""
+        """Traction and resistance of a ring on the active rollers, as many at a time as its table has room for."""
         cdef ring_t *ring = &self.rings[which]
-        cdef rs_slices *s = &ring.table
-        cdef double **where = &s.position
-        cdef Py_ssize_t a, k, i, at, n = 0
-        cdef int status, c
-        cdef double sliding, rolling, spin, sum, rest
+        cdef Py_ssize_t a, k, at, done = 0
+        cdef double sliding, rolling, spin
+        cdef int ended
+        if ring.nodes == NULL:
+            while done < count:
+                ended = self._evaluated(which, slip, count, &done)
+                if ended != FOUND:
+                    return ended
+            return FOUND
         for a in range(count):
             k, at = self.active[a], self.slot[a]
             spin = self.rolling * slip[at]
             sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
             rolling = self._rolls(which, k, slip[at])
-            if ring.nodes != NULL:
-                ring.traction[at] = _of_curve(ring, sliding) * ring.force[k]
-                ring.resistance[at] = ring.held[k] * rolling / _length(rolling, self.slow)
-                continue
+            ring.traction[at] = _of_curve(ring, sliding) * ring.force[k]
+            ring.resistance[at] = ring.held[k] * rolling / _length(rolling, self.slow)
+        ring.evaluated += count
+        return FOUND
+
+    cdef int _evaluated(self, int which, const double *slip, Py_ssize_t count, Py_ssize_t *done) noexcept nogil:
+        """The same of the active rollers after those that are done, of their slices gathered into the table."""
+        cdef ring_t *ring = &self.rings[which]
+        cdef rs_slices *s = &ring.table
+        cdef double **where = &s.position
+        cdef Py_ssize_t begin = done[0], end = count, a, k, i, at, n = 0
+        cdef int status, c
+        cdef double sliding, rolling, spin, sum, rest
+        for a in range(begin, count):
+            k, at = self.active[a], self.slot[a]
+            if n + ring.first[k + 1] - ring.first[k] > ring.room:
+                end = a
+                break
+            spin = self.rolling * slip[at]
+            sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
+            rolling = self._rolls(which, k, slip[at])
             rolling = _length(rolling, self.slow) if self.slow > 0.0 else rolling
-            if n + ring.first[k + 1] - ring.first[k] > ring.room:   # two at one position may need more than all loads
-                with gil:
-                    PyErr_SetObject(IndexError, f"a table of {ring.room} slices has no room for {count} rollers")
-                return RAISED
             for i in range(ring.first[k], ring.first[k + 1]):
                 s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
                 n += 1
@@ -781,9 +802,6 @@ cdef class Spin:
                 i = ring.first[k + 1] - ring.first[k]
                 for c in range(N_PLACES):
                     memcpy(where[c] + n - i, ring.places + c * ring.loaded + ring.first[k], i * sizeof(double))
-        if ring.nodes != NULL:
-            ring.evaluated += count
-            return FOUND
         ring.evaluated += n
         while n % LANES and n < ring.room:   # whole vectors; stages would copy an odd end
             s.load[n], s.rolling_speed[n] = s.load[n - 1], s.rolling_speed[n - 1]
@@ -797,7 +815,7 @@ cdef class Spin:
             if status != 0:
                 return RAISED if status == -1 else which
         n = 0
-        for a in range(count):
+        for a in range(begin, end):
             k, at = self.active[a], self.slot[a]
             sum = rest = 0.0
             for i in range(ring.first[k], ring.first[k + 1]):
@@ -808,6 +826,7 @@ cdef class Spin:
                 rolling = self._rolls(which, k, slip[at])
                 rest *= rolling / _length(rolling, self.slow)
             ring.traction[at], ring.resistance[at] = sum, rest
+        done[0] = end
         return FOUND
 
     cdef inline double _rolls(self, int which, Py_ssize_t k, double slip) noexcept nogil:
