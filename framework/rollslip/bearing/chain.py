@@ -8,7 +8,7 @@
 
 import os
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -173,7 +173,7 @@ class Chain:
         """Whether one thread at a time is to evaluate it, as where a model runs in Python."""
         return self._threads == 1
 
-    @property
+    @cached_property
     def placed(self) -> bool:
         """Whether a model reads where slices are."""
         return any(not model.reads.isdisjoint(PLACES) for model in self.models)
@@ -221,7 +221,7 @@ class Chain:
         """The chain itself, for compiled code that runs it."""
         return self._chain
 
-    @property
+    @cached_property
     def resists(self) -> bool:
         """Whether a stage fills the rolling resistance."""
         return any("resistance" in model.writes for model in self.models)

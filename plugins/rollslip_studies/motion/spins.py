@@ -17,6 +17,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Final, Protocol, TypeAlias
 
 import attrs
@@ -267,7 +268,7 @@ class Motions:
         inner, outer = orbit_loads(self.assembly, self.instants, speeds, self._few)
         return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
 
-    @property
+    @cached_property
     def _orbit(self) -> tuple[Rows, Array]:
         """Positions of an orbit in its sense, by number in the order of instants, and their angles [rad], (K,)."""
         psi = angular_positions(self.assembly.scene.bearing.rollers, self.instants).ravel()
