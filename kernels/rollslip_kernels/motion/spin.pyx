@@ -175,13 +175,9 @@ cdef class Spin:
                 raise ValueError(f"loads, forces and widths of {n} slices of {rollers} rollers are expected")
             ascend = first[0] == 0 and first[rollers] == n
             for i in range(rollers):
-                ascend = ascend and first[i] <= first[i + 1]
+                ascend = ascend and 0 <= first[i + 1] - first[i] <= len(table)
             if not ascend:
-                raise ValueError(f"first slices that ascend from 0 to {n} are expected")
-            for i in range(rollers):
-                if first[i + 1] - first[i] > len(table):
-                    raise ValueError(f"a table of {len(table)} slices has no room for the {first[i + 1] - first[i]} of "
-                                     f"position {i}")
+                raise ValueError(f"first slices that ascend from 0 to {n}, by no more than the table, are expected")
             self.kept.append((gathered, load, force, width, first))
             ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
             ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
@@ -757,76 +753,63 @@ cdef class Spin:
         return 0
 
     cdef int _forces(self, int which, const double *slip, Py_ssize_t count) noexcept nogil:
-        """Traction and resistance of a ring on the active rollers, as many at a time as its table has room for."""
-        cdef ring_t *ring = &self.rings[which]
-        cdef Py_ssize_t a, k, at, done = 0
-        cdef double sliding, rolling, spin
-        cdef int ended
-        if ring.nodes == NULL:
-            while done < count:
-                ended = self._evaluated(which, slip, count, &done)
-                if ended != FOUND:
-                    return ended
-            return FOUND
-        for a in range(count):
-            k, at = self.active[a], self.slot[a]
-            spin = self.rolling * slip[at]
-            sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
-            rolling = self._rolls(which, k, slip[at])
-            ring.traction[at] = _of_curve(ring, sliding) * ring.force[k]
-            ring.resistance[at] = ring.held[k] * rolling / _length(rolling, self.slow)
-        ring.evaluated += count
-        return FOUND
-
-    cdef int _evaluated(self, int which, const double *slip, Py_ssize_t count, Py_ssize_t *done) noexcept nogil:
-        """The same of the active rollers after those that are done, of their slices gathered into the table."""
+        """Traction and resistance of a ring on the active rollers, of slices gathered into its table, part by part."""
         cdef ring_t *ring = &self.rings[which]
         cdef rs_slices *s = &ring.table
         cdef double **where = &s.position
-        cdef Py_ssize_t begin = done[0], end = count, a, k, i, at, n = 0
+        cdef Py_ssize_t begin = 0, end, a, k, i, at, n
         cdef int status, c
         cdef double sliding, rolling, spin, sum, rest
-        for a in range(begin, count):
-            k, at = self.active[a], self.slot[a]
-            if n + ring.first[k + 1] - ring.first[k] > ring.room:
-                end = a
-                break
-            spin = self.rolling * slip[at]
-            sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
-            rolling = self._rolls(which, k, slip[at])
-            rolling = _length(rolling, self.slow) if self.slow > 0.0 else rolling
-            for i in range(ring.first[k], ring.first[k + 1]):
-                s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
-                n += 1
-            if ring.places != NULL:
-                i = ring.first[k + 1] - ring.first[k]
-                for c in range(N_PLACES):
-                    memcpy(where[c] + n - i, ring.places + c * ring.loaded + ring.first[k], i * sizeof(double))
-        ring.evaluated += n
-        while n % LANES and n < ring.room:   # whole vectors; stages would copy an odd end
-            s.load[n], s.rolling_speed[n] = s.load[n - 1], s.rolling_speed[n - 1]
-            s.sliding_speed[n] = s.sliding_speed[n - 1]
-            for c in range(N_PLACES if ring.places != NULL else 0):
-                where[c][n] = where[c][n - 1]
-            n += 1
-        s.n = n
-        if n:
-            status = ring.chain.evaluate(s, ring.chain.params)
-            if status != 0:
-                return RAISED if status == -1 else which
-        n = 0
-        for a in range(begin, end):
-            k, at = self.active[a], self.slot[a]
-            sum = rest = 0.0
-            for i in range(ring.first[k], ring.first[k + 1]):
-                sum += s.friction[n] * ring.force[i]
-                rest += s.resistance[n] * ring.width[i] if ring.resists else 0.0
-                n += 1
-            if ring.resists:
+        while begin < count:
+            n, end = 0, count
+            for a in range(begin, count):
+                k, at = self.active[a], self.slot[a]
+                spin = self.rolling * slip[at]
+                sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
                 rolling = self._rolls(which, k, slip[at])
-                rest *= rolling / _length(rolling, self.slow)
-            ring.traction[at], ring.resistance[at] = sum, rest
-        done[0] = end
+                if ring.nodes != NULL:
+                    ring.traction[at] = _of_curve(ring, sliding) * ring.force[k]
+                    ring.resistance[at] = ring.held[k] * rolling / _length(rolling, self.slow)
+                    continue
+                rolling = _length(rolling, self.slow) if self.slow > 0.0 else rolling
+                if n + ring.first[k + 1] - ring.first[k] > ring.room:   # the next part begins with it
+                    end = a
+                    break
+                for i in range(ring.first[k], ring.first[k + 1]):
+                    s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
+                    n += 1
+                if ring.places != NULL:
+                    i = ring.first[k + 1] - ring.first[k]
+                    for c in range(N_PLACES):
+                        memcpy(where[c] + n - i, ring.places + c * ring.loaded + ring.first[k], i * sizeof(double))
+            if ring.nodes != NULL:
+                ring.evaluated += count
+                return FOUND
+            ring.evaluated += n
+            while n % LANES and n < ring.room:   # whole vectors; stages would copy an odd end
+                s.load[n], s.rolling_speed[n] = s.load[n - 1], s.rolling_speed[n - 1]
+                s.sliding_speed[n] = s.sliding_speed[n - 1]
+                for c in range(N_PLACES if ring.places != NULL else 0):
+                    where[c][n] = where[c][n - 1]
+                n += 1
+            s.n = n
+            if n:
+                status = ring.chain.evaluate(s, ring.chain.params)
+                if status != 0:
+                    return RAISED if status == -1 else which
+            n = 0
+            for a in range(begin, end):
+                k, at = self.active[a], self.slot[a]
+                sum = rest = 0.0
+                for i in range(ring.first[k], ring.first[k + 1]):
+                    sum += s.friction[n] * ring.force[i]
+                    rest += s.resistance[n] * ring.width[i] if ring.resists else 0.0
+                    n += 1
+                if ring.resists:
+                    rolling = self._rolls(which, k, slip[at])
+                    rest *= rolling / _length(rolling, self.slow)
+                ring.traction[at], ring.resistance[at] = sum, rest
+            begin = end
         return FOUND
 
     cdef inline double _rolls(self, int which, Py_ssize_t k, double slip) noexcept nogil:
