@@ -173,15 +173,15 @@ cdef class Spin:
             gathered, n = bound(table), load.shape[0]
             if not force.shape[0] == width.shape[0] == n or first.shape[0] != rollers + 1:
                 raise ValueError(f"loads, forces and widths of {n} slices of {rollers} rollers are expected")
-            ascend = first[0] == 0 and first[rollers] == n
+            ascend, ring.room = first[0] == 0 and first[rollers] == n, len(table)
             for i in range(rollers):
-                ascend = ascend and 0 <= first[i + 1] - first[i] <= len(table)
+                ascend = ascend and 0 <= first[i + 1] - first[i] <= ring.room
             if not ascend:
                 raise ValueError(f"first slices that ascend from 0 to {n}, by no more than the table, are expected")
             self.kept.append((gathered, load, force, width, first))
             ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
             ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
-            ring.first, ring.resists, ring.room = &first[0], resists, len(table)
+            ring.first, ring.resists = &first[0], resists
             if n:
                 ring.load, ring.force, ring.width = &load[0], &force[0], &width[0]
             if asked and n:
