@@ -194,8 +194,7 @@ def _loads(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
 
     def of(assembly: Assembly) -> Callable[[float], float]:
         def excess(log: float) -> float:
-            there = _few(evolve(assembly.scene, {"operation.radial_load": math.exp(log)}), assembly)
-            return rollers(there, _INSTANTS, inertia=False, beside=beside).excess(slip)
+            return rollers(assembly.at_load(math.exp(log)), _INSTANTS, inertia=False, beside=beside).excess(slip)
 
         return excess
 
