@@ -11,9 +11,19 @@ from rollslip import evolve, load_scene
 from rollslip import plan as planned
 from rollslip.planning import execution, verification
 from rollslip.planning.plan import part_as_dict
-from rollslip.planning.verification import Judgement, _of_order, _order, _wanted_at_once, accuracy_rows, again, told
+from rollslip.planning.verification import (
+    Judgement,
+    _of_order,
+    _order,
+    _wanted_at_once,
+    accuracy_rows,
+    again,
+    slower,
+    told,
+)
 from rollslip.scene.reading import from_raw
 from rollslip.studies.answers import Part
+from rollslip.studies.bounds import LightContacts
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick
@@ -31,6 +41,31 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p)
     error = [n**-p for n in (4, 9, 8)]
     assert _of_order(error[0] - error[1], p, 4) == pytest.approx(error[0])
     assert _order(4, 8, error[0], error[2]) == pytest.approx(p)
+
+
+def test_the_order_of_laminae_is_that_seen_from_run_to_run():
+    """Errors of 25 and 100 laminae against four times as many, half as large: of order 1/2, not 2."""
+    few, many = (Judgement(errors={"slices": {"friction": each}, "instants": {}}) for each in (4e-4, 2e-4))
+    found = slower(many, 100, few, 25).errors["slices"]["friction"]
+    assert found == pytest.approx(2e-4 * (1 - 1 / 16) / (1 - 1 / 2))
+    assert slower(many, 100, Judgement(errors={"slices": {"friction": 3.2e-3}}), 25) == many  # of order 2
+    assert slower(many, 25, few, 25) is many
+
+
+def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan):
+    study, estimated = plan.studies["effective-friction"], plan.estimated["effective-friction"]
+    left = attrs.evolve(estimated, left_out=(LightContacts(3.0),), errors={"slices": {}, "light_contacts": {}})
+    resolution = attrs.evolve(estimated.resolution, light_contacts=False)
+    left, assembly = attrs.evolve(left, resolution=resolution), plan.assembly.at(resolution)
+    for moved, back in ((2e-3, True), (1e-4, False)):
+        alone = {"slices": {"friction": 2e-3}, "left out": {"friction": moved}}
+        off = Judgement(errors={"slices": {}}, at_once={"friction": 3e-3}, alone=alone)
+        made = again(study, assembly, left, off)
+        assert made.resolution.light_contacts == back
+        assert (made.left_out == ()) == back
+        assert ("light_contacts" in made.errors) != back
+        assert ("what was left out of a contact was seen to leave friction off by 3.0e-03" in made.seen) == back
+        assert (made.resolution.slices > resolution.slices) != back
 
 
 def test_what_both_move_at_once_counts_where_it_is_more():

@@ -811,6 +811,16 @@ def test_a_slip_that_the_cage_does_not_hold_has_no_least_load():
     assert "1.037 kN it skids before" in topics(found)["minimum load"][0]
 
 
+def test_below_the_weight_of_rollers_no_load_is_refused(monkeypatch):
+    """The balance leaves the weight out, so nothing there tells whether the cage skids before."""
+    scene = evolve(dragged(SHIPPED, brake(0.69)), {"accuracy.slices": 15})
+    unstable = float(run(scene).steady_slip[1])
+    monkeypatch.setattr("rollslip_studies.steady_slip.study.rollers_weight", lambda assembly: 1.1e3)
+    found = run(scene, acceptable_slip=unstable)
+    assert float(found.least_load) == pytest.approx(1037.0, abs=1.0)
+    assert np.isnan(found.least_load.attrs["doubted"])
+
+
 def test_without_drag_no_load_is_needed():
     found = run(evolve(STRAIGHT, {"cage.drag": []}), points=8, acceptable_slip=0.05)
     assert np.isnan(found.least_load)

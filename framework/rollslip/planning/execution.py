@@ -16,7 +16,7 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import run_origin
-from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, told
+from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, slower, told
 from rollslip.results.account import answer
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies import validity
@@ -92,7 +92,7 @@ def execute(
     for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one
         importlib.import_module(library)
     begin, processor = time.perf_counter(), time.process_time()
-    taken_back = list[str]()
+    taken_back, first = list[str](), (Judgement(errors={}), 0)
     while True:
         assembly = plan.assemblies[study]
         before = assembly.inner.chain.evaluated
@@ -110,12 +110,14 @@ def execute(
         unwatched = plan.assembly.at(estimated.resolution)
         try:
             judgement = judge(running, unwatched, estimated, dataset)
+            judgement = slower(judgement, unwatched.slices, *first) if first[1] else judgement
         except ConvergenceError as refusal:  # what was computed stands
             judgement = Judgement(errors={}, refusal=str(refusal))
         finer = None if exactly else again(running, unwatched, estimated, judgement)
         if finer is None:
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
+        first = first if first[1] else (judgement, unwatched.slices)
         plan = plan.again(study, finer)
     dataset = dataset.assign(law_outputs(running, unwatched, dataset))
     cost = {"estimated": plan.seconds_of(study), "actual": spent}

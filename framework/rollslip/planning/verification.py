@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -39,6 +39,8 @@ _SOME_SLICES, _SOME_INSTANTS = 40, 9
 _DENSER = 3
 #: Slips on which a witness sees curves of which the result holds none.
 _WITNESSED = 25
+#: What a run may leave out of a contact by what few slips say, as a part, and what errors of that are kept under.
+LEFT_OUT, _OF_CONTACTS = "left out", ("inlet_heating", "light_contacts", "law")
 #: Share of the tolerance that slices and instants aim at, each, where a run is made again, and how many times as many.
 _AIM, _MOST_TIMES = 0.35, 4.0
 
@@ -79,7 +81,8 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is always
     held against one with the slices of the run: of two maxima of nearly the same height few slices may have another
     one for the largest. Slices and instants may err against each other, so at few slips, or for single values of the
-    result, twice as many of both are taken at once. Of a study without curves nothing is known beyond its own estimate.
+    result, twice as many of both are taken at once, with the models of a contact that were left out at few slips. Of a
+    study without curves nothing is known beyond its own estimate.
     """
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
     if resolution.instants is None or curved is None:
@@ -133,14 +136,34 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
             probe, pair = Probe(partial(curved.curves, few), curved.slip_range), (assembly, finer)
             seen = (probe.measure(partial(curved.curves, at), (at.resolution.instants or m,))[0] for at in pair)
             found = {**difference(*seen), **found}
-        return {name: error / apart(1, 2) for name, error in found.items()}
+        seen_orders = {name: min(max(order, _LEAST_ORDER), _MOST_ORDER) for name, order in orders.items()}
+        return {name: error / apart(1, 2, seen_orders.get(name, _MOST_ORDER)) for name, error in found.items()}
 
     more = max(2 * m + 1, _SOME_INSTANTS if resolution.slices < _SOME_SLICES else 0)
     twice = attrs.evolve(resolution, slices=max(2 * resolution.slices, _SOME_SLICES), quadrature="gauss")
-    at_once = moved_by(assembly.at(attrs.evolve(twice, instants=more)))
+    back: dict[str, Any] = {"inlet_heating": True, "light_contacts": True}
+    at_once = moved_by(assembly.at(attrs.evolve(twice, instants=more, **back)))
     each = {"slices": twice, "instants": attrs.evolve(resolution, instants=more)}
-    alone = {part: moved_by(assembly.at(each[part])) for part in errors} if over(1.0, at_once) else {}
+    parts, whole = [*errors], attrs.evolve(resolution, **back)
+    if whole != resolution:
+        each[LEFT_OUT], parts = whole, [*parts, LEFT_OUT]
+    alone = {part: moved_by(assembly.at(each[part])) for part in parts} if over(1.0, at_once) else {}
     return Judgement(errors=errors, orders=orders, at_once=at_once, alone=alone)
+
+
+def slower(judgement: Judgement, slices: int, before: Judgement, fewer: int) -> Judgement:
+    """Return a judgement by the order with which the error of slices fell since a run with fewer.
+
+    Where a film thins without bound as a lamina is relieved, it falls with the root of their number.
+    """
+    of, earlier = judgement.errors.get("slices", {}), before.errors.get("slices", {})
+    if slices <= fewer or not of:
+        return judgement
+    found = {}
+    for name, error in of.items():
+        order = min(max(_order(fewer, slices, earlier.get(name, 0.0), error), _LEAST_ORDER), _MOST_ORDER)
+        found[name] = error * apart(1, _FINER_SLICES) / apart(1, _FINER_SLICES, order)
+    return attrs.evolve(judgement, errors={**judgement.errors, "slices": found})
 
 
 def _off(study: Study, curved: Study, at: Assembly, own: "xr.Dataset | None", m: int) -> Callable[[int], Errors]:
@@ -186,6 +209,12 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     off = {name: error for name, error in judgement.total.items() if error > accuracy.of(name)}
     if accuracy.exact or not off or study.curved(assembly) is not study:
         return None
+    found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
+    if any(judgement.alone.get(LEFT_OUT, {}).get(name, 0.0) > _AIM * accuracy.of(name) for name in off):
+        resolution = reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution)
+        seen = f"what was left out of a contact was seen to leave {found}"
+        kept = {part: errors for part, errors in estimated.errors.items() if part not in _OF_CONTACTS}
+        return attrs.evolve(estimated, resolution=resolution, left_out=(), errors=kept, seen=seen)
     numbers, most = _numbers(resolution), _numbers(best)
     stays: dict[str, float] = {}  # what parts leave of which there are no more
     for part in (part for part in judgement.errors if numbers[part] >= most[part]):
@@ -205,7 +234,6 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
         left[part] = {name: error * share ** orders[name] for name, error in errors.items()}
     if numbers_then == numbers or assembly.scene.bearing.rollers * math.prod(numbers_then.values()) > _MOST_SLICES:
         return None
-    found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
     return attrs.evolve(
         estimated,
         resolution=attrs.evolve(resolution, slices=numbers_then["slices"], instants=numbers_then["instants"]),

@@ -237,6 +237,16 @@ class LoadedRaceways:
         (curves,) = evaluated_together([(self, speeds)])
         return curves
 
+    def thinnest(self, contacts: LoadedContacts, rolling: Any, sliding: Any) -> Array:
+        """Smallest film parameter of every position of the orbit, infinite without load, between its neighbours."""
+        contacts.friction(rolling, sliding)
+        film = np.full(contacts.rollers + 2, np.inf)
+        thickness = contacts.slices.film_thickness / contacts.raceway.conditions.roughness
+        np.minimum.at(film, contacts.owner + 1, thickness)
+        around = contacts.rollers == self.distribution.psi.size  # else one half of the orbit stands for both
+        film[0], film[-1] = (film[-2], film[1]) if around else (film[2], film[-3])
+        return film
+
     def curve(self, slip: Array) -> Array:
         """Effective friction of both rings, (2, n)."""
         return self.evaluated(self.speeds(slip))[0]

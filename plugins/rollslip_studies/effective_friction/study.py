@@ -126,6 +126,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 )
 #: What of them takes the whole curve, and not its maxima alone.
 _WHOLE_CURVE: Final = frozenset({"effective_friction"})
+#: How many times as far a film is off its thinnest to one side as to the other where rollers jump, or the tolerance.
+_JUMP: Final = 10.0
 #: Error that few loads may leave of the friction of all slices, relative to the tolerance.
 _FEW_SHARE: Final = 1e-2
 #: What is found of running away.
@@ -330,14 +332,32 @@ class EffectiveFriction(Study):
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
 
     def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
-        """Return by how much the thinnest films of both rings are off, by slices and positions where they are."""
+        """Return by how much the thinnest films of both rings are off, by slices and positions where they are.
+
+        Where rollers jump to another balance between two positions the thinnest film is that just before the jump. It
+        is bounded by that of the one position's load at the speeds of the other.
+        """
         film = np.where(dataset["film_parameter"] > 0.0, dataset["film_parameter"], np.inf)
-        at = film.argmin(axis=1)
-        raceways = self.loaded(finer, finer.resolution.instants or 1)
-        _, known = raceways.evaluated(raceways.speeds(dataset["cage_slip"].to_numpy()[at]))
-        here, there = film.min(axis=1), np.diag(known)
-        found = np.isfinite(here) & (there > 0.0)
-        return {"film parameter": LEAST_OF_SOME * float(np.abs(here / there - 1.0)[found].max(initial=0.0))}
+        instants = finer.resolution.instants or 1
+        raceways, here, off = self.loaded(finer, instants), film.min(axis=1), 0.0
+        slips = dataset["cage_slip"].to_numpy()[film.argmin(axis=1)]
+        tolerance = finer.scene.accuracy.tolerance
+        for ring, both in enumerate(raceways.contacts(raceways.speeds(slips))):
+            contacts, u, V = both[ring]
+            along = raceways.thinnest(contacts, u, V)
+            over = along / (least := along[1:-1].min()) - 1.0
+            if not (np.isfinite(here[ring]) and 0.0 < least < np.inf):
+                continue
+            off = max(off, LEAST_OF_SOME * abs(here[ring] / least - 1.0))
+            # rollers that all run alike jump nowhere, and other slices see the jump of the run
+            for step in (1, -1) if np.ndim(u) and instants > dataset.attrs["instants"] else ():
+                near, at, far = (over[1 + k : over.size - 1 + k] for k in (-step, 0, step))
+                edges = (at <= tolerance) & (far > _JUMP * np.maximum(near, tolerance)) & np.isfinite(far)
+                for k in np.flatnonzero(edges).tolist():
+                    own = np.flatnonzero(contacts.owner == k)[0]
+                    bound = raceways.thinnest(contacts, u[own], V[own])[1 + k + step]
+                    off = max(off, least / bound - 1.0)
+        return {"film parameter": float(off)}
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""

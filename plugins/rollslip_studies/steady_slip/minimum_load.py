@@ -15,6 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.search import bracketed, secants
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
@@ -24,7 +25,7 @@ from rollslip.scene.values import Scene
 from rollslip.units import format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
-__all__ = ["RULES", "SAME", "Rule", "asked_by_makers", "held", "least_load", "static_rating"]
+__all__ = ["RULES", "SAME", "Rule", "asked_by_makers", "held", "least_load", "rollers_weight", "static_rating"]
 
 #: By which factor loads are left and right of that of the scene at most, and by which the search widens.
 _FARTHEST: Final = 1e6
@@ -48,7 +49,9 @@ _BESIDE: Final = 1.5
 Balances = Callable[[float], TorqueBalance]
 
 
-def least_load(balance: Balances, load: float, slip: float, close: float = 0.0) -> tuple[float, str, float]:
+def least_load(
+    balance: Balances, load: float, slip: float, close: float = 0.0, weight: float = 0.0
+) -> tuple[float, str, float]:
     """Return the radial load [N] at which the steady slip is a given one, and "found", or NaN and why there is none.
 
     Third is the load at which it nearly skids before, or nearly does not; NaN where that is beyond doubt.
@@ -63,6 +66,8 @@ def least_load(balance: Balances, load: float, slip: float, close: float = 0.0) 
         The cage slip, above 0.
     close : float, optional
         By what share of the drag it nearly skids before.
+    weight : float, optional
+        That of the rollers [N], which the balance leaves out: below it nothing tells whether the cage skids before.
     """
 
     def excess(log: float) -> float:
@@ -78,6 +83,8 @@ def least_load(balance: Balances, load: float, slip: float, close: float = 0.0) 
             found, status = _searched(excess, begin, over, slip)
             if status:
                 return math.nan, status, math.nan
+        if found < weight:
+            return found, "found", math.nan
         at, doubtful = held(balance(found), slip, close)
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}", math.nan
@@ -103,6 +110,11 @@ def held(balance: TorqueBalance, slip: float, close: float = 0.0) -> tuple[float
     shares = [one.torque / drag for one, drag in dragging if drag > 0.0]
     threes = zip(shares[:-2], shares[1:-1], shares[2:], strict=True)
     return least / slip, any(abs(at - 1.0) < close for low, at, high in threes if low < at > high)
+
+
+def rollers_weight(assembly: Assembly) -> float:
+    """Return the weight of all rollers [N]."""
+    return 9.81 * assembly.roller_mass * assembly.scene.bearing.rollers
 
 
 def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:

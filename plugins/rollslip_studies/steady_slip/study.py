@@ -54,7 +54,7 @@ from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
 from rollslip_studies.steady_slip.evaluated import evaluated_slices, films, loaded
 from rollslip_studies.steady_slip.losses import acceptable_reserve, losses, numbers_off
-from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load
+from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load, rollers_weight
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip_studies.steady_slip.slip_drag import slip_drag
 from rollslip_studies.steady_slip.statuses import no_fold, stability_of, status_of
@@ -346,7 +346,7 @@ class SteadySlip(Study):
                 "instants": instants,
                 "curve_error": error,
                 "slices": assembly.slices,
-                "rollers_weight": 9.81 * assembly.roller_mass * assembly.scene.bearing.rollers,
+                "rollers_weight": rollers_weight(assembly),
                 **errors,
                 **_by_play(assembly, states),
                 **table_records(balance.tables),
@@ -515,7 +515,8 @@ class SteadySlip(Study):
                 last[load] = self._balance(bearing.at_load(load), instants)
             return last[load]
 
-        load, status, doubted = least_load(balance, assembly.scene.operation.radial_load, slip, close)
+        begin, weight = assembly.scene.operation.radial_load, rollers_weight(assembly)
+        load, status, doubted = least_load(balance, begin, slip, close, weight)
         makers, statuses = asked_by_makers(assembly.scene)
         found = self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses

@@ -109,7 +109,7 @@ def numbers(result):
         found[name] = float(value)
     weight = float(result.attrs["rollers_weight"])
     for name, low, high in (("cage slip", 1e-3, math.inf), ("minimum load", weight, math.inf), *RESERVES):
-        found[name] = min(max(found[name], low), high) if found[name] >= 0.0 else found[name]
+        found[name] = min(max(found[name], low), high) if found[name] >= -low else found[name]
     low, high = (float(result[f"largest_drag_{end}"]) for end in ("low", "high"))
     found["slip of the largest drag"] = (low, found["slip of the largest drag"], high)
     return found
