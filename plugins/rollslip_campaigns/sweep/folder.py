@@ -186,7 +186,7 @@ def status(folder: Path, errors: int = 5) -> Status:
         }
         for session in runs
     ]
-    if runs and (last := max(runs, key=lambda session: session.last)).rows:
+    if last := next((run for run in reversed(runs) if run.rows), None):  # by their order: clocks may have been set
         quiet = max(0.0, time.time() - last.last)
         pace = (last.last - last.started) / last.rows
         left = pace * (size - sum(counts.values()))

@@ -114,18 +114,23 @@ class Journal:
     def __init__(self, folder: Path, about: dict[str, str]) -> None:
         self.path = _new_file(folder)
         self._layouts: set[str] = set()
+        self._begun = time.time() - time.monotonic()
         with _blamed(self.path):
             self._connection = sqlite3.connect(self.path, timeout=_WAIT, isolation_level=None)
             try:
                 self._connection.execute("pragma journal_mode = delete")
                 self._connection.execute("pragma synchronous = full")
                 self._connection.executescript(f"begin;{_TABLES}")
-                self.note(about | {"started": repr(time.time())})
+                self.note(about | {"started": repr(self._now())})
                 self._connection.execute("commit")
             except BaseException:
                 self._connection.close()
                 self.path.unlink()  # nothing was written that anybody needs
                 raise
+
+    def _now(self) -> float:
+        """Seconds since 1970 by the clock as it was at the beginning: somebody may set it while points are computed."""
+        return self._begun + time.monotonic()
 
     def note(self, facts: dict[str, str]) -> None:
         """Note something about the writer."""
@@ -137,7 +142,7 @@ class Journal:
         with _blamed(self.path):
             self._connection.execute("begin immediate")
             try:
-                now = time.time()
+                now = self._now()
                 for r in rows:
                     values = (r.number, r.key, r.status, r.message, r.seconds, now, self._layout(r.layout), r.texts)
                     self._connection.execute(
@@ -361,15 +366,15 @@ def states(folder: Path, size: int) -> bytearray:
 
 def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearray) -> list[tuple[int, str, str]]:
     """Return number, status and message of the points that failed last, and have no result since."""
-    failures = dict[int, tuple[float, str, str]]()
+    failures = dict[int, tuple[tuple[int, float], str, str]]()
     marks = ", ".join("?" for _ in failed)
     query = f"select number, at, status, message from point where status in ({marks}) order by rowid desc"
-    for path in journals(folder):
+    for k, path in enumerate(journals(folder)):  # a clock may have been set back since the one before
         with _opened(path) as connection:
             if _made(connection):
                 rows = connection.execute(query, failed)
                 still = islice((row for row in rows if known[row[0]] != 1), most)
-                failures |= {number: (at, status, text) for number, at, status, text in reversed([*still])}
+                failures |= {number: ((k, at), status, text) for number, at, status, text in reversed([*still])}
     latest = sorted(failures.items(), key=lambda item: (item[1][0], item[0]))[
         len(failures) - min(most, len(failures)) :
     ]
