@@ -32,7 +32,10 @@ def dataset(rise=1e-3, largest=0.05, resistance=0.0, drags=(0.0, 0.0, 0.0, 0.0),
                "orbital_inertia": 1e-3, "spin_inertia": 2e-5, "first_load": 2e3, "first_temperature": 350.0,
                "first_inner_speed": 100.0, "first_outer_speed": -7.0}  # fmt: skip
     lead = {name: ("temperature", np.full(2, value)) for name, value in zip(
-        ("drag_inner", "drag_outer", "drag_cage"), drags, strict=False)}  # fmt: skip
+        ("drag_inner", "drag_outer"), drags, strict=False)}  # fmt: skip
+    # so much at the rolling speed of rings that are 100 rad/s apart, in proportion to the logarithm of it
+    share = np.log(np.array([0.1, 50.0])) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
+    lead["drag_cage"] = (("temperature", "rolling_speed"), np.tile(drags[2] * share, (2, 1)))
     return xr.Dataset(
         {
             "mean_friction": ((*dims, "slide_roll"), np.broadcast_to(rise * np.arange(25.0), (*size, 25))),
@@ -72,7 +75,8 @@ def test_traction_and_resistance_are_those_of_the_law():
 
 def test_drags_go_with_the_lead_of_rings_and_with_the_speed_of_the_cage():
     one, w = folded(drags=(0.02, 0.03, 1e-4, 0.1)), np.array([20.0, -20.0])
-    by_hand = 0.02 * (100.0 - w) + 0.03 * (-7.0 - w) - 1e-4 * abs(w) * w + np.sign(w) * 0.1 * np.arcsinh(20.0)
+    oil = math.log(107.0 / (1.0 / RI + 1.0 / RO)) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
+    by_hand = 0.02 * (100.0 - w) + 0.03 * (-7.0 - w) - 1e-4 * oil * abs(w) * w + np.sign(w) * 0.1 * np.arcsinh(20.0)
     assert one.drag(w, 100.0, -7.0) == pytest.approx(by_hand)
 
 
@@ -102,7 +106,8 @@ def test_a_bearing_that_runs_steadily_takes_in_what_it_loses():
     one = folded(resistance=2.0, drags=(1e-3, 0.0, 1e-4, 0.1))
     found = one.steady(np.array([100.0, 150.0]), 10.0)
     w = (RI * np.array([100.0, 150.0]) + RO * 10.0) / (RI + RO) * (1.0 - found.cage_slip)
-    ground = 1e-4 * w**2 - 0.1 * np.arcsinh(w)  # torque that no ring gives back
+    oil = np.log(np.array([90.0, 140.0]) / (1.0 / RI + 1.0 / RO)) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
+    ground = 1e-4 * oil * w**2 - 0.1 * np.arcsinh(w)  # torque that no ring gives back
     assert found.torque + found.outer_torque == pytest.approx(ground, abs=1e-4)
     assert found.power_loss == pytest.approx(found.torque * np.array([100.0, 150.0]) + found.outer_torque * 10.0)
     # the outer ring takes what the inner one gives a roller, 0.05 of 1000 N, less both resistances
@@ -139,23 +144,32 @@ def test_drags_are_told_apart_by_what_they_go_with():
     drag = [{"model": "constant-torque", "size": "0.2 N m"}]
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag})
     ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-    found, top = _drags(scene, np.array([350.0]), ranges, 0.01)
-    assert [found[name][0] for name in ("inner", "outer", "cage")] == pytest.approx([0.0] * 3, abs=1e-6)
+    found, top, off = _drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
+    assert [found["inner"][0], found["outer"][0], *found["cage"][0]] == pytest.approx([0.0] * 7, abs=1e-6)
+    assert off < 3e-3  # it jumps at rest
     assert (top, found["rest"][0, -1]) == (pytest.approx(100.0), pytest.approx(-0.2, rel=1e-3))
 
 
 def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
     def drags(torque):
-        made = SimpleNamespace(torque=torque, torques=[SimpleNamespace(name="odd")])
-        monkeypatch.setattr(surrogate, "assemble", lambda _: SimpleNamespace(cage=SimpleNamespace(drags=made)))
-        ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-        return _drags(rollslip.load_scene("gearbox"), np.array([350.0]), ranges, 0.01)[0]
+        def made(lead=50.0):
+            scene = SimpleNamespace(operation=SimpleNamespace(inner_speed=lead, outer_speed=0.0))
+            of = SimpleNamespace(torque=lambda *speeds: torque(*speeds, lead))
+            return SimpleNamespace(scene=scene, cage=SimpleNamespace(drags=of))
 
-    found = drags(lambda w, wi, wo: 0.02 * (wi - w) + 0.03 * (wo - w) - 1e-3 * abs(w) * w)
-    assert [found[name][0] for name in ("inner", "outer", "cage")] == pytest.approx([0.02, 0.03, 1e-3])
+        monkeypatch.setattr(surrogate, "assemble", lambda _: made())
+        monkeypatch.setattr(surrogate, "at_rolling_speed", lambda _, u: made(2.0 * u))
+        ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
+        found, _, off = _drags(rollslip.load_scene("gearbox"), np.array([350.0]), ranges, u)
+        return found, off
+
+    u = np.geomspace(10.0, 50.0, 9)
+    found, off = drags(lambda w, wi, wo, n: 0.02 * (wi - w) + 0.03 * (wo - w) - 1e-3 * math.log(n) * abs(w) * w)
+    assert [found[name][0] for name in ("inner", "outer")] == pytest.approx([0.02, 0.03])
+    assert found["cage"][0] == pytest.approx(1e-3 * np.log(2.0 * u))
     assert np.abs(found["rest"]).max() < 1e-8
-    with pytest.raises(SceneError, match="odd: what they do is no sum"):
-        drags(lambda w, wi, wo: 1e-3 * w * wi)
+    assert off < 1e-8
+    assert drags(lambda w, wi, wo, n: 1e-3 * w * wi)[1] > 0.1
 
 
 def test_files_for_other_programs_hold_the_numbers_of_the_tables():

@@ -13,7 +13,7 @@
 enum { QT = MANY(NT), QW = MANY(NW), QR = MANY(NR), QU = MANY(NU), QX = MANY(NX), QC = MANY(NC) };
 struct bearing {
     double v[B_VALUES], state[2], step;
-    double at_T, at_W, wt[4], ww[4], lead_inner, lead_outer, square, rest[NC];
+    double at_T, at_W, wt[4], ww[4], lead_inner, lead_outer, squares[NU], square, rest[NC];
     int t, l, folded[2][NR][NU];
     double mu[2][NR][NU][NX], force[2][NR][NU], rolls[2][NR][NU], most[2][NR][NU];
 };
@@ -34,19 +34,24 @@ static int four(double at, int n, double *w) {
     return k;
 }
 static void fold(bearing *b) {
-    double T = b->v[B_TEMPERATURE], W = b->v[B_RADIAL_LOAD];
-    if (T == b->at_T && W == b->at_W) return;
-    b->t = four((T - T_FIRST) / T_STEP, NT, b->wt);
-    b->l = four((log(fmax(W, 1e-6)) - W_FIRST) / W_STEP, NW, b->ww);
-    memset(b->folded, 0, sizeof b->folded);
-    b->lead_inner = b->lead_outer = b->square = 0.0;
-    memset(b->rest, 0, sizeof b->rest);
-    for (int i = 0; i < QT; i++) {
-        b->lead_inner += b->wt[i] * LEAD_INNER[b->t + i], b->lead_outer += b->wt[i] * LEAD_OUTER[b->t + i];
-        b->square += b->wt[i] * SQUARE[b->t + i];
-        for (int c = 0; c < NC; c++) b->rest[c] += b->wt[i] * REST[b->t + i][c];
+    double T = b->v[B_TEMPERATURE], W = b->v[B_RADIAL_LOAD], u = RI * RO / (RI + RO) * fabs(b->v[B_INNER_SPEED] - b->v[B_OUTER_SPEED]);
+    if (T != b->at_T || W != b->at_W) {
+        b->t = four((T - T_FIRST) / T_STEP, NT, b->wt);
+        b->l = four((log(fmax(W, 1e-6)) - W_FIRST) / W_STEP, NW, b->ww);
+        memset(b->folded, 0, sizeof b->folded);
+        b->lead_inner = b->lead_outer = 0.0;
+        memset(b->rest, 0, sizeof b->rest), memset(b->squares, 0, sizeof b->squares);
+        for (int i = 0; i < QT; i++) {
+            b->lead_inner += b->wt[i] * LEAD_INNER[b->t + i], b->lead_outer += b->wt[i] * LEAD_OUTER[b->t + i];
+            for (int k = 0; k < NU; k++) b->squares[k] += b->wt[i] * SQUARE[b->t + i][k];
+            for (int c = 0; c < NC; c++) b->rest[c] += b->wt[i] * REST[b->t + i][c];
+        }
+        b->at_T = T, b->at_W = W;
     }
-    b->at_T = T, b->at_W = W;
+    double wu[4];   /* the oil between the rings goes with their speeds */
+    int k = four((log(fmax(u, 1e-12)) - U_FIRST) / U_STEP, NU, wu);
+    b->square = 0.0;
+    for (int i = 0; i < QU; i++) b->square += wu[i] * b->squares[k + i];
 }
 static void fold_row(bearing *b, int ring, int r, int u) {
     double *mu = b->mu[ring][r][u], force = 0.0, rolls = 0.0, most = 0.0;

@@ -7,7 +7,8 @@
   the same command goes on.
 - At last random temperatures and loads are computed, of all speeds and ratios each. If one is off by more than asked
   for, nodes are added until all are right. The error of the file is the largest of these.
-- How much oil the bearing gets, of which starvation and churning follow, is that at the speeds of the scene.
+- How much oil the bearing gets, of which starvation and churning follow, goes with the speeds of its rings: tables over
+  rolling speed have that of rings between which it rolls so without slip.
 """
 
 import json
@@ -37,7 +38,7 @@ from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import read_overs
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_studies.raceway_friction.study import SMALL, RacewayFriction
+from rollslip_studies.raceway_friction.study import ROLLING, SMALL, RacewayFriction, at_rolling_speed
 from rollslip_studies.variation.quantities import quantities
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ _SLOWER, _FASTER, _SLOWEST = 0.7, 1.6, 0.01
 _LOOKED_AT, _LEAST_RATIO, _MOST_RATIO = 9, 0.05, 50.0
 #: Cage speeds and shaft speeds of the tables over them.
 _CAGE, _SHAFT = 65, 9
-#: What rounding leaves of a drag.
+#: Error of drags that tell of another dependence than that on leads and squares, and what rounding leaves of one.
+_NO_SUM: Final = 0.1
 _NOTHING: Final = 1e-10
 _KEYS: Final = ("operation.temperature", "operation.radial_load", "operation.inner_speed", "operation.outer_speed")
 _OUTPUTS: Final = tuple(RacewayFriction.outputs)
@@ -144,7 +146,19 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
     told = {f"{of_study}.slowest": slow, f"{of_study}.fastest": fast, f"{of_study}.least_ratio": least,
             f"{of_study}.most_ratio": most}  # fmt: skip
     scene = evolve(base, told)
-    _drags(scene, np.array(ranges[_KEYS[0]]), ranges, error)  # refused before anything runs
+    rolling = np.geomspace(slow, fast, ROLLING)
+    off = _drags(scene, np.array(ranges[_KEYS[0]]), ranges, rolling)[2]
+    names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
+    if off > _NO_SUM:
+        raise SceneError(
+            [f"{names}what they do is no sum of what goes with the lead of a ring and what goes with the cage's speed, "
+             "so that it cannot be tabulated"]
+        )  # fmt: skip
+    if off > error:
+        raise SceneError(
+            [f"{names}between the most speeds of a table they are off by {100 * off:.2g} %; allow a larger error, or "
+             "narrow the ranges of speeds"]
+        )  # fmt: skip
     how = {"study": RacewayFriction.name, "output": list(_OUTPUTS), "engine": asked.engine,
            "time_limit": asked.time_limit}  # fmt: skip
     rows, spans = dict[str, object](), dict[str, object]()
@@ -354,6 +368,10 @@ def run_surrogate(
         rows = [_row(axis, k) for axis, k in zip(axes.values(), level, strict=True)]
         whole = nodes.at(*rows)
         strides = _strides_within(whole, share * made.error)
+        while strides[1] > 1 and _drags(
+            made.sweep.scene, np.array(made.ranges[_KEYS[0]]), made.ranges, whole["rolling_speed"][0, 0][:: strides[1]]
+        )[2] > share * made.error:  # fmt: skip
+            strides[1] //= 2
         tables = _thin(whole, strides)
         errors = _errors(_thick(_interpolated(tables, axes, rows, at), strides), random)
         said(f"{len(rows[0])} temperatures and {len(rows[1])} loads: random operations are off by "
@@ -414,22 +432,22 @@ def _interpolated(
 
 
 def _drags(
-    scene: "Scene", temperatures: Array, ranges: Mapping[str, tuple[float, float]], error: float
-) -> tuple[dict[str, Array], float]:
-    """Return what the drags of the cage do over temperature, and the cage speed up to which what is left goes.
+    scene: "Scene", temperatures: Array, ranges: Mapping[str, tuple[float, float]], rolling: Array
+) -> tuple[dict[str, Array], float, float]:
+    """Return what the drags of the cage do, the cage speed up to which what is left goes, and the largest error.
 
-    Raises
-    ------
-    SceneError
-        If a drag depends on speeds in another way.
+    Over temperature, what goes with the cage's square over rolling speeds too, what is left over cage speeds. The error
+    is that of cages between the speeds of their rings, relative to all drags there, or at the largest speeds.
     """
     rng = np.random.default_rng(1)
     most = max(abs(speed) for key in _KEYS[2:] for speed in ranges[key])
     step = math.asinh(most / CAGE_SMALL) / (_CAGE - 1)
     cages = CAGE_SMALL * np.sinh(step * np.arange(_CAGE))
     found: dict[str, list[Any]] = {name: [] for name in ("inner", "outer", "cage", "rest")}
+    axis, worst = Axis(rolling, True), 0.0
     for temperature in temperatures.tolist():
-        drags = assemble(evolve(scene, {_KEYS[0]: temperature})).cage.drags
+        bearing = assemble(evolve(scene, {_KEYS[0]: temperature}))
+        drags = bearing.cage.drags
 
         def lead(of: int, drags: Any = drags) -> float:
             speeds = [0.5 * most] * 3
@@ -439,28 +457,30 @@ def _drags(
 
         inner, outer = lead(1), lead(2)
 
-        def left(w: float, inner: float = inner, outer: float = outer, drags: Any = drags) -> float:
-            return float(drags.torque(w, 0.0, 0.0)) + (inner + outer) * w
+        def left(w: float, drags: Any = drags, leads: float = inner + outer) -> float:
+            return float(drags.torque(w, 0.0, 0.0)) + leads * w
+
+        def square(drags: Any, left: Callable[[float, Any], float] = left) -> float:
+            return -8.0 * (left(most, drags) - 2.0 * left(0.75 * most, drags) + left(0.5 * most, drags)) / most**2
 
         size = abs(left(most)) + (abs(inner) + abs(outer)) * most
-        square = -8.0 * (left(most) - 2.0 * left(0.75 * most) + left(0.5 * most)) / most**2
-        square = square if abs(square) * most**2 > _NOTHING * size else 0.0
-        rest = np.array([left(w) + square * w * w for w in cages.tolist()])
+        own = square(drags)
+        own = own if abs(own) * most**2 > _NOTHING * size else 0.0
+        squares = np.array([square(at_rolling_speed(bearing, u).cage.drags) for u in rolling.tolist()])
+        rest = np.array([left(w) + own * w * w for w in cages.tolist()])
         rest[np.abs(rest) <= _NOTHING * size] = 0.0
-        for name, value in (("inner", inner), ("outer", outer), ("cage", square), ("rest", rest)):
+        for name, value in (("inner", inner), ("outer", outer), ("cage", squares), ("rest", rest)):
             found[name].append(value)
         for _ in range(20):
-            w, wi, wo = rng.uniform(-most, most, 3).tolist()
-            true, x = drags.torque(w, wi, wo), math.asinh(abs(w) / CAGE_SMALL) / step
-            told = inner * (wi - w) + outer * (wo - w) - square * abs(w) * w
+            more, u = rng.uniform(-most, most), float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
+            there = at_rolling_speed(bearing, u)
+            wi, wo = there.scene.operation.inner_speed + more, there.scene.operation.outer_speed + more
+            w = float(rng.uniform(wo, wi))
+            true, x = there.cage.drags.torque(w, wi, wo), math.asinh(abs(w) / CAGE_SMALL) / step
+            told = inner * (wi - w) + outer * (wo - w) - float((axis.weights(u) @ squares)[0]) * abs(w) * w
             told += math.copysign(1.0, w) * float((weights(_CAGE, np.array([x])) @ rest)[0])
-            if abs(told - true) > 0.1 * error * size:
-                names = ", ".join(model.name for model in drags.torques)
-                raise SceneError(
-                    [f"cage.drag: {names}: what they do is no sum of what goes with the lead of a ring and what goes "
-                     "with the cage's speed, so that it cannot be tabulated"]
-                )  # fmt: skip
-    return {name: np.array(values) for name, values in found.items()}, float(cages[-1])
+            worst = max(worst, abs(told - true) / max(size, abs(true), 1e-300))
+    return {name: np.array(values) for name, values in found.items()}, float(cages[-1]), worst
 
 
 def _dataset(
@@ -480,7 +500,7 @@ def _dataset(
     T, W = (axes[name].nodes[row] for name, row in zip(axes, rows, strict=True))
     nodes = {name: tables[name][0, 0][::stride] for name, stride in
              zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)}  # fmt: skip
-    drags, cage_top = _drags(scene, T, made.ranges, made.error)
+    drags, cage_top, _ = _drags(scene, T, made.ranges, nodes["rolling_speed"])
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
     lengths = {"mean_friction": 6}
     outputs = RacewayFriction.outputs
@@ -494,7 +514,8 @@ def _dataset(
         ("outer", "N m s", "torque of drags on the cage over the lead of the outer ring"),
         ("cage", "N m s2", "torque of drags against the cage over the square of its speed"),
     ):
-        variables[f"drag_{name}"] = ("temperature", drags[name], about(unit, text))
+        over = ("temperature", "rolling_speed")[: drags[name].ndim]
+        variables[f"drag_{name}"] = (over, drags[name], about(unit, text))
     variables["drag_rest"] = (
         ("temperature", "cage_speed"), drags["rest"], about("N m", "what is left of the drags, along the cage's speed")
     )  # fmt: skip

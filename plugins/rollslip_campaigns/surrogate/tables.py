@@ -9,7 +9,8 @@
       (I_c + Z m R_m^2) w' = T + r (F_i - F_Ri) + R_i (F_i + F_Ri) - r (F_o + F_Ro) + R_o (F_o - F_Ro)
 
 - The drags of the cage are what they do: in proportion to the lead of a ring, to the square of the cage's speed, and
-  what is left of both over the cage's speed.
+  what is left of both over the cage's speed. Churning goes with the oil between the rings, and that with their speeds:
+  the square has a row over the rolling speed that these have without slip.
 """
 
 import math
@@ -98,7 +99,9 @@ class Tables:
     largest: Array  # without the last
     resistance: Array  # likewise [N]
     force: Array  # likewise [N]
-    drags: Mapping[str, Array]  # inner, outer [N m s], cage [N m s2] over temperature; rest over cage speed too [N m]
+    drags: Mapping[
+        str, Array
+    ]  # inner, outer [N m s] over temperature; cage [N m s2] over rolling, rest [N m] over cage speed too
     cage_top: float  # last cage speed of rest [rad/s]
     numbers: Mapping[str, float]  # of the bearing, by name
 
@@ -169,11 +172,13 @@ class Folded:
 
     def drag(self, w: Array, inner: Array | float, outer: float) -> Array:
         """Torque of the drags on the cage [N m]."""
-        d, rest = self.drags, self.drags["rest"]
+        d, rest, n = self.drags, self.drags["rest"], self.of.numbers
         step = math.asinh(self.of.cage_top / CAGE_SMALL) / (rest.size - 1)
         left = weights(rest.size, np.arcsinh(np.abs(w) / CAGE_SMALL) / step) @ rest
+        u = np.abs(inner - outer) / (1.0 / n["inner_radius"] + 1.0 / n["outer_radius"])
+        square = self.of.axes["rolling_speed"].weights(np.broadcast_to(u, np.shape(w))) @ d["cage"]
         return np.asarray(
-            d["inner"] * (inner - w) + d["outer"] * (outer - w) - d["cage"] * np.abs(w) * w + np.sign(w) * left
+            d["inner"] * (inner - w) + d["outer"] * (outer - w) - square * np.abs(w) * w + np.sign(w) * left
         )
 
     def steady(self, inner: Array, outer: float) -> Steady:

@@ -7,6 +7,8 @@
   ring that stands, several where both turn. Both axes are even in their logarithm.
 - Friction rises over a small slide-roll ratio V/u and falls slowly beyond: nodes are even in asinh(V/(a u)). Scales
   that follow the largest friction jump from one operation to the next, where another maximum becomes the largest.
+- The supply of oil, and with it how starved the inlets are, is that of rings between which it rolls at u without slip:
+  slip changes u by no more than (R_o - R_i)/(2 R_o).
 - Friction is taken for V > 0; with the sign of V it is odd, as all laws of the box are.
 """
 
@@ -19,11 +21,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts, load_rule
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.cage import supplied
+from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts, Raceway, load_rule
 from rollslip.fields import FieldError, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
+from rollslip.scene.changes import evolve
 from rollslip.studies.answers import Keep, Output
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.motion.spins import orbit_loads
@@ -31,12 +35,12 @@ from rollslip_studies.motion.spins import orbit_loads
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["REACH", "SMALL", "RacewayFriction"]
+__all__ = ["REACH", "ROLLING", "SMALL", "RacewayFriction", "at_rolling_speed"]
 
 #: a of asinh(V/(a u)), and V/u up to which friction is tabulated; a cage at rest beside a ring that turns has 2.
 SMALL, REACH = 3e-3, 4.0
 #: Nodes of rho where it varies, of rolling and of sliding speed, each one more than a multiple of a power of two.
-_RATIOS, _ROLLING, _SLIDING = 9, 49, 65
+_RATIOS, ROLLING, _SLIDING = 9, 49, 65
 #: Rolling speeds over the epicyclic one, where none are named.
 _SPEEDS: Final = (0.1, 2.0)
 #: Instants of a pitch where none are chosen, error that few loads may leave of friction, and loads of resistances.
@@ -118,17 +122,19 @@ class RacewayFriction(Study):
             share * epicyclic if stated is None else stated
             for stated, share in zip((self.slowest, self.fastest), _SPEEDS, strict=True)
         )
-        u = np.geomspace(min(low, 0.5 * high), high, _ROLLING)
+        u = np.geomspace(min(low, 0.5 * high), high, ROLLING)
         same = self.least_ratio == self.most_ratio
         rho = np.geomspace(self.least_ratio, self.most_ratio, 1 if same else _RATIOS)
         ratio = SMALL * np.sinh(np.linspace(0.0, math.asinh(REACH / SMALL), _SLIDING))
         instants = assembly.resolution.instants or _INSTANTS
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
         loads, _ = zip(*orbit_loads(assembly, instants, speeds.ravel()), strict=True)
+        supply = [_raceways_at(assembly, one) for one in u.tolist()]
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING))
         force, resistance = np.zeros(friction.shape[:3]), np.zeros(friction.shape[:3])
-        for ring, raceway in enumerate(assembly.raceways):
+        for ring in range(len(RINGS)):
             for k, (i, j) in enumerate(np.ndindex(speeds.shape)):
+                raceway = supply[j][ring]
                 contacts = LoadedContacts(raceway, loads[ring][k].reshape(-1, assembly.slices), assembly.widths, 1.0)
                 force[ring, i, j] = contacts.total / instants
                 if contacts.total > 0.0:
@@ -147,6 +153,23 @@ class RacewayFriction(Study):
             coords={"ring": ("ring", list(RINGS), about("1", "raceway"))},
             attrs=self.attributes,
         )
+
+
+def at_rolling_speed(assembly: Assembly, u: float) -> Assembly:
+    """Return the bearing between whose rings it rolls at a speed [m/s] without slip, with its supply of oil."""
+    k, o, made = assembly.kinematics, assembly.scene.operation, assembly
+    lead = u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
+    if lead != abs(o.inner_speed - o.outer_speed):
+        scene = evolve(assembly.scene, {"operation.inner_speed": o.outer_speed + lead})
+        made = assemble(scene, assembly.resolution, like=assembly)
+    return made
+
+
+def _raceways_at(assembly: Assembly, u: float) -> tuple[Raceway, Raceway]:
+    """Both raceways at the supply of a rolling speed; those of the scene where it goes with no speed."""
+    if supplied(assembly.scene, assembly.lubricant).starvation_constant == 0.0:
+        return assembly.raceways
+    return at_rolling_speed(assembly, u).with_bounds(*assembly.inner.chain.bounds).with_resistance().raceways
 
 
 def _friction(contacts: LoadedContacts, u: float, sliding: Array) -> Array:
