@@ -24,8 +24,10 @@ from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings
 from rollslip_campaigns.surrogate import surrogate as made_by
 from rollslip_campaigns.surrogate.exports import sources
+from rollslip_campaigns.surrogate.stiffness import INSTANTS
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 from rollslip_studies.raceway_friction.study import RacewayFriction
+from small_forces import by_differences
 
 pytestmark = pytest.mark.slow
 
@@ -170,6 +172,31 @@ def test_rollers_of_one_spin_slip_less_than_rollers_of_their_own_by_what_the_pag
     run = rollslip.run(evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}), study="steady-slip")
     assert ONE_SPIN[0] < told.cage_slip[0] / float(run["steady_slip"][0]) < 0.96
     assert told.torque[0] == pytest.approx(float(run["friction_torque"][0]), rel=ONE_SPIN[1])
+
+
+def test_ross_reads_elements_that_are_as_stiff_as_small_forces_say(place, dataset):
+    ross = pytest.importorskip("ross", reason="elements are read by ROSS, which is not installed: ross-rotordynamics")
+    path = exported(place, dataset, "b.ross.json")
+    told = json.loads(path.read_text(encoding="utf-8"))
+    for tag, beside in list(told["rollslip"]["beside"].items())[::9]:
+        element = ross.BearingElement.read_toml_data(told[f"BearingElement_{tag}"])
+        for k in (2, 6):
+            speed = element.frequency[k]
+            at = {"operation.temperature": beside["temperature"], "operation.inner_speed": speed}
+            bearing = assemble(evolve(SCENE, at | {"operation.radial_load": beside["radial_load"]}))
+            cage = bearing.kinematics.epicyclic_cage_speed * (1.0 - beside["steady_cage_slip"][k])
+            true, K = by_differences(bearing, cage, INSTANTS), element.K(speed)
+            assert K[:2, :2] == pytest.approx(true, rel=2e-3, abs=1e-5 * true[1, 1])
+            assert not element.C(speed).any()
+    nearest = [float(min(dataset[name].to_numpy(), key=lambda value: abs(np.log(value / own))))
+               for name, own in (("temperature", SCENE.operation.temperature), ("radial_load", 1500.0))]  # fmt: skip
+    first = ross.BearingElement.load(path)
+    assert first.tag == f"{nearest[1]:.5g} N {nearest[0]:.5g} K"
+    rotor = ross.Rotor([ross.ShaftElement(L=0.1, idl=0.0, odl=0.06, material=ross.steel) for _ in range(4)],
+                       [ross.DiskElement(n=2, m=300.0, Id=1.0, Ip=1.0)],
+                       [ross.BearingElement(n=n, kxx=first.kxx, kyy=first.kyy, cxx=first.cxx, frequency=first.frequency)
+                        for n in (0, 4)])  # fmt: skip
+    assert rotor.run_modal(speed=150.0).wn.min() > 0.0
 
 
 def test_files_hold_no_scene_and_need_tables(place, dataset, capsys):

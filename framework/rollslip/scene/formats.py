@@ -78,9 +78,11 @@ def endings() -> dict[str, str]:
 
 
 def format_of(path: str | os.PathLike[str]) -> SceneFormat | None:
-    """Return the format of a file by its ending; None if no format has it, as of our own TOML."""
-    ending = Path(path).suffix.lower()
-    if ending in ("", ".toml") or (name := endings().get(ending)) is None:
+    """Return the format of a file by its ending, the longest there is; None if no format has it, as of our own TOML."""
+    called = Path(path).name.lower()
+    if Path(called).suffix in ("", ".toml"):
         return None
-    found: SceneFormat = get_class("format", name)
+    known = endings()
+    own = [ending for ending in known if called.endswith(ending)]
+    found: SceneFormat | None = get_class("format", known[max(own, key=len)]) if own else None
     return found

@@ -30,7 +30,8 @@ class SurrogateSettings(OfPoints):
         (ring, temperature, radial_load, centrifugal_force, rolling_speed, slide_roll): ``mean_friction``; without the
         last ``largest_friction`` and ``ring_resistance``; ``ring_force``; ``drag_...`` over temperature. Where the
         bearing runs, over temperature, radial_load and inner_speed: ``steady_cage_slip``, ``friction_torque``,
-        ``power_loss``, ``drag_reserve``. (operation,): ``operation_error`` at random temperatures and loads.
+        ``power_loss``, ``drag_reserve``, ``stiffness_...``. (operation,): ``operation_error`` at random temperatures
+        and loads.
 
     Raises
     ------

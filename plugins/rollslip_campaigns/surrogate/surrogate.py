@@ -29,6 +29,7 @@ from rollslip.scene.changes import evolve, unknown
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip.units import quantity as read_quantity
+from rollslip_campaigns.surrogate.stiffness import stiffness
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables, weights
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
@@ -579,5 +580,20 @@ def _with_steady(found: "xr.Dataset", made: Surrogate) -> "xr.Dataset":
         ("drag_reserve", "1", "largest torque of the rollers on the cage over its drag, 1e6 at most; below 1 it skids"),
     )
     made_of = {name: (dims, rows[..., k], about(unit, text)) for k, (name, unit, text) in enumerate(told)}
+    springs = _springs(made, T, W, speeds, rows[..., 0])
+    for name, at in (("along", (0, 0)), ("across", (1, 1)), ("oblique to", (0, 1))):
+        made_of[f"stiffness_{name.split()[0]}"] = (dims, springs[..., *at], about("N/m", f"stiffness {name} the load"))
     speed = {"inner_speed": ("inner_speed", speeds, about("rad/s", "speed of the inner ring"))}
     return found.assign(made_of).assign_coords(speed)
+
+
+def _springs(made: Surrogate, temperatures: Array, loads: Array, speeds: Array, slips: Array) -> Array:
+    """Return stiffnesses [N/m] at the slips at which the bearing runs, at none where it does not, (T, W, n, 2, 2)."""
+    found = np.empty((*slips.shape, 2, 2))
+    for t, k in np.ndindex(len(temperatures), len(speeds)):
+        at = {_KEYS[0]: float(temperatures[t]), _KEYS[2]: float(speeds[k])}
+        bearing = assemble(evolve(made.scene, at))
+        for w, load in enumerate(loads.tolist()):
+            slip = 0.0 if np.isnan(slips[t, w, k]) else float(slips[t, w, k])
+            found[t, w, k] = stiffness(bearing.at_load(load), bearing.kinematics.epicyclic_cage_speed * (1.0 - slip))
+    return found
