@@ -232,6 +232,23 @@ def test_types_are_those_of_the_official_headers(fmpy, dataset, tmp_path):
 
 
 @needs_compiler
+def test_a_host_by_the_official_headers_calls_the_library(fmpy, fmu, place, tmp_path):
+    described = fmpy.read_model_description(str(fmu))
+    at = {one.name.upper(): one.valueReference for one in described.modelVariables}
+    folder = Path(fmpy.extract(str(fmu), str(tmp_path / "unit"))) / "binaries" / "linux64"
+    host = Path(__file__).parents[1] / "support" / "fmi2_host.c"
+    names = [f"-D{name}={at[name]}" for name in ("RADIAL_LOAD", "CAGE_SPEED")]
+    headers = Path(fmpy.__file__).parent / "c-code"
+    subprocess.run(["cc", "-std=c11", "-Wall", "-Werror", *names, f"-I{headers}", host, str(folder / "bearing.so"),
+                    f"-Wl,-rpath,{folder}", "-o", "host", "-lm"], cwd=tmp_path, check=True)  # fmt: skip
+    done = subprocess.run([tmp_path / "host", described.guid, "9000"], capture_output=True, text=True, check=True)
+    *said, speed = done.stdout.splitlines()
+    assert said == ["host 1 logStatusWarning radial_load is beyond the tables, which are held at their ends",
+                    "host 3 logStatusError no such variable"]  # fmt: skip
+    assert float(speed) == Unit(fmpy, fmu, place, "called", radial_load=9000.0).go(50)
+
+
+@needs_compiler
 def test_the_file_of_c_moves_the_bearing_alone(place, dataset, fmpy, fmu):
     code = exported(place, dataset, "b.c").read_text(encoding="utf-8")
     driver = "#include <stdio.h>\n#include <stdlib.h>\nint main(void) { bearing *b = malloc(bearing_size());\n" \
