@@ -2,6 +2,7 @@
 
 import csv
 import functools
+import importlib.util
 import io
 import json
 import shutil
@@ -12,6 +13,7 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import rollslip
 from mean_roller import MeanRoller
@@ -402,6 +404,32 @@ def test_the_cage_moves_nearly_as_in_study_dynamics_with_the_friction_of_every_l
     told = {f"study.dynamics.{key}": value for key, value in motion.items() if value} | {"accuracy.tolerance": 0.05}
     true = np.abs(rollslip.run(evolve(SCENE, told), study="dynamics")["cage_speed"].to_numpy())
     assert np.abs(moved(name) - true).max() <= OF_SPEED * true.max()
+
+
+@needs_compiler
+def test_the_rotor_of_the_page_runs_up_as_by_the_laws_of_its_bearing(fmpy, fmu):
+    example = Path(__file__).parents[2] / "docs" / "examples" / "rotor_fmu.py"
+    spec = importlib.util.spec_from_file_location("rotor_fmu", example)
+    rotor = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(rotor)
+    time, speed, load, slip, *_ = np.array(rotor.run(str(fmu))).T
+    bearing = MeanRoller(SCENE)
+
+    def rates(t, y):
+        torque = rotor.motor(y[2])
+        spin, cage, inner, _ = bearing.torques(
+            y[0], bearing.r * (y[1] + y[0]), rotor.WEIGHT + rotor.MESH * torque, y[2], 0.0
+        )
+        return [cage / bearing.orbital, spin / bearing.spin, (torque - inner) / rotor.INERTIA]
+
+    w = bearing.cage_speed(0.0, rotor.FIRST, 0.0)
+    spin = 0.5 * (bearing.Ri * (rotor.FIRST - w) + bearing.Ro * w) / bearing.r - w
+    y = solve_ivp(rates, (0.0, 0.5), [w, spin, rotor.FIRST], "LSODA", time, rtol=1e-5, atol=1e-4).y
+    true = 1.0 - y[0] / np.array([bearing.cage_speed(0.0, one, 0.0) for one in y[2]])
+    assert speed == pytest.approx(y[2], rel=2e-3)  # steps of Euler in the driver
+    assert slip == pytest.approx(true, abs=4e-3)
+    assert slip[-1] == pytest.approx(true[-1], rel=2.0 * ERROR)
+    assert load[0] == 2.0 * rotor.WEIGHT > 1.9 * load[-1]
 
 
 def test_a_second_call_goes_on_with_what_is_there(place, dataset, monkeypatch):
