@@ -45,6 +45,7 @@ RESULTS = {
     "effective-friction": f"run {SCENE} --study effective-friction --set study.effective-friction.points=11 "
     "--set study.effective-friction.closure=free-roller --set study.effective-friction.map_points=3 "
     f"--set study.effective-friction.per_roller=true {COARSE}",
+    "raceway-friction": f"run {SCENE} --study raceway-friction {COARSE}",
     "steady-slip": f"run gearbox --study steady-slip {COARSE}",
     "steady-slip-branches": f"run turbine --study steady-slip {COARSE} "
     '--set study.steady-slip.inner_speed=["5000rpm","8000rpm"]',
