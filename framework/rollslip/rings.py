@@ -52,11 +52,16 @@ class RingShapes:
     #: Loads on the shapes beside those of the rollers [N], (m,).
     pushes: Floats = attrs.field(default=attrs.Factory(_none, takes_self=True))
     stops: Stops | None = None  #: A seat with clearance.
+    #: Of each shape [kg], (m,): kinetic energy sum M (dq/dt)^2/2. None where nobody knows; plane motion needs it.
+    mass: Floats | None = None
+    damping_ratio: float = 0.0  #: Of critical damping, the same for all shapes [1].
 
     def __attrs_post_init__(self) -> None:
         m = self.stiffness.size
         if self.harmonics.ndim != 2 or not self.harmonics.shape[0] == m == self.pushes.size:
             raise ValueError(f"{self.harmonics.shape[0]} shapes, {m} stiffnesses and {self.pushes.size} pushes")
+        if self.mass is not None and not (self.mass.shape == (m,) and np.all(self.mass > 0.0)):
+            raise ValueError(f"{m} shapes need as many masses above 0 kg, not {self.mass}")
         least = 0.0 if self.stops else np.finfo(float).tiny
         if not (np.all(self.stiffness >= least) and np.all(np.isfinite(self.stiffness))):
             raise ValueError(

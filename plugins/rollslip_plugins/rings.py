@@ -2,9 +2,11 @@
 
 - Shapes are Fourier terms of the raceway's radial displacement; n = 1 is where a ring stands, and is none of them
   unless a seat holds it.
+- Masses are those of the static displacement (Rayleigh): they count in plane motion alone.
 - Beyond some n a shape counts again what the law of contact holds: that begins where lobes are as short as the pitch.
 """
 
+import functools
 import math
 from typing import Any, ClassVar, Final
 
@@ -26,6 +28,8 @@ Floats = NDArray[np.float64]
 _WIDTH: Final = 1.8
 #: Where a shaft is solid or a housing thick: radius over that of the seat beyond which nothing changes.
 _FAR: Final = 1e3
+#: Radius over that of the raceway beyond which a housing's mass is not counted, see `mass_of_annulus`.
+_HEAVY: Final = 2.0
 #: n up to which rings are computed where lobes ask for no more: the largest drag then stands still to 0.1 %.
 _HARMONICS: Final = 6
 #: Shear: 1/(5/6) of a rectangular section.
@@ -36,31 +40,29 @@ _STOPS: Final = 72
 _STIFF: Final = 1e-6
 
 
-def compliance_of_annulus(n: int, layers: tuple[tuple[float, float, float, float], ...], width: float) -> float:
-    """Return radial displacement [m2/N] of an annulus per load of the arc, both cos(n psi) on one face.
+Layers = tuple[tuple[float, float, float, float], ...]
 
-    Layers (near radius, far radius, E, nu) do not part; the first is loaded at its near one
-    radius, and others follow outwards or inwards. Plane stress; n = 0 is Lame's, others Michell's
-    (Airy's function r^p cos(n psi), p = n, n + 2, -n, 2 - n).
-    """
+
+def _rows(n: int, r: Any, modulus: float, nu: float) -> tuple[list[list[Any]], list[list[Any]]]:
+    """Stresses and displacements on circles, radial and along them, of each power."""
+    if n == 0:  # s = A + B/r^2, E u = (1 - nu) A r - (1 + nu) B/r
+        return [[1.0, r**-2]], [[(1.0 - nu) * r / modulus, -(1.0 + nu) / r / modulus]]
+    powers = (n, n + 2, -n, 2 - n)
+    stress = [[(p - n * n) * r ** (p - 2) for p in powers], [n * (p - 1) * r ** (p - 2) for p in powers]]
+    radial = [((p - n * n) / (p - 1) - nu * p) * r ** (p - 1) / modulus for p in powers]
+    along = [(p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus) for p in powers]
+    return stress, [radial, along]
+
+
+def _annulus(n: int, layers: Layers) -> Floats:
+    """Coefficients of the powers in each layer under a unit load, lengths in the first radius, moduli in the first."""
     R, E0 = layers[0][0], layers[0][2]
-    powers = (2, 0) if n == 0 else (n, n + 2, -n, 2 - n)
-
-    def rows(r: float, modulus: float, nu: float) -> tuple[list[list[float]], list[list[float]]]:
-        """Stresses and displacements on a circle, of each power."""
-        if n == 0:  # s = A + B/r^2, E u = (1 - nu) A r - (1 + nu) B/r
-            return [[1.0, r**-2]], [[(1.0 - nu) * r / modulus, -(1.0 + nu) / r / modulus]]
-        stress = [[(p - n * n) * r ** (p - 2) for p in powers], [n * (p - 1) * r ** (p - 2) for p in powers]]
-        radial = [((p - n * n) / (p - 1) - nu * p) * r ** (p - 1) / modulus for p in powers]
-        along = [(p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus) for p in powers]
-        return stress, [radial, along]
-
-    many, each, faces = len(powers), 1 if n == 0 else 2, len(layers)
+    many, each, faces = 2 if n == 0 else 4, 1 if n == 0 else 2, len(layers)
     A, load, at = np.zeros((many * faces, many * faces)), np.zeros(many * faces), 0
     for k, (near, far, modulus, nu) in enumerate(layers):
         own = slice(many * k, many * (k + 1))
         for r, first, last in ((near / R, k == 0, False), (far / R, False, k == faces - 1)):
-            stress, moved = rows(r, modulus / E0, nu)
+            stress, moved = _rows(n, r, modulus / E0, nu)
             if first or last:
                 A[at : at + each, own] = stress
                 load[at] = -1.0 if first else 0.0
@@ -69,14 +71,47 @@ def compliance_of_annulus(n: int, layers: tuple[tuple[float, float, float, float
                 A[at : at + 2 * each, own] = np.array(stress + moved) * (1.0 if r == far / R else -1.0)
                 at += 2 * each * (r == near / R)
     scale = np.abs(A).max(axis=0)
-    found = np.linalg.solve(A / scale, load) / scale
-    radial = np.array(rows(1.0, 1.0, layers[0][3])[1][0]) @ found[:many]
+    return np.asarray((np.linalg.solve(A / scale, load) / scale).reshape(faces, many))
+
+
+def compliance_of_annulus(n: int, layers: Layers, width: float) -> float:
+    """Return radial displacement [m2/N] of an annulus per load of the arc, both cos(n psi) on one face.
+
+    Layers (near radius, far radius, E, nu) do not part; the first is loaded at its near one
+    radius, and others follow outwards or inwards. Plane stress; n = 0 is Lame's, others Michell's
+    (Airy's function r^p cos(n psi), p = n, n + 2, -n, 2 - n).
+    """
+    radial = np.array(_rows(n, 1.0, 1.0, layers[0][3])[1][0]) @ _annulus(n, layers)[0]
     outward = 1.0 if layers[0][1] > layers[0][0] else -1.0
-    return float(outward * radial * R / (E0 * width))
+    return float(outward * radial * layers[0][0] / (layers[0][2] * width))
 
 
-def modal(radius: float, stiffness: dict[int, float], **more: Any) -> RingShapes:
-    """Return shapes cos n psi and sin n psi of a load per arc and displacement k_n [N/m2].
+@functools.cache
+def _gauss() -> tuple[Floats, Floats]:
+    return np.polynomial.legendre.leggauss(48)
+
+
+@functools.lru_cache(maxsize=1024)  # ten times the compliance's time, and asked for at every point of a sweep
+def mass_of_annulus(n: int, layers: Layers, width: float, densities: tuple[float, ...]) -> float:
+    """Return what an annulus weighs [kg] in its displacement under a load cos(n psi), 1 on the loaded face.
+
+    int rho (u^2 + v^2) dV over u^2 there. Nothing counts beyond twice the loaded radius: a thick housing yields with
+    1/r for n = 0 and 2, by which its mass would have no bound, while waves leave with what is stored so far out (D).
+    """
+    R, E0, found = layers[0][0], layers[0][2], 0.0
+    node, weight = _gauss()
+    coefficients = _annulus(n, layers)
+    for (near, far, modulus, nu), density, own in zip(layers, densities, coefficients, strict=True):
+        low, high = np.log(min(near / R, _HEAVY)), np.log(min(far / R, _HEAVY))
+        r = np.exp(0.5 * (low + high) + 0.5 * (high - low) * node)
+        squares = sum((own @ np.array(row)) ** 2 for row in _rows(n, r, modulus / E0, nu)[1])
+        found += density * 0.5 * abs(high - low) * float(weight @ (r * r * squares))
+    face = np.array(_rows(n, 1.0, 1.0, layers[0][3])[1][0]) @ coefficients[0]
+    return (math.pi if n else 2.0 * math.pi) * width * R * R * found / float(face) ** 2
+
+
+def modal(radius: float, stiffness: dict[int, float], mass: dict[int, float] | None = None, **more: Any) -> RingShapes:
+    """Return shapes cos n psi and sin n psi of a load per arc and displacement k_n [N/m2], and their masses [kg].
 
     K_0 = 2 pi R k_0, K_n = pi R k_n.
     """
@@ -85,6 +120,8 @@ def modal(radius: float, stiffness: dict[int, float], **more: Any) -> RingShapes
         for phase in (1.0, -1.0j) if n else (1.0,):
             rows.append([phase if i == n else 0.0 for i in range(max(stiffness) + 1)])
             held.append(math.pi * radius * k * (1.0 if n else 2.0))
+    if mass is not None:
+        more["mass"] = np.array([mass[n] for n in stiffness for _ in ((1, -1) if n else (1,))])
     return RingShapes(np.array(rows, complex), np.array(held), **more)
 
 
@@ -116,6 +153,14 @@ def _modulus(of: str) -> Any:
     return parameter(
         default=None, unit="Pa", doc=f"Young's modulus of {of}, by default that of the rings",
         validator=attrs.validators.optional(positive), usual=(1e9, 500e9), possible=(1e3, 2e12),
+    )  # fmt: skip
+
+
+def _damping() -> Any:
+    return parameter(
+        default=0.02, unit="1",
+        doc="damping of the shapes in plane motion, of the critical one: 0.001 of bare steel to 0.05 in seats (D)",
+        validator=in_range(0, 1), usual=(0, 0.2),
     )  # fmt: skip
 
 
@@ -168,6 +213,7 @@ class Annulus(RingModel):
     - c_n: compliance by Airy's function phi of both layers [m2/N]; E, nu of the ring are those of the bearing,
       those of housing or shaft ``modulus`` and ``poisson_ratio``
     - n: up to ``harmonics``; n = 1 is where the ring stands
+    - mass of a shape: int rho (u^2 + v^2) dV of its displacement, 1 at the raceway, out to twice its radius (D)
     - outer ring: raceway, seat D, outside of the housing (``outside``); inner ring: raceway, bore d, bore of the shaft
       (``bore``); both ``width`` wide
 
@@ -199,6 +245,11 @@ class Annulus(RingModel):
         default=None, unit="1", doc="Poisson's ratio of housing or shaft, by default that of the rings",
         validator=attrs.validators.optional(in_range(0, 0.5)),
     )  # fmt: skip
+    density: float | None = parameter(
+        default=None, unit="kg/m3", doc="density of housing or shaft, by default that of the rings",
+        validator=attrs.validators.optional(positive), usual=(1000, 9000), possible=(1e-12, 25e3),
+    )  # fmt: skip
+    damping_ratio: float = _damping()
     harmonics: int | None = _highest(_HARMONICS)
 
     def layers(self, bearing: Bearing, ring: str) -> tuple[tuple[float, float, float, float], ...]:
@@ -229,8 +280,11 @@ class Annulus(RingModel):
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return cosines and sines of the numbers n."""
         layers, width = self.layers(bearing, ring), self.width or width_of(bearing)
+        own = bearing.material.density
+        densities = (own, self.density or own)[: len(layers)]
         k = {n: 1.0 / compliance_of_annulus(n, layers, width) for n in numbers(bearing, self.harmonics)}
-        return modal(layers[0][0], k)
+        mass = {n: mass_of_annulus(n, layers, width, densities) for n in k}
+        return modal(layers[0][0], k, mass, damping_ratio=self.damping_ratio)
 
 
 @attrs.frozen(kw_only=True)
@@ -264,6 +318,8 @@ class Thin(RingModel):
       ``thickness``, or ``section_inertia`` where ribs stiffen it
     - E, nu: of the bearing's material
     - k_s: ``seat_stiffness``; with ``fit_clearance`` its springs push only where half of that is closed
+    - mass of a shape: 2 pi rho A R of n = 0, pi rho A R (1 + 1/n^2) of others, which do not stretch; rho of the
+      bearing's material
     - ``forces``: forces of teeth W outwards and T along the rim at the arm a push the shapes cos n psi by
       W cos - T (sin/n) - (T a/R)(sin/n - n sin)
 
@@ -294,6 +350,7 @@ class Thin(RingModel):
         validator=attrs.validators.optional(non_negative), usual=(0, 3e-4), possible=(0, 1e-2),
     )  # fmt: skip
     forces: tuple[ToothForce, ...] = parameter(default=(), doc="forces of teeth on the rim")
+    damping_ratio: float = _damping()
     harmonics: int | None = _highest(12)
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
@@ -320,7 +377,9 @@ class Thin(RingModel):
         if self.fit_clearance is not None:
             angles = 2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float)
             stops = Stops(angles, self.seat_stiffness * R * 2.0 * math.pi / _STOPS, 0.5 * self.fit_clearance)
-        return modal(R, k, pushes=pushes, stops=stops)
+        around = math.pi * steel.density * area * R
+        mass = {n: around * (1.0 + 1.0 / (n * n) if n else 2.0) for n in k}
+        return modal(R, k, mass, pushes=pushes, stops=stops, damping_ratio=self.damping_ratio)
 
     @staticmethod
     def _push(numbers: list[int], force: ToothForce, radius: float, ring: str) -> Floats:

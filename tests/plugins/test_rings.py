@@ -24,6 +24,7 @@ from rollslip_plugins.rings import (
     ToothForce,
     beam_stiffness,
     compliance_of_annulus,
+    mass_of_annulus,
     modal,
     numbers,
 )
@@ -119,6 +120,68 @@ def test_a_thin_annulus_is_a_beam(n, share, off):
     h = share * R
     annulus = compliance_of_annulus(n, ((R - h / 2, R + h / 2, E, 0.3),), WIDTH) / (R - h / 2) * R
     assert annulus * beam_stiffness(n, R, WIDTH * h, WIDTH * h**3 / 12, E, 0.3) == pytest.approx(1.0, abs=off)
+
+
+def frequencies(shapes):
+    """Natural ones [rad/s] by n, of its cosine."""
+    n = np.argmax(np.abs(shapes.harmonics) > 0, axis=1)
+    return dict(zip(n.tolist(), np.sqrt(shapes.stiffness / shapes.mass), strict=True))
+
+
+def test_a_thin_free_ring_has_the_frequencies_of_the_books():
+    # in bending w^2 = E I/(rho A R^4) n^2 (n^2 - 1)^2/(n^2 + 1), breathing w = sqrt(E/rho)/R (Love; Timoshenko)
+    h, bearing = 2e-4, scene().bearing
+    R, E, rho = bearing.outer_raceway_diameter / 2 + h / 2, bearing.material.elastic_modulus, bearing.material.density
+    found = frequencies(Thin(width=WIDTH, thickness=h, harmonics=6).shapes(bearing, "outer", False))
+    assert set(found) == {0, 2, 3, 4, 5, 6}
+    assert found[0] == pytest.approx(np.sqrt(E / rho) / R, rel=1e-12)
+    for n in range(2, 7):
+        closed = np.sqrt(E * h**2 / 12 / (rho * R**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1))
+        assert found[n] == pytest.approx(closed, rel=1e-4)  # but for shear, I/(A R^2) of 3e-7 times some 100
+
+
+def test_a_ring_on_a_seat_moves_as_a_whole_with_its_mass():
+    bearing = scene().bearing
+    shapes = Thin(width=WIDTH, thickness=H, harmonics=4, seat_stiffness=1e9).shapes(bearing, "outer", False)
+    whole = bearing.material.density * 2 * np.pi * (bearing.outer_raceway_diameter / 2 + H / 2) * AREA
+    assert shapes.mass[:3] == pytest.approx(whole)  # breathing, and both ways across
+
+
+@pytest.mark.parametrize("n", [0, 2, 3, 4])
+def test_a_thin_annulus_weighs_what_a_beam_does(n):
+    for h, off in ((0.02 * R, 0.03), (0.002 * R, 0.003)):
+        mass = mass_of_annulus(n, ((R - h / 2, R + h / 2, E, 0.3),), WIDTH, (7800.0,))
+        assert mass == pytest.approx(np.pi * 7800 * R * WIDTH * h * (1 + 1 / n**2 if n else 2), rel=off)
+
+
+def test_the_hoop_of_a_thick_annulus_weighs_what_lame_says():
+    # E u = (1 - nu) A r - (1 + nu) B/r, stress A + B/r^2 none outside; int u^2 r dr in closed form
+    a, b, nu, rho = 0.05, 0.09, 0.3, 7800.0
+    x, y = 1 - nu, (1 + nu) * b * b
+    square = x**2 * (b**4 - a**4) / 4 + x * y * (b**2 - a**2) + y**2 * np.log(b / a)
+    closed = 2 * np.pi * WIDTH * rho * square / (x * a + y / a) ** 2
+    assert mass_of_annulus(0, ((a, b, E, nu),), WIDTH, (rho,)) == pytest.approx(closed, rel=1e-12)
+    two = ((a, 0.07, E, nu), (0.07, b, E, nu))
+    assert mass_of_annulus(0, two, WIDTH, (rho, rho)) == pytest.approx(closed, rel=1e-12)
+    assert mass_of_annulus(0, two, WIDTH, (rho, 2 * rho)) > 1.2 * closed
+    far = [mass_of_annulus(0, ((a, f * a, E, nu),), WIDTH, (rho,)) for f in (2.0, 1e3)]
+    assert 0.5 * far[0] < far[1] < 1.5 * far[0]  # no more is counted, though u falls by 1/r alone
+
+
+@pytest.mark.parametrize("ring", ["inner", "outer"])
+def test_rings_by_a_model_have_masses_that_a_heavier_housing_adds_to(ring):
+    bearing = scene().bearing
+    light, heavy = (Annulus(density=rho).shapes(bearing, ring, False) for rho in (2700.0, 7800.0))
+    assert np.all(heavy.mass > light.mass)
+    assert np.all(light.mass > 0.0)
+    assert np.array_equal(heavy.mass, Annulus().shapes(bearing, ring, False).mass)
+    assert heavy.damping_ratio == 0.02
+
+
+@pytest.mark.parametrize("mass", [np.ones(1), np.array([1.0, 0.0, 1.0]), np.full(3, np.nan)])
+def test_masses_that_do_not_fit_are_refused(mass):
+    with pytest.raises(ValueError, match="3 shapes need as many masses above 0 kg"):
+        RingShapes(np.ones((3, 2), complex), np.ones(3), mass=mass)
 
 
 @pytest.mark.parametrize("n", [0, 2, 3, 8, 14])
