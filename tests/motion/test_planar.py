@@ -23,6 +23,7 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.bearing.raceway import RINGS
+from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
@@ -34,7 +35,7 @@ from rollslip_plugins.drag.torques import PetroffLand
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels import planar as planar_module
-from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER, ROLLER, PlanarSettings
+from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 from tabled import REFERENCES, numbers_of
@@ -165,6 +166,18 @@ def test_it_starts_at_rest_in_the_equilibrium_of_the_bearing():
     # the equilibrium has the rollers' mass on the orbit, here it is rho further out
     left = rising[:, 4] - head[8] ** 2 * rollers[:, 3]
     assert np.all(np.abs(left) <= 1e-10 * load / planar.assembly.roller_mass)
+
+
+@pytest.mark.parametrize("quadrature", ["equal", "gauss"])
+def test_it_starts_in_the_equilibrium_of_the_laminae_that_it_has(quadrature):
+    settings = PlanarSettings(inner_ring_mass=3.0, gravity=0.0, contact_damping=0.0)
+    friction = FrictionSettings(name="constant", coefficient=0.0, transition=0.1)
+    planar = planar_motion(assemble(scene_of(), Resolution(slices=20, quadrature=quadrature)), settings, friction)
+    y = planar.initial()
+    head, _, _ = planar.parts(y)
+    held = planar.assembly.load_distribution(cage_speed=head[8])
+    assert head[:2] == pytest.approx(held.displacement[0], rel=1e-12, abs=1e-18)
+    assert planar.planar.outputs([0.0], y[None])["normal_force"][0, 0] == pytest.approx(held.inner_force[0], abs=1e-9)
 
 
 @pytest.mark.parametrize("speed", ["6371 rpm", "-6371 rpm"])

@@ -49,6 +49,15 @@ RS_INLINED double rs_total(const double *x, size_t n) {
     return (s[0] + s[1]) + (s[2] + s[3]);
 }
 
+RS_INLINED double rs_product(const double *x, const double *y, size_t n) {
+    double s[4] = {0.0, 0.0, 0.0, 0.0};
+    size_t j = 0;
+    for (; j + 4 <= n; j += 4)
+        for (size_t k = 0; k < 4; k++) s[k] += x[j + k] * y[j + k];
+    for (size_t k = 0; j + k < n; k++) s[k] += x[j + k] * y[j + k];
+    return (s[0] + s[1]) + (s[2] + s[3]);
+}
+
 /* cos and sin of angle + 2 pi j/Z + small[j], of which those of the angle, a and b, and of 2 pi j/Z are known */
 RS_INLINED void rs_angles(
     size_t n, double a, double b, rs_given pitch_cos, rs_given pitch_sin, rs_given small, rs_column c, rs_column s

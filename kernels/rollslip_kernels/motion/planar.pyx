@@ -9,12 +9,16 @@ t = (-sin psi, cos psi)::
     energy   sum m/2 [v^2 + (R_m + rho)^2 w^2] + J/2 s^2  +  m_i/2 v_i^2  +  m_c/2 v_c^2 + U w_c (t_c.v_c) + I_c/2 w_c^2
              (U unbalance of the cage, t_c = t at phi_c, I_c about the axis of the cage)
 
+    rings that yield   M q'' = sum N B(psi) + push - K q - D q' of each shape of either ring, q in the head, then q'
+                       (+ M/2 q'^2 + K/2 q^2 - push q to the energy)
+
 Every force acts through the speed that it does work on, so each line below gives by virtual work, -f dV/dq', all
 generalised forces; momentum, energy and angular momentum then close to rounding, centrifugal, Coriolis and unbalance
 forces come from the energy, and no force is written down twice::
 
-    inner contact   approach d = x_i.e - G_r/2 - rho - P;  d' = v_i.e + (x_i.t) w - v
-    outer contact   approach d = rho - P;                  d' = v
+    inner contact   approach d = x_i.e - G_r/2 - rho - P + h_i;  d' = v_i.e + (x_i.t) w - v + h_i'
+    outer contact   approach d = rho - P + h_o;                  d' = v + h_o'
+                    h = f(psi) - sum q B(psi) of a ring with this form and these shapes;  h' = w dh/dpsi - sum q' B
                     load per length w_e(d) g(c d'), g(z) = 1 + z or, parting, 1/(1 - z)   [after Hunt, Crossley 1975]
     inner traction  a1 = R_i (w_i - w) + v_i.t - (x_i.e) w;  a2 = r (s + w);  V = a1 - a2;  F V + F_R (a1 + a2)
     outer traction  a1 = R_o (w - w_o);                      a2 = r (s + w);  V = a2 - a1;  F V + F_R (a1 + a2)
@@ -31,6 +35,8 @@ forces come from the energy, and no force is written down twice::
   they are watched: after a step, since the trials of an explicit method may lie anywhere.
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
+- Rings yield and are out of round in a frame that stands. The radial motion of a raceway does not rub, and its slope,
+  which counts in the torque on the rollers, is left out of the directions of friction.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
 - Cage accelerations are coupled by the unbalance: M^-1 is applied to what rollers add, so that sums stay sums.
 - All rollers at once: the equations stand in planar_columns.h, a column for each unknown and each quantity. Rollers
@@ -117,6 +123,20 @@ cdef extern from "motion/planar_columns.h" nogil:
         double per_root
         const double *values
 
+    ctypedef struct rs_bent_ring:
+        size_t shapes, at, speeds, most
+        const double *re
+        const double *im
+        const double *mass
+        const double *stiffness
+        const double *damping
+        const double *push
+        double *place
+        double *rate
+        size_t cells
+        double per_angle
+        const double *form
+
     ctypedef struct rs_plane:   # numbers of the bearing, and columns of the evaluation under way
         size_t rollers
         double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance
@@ -152,6 +172,13 @@ cdef extern from "motion/planar_columns.h" nogil:
         double *stored
         double *lost
         double **added
+        rs_bent_ring *ring
+        int bent
+        size_t most
+        double *wave_cos
+        double *wave_sin
+        double **slope
+        double *turning
         double cage_cos, cage_sin
         int touched
         size_t deepest
@@ -170,12 +197,16 @@ cdef extern from "motion/planar_columns.h" nogil:
             const double *before) noexcept nogil
         void (*rates)(rs_plane *p, const double *head) noexcept nogil
         void (*totals)(const rs_plane *p, double *sums) noexcept nogil
+        void (*bent)(rs_plane *p, const double *head) noexcept nogil
+        void (*turning)(rs_plane *p) noexcept nogil
 
     const rs_plane_loops *rs_plane_loops_of(int wider)
     void rs_plane_one(const rs_plane *p, size_t j, double *sums)
     void rs_turned(double by, double cosine, double sine, double *c, double *s)
     void rs_plane_blocks(const rs_plane *p, double *rates)
-    double rs_plane_deepest(rs_plane *p, const double *head, const double *rollers)
+    double rs_plane_deepest(rs_plane *p, const rs_plane_loops *loops, const double *head, const double *rollers)
+    void rs_ring_forces(const rs_plane *p, int ring, double *forces)
+    void rs_ring_forces_of(const rs_plane *p, int ring, size_t j, double *forces)
 
 cdef enum:   # ledger, behind the head in what is added
     WORK_RINGS = HEAD
@@ -237,6 +268,8 @@ ctypedef struct planar_t:
     rs_plane c
     const rs_plane_loops *loops
     size_t slices
+    size_t heads           # unknowns before the rollers: HEAD, amplitudes of the shapes of both rings, their rates
+    double *on_shapes      # forces on them
     double ring_mass, cage_mass, cage_inertia, unbalance
     rs_pocket pocket
     rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
@@ -350,6 +383,8 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
     cdef bint conventional, sliced
     cdef int status, ring
     p.loops.places(&p.c, head, rollers)
+    if p.c.bent:
+        p.loops.bent(&p.c, head)
     for ring in range(2):
         resistance, conventional = p.c.resistance[ring], p.raceway[ring].friction == RS_CONVENTIONAL
         sliced = friction != KEPT and (rs_by_slices(&p.raceway[ring]) or (conventional and film))
@@ -394,6 +429,8 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
         if status != 0:
             p.refused = FRICTION_REFUSED + ring
             return status
+    if p.c.bent:
+        p.loops.turning(&p.c)
     return 0
 
 
@@ -404,12 +441,12 @@ cdef int renew(double t, const double *y, int compared, double *told, void *stat
     cdef double *before = p.room + Z
     cdef int status
     if compared:
-        status = contacts(y, y + HEAD, p, False, KEPT)
+        status = contacts(y, y + p.heads, p, False, KEPT)
         if status != 0:
             return status
         for ring in range(2):
             memcpy(before + ring * Z, p.c.traction[ring], Z * sizeof(double))
-    status = contacts(y, y + HEAD, p, False, RENEWED)
+    status = contacts(y, y + p.heads, p, False, RENEWED)
     if status != 0:
         return status
     told[0] = rs_held_damping(&p.held[INNER], &p.held[OUTER], Z, p.c.force[INNER], p.c.force[OUTER], p.c.roller_mass)
@@ -427,7 +464,7 @@ cdef int held(
 ) noexcept nogil:
     """All rates with friction as it is held."""
     cdef planar_t *p = <planar_t *>state
-    cdef int status = contacts(y, y + HEAD, p, False, KEPT)
+    cdef int status = contacts(y, y + p.heads, p, False, KEPT)
     if status != 0:
         return status
     if p.apart:
@@ -435,7 +472,7 @@ cdef int held(
     else:
         bars(y, p)
     if half > 0.0:
-        p.loops.implicit(&p.c, y, &p.held[INNER], &p.held[OUTER], half, before + HEAD)
+        p.loops.implicit(&p.c, y, &p.held[INNER], &p.held[OUTER], half, before + p.heads)
     return summed(t, y, rates, LAND_FILM if p.apart else ALL_OF_LAND, p)
 
 
@@ -518,6 +555,11 @@ cdef int clear(double h, void *state) noexcept nogil:
     return p.loops.clear(&p.c, h, reach(p), radial_reach(p)) and not land_is_touched(p, p.head, h)
 
 
+cdef inline size_t half_of(const planar_t *p) noexcept nogil:
+    """Where the amplitudes of shapes end in the head, and their rates begin."""
+    return (HEAD + p.heads) // 2
+
+
 cdef void drift_near(const planar_t *p, double h, double *y, size_t near) noexcept nogil:
     """As `drift`, of the head and of the rollers that a bar may touch."""
     cdef double *roller
@@ -527,8 +569,10 @@ cdef void drift_near(const planar_t *p, double h, double *y, size_t near) noexce
     y[CAGE_X] += h * y[CAGE_VX]
     y[CAGE_Y] += h * y[CAGE_VY]
     y[CAGE_ANGLE] += h * y[CAGE_SPEED]
+    for k in range(HEAD, half_of(p)):
+        y[k] += h * y[k + half_of(p) - HEAD]
     for k in range(near):
-        roller = y + HEAD + p.near[k] * BLOCK
+        roller = y + p.heads + p.near[k] * BLOCK
         roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
         roller[RADIAL] += h * roller[RISE]
 
@@ -538,7 +582,7 @@ cdef void touched(planar_t *p, double h, double *y, size_t near, double turned, 
 
     The cage has turned since the columns of angles were made.
     """
-    cdef double *ledger = y + HEAD + p.c.rollers * BLOCK
+    cdef double *ledger = y + p.heads + p.c.rollers * BLOCK
     cdef double *pulled = p.room   # rates of orbit, spin and rise, cos and sin of the angle [5 Z]
     cdef double *roller
     cdef double *mine
@@ -550,7 +594,7 @@ cdef void touched(planar_t *p, double h, double *y, size_t near, double turned, 
     cdef size_t j, k, time
     for k in range(near):
         j, mine = p.near[k], pulled + 5 * k
-        roller = y + HEAD + j * BLOCK
+        roller = y + p.heads + j * BLOCK
         mine[0] = mine[1] = mine[2] = 0.0
         rs_turned(turned + (roller[POSITION] - p.c.unknown[POSITION][j]) / R, p.c.cosine[j], p.c.sine[j], mine + 3,
                   mine + 4)
@@ -570,7 +614,7 @@ cdef void touched(planar_t *p, double h, double *y, size_t near, double turned, 
             j, mine = p.near[k], pulled + 5 * k
             if fabs(p.c.place[j]) <= within and fabs(p.c.height[j]) <= radially_within:
                 continue   # not yet, or no longer
-            roller, c, s = y + HEAD + j * BLOCK, mine[3], mine[4]
+            roller, c, s = y + p.heads + j * BLOCK, mine[3], mine[4]
             w, v, radius = roller[ORBIT] + part * mine[0], roller[RISE] + part * mine[2], R + roller[RADIAL]
             along, across = head[CAGE_X] * c + head[CAGE_Y] * s, head[CAGE_Y] * c - head[CAGE_X] * s
             bars_of(p, j, R * (w - head[CAGE_SPEED]) + along * w - (head[CAGE_VY] * c - head[CAGE_VX] * s),
@@ -589,7 +633,7 @@ cdef void touched(planar_t *p, double h, double *y, size_t near, double turned, 
     for k in range(LEDGER):
         ledger[k] += h * rates[HEAD + k]
     for k in range(near):
-        roller = y + HEAD + p.near[k] * BLOCK
+        roller = y + p.heads + p.near[k] * BLOCK
         roller[ORBIT] += h * pulled[5 * k]
         roller[SPIN] += h * pulled[5 * k + 1]
         roller[RISE] += h * pulled[5 * k + 2]
@@ -601,7 +645,7 @@ cdef int go(double t, double h, size_t parts, double *y, void *state) noexcept n
     cdef double part = h / <double>parts, turned = 0.0
     cdef bint metal = land_is_touched(p, y, SOON * h)
     cdef size_t near = 0, j, k
-    p.loops.angles(&p.c, y, y + HEAD)
+    p.loops.angles(&p.c, y, y + p.heads)
     places_in_pockets(y, SOON * h, p)
     if not p.c.touched and not metal:
         return drift(h, y, state)
@@ -617,7 +661,7 @@ cdef int go(double t, double h, size_t parts, double *y, void *state) noexcept n
     turned += 0.5 * part * y[CAGE_SPEED]
     for j in range(p.c.rollers):   # the others, of constant speeds
         if not p.touch[j]:
-            roller = y + HEAD + j * BLOCK
+            roller = y + p.heads + j * BLOCK
             roller[POSITION] += p.c.orbit_radius * (h * roller[ORBIT] - turned)
             roller[RADIAL] += h * roller[RISE]
     return 0
@@ -641,6 +685,12 @@ cdef inline void receive(const planar_t *p, double c, double s, const double *su
     row[IMPULSE_GRAVITY] += sums[TO_IMPULSE_GRAVITY]
 
 
+cdef inline void spread(const planar_t *p, const double *row, double *rates) noexcept nogil:
+    """Lay a row of head and ledger out with room for the shapes between them, which is left as it is."""
+    memcpy(rates, row, HEAD * sizeof(double))
+    memcpy(rates + p.heads, row + HEAD, LEDGER * sizeof(double))
+
+
 cdef int roller_columns(const double *head, const double *rollers, planar_t *p) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
     cdef int status = contacts(head, rollers, p, False, KEPT if p.still else EVALUATED)
@@ -656,22 +706,34 @@ cdef int roller_rates(
     cdef planar_t *p = <planar_t *>state
     cdef double c = cos(head[CAGE_ANGLE]), s = sin(head[CAGE_ANGLE])
     cdef double one[ADDED]
-    cdef size_t j
-    cdef int status = roller_columns(head, rollers, p)
+    cdef double row[ROW]
+    cdef double *to
+    cdef const rs_bent_ring *bent
+    cdef size_t j, k
+    cdef int ring, status = roller_columns(head, rollers, p)
     if status != 0:
         return status
     rs_plane_blocks(&p.c, rates)
-    memset(added, 0, p.c.rollers * ROW * sizeof(double))
+    memset(added, 0, p.c.rollers * (p.heads + LEDGER) * sizeof(double))
     for j in range(p.c.rollers):
+        to = added + j * (p.heads + LEDGER)
+        memset(row, 0, ROW * sizeof(double))
         rs_plane_one(&p.c, j, one)
-        receive(p, c, s, one, added + j * ROW)
+        receive(p, c, s, one, row)
+        spread(p, row, to)
+        for ring in range(2):
+            bent = &p.c.ring[ring]
+            if bent.shapes:
+                rs_ring_forces_of(&p.c, ring, j, to + bent.speeds)
+            for k in range(bent.shapes):
+                to[bent.speeds + k] /= bent.mass[k]
     return 0
 
 
 cdef int all_rates(double t, const double *y, double *rates, void *state) noexcept nogil:
     """All rates, the sums over the rollers without what each adds."""
     cdef planar_t *p = <planar_t *>state
-    cdef int status = contacts(y, y + HEAD, p, False, EVALUATED)
+    cdef int status = contacts(y, y + p.heads, p, False, EVALUATED)
     if status != 0:
         return status
     bars(y, p)
@@ -682,16 +744,25 @@ cdef int summed(double t, const double *y, double *rates, int land, planar_t *p)
     """All rates by the forces of the columns."""
     cdef double row[ROW]
     cdef double sums[ADDED]
-    cdef size_t k, behind = HEAD + p.c.rollers * BLOCK
-    cdef int status = own_rates(t, y, p.c.cage_cos, p.c.cage_sin, row, land, p)
+    cdef const rs_bent_ring *bent
+    cdef size_t k, behind = p.heads + p.c.rollers * BLOCK
+    cdef int ring, status = own_rates(t, y, p.c.cage_cos, p.c.cage_sin, row, land, p)
     if status != 0:
         return status
     p.loops.rates(&p.c, y)
     p.loops.totals(&p.c, sums)
     receive(p, p.c.cage_cos, p.c.cage_sin, sums, row)
+    if p.c.bent:
+        own_shapes(y, rates, row, p)
+    for ring in range(2):
+        bent = &p.c.ring[ring]
+        if bent.shapes:
+            rs_ring_forces(&p.c, ring, p.on_shapes)
+        for k in range(bent.shapes):
+            rates[bent.speeds + k] += p.on_shapes[k] / bent.mass[k]
     for k in range(HEAD):
         rates[k] = row[k]
-    rs_plane_blocks(&p.c, rates + HEAD)
+    rs_plane_blocks(&p.c, rates + p.heads)
     for k in range(LEDGER):
         rates[behind + k] = row[HEAD + k]
     return 0
@@ -726,8 +797,28 @@ cdef inline void of_land(
     rates[LOST_LAND] += f.lost
 
 
+cdef void own_shapes(const double *head, double *rates, double *row, const planar_t *p) noexcept nogil:
+    """Rates of the shapes without rollers, and what their damping takes, by row of head and ledger."""
+    cdef const rs_bent_ring *bent
+    cdef size_t k
+    cdef int ring
+    cdef double q, v
+    for ring in range(2):
+        bent = &p.c.ring[ring]
+        for k in range(bent.shapes):
+            q, v = head[bent.at + k], head[bent.speeds + k]
+            rates[bent.at + k] = v
+            rates[bent.speeds + k] = (bent.push[k] - bent.stiffness[k] * q - bent.damping[k] * v) / bent.mass[k]
+            row[LOST_DAMPING] += bent.damping[k] * v * v
+
+
 cdef int head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
-    return own_rates(t, head, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), rates, ALL_OF_LAND, <planar_t *>state)
+    cdef planar_t *p = <planar_t *>state
+    cdef double row[ROW]
+    cdef int status = own_rates(t, head, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), row, ALL_OF_LAND, p)
+    own_shapes(head, rates, row, p)
+    spread(p, row, rates)
+    return status
 
 
 cdef int own_rates(
@@ -781,11 +872,11 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     cdef int status = displacement(y, p)
     if status != 0:
         return status
-    values[0], values[1], values[2] = -1.0, NAN, rs_plane_deepest(&p.c, y, y + HEAD)
+    values[0], values[1], values[2] = -1.0, NAN, rs_plane_deepest(&p.c, p.loops, y, y + p.heads)
     if p.critical_slip == p.critical_slip:
         values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
     if p.film_limit == p.film_limit:
-        status = contacts(y, y + HEAD, p, True, EVALUATED)
+        status = contacts(y, y + p.heads, p, True, EVALUATED)
         if status != 0:
             return status
         values[1] = 1e308
@@ -801,7 +892,7 @@ cdef double until_contact(double t, const double *y, void *state) noexcept nogil
     cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness, soonest = INFINITY, place, rate
     cdef double dx = y[CAGE_X], dy = y[CAGE_Y], vx = y[CAGE_VX], vy = y[CAGE_VY]
     cdef size_t j
-    p.loops.places(&p.c, y, y + HEAD)
+    p.loops.places(&p.c, y, y + p.heads)
     places_in_pockets(y, 0.0, p)
     for j in range(p.c.rollers):
         place, rate = p.c.place[j], p.c.closing[j]
@@ -826,7 +917,7 @@ cdef int drift(double h, double *y, void *state) noexcept nogil:
     cdef size_t j
     drift_near(p, h, y, 0)
     for j in range(p.c.rollers):
-        roller = y + HEAD + j * BLOCK
+        roller = y + p.heads + j * BLOCK
         roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
         roller[RADIAL] += h * roller[RISE]
     return 0
@@ -853,6 +944,11 @@ cdef class Planar:
         and where friction is that of every slice, it comes from the slices.
     resistances : sequence of two (step, values), optional
         Rolling resistance [N] at equal steps of sqrt(Q) [N^0.5], where friction is not conventional.
+    rings : sequence of two (shapes, coefficients), optional
+        Of inner and outer ring. Shapes are (harmonics, mass, stiffness, damping, pushes): (m, N + 1) complex c of
+        B(psi) = Re sum c_n exp(i n psi), and (m,) of each [kg, N/m, N s/m, N]. Coefficients of the form towards the
+        rollers [m] are (cells, 4), of the powers of the place in one of equal cells from 0 to 2 pi; none: it is round.
+        Both are as the ring stands. By default rings are rigid and round.
     critical_slip, film_limit : float
         Cage slip and smallest film parameter whose passing is an event; NaN for none.
     scale : array_like
@@ -867,10 +963,11 @@ cdef class Planar:
     cdef size_t[::1] begins
     cdef int[::1] touches
     cdef tuple kept, deflections, forces, resistances
+    cdef list of_rings
 
     def __init__(
         self, raceways, deflections, contacts, drop, widths, drags, Py_ssize_t rollers, int guidance, scale,
-        forces=None, resistances=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
+        forces=None, resistances=None, rings=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k
@@ -916,6 +1013,7 @@ cdef class Planar:
             nodes = self.resistances[ring]
             p.resistance_nodes[ring], p.resistance_cells[ring] = &nodes[0], nodes.shape[0] - 1
             p.resistance_step[ring] = resistances[ring][0]
+        self._bend(rings or (), Z)
         stages = [chain.as_stage() for chain in self.deflections]
         tables = [bound(slices) for slices in contacts]
         self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
@@ -953,22 +1051,68 @@ cdef class Planar:
             p.load_of[ring] = room + 8 * Z
             room = rs_place_held(&p.held[ring], Z, room + (8 + n) * Z)
         p.room = room
-        self.n = HEAD + Z * BLOCK + LEDGER
+        self.n = p.heads + Z * BLOCK + LEDGER
         self.scale = np.array(scale, dtype=float)
         if self.scale.shape[0] != <Py_ssize_t>self.n:
             raise ValueError(f"{self.scale.shape[0]} magnitudes for {self.n} unknowns")
         self.kicked = np.ones(self.n)
         for place in (RING_X, RING_Y, CAGE_X, CAGE_Y, CAGE_ANGLE):
             self.kicked[place] = 0.0
+        self.kicked[HEAD:half_of(p)] = 0.0
         for place in (POSITION, RADIAL):
-            self.kicked[HEAD + place:HEAD + Z * BLOCK:BLOCK] = 0.0
+            self.kicked[p.heads + place:p.heads + Z * BLOCK:BLOCK] = 0.0
+
+    cdef _bend(self, rings, size_t Z):
+        """Take what rings yield and how they are out of round."""
+        cdef planar_t *p = &self.p
+        cdef rs_bent_ring *bent
+        cdef size_t ring, m, waves, shapes = 0, most = 0
+        cdef double[::1] numbers, form
+        cdef double *room
+        self.of_rings, p.heads = [], HEAD
+        for ring, (given, coefficients) in enumerate(rings):
+            bent = &p.c.ring[ring]
+            harmonics = np.array(given[0], dtype=complex, ndmin=2)
+            m, waves = harmonics.shape[0], harmonics.shape[1]
+            columns = [np.array(values, dtype=float) for values in given[1:]]
+            if len(columns) != 4 or any(values.shape != (m,) for values in columns):
+                raise ValueError(f"{m} shapes of a ring need mass, stiffness, damping and push each")
+            parts = (harmonics.real.ravel(), harmonics.imag.ravel(), *columns, np.zeros(4 * waves))
+            numbers = np.concatenate(parts)
+            room = &numbers[0]
+            bent.shapes, bent.most = m, waves - 1
+            bent.re, bent.im = room, room + m * waves
+            room += 2 * m * waves
+            bent.mass, bent.stiffness, bent.damping, bent.push = room, room + m, room + 2 * m, room + 3 * m
+            bent.place, bent.rate = room + 4 * m, room + 4 * m + 2 * waves
+            bent.at = HEAD + shapes
+            shapes += m
+            if m:
+                most = max(most, bent.most)
+            if coefficients is not None:
+                values = np.array(coefficients, dtype=float, order="C")
+                if values.ndim != 2 or values.shape[1] != 4:
+                    raise ValueError("a form of a raceway is (cells, 4) coefficients")
+                form = values.ravel()
+                bent.form, bent.cells, bent.per_angle = &form[0], values.shape[0], values.shape[0] / (2.0 * M_PI)
+                self.of_rings.append(form)
+            self.of_rings.append(numbers)
+            p.c.bent = p.c.bent or m > 0 or bent.cells > 0
+        for ring in range(2):
+            p.c.ring[ring].speeds = p.c.ring[ring].at + shapes
+        p.heads, p.c.most = HEAD + 2 * shapes, most
+        numbers = np.zeros((2 * most + 3) * Z + shapes)
+        self.of_rings.append(numbers)
+        room = &numbers[0]
+        p.c.slope[INNER], p.c.slope[OUTER], p.c.turning, p.c.wave_cos = room, room + Z, room + 2 * Z, room + 3 * Z
+        p.c.wave_sin, p.on_shapes = p.c.wave_cos + most * Z, p.c.wave_cos + 2 * most * Z
 
     def system(self, double swing_frequency=0.0):
         """Return the capsule "rollslip.system.v1"; with how fast rollers swing between the rings [rad/s], if known."""
         cdef rs_system s
         cdef const planar_t *p = &self.p
         cdef double cage = 1.0 / p.cage_mass
-        s.head, s.rollers, s.block, s.ledger = HEAD, self.p.c.rollers, BLOCK, LEDGER
+        s.head, s.rollers, s.block, s.ledger = p.heads, p.c.rollers, BLOCK, LEDGER
         s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
         s.watched, s.watch = 3, watch
         s.scale, s.autonomous, s.state = &self.scale[0], not self.p.in_time, &self.p
@@ -1034,7 +1178,7 @@ cdef class Planar:
         cdef double[:, :, ::1] push = pockets
         cdef rs_bars f
         for m in range(<size_t>states.shape[0]):
-            status = contacts(&states[m, 0], &states[m, HEAD], p, True, EVALUATED)
+            status = contacts(&states[m, 0], &states[m, p.heads], p, True, EVALUATED)
             if status == -1:
                 rs_raise_pending()
             if status != 0:

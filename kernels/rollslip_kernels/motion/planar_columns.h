@@ -27,6 +27,19 @@ typedef struct {
     const double *values;   /* [cells x 4] coefficients of the powers of the place in a cell, 0 to 1 */
 } rs_gap_table;
 
+/* A ring that yields by sum q B(psi) away from the rollers, B = Re sum c_n exp(i n psi), and the form of its raceway
+ * towards them, cubic on equal cells of the angle. */
+typedef struct {
+    size_t shapes, at, speeds;    /* how many; where amplitudes and their rates begin in the head */
+    size_t most;                  /* the highest n */
+    const double *re, *im;        /* [shapes x (most + 1)] c_n */
+    const double *mass, *stiffness, *damping, *push;   /* [shapes] */
+    double *place, *rate;         /* [2 (most + 1)] real and imaginary sum q c_n and that of the rates */
+    size_t cells;                 /* 0: it is round */
+    double per_angle;
+    const double *form;           /* [cells x 4] */
+} rs_bent_ring;
+
 typedef struct {
     size_t rollers;
     double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance;
@@ -46,6 +59,11 @@ typedef struct {
     double *place, *closing, *height, *rising;   /* in the pocket along the orbit and along the radius, with rates */
     double *push, *lift, *moment, *stored, *lost;   /* what the bars do; power of their elastic forces, and lost */
     double *added[ADDED];
+    rs_bent_ring ring[2];
+    int bent;                            /* whether any of these is not rigid and round */
+    size_t most;                         /* the highest n of both */
+    double *wave_cos, *wave_sin;         /* [most x Z] of n psi, from n = 1 on */
+    double *slope[2], *turning;          /* d gap/d psi by form and shapes [m]; torque by them [N m] */
     double cage_cos, cage_sin;           /* of the cage's angle */
     int touched;                         /* whether the bars do anything */
     size_t deepest;                      /* the roller that was, when it was looked for last */
@@ -71,7 +89,32 @@ typedef struct {
         rs_plane *p, const double *head, const rs_held *inner, const rs_held *outer, double half, const double *before);
     void (*rates)(rs_plane *p, const double *head);
     void (*totals)(const rs_plane *p, double *sums);
+    void (*bent)(rs_plane *p, const double *head);
+    void (*turning)(rs_plane *p);
 } rs_plane_loops;
+
+/* Cell of a form at an angle, and the place in it. */
+static inline const double *rs_form_cell(const rs_bent_ring *ring, double psi, double *z) {
+    double place = psi * ring->per_angle, n = (double)ring->cells;
+    place -= floor(place / n) * n;
+    size_t i = place < n - 1.0 ? (size_t)place : ring->cells - 1;   /* a NaN: the last */
+    *z = place - (double)i;
+    return ring->form + 4 * i;
+}
+
+/* Amplitudes of exp(i n psi) by those of the shapes, from a place in the head. */
+static inline void rs_ring_waves(const rs_bent_ring *ring, const double *head, double *to) {
+    const size_t m = ring->most + 1;
+    for (size_t n = 0; n < m; n++) {
+        double re = 0.0, im = 0.0;
+        for (size_t k = 0; k < ring->shapes; k++) {
+            re += head[k] * ring->re[k * m + n];
+            im += head[k] * ring->im[k * m + n];
+        }
+        to[n] = re;
+        to[m + n] = im;
+    }
+}
 
 #define RS_SET(name) name##_baseline
 #include "motion/planar_loops.h"
@@ -98,6 +141,30 @@ static void rs_plane_one(const rs_plane *p, size_t j, double *sums) {
     for (int k = 0; k < ADDED; k++) sums[k] = rs_plane_idle(p, k) ? 0.0 : p->added[k][j];
 }
 
+/* Forces on the shapes of a ring by all rollers, sum N B, or by one of them. */
+static void rs_ring_forces(const rs_plane *p, int ring, double *forces) {
+    const rs_bent_ring *r = &p->ring[ring];
+    const size_t Z = p->rollers, m = r->most + 1;
+    const double *N = p->force[ring];
+    for (size_t k = 0; k < r->shapes; k++) forces[k] = 0.0;
+    for (size_t n = 0; n < m; n++) {
+        double c = n ? rs_product(N, p->wave_cos + (n - 1) * Z, Z) : rs_total(N, Z);
+        double s = n ? rs_product(N, p->wave_sin + (n - 1) * Z, Z) : 0.0;
+        for (size_t k = 0; k < r->shapes; k++) forces[k] += r->re[k * m + n] * c - r->im[k * m + n] * s;
+    }
+}
+
+static void rs_ring_forces_of(const rs_plane *p, int ring, size_t j, double *forces) {
+    const rs_bent_ring *r = &p->ring[ring];
+    const size_t Z = p->rollers, m = r->most + 1;
+    for (size_t k = 0; k < r->shapes; k++) {
+        double B = r->re[k * m];
+        for (size_t n = 1; n < m; n++)
+            B += r->re[k * m + n] * p->wave_cos[(n - 1) * Z + j] - r->im[k * m + n] * p->wave_sin[(n - 1) * Z + j];
+        forces[k] = p->force[ring][j] * B;
+    }
+}
+
 /* Rates of the rollers' unknowns, block by block. */
 static void rs_plane_blocks(const rs_plane *p, double *rates) {
     for (size_t j = 0; j < p->rollers; j++)
@@ -112,13 +179,22 @@ static inline void rs_turned(double by, double cosine, double sine, double *c, d
 
 /* A gap at the inner ring, less that of first touch: below zero where no roller carries it, and then the largest.  One
  * roller that carries it is enough to know that it is carried. */
-static double rs_plane_deepest(rs_plane *p, const double *head, const double *rollers) {
+static double rs_plane_deepest(
+    rs_plane *p, const rs_plane_loops *loops, const double *head, const double *rollers
+) {
     const double x = head[RING_X], y = head[RING_Y], per_orbit = 1.0 / p->orbit_radius;
     const double least = p->half_clearance + p->lowest_drop;
     const double *last = rollers + p->deepest * BLOCK;
     const double angle = head[CAGE_ANGLE] + p->pitch * (double)p->deepest + last[POSITION] * per_orbit;
     rs_column small = p->small, c = p->cosine, s = p->sine;
     double most = x * cos(angle) + y * sin(angle) - last[RADIAL] - least;
+    if (p->bent) {   /* of all rollers */
+        loops->places(p, head, rollers);
+        loops->bent(p, head);
+        most = -1e308;
+        for (size_t j = 0; j < p->rollers; j++) most = p->gap[0][j] > most ? p->gap[0][j] : most;
+        return most - p->lowest_drop;
+    }
     if (most > 0.0) return most;
     most = -1e308;
     for (size_t j = 0; j < p->rollers; j++) small[j] = rollers[j * BLOCK + POSITION] * per_orbit;

@@ -46,6 +46,61 @@ static void RS_SET(rs_plane_places)(rs_plane *p, const double *head, const doubl
     }
 }
 
+/* What shapes and forms of the rings make of the gaps, their rates and their slopes. */
+static void RS_SET(rs_plane_bent)(rs_plane *p, const double *head) {
+    const size_t Z = p->rollers;
+    rs_given c = p->cosine, s = p->sine, w = p->unknown[ORBIT];
+    for (size_t n = 1; n <= p->most; n++) {
+        rs_column cn = p->wave_cos + (n - 1) * Z, sn = p->wave_sin + (n - 1) * Z;
+        if (n == 1) {
+            RS_EACH(j, Z) { cn[j] = c[j]; sn[j] = s[j]; }
+            continue;
+        }
+        rs_given ca = cn - Z, sa = sn - Z;
+        RS_EACH(j, Z) {
+            cn[j] = ca[j] * c[j] - sa[j] * s[j];
+            sn[j] = sa[j] * c[j] + ca[j] * s[j];
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        const rs_bent_ring *ring = &p->ring[i];
+        const size_t m = ring->most + 1;
+        rs_column gap = p->gap[i], rate = p->rate[i], slope = p->slope[i];
+        RS_EACH(j, Z) slope[j] = 0.0;
+        if (ring->shapes) {
+            const double *q = ring->place, *v = ring->rate;
+            rs_ring_waves(ring, head + ring->at, ring->place);
+            rs_ring_waves(ring, head + ring->speeds, ring->rate);
+            RS_EACH(j, Z) { gap[j] -= q[0]; rate[j] -= v[0]; }
+            for (size_t n = 1; n < m; n++) {
+                const double a = q[n], b = q[m + n], va = v[n], vb = v[m + n], times = (double)n;
+                rs_given cn = p->wave_cos + (n - 1) * Z, sn = p->wave_sin + (n - 1) * Z;
+                if (a == 0.0 && b == 0.0 && va == 0.0 && vb == 0.0) continue;
+                RS_EACH(j, Z) {
+                    gap[j] -= a * cn[j] - b * sn[j];
+                    slope[j] += times * (a * sn[j] + b * cn[j]);
+                    rate[j] -= va * cn[j] - vb * sn[j];
+                }
+            }
+        }
+        if (ring->cells)
+            for (size_t j = 0; j < Z; j++) {
+                double z, psi = head[CAGE_ANGLE] + p->pitch * (double)j + p->small[j];
+                const double *f = rs_form_cell(ring, psi, &z);
+                gap[j] += f[0] + z * (f[1] + z * (f[2] + z * f[3]));
+                slope[j] += (f[1] + z * (2.0 * f[2] + z * 3.0 * f[3])) * ring->per_angle;
+            }
+        RS_EACH(j, Z) rate[j] += slope[j] * w[j];
+    }
+}
+
+/* Torque on the rollers' orbits by what is sloped of the raceways. */
+static void RS_SET(rs_plane_turning)(rs_plane *p) {
+    rs_given Ni = p->force[0], No = p->force[1], si = p->slope[0], so = p->slope[1];
+    rs_column turning = p->turning;
+    RS_EACH(j, p->rollers) turning[j] = Ni[j] * si[j] + No[j] * so[j];
+}
+
 /* Forces without damping of a ring by its table; 1 where a gap lies beyond it. */
 static int RS_SET(rs_plane_forces)(rs_plane *p, int ring) {
     const rs_gap_table *t = &p->table[ring];
@@ -131,13 +186,16 @@ static void RS_SET(rs_plane_implicit)(
     rs_given push = p->push, lift = p->lift, moment = p->moment;
     rs_column w = p->unknown[ORBIT], spin = p->unknown[SPIN], Fi = p->traction[0], Fo = p->traction[1];
     rs_column Vi = p->sliding[0], Vo = p->sliding[1], ui = p->rolling[0], uo = p->rolling[1], di = p->rate[0];
+    rs_column dn = p->rate[1];
+    rs_given turning = p->turning, si = p->slope[0], so = p->slope[1];
     RS_EACH(j, p->rollers) {
         double ki = rs_held_slope(inner, Ni[j], j), ko = rs_held_slope(outer, No[j], j);
         double along = x * c[j] + y * s[j], across = y * c[j] - x * s[j], radius = R + rho[j];
         double cage_along = cx * c[j] + cy * s[j], cage_across = cy * c[j] - cx * s[j];
         double a = p->inner_radius + along + r, b = p->outer_radius - r, per_I = 1.0 / (m * radius * radius);
         double torque = Fi[j] * a + Si[j] * (a - 2.0 * r) - Ni[j] * across + Fo[j] * b - So[j] * (b + 2.0 * r)
-            - push[j] * (R + cage_along) + lift[j] * cage_across + m * (gy * c[j] - gx * s[j]) * radius;
+            - push[j] * (R + cage_along) + lift[j] * cage_across + m * (gy * c[j] - gx * s[j]) * radius
+            - turning[j];
         double turned = (r * (Fi[j] - Si[j] - Fo[j] - So[j]) - moment[j]) * per_J - before[j * BLOCK + SPIN];
         double moved = torque * per_I - 2.0 * v[j] * w[j] / radius - before[j * BLOCK + ORBIT];
         double both = half * r * (ko * b - ki * a), ss = 1.0 + half * r * r * (ki + ko) * per_J, sw = -both * per_J;
@@ -146,7 +204,8 @@ static void RS_SET(rs_plane_implicit)(
         double dw = (ss * moved - ws * turned) * per_det, inside = -a * dw - r * ds, outside = r * ds - b * dw;
         spin[j] += ds;
         w[j] += dw;
-        di[j] += across * dw;
+        di[j] += (across + si[j]) * dw;
+        dn[j] += so[j] * dw;
         Vi[j] += inside;
         Vo[j] += outside;
         ui[j] += 0.5 * inside + r * (ds + dw);
@@ -176,12 +235,14 @@ static void RS_SET(rs_plane_rates)(rs_plane *p, const double *head) {
     rs_column lost_i = p->added[TO_LOST_INNER], lost_o = p->added[TO_LOST_OUTER], rolled = p->added[TO_LOST_ROLLING];
     rs_column damped = p->added[TO_LOST_DAMPING], turned = p->added[TO_IMPULSE_RINGS];
     rs_column weighed = p->added[TO_IMPULSE_GRAVITY];
+    rs_given turning = p->turning;
     RS_EACH(j, n) {
         double along = x * c[j] + y * s[j], across = y * c[j] - x * s[j], radius = R + rho[j], per_radius = 1.0 / radius;
         double cage_along = cx * c[j] + cy * s[j], cage_across = cy * c[j] - cx * s[j];
         double weight = m * (gy * c[j] - gx * s[j]) * radius, heavy = gx * c[j] + gy * s[j];
         double torque = Fi[j] * (Ri + along + r) + Si[j] * (Ri + along - r) - Ni[j] * across
-            + Fo[j] * (Ro - r) - So[j] * (Ro + r) - push[j] * (R + cage_along) + lift[j] * cage_across + weight;
+            + Fo[j] * (Ro - r) - So[j] * (Ro + r) - push[j] * (R + cage_along) + lift[j] * cage_across + weight
+            - turning[j];
         moved[j] = R * (w[j] - wc);
         orbit[j] = (torque * per_radius * per_m - 2.0 * v[j] * w[j]) * per_radius;
         spin[j] = (r * (Fi[j] - Si[j] - Fo[j] - So[j]) - moment[j]) * per_inertia;
@@ -195,7 +256,7 @@ static void RS_SET(rs_plane_rates)(rs_plane *p, const double *head) {
         rx[j] = on_ring * s[j] - Ni[j] * c[j];
         ry[j] = -on_ring * c[j] - Ni[j] * s[j];
         rings[j] = drive_i * on_ring + drive_o * on_outer;
-        turned[j] = Ri * on_ring + Ro * on_outer;
+        turned[j] = Ri * on_ring + Ro * on_outer - turning[j];
         raceways[j] = -(Ei[j] * di[j] + Eo[j] * dn[j]);
         damped[j] = (Ni[j] - Ei[j]) * di[j] + (No[j] - Eo[j]) * dn[j];
         lost_i[j] = Fi[j] * Vi[j];
@@ -229,5 +290,5 @@ static void RS_SET(rs_plane_tractions)(rs_plane *p, int ring, const rs_held *hel
 static const rs_plane_loops RS_SET(rs_plane_loops) = {
     RS_SET(rs_plane_angles), RS_SET(rs_plane_places), RS_SET(rs_plane_forces), RS_SET(rs_plane_damped),
     RS_SET(rs_plane_pockets), RS_SET(rs_plane_clear), RS_SET(rs_plane_tractions), RS_SET(rs_plane_implicit),
-    RS_SET(rs_plane_rates), RS_SET(rs_plane_totals)
+    RS_SET(rs_plane_rates), RS_SET(rs_plane_totals), RS_SET(rs_plane_bent), RS_SET(rs_plane_turning)
 };

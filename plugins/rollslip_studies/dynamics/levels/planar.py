@@ -21,7 +21,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.cage import Cage
-from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
+from rollslip.bearing.equilibrium import angular_positions, solve_equilibrium
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import field, non_negative, positive
@@ -177,17 +177,9 @@ class PlanarMotion(MovingBearing):
         y = load * math.sin(direction) + weight * math.sin(self.settings.gravity_direction) * k.direction
         line = math.atan2(y, x)
         psi = angular_positions(b.rollers, 1)
-        held = solve_equilibrium(
-            LoadCase(
-                psi - line,
-                b.roller_length,
-                self.assembly.drop,
-                radial_clearance=b.radial_clearance,
-                radial_load=math.hypot(x, y),
-                centrifugal_force=self.assembly.roller_mass * k.orbit_radius * (cage_speed * cage_speed),
-            ),
-            self.assembly.raceways,
-        )
+        force = self.assembly.roller_mass * k.orbit_radius * (cage_speed * cage_speed)
+        case = attrs.evolve(self.assembly.load_case(1, force), psi=psi - line, radial_load=math.hypot(x, y))
+        held = solve_equilibrium(case, self.assembly.raceways)
         state = np.zeros(self.system.n)
         head, rollers, _ = self.parts(state)
         along, across = held.displacement[0]

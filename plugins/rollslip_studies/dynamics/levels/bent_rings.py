@@ -1,0 +1,164 @@
+"""Rings that yield and raceways out of round in plane motion, as the compiled system takes them.
+
+- Shapes become coordinates of the motion, with the stiffness and the pushes that the equilibrium has of them, their
+  masses and their damping. Without speeds and damping the equilibrium is what is left.
+- Shapes stand in the frame of the outer ring. Of a ring that turns through them that is right up to (n w/w_n)^2, by
+  which the inertia of the material that passes softens a shape of n waves and natural frequency w_n; a hoop, n = 0, is
+  not concerned. Beyond a tenth of the frequency it is refused.
+- A form is a periodic cubic spline: where a table has corners it is rounded over a cell.
+- Speeds that are negative are those of the mirror image, and so are shapes and forms.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import RINGS, Array
+from rollslip.errors import DomainError
+from rollslip.rings import Rings, RingShapes
+
+_FASTEST: Final = 0.1  # of a natural frequency, that of the waves in which a turning ring passes through a shape
+#: Cells of a form for each lobe, by which a spline is right to 1e-7, for each row of a table, and least and most.
+_PER_LOBE, _PER_ROW, _LEAST, _MOST = 128, 8, 256, 65536
+
+
+def turned(rings: Rings, by: float, sense: int = 1) -> Rings:
+    """Return rings seen from a line that is turned by an angle [rad], of the mirror image where ``sense`` is -1."""
+
+    def seen(ring: RingShapes) -> RingShapes:
+        harmonics = ring.harmonics if sense > 0 else ring.harmonics.conj()
+        return attrs.evolve(ring, harmonics=harmonics * np.exp(1j * by * np.arange(harmonics.shape[1])))
+
+    waves = tuple((lobes, amplitude, sense * angle - by) for lobes, amplitude, angle in rings.waves)
+    tables = tuple((sense * angles - by, heights) for angles, heights in rings.tables)
+    return Rings(seen(rings.inner), seen(rings.outer), waves, tables)
+
+
+@attrs.frozen(eq=False)
+class BentRings:
+    """Rings of a bearing in plane motion that yield or are out of round, in the sense of positive speeds."""
+
+    rings: Rings
+    formed: int | None  # the raceway that is out of round, which stands: 0 the inner one, 1 the outer one
+    coefficients: Array | None = None  # of its form, cubic on equal cells of the angle, (cells, 4)
+
+    @property
+    def of_both(self) -> tuple[RingShapes, RingShapes]:
+        """Shapes of inner and outer ring."""
+        return self.rings.inner, self.rings.outer
+
+    @property
+    def names(self) -> Mapping[str, str]:
+        """Unknowns in the head -> their unit: amplitudes of all shapes, those of the inner ring first, and rates."""
+        shapes = [f"{ring}_ring_shape_{k}" for ring, one in zip(RINGS, self.of_both, strict=True) for k in _each(one)]
+        return dict.fromkeys(shapes, "m") | dict.fromkeys([f"{name}_speed" for name in shapes], "m/s")
+
+    @property
+    def given(self) -> list[tuple[Any, Array | None]]:
+        """What the compiled system takes of both."""
+        return [
+            (
+                (ring.harmonics, _mass(ring), ring.stiffness, _damping(ring), ring.pushes),
+                self.coefficients if at == self.formed else None,
+            )
+            for at, ring in enumerate(self.of_both)
+        ]
+
+    def shift(self, psi: Array, deflection: Array) -> Array:
+        """Return how far the outer raceway stands off its circle [m], (..., Z), by the amplitudes of all shapes."""
+        outer = self.rings.outer.at(psi) @ deflection[self.rings.inner.stiffness.size :]
+        return np.asarray(outer - (self.rings.form(psi) if self.formed == 1 else 0.0))
+
+    def energy(self, shapes: Array, speeds: Array) -> Array:
+        """Return kinetic and elastic energy of the shapes less the work of what pushes on them [J], (...)."""
+        found = np.zeros(np.shape(shapes)[:-1])
+        for ring, at in zip(self.of_both, (0, self.rings.inner.stiffness.size), strict=True):
+            q, v = shapes[..., at : at + ring.stiffness.size], speeds[..., at : at + ring.stiffness.size]
+            found = found + 0.5 * ((v * v) @ _mass(ring) + (q * q) @ ring.stiffness) - q @ ring.pushes
+        return found
+
+    def square_frequency(self, contact: tuple[float, float], rollers: int) -> float:
+        """Return what shapes add to the largest square of a frequency [1/s2] at most, by contacts' stiffnesses [N/m].
+
+        The matrix of all stiffnesses over masses is positive, so that its largest eigenvalue is at most the sum of
+        those of its blocks.
+        """
+        psi, found = 2.0 * np.pi * np.arange(rollers) / rollers, 0.0
+        for ring, stiffness in zip(self.of_both, contact, strict=True):
+            if ring.stiffness.size:
+                B, root = ring.at(psi), np.sqrt(_mass(ring))
+                K = stiffness * B.T @ B + np.diag(ring.stiffness)
+                found += float(np.linalg.eigvalsh(K / np.multiply.outer(root, root))[-1])
+        return found
+
+
+def bent_rings(a: Assembly) -> BentRings | None:
+    """Return the rings of a bearing; None where both are rigid and round.
+
+    Raises
+    ------
+    DomainError
+        A ring has no masses, a seat with clearance, or turns too fast through shapes of its own.
+    """
+    if a.rings is None:
+        return None
+    o = a.scene.operation
+    speeds = o.inner_speed, o.outer_speed
+    for ring, shapes, speed in zip(RINGS, (a.rings.inner, a.rings.outer), speeds, strict=True):
+        _refuse(ring, shapes, abs(speed))
+    rings = turned(a.rings, 0.0, a.kinematics.direction)
+    if not (rings.waves or rings.tables):
+        return BentRings(rings, None)
+    most = max((_PER_LOBE * lobes for lobes, _, _ in rings.waves), default=0)
+    most = max([most, *(_PER_ROW * angles.size for angles, _ in rings.tables)])
+    # forms that turn are refused before: it is the ring that stands
+    return BentRings(rings, 0 if o.outer_speed != 0.0 else 1, _spline(rings, min(max(most, _LEAST), _MOST)))
+
+
+def _refuse(ring: str, shapes: RingShapes, speed: float) -> None:
+    if shapes.stops is not None:
+        raise DomainError(
+            f"plane motion knows no seat with clearance; leave out models.{ring}_ring.fit_clearance, or choose level "
+            "'pocket'"
+        )
+    if shapes.stiffness.size and shapes.mass is None:
+        raise DomainError(
+            f"plane motion needs the masses of the shapes of models.{ring}_ring, and its model has none; take "
+            "'annulus' or 'thin', or choose level 'pocket'"
+        )
+    if not shapes.stiffness.size:
+        return
+    waves = np.array([np.flatnonzero(row).max(initial=0) for row in shapes.harmonics])
+    fast = float((waves * speed / np.sqrt(shapes.stiffness / _mass(shapes))).max())
+    if fast > _FASTEST:
+        raise DomainError(
+            f"the {ring} ring turns through its own shapes at {fast:.2g} of their natural frequency, and plane motion "
+            f"has that up to {_FASTEST:g}; give models.{ring}_ring harmonics = 0, so that it widens but does not bend, "
+            "or choose level 'pocket'"
+        )
+
+
+def _each(ring: RingShapes) -> range:
+    return range(ring.stiffness.size)
+
+
+def _mass(ring: RingShapes) -> Array:
+    return np.zeros(0) if ring.mass is None else ring.mass
+
+
+def _damping(ring: RingShapes) -> Array:
+    """Damping of each shape [N s/m]."""
+    return 2.0 * ring.damping_ratio * np.sqrt(ring.stiffness * _mass(ring))
+
+
+def _spline(rings: Rings, cells: int) -> Array:
+    from scipy.interpolate import CubicSpline  # only a form needs it
+
+    nodes = np.arange(cells + 1, dtype=float)
+    heights = rings.form(2.0 * math.pi / cells * nodes)
+    heights[-1] = heights[0]
+    return np.ascontiguousarray(CubicSpline(nodes, heights, bc_type="periodic").c[::-1].T)
