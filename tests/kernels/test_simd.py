@@ -176,10 +176,18 @@ print(simd.active())
 """
 
 
+BENT = {
+    "models.outer_ring": {"model": "annulus", "outside": "230 mm", "harmonics": 4},
+    "bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "5 um", "angle": "30 deg"}],
+    "bearing.catalogue": {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028},
+}
+
+
+@pytest.mark.parametrize("rings", [{}, BENT], ids=["rigid", "bent"])
 @pytest.mark.parametrize("friction", ["effective", "conventional"])
-def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, monkeypatch):
+def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, rings, monkeypatch):
     """From the same tables, which stages make: the baseline too, since these loops fuse nothing."""
-    scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2})
+    scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2} | rings)
     assembly, rates = assemble(scene), []
     for name in ("baseline", "v3"):
         monkeypatch.setattr(planar, "active", lambda name=name: name)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
-from rollslip.errors import DomainError, SceneError
+from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops
 from rollslip.scene.clearance import share
@@ -548,10 +548,18 @@ def test_slip_follows_lobes_and_the_housing_that_holds_them():
     assert float(result.largest_drag.max()) == pytest.approx(2.0, rel=0.02)
 
 
-def test_plane_motion_refuses_rings_that_yield():
-    given = scene(**{"models.outer_ring": "annulus"})
-    with pytest.raises(DomainError, match="plane motion knows rigid, round rings only"):
-        run(evolve(given, {"study.dynamics": {"level": "planar", "planar": {"inner_ring_mass": "5 kg"}}}), "dynamics")
+def test_plane_motion_tells_how_its_rings_yield():
+    dynamics = {"level": "planar", "duration": "1 ms", "points": 5, "planar": {"inner_ring_mass": "5 kg"}}
+    ring = {"model": "annulus", "outside": "230 mm", "harmonics": 2}
+    given = scene(**{"study.dynamics": dynamics, "models.outer_ring": ring})
+    (study,) = [part for part in plan(given).parts if part.part == "motion"]
+    assert "156 unknowns" in study.resolution  # 150 and two of each shape
+    result = run(given, "dynamics")
+    assert list(result["shape"].values) == ["outer_ring_cos_0", "outer_ring_cos_2", "outer_ring_sin_2"]
+    assert result.ring_deflection.dims == ("shape", "time")
+    found = loads(1, **{"models.outer_ring": ring}).deflection[0]
+    assert result.ring_deflection[:, 0].values == pytest.approx(found, rel=0.1, abs=0.1e-6)
+    assert "shape" not in run(scene(**{"study.dynamics": dynamics}), "dynamics").coords
 
 
 WAVE = {"lobes": 2, "amplitude": "6 um"}

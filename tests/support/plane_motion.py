@@ -68,7 +68,7 @@ class Lagrange:
 
     def parts(self, x, pitch=0.0):
         Z = self.Z
-        return x[0:2], x[2:4], x[4], x[4] + pitch + x[5 : 5 + Z], x[5 + Z : 5 + 2 * Z], x[5 + 2 * Z :]
+        return x[0:2], x[2:4], x[4], x[4] + pitch + x[5 : 5 + Z], x[5 + Z : 5 + 2 * Z], x[5 + 2 * Z : 5 + 3 * Z]
 
     def energy(self, q, dq):
         _, _, phi, _, _, rho = self.parts(q, self.pitch)
@@ -192,6 +192,10 @@ class Lagrange:
         fx, fy, journal, bush, stored, lost = land_by_quadrature(cage, vc, w, self.wo, numbers)
         return np.zeros(2), np.array([fx, fy]), bush, journal, -stored, lost
 
+    def of_rings(self, q, dq):
+        """Generalised forces of rings that yield, what their damping takes, and the slope of raceways."""
+        return 0.0, 0.0, 0.0
+
     def rates(self, t, y):
         """Rates of all unknowns in the order of the system, by Lagrange's equations."""
         q, dq = self.coordinates(y)
@@ -224,7 +228,7 @@ class Lagrange:
         height[4] = self.cage.unbalance * (self.g[1] * np.cos(phi) - self.g[0] * np.sin(phi))
         height[4] += np.sum(self.m * radius * (self.g[1] * np.cos(psi) - self.g[0] * np.sin(psi)))
         height[5 : 5 + Z] = self.m * radius * (self.g[1] * np.cos(psi) - self.g[0] * np.sin(psi))
-        height[5 + 2 * Z :] = self.m * (self.g[0] * np.cos(psi) + self.g[1] * np.sin(psi))
+        height[5 + 2 * Z : 5 + 3 * Z] = self.m * (self.g[0] * np.cos(psi) + self.g[1] * np.sin(psi))
         load = self.load(t)
         sign = self.k.direction
         torques = [
@@ -232,7 +236,8 @@ class Lagrange:
         ]
         drag = sum(sign * m.torque(sign * dq[4], sign * self.wi, sign * self.wo) for m in torques)
         on_ring, on_cage, ring_torque, cage_torque, land_stored, land_lost = self.land(q, dq)
-        Q += height
+        of_rings, ring_loss, sloped = self.of_rings(q, dq)
+        Q += height + of_rings
         Q[0:2] += load
         Q[0:2] += on_ring
         Q[2:4] += on_cage
@@ -256,11 +261,13 @@ class Lagrange:
             "lost_inner": np.sum(inner[2] * speeds[0]),
             "lost_outer": np.sum(outer[2] * speeds[2]),
             "lost_rolling": np.sum(inner[3] * speeds[1] + outer[3] * speeds[3]),
-            "lost_damping": np.sum((inner[1] - inner[0]) * rate[0] + (outer[1] - outer[0]) * rate[1]),
+            "lost_damping": np.sum((inner[1] - inner[0]) * rate[0] + (outer[1] - outer[0]) * rate[1])
+            + ring_loss,
             "lost_pockets": np.sum((borne - stored) * rate[2:]) + np.sum(rub * speeds[4:]),
             "lost_land": land_lost,
             "impulse_rings": np.sum(self.k.inner_radius * (inner[2] + inner[3]))
-            + np.sum(self.k.outer_radius * (outer[2] - outer[3])) - ring_torque,
+            + np.sum(self.k.outer_radius * (outer[2] - outer[3])) - ring_torque
+            - np.sum(np.array([inner[1], outer[1]]) * sloped),
             "impulse_load": load[1] * ring[0] - load[0] * ring[1],
             "impulse_gravity": height[4]
             + self.set.inner_ring_mass * (ring[0] * self.g[1] - ring[1] * self.g[0])
@@ -270,7 +277,9 @@ class Lagrange:
         ai, ac, aw, alpha, sigma, rising = self.parts(acceleration)
         vi, vc, w, orbit, _, rise = self.parts(dq)
         block = np.stack((self.k.orbit_radius * (orbit - w), alpha, sigma, rise, rising), axis=-1)
-        return np.concatenate((vi, ai, vc, ac, [aw, w], block.ravel(), [L[name] for name in LEDGER])), acceleration
+        shapes = dq[5 + 3 * Z :], acceleration[5 + 3 * Z :]
+        found = np.concatenate((vi, ai, vc, ac, [aw, w], *shapes, block.ravel(), [L[name] for name in LEDGER]))
+        return found, acceleration
 
 
 def land_numbers(planar):
@@ -357,7 +366,7 @@ def yardstick(planar, y, rates):
     done = planar.planar.outputs([0.0], y[None])
     contact = done["normal_force"].max()
     pocket = max(np.abs(done["pocket_force"]).max(), np.abs(done["pocket_radial_force"]).max())
-    of_head = np.empty(len(HEAD))
+    of_head, shapes = np.empty(head.size), (head.size - len(HEAD)) // 2
     of_head[[0, 1]], of_head[[4, 5]], of_head[9] = head[:2].max(), head[4:6].max(), head[9]
     of_head[[2, 3]] = max(head[2:4].max(), contact / planar.settings.inner_ring_mass)
     # a small force is the difference of displacements as large as the clearance, and no better known than that
@@ -365,5 +374,9 @@ def yardstick(planar, y, rates):
     pocket += planar.assembly.cage.unbalance * y[8] ** 2
     of_head[[6, 7]] = max(head[6:8].max(), pocket / planar.assembly.cage.mass)
     of_head[8] = max(head[8], 1.0, pocket * planar.assembly.kinematics.orbit_radius / planar.assembly.cage.inertia)
+    if shapes:
+        lightest = min(ring.mass.min() for ring in planar.bent.of_both if ring.mass is not None)
+        of_head[len(HEAD) : -shapes] = head[len(HEAD) : -shapes].max()
+        of_head[-shapes:] = max(head[-shapes:].max(), contact / lightest)
     works = np.where([name.startswith("impulse") for name in LEDGER], ledger[12:].max(), ledger[:12].max())
     return np.concatenate((of_head, np.broadcast_to(rollers.max(axis=0), rollers.shape).ravel(), works))

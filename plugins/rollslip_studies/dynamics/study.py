@@ -41,7 +41,7 @@ from rollslip_studies.dynamics.history.settings import History, HistorySettings
 from rollslip_studies.dynamics.history.time_functions import Course
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
-from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, unknowns
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
 from rollslip_studies.dynamics.outputs import OUTPUTS
@@ -51,6 +51,7 @@ from rollslip_studies.dynamics.termination import (
     last_slices,
     outputs_of,
     regimes_of,
+    shapes_of,
     steady_slip_of,
     stored,
 )
@@ -68,8 +69,6 @@ LEVELS: Final = {
     "pocket": "also every roller within its pocket",
     "planar": "also inner ring and cage in the plane, rollers along the radius",
 }
-#: Level -> number of unknowns of the head and of each roller.
-UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
 #: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Shares of the tolerances that slices and instants may use, that tables may take, and that steps may take.
@@ -520,8 +519,7 @@ class Dynamics(Study):
 
     def degrees_of_freedom(self, assembly: Assembly) -> int:
         """Number of unknowns, without those of the ledger."""
-        head, roller = UNKNOWNS[self.level]
-        return head + roller * assembly.scene.bearing.rollers
+        return unknowns(self.level, assembly)
 
     def _dataset(
         self,
@@ -533,7 +531,7 @@ class Dynamics(Study):
     ) -> "xr.Dataset":
         import xarray as xr
 
-        t, cage = found.t, moving.split(found.y)["cage_speed"]
+        t, cage, shapes = found.t, moving.split(found.y)["cage_speed"], shapes_of(moving)
         variables = self.variables(**stored(moving, found, outputs))
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip, works = variables["cage_slip"][1], moving.works(found.y)
@@ -559,6 +557,7 @@ class Dynamics(Study):
                 "ring": ("ring", np.array(RINGS), about("1", "ring")),
                 "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
                 "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
+                **({"shape": ("shape", np.array(shapes), about("1", "shape of a ring"))} if shapes else {}),
             },
             attrs=self.attributes
             | of_history

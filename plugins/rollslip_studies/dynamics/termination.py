@@ -82,6 +82,12 @@ def outputs_of(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Arra
     return outputs, found
 
 
+def shapes_of(moving: MovingBearing) -> list[str]:
+    """Return the names of what rings yield in, by the unknowns whose rates are unknowns too."""
+    names = moving.names[0]
+    return [name for name in names if f"{name}_speed" in names]
+
+
 def stored(moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array]) -> dict[str, Array]:
     """Return what is known of the stored instants by name: motion, contacts with these outputs, ledger and events."""
     a, of = moving.assembly, moving.split(found.y)
@@ -119,6 +125,8 @@ def stored(moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array
     for what in ("inner_ring", "cage"):
         if f"{what}_x" in of:
             known[f"{what.removeprefix('inner_')}_displacement"] = np.array([of[f"{what}_x"], of[f"{what}_y"]])
+    if shapes := shapes_of(moving):
+        known["ring_deflection"] = np.array([of[name] for name in shapes])
     if "cage_x" in of and (clearance := a.cage.land_clearance) is not None:
         x, y = of["cage_x"], of["cage_y"]
         if a.cage.guidance == "inner":

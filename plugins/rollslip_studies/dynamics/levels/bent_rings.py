@@ -54,7 +54,11 @@ class BentRings:
     @property
     def names(self) -> Mapping[str, str]:
         """Unknowns in the head -> their unit: amplitudes of all shapes, those of the inner ring first, and rates."""
-        shapes = [f"{ring}_ring_shape_{k}" for ring, one in zip(RINGS, self.of_both, strict=True) for k in _each(one)]
+        shapes = [
+            f"{ring}_ring_{_called(row, k)}"
+            for ring, one in zip(RINGS, self.of_both, strict=True)
+            for k, row in enumerate(one.harmonics)
+        ]
         return dict.fromkeys(shapes, "m") | dict.fromkeys([f"{name}_speed" for name in shapes], "m/s")
 
     @property
@@ -142,8 +146,12 @@ def _refuse(ring: str, shapes: RingShapes, speed: float) -> None:
         )
 
 
-def _each(ring: RingShapes) -> range:
-    return range(ring.stiffness.size)
+def _called(row: Any, number: int) -> str:
+    """A shape by its wave, cos_2 or sin_3, or by its number where it has several."""
+    waves = np.flatnonzero(row)
+    if waves.size != 1 or row[waves[0]] not in (1.0, -1.0j, 1.0j):  # of the mirror image a sine has another sign
+        return f"shape_{number}"
+    return f"{'cos' if row[waves[0]] == 1.0 else 'sin'}_{waves[0]}"
 
 
 def _mass(ring: RingShapes) -> Array:

@@ -8,6 +8,7 @@
   between nodes. Deeper than the table goes, and where friction looks at slices, forces come from the slices.
 - A profile that is the same to both ends tilts none, and anything else is refused.
 - A land's film carries and drags at once: a drag that describes it in another way is left out, not added.
+- Rings that yield and raceways out of round are those of `bent_rings`, in the frame of the outer ring.
 - The start is the equilibrium of the bearing at the cage speed it starts with, so that rollers are at rest along the
   radius but for what friction, gravity and m w^2 rho leave, which is small against the contact forces.
 """
@@ -29,6 +30,7 @@ from rollslip.models import DragModel
 from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
+from rollslip_studies.dynamics.levels.bent_rings import BentRings, bent_rings, turned
 from rollslip_studies.dynamics.levels.load_map import resistances
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact
 from rollslip_studies.dynamics.levels.raceway_friction import DEEP, FrictionSettings, raceway_friction, usual_force
@@ -139,6 +141,7 @@ class PlanarMotion(MovingBearing):
     planar: Planar  # the compiled system; ``deflections_evaluated`` counts
     #: Forces of a roller on both raceways by its gap; none where they come from the slices.
     forces: tuple[ForceTable, ...] = ()
+    bent: BentRings | None = None  # rings that are not rigid and round
 
     @property
     def tables(self) -> dict[str, str]:
@@ -160,7 +163,7 @@ class PlanarMotion(MovingBearing):
     @property
     def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
         """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
-        return HEAD, ROLLER, LEDGER
+        return HEAD if self.bent is None else {**HEAD, **self.bent.names}, ROLLER, LEDGER
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         """Return the state at t = 0: equilibrium at these slips, cage centred, rollers in mid-pocket."""
@@ -178,7 +181,12 @@ class PlanarMotion(MovingBearing):
         line = math.atan2(y, x)
         psi = angular_positions(b.rollers, 1)
         force = self.assembly.roller_mass * k.orbit_radius * (cage_speed * cage_speed)
-        case = attrs.evolve(self.assembly.load_case(1, force), psi=psi - line, radial_load=math.hypot(x, y))
+        case = attrs.evolve(
+            self.assembly.load_case(1, force),
+            psi=psi - line,
+            radial_load=math.hypot(x, y),
+            rings=None if self.bent is None else turned(self.bent.rings, line),
+        )
         held = solve_equilibrium(case, self.assembly.raceways)
         state = np.zeros(self.system.n)
         head, rollers, _ = self.parts(state)
@@ -188,10 +196,17 @@ class PlanarMotion(MovingBearing):
         rollers[:, 1] = cage_speed
         rollers[:, 2] = roller_speed - cage_speed
         rollers[:, 3] = held.roller_shift[0]
+        if self.bent is not None:
+            shapes = held.deflection.shape[1]
+            head[len(HEAD) : len(HEAD) + shapes] = held.deflection[0]
+            rollers[:, 3] += self.bent.shift(psi[0], held.deflection[0])
         return state
 
     def energy(self, y: Array) -> Array:
-        """Return the kinetic energy [J], (...); what contacts store is the elastic work of the ledger, negative."""
+        """Return the kinetic energy [J], (...), and what rings that yield store.
+
+        What contacts store is the elastic work of the ledger, negative.
+        """
         u = self.split(y)
         m, inertia, cage = self.assembly.roller_mass, self.spin_inertia, self.assembly.cage
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
@@ -199,7 +214,11 @@ class PlanarMotion(MovingBearing):
         ring = self.settings.inner_ring_mass * (u["inner_ring_vx"] ** 2 + u["inner_ring_vy"] ** 2)
         held = cage.mass * (u["cage_vx"] ** 2 + u["cage_vy"] ** 2) + cage.inertia * u["cage_speed"] ** 2
         across = u["cage_vy"] * np.cos(u["cage_angle"]) - u["cage_vx"] * np.sin(u["cage_angle"])
-        return np.asarray(0.5 * (moving.sum(axis=-1) + ring + held) + cage.unbalance * u["cage_speed"] * across)
+        found = 0.5 * (moving.sum(axis=-1) + ring + held) + cage.unbalance * u["cage_speed"] * across
+        if self.bent is not None:
+            shapes = self.parts(y)[0][..., len(HEAD) :]
+            found = found + self.bent.energy(*np.split(shapes, 2, axis=-1))
+        return np.asarray(found)
 
     def angular_momentum(self, y: Array) -> Array:
         """Return the angular momentum about the axis of the outer ring [N m s], (...)."""
@@ -247,7 +266,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     SceneError
         If the cage is wrong.
     DomainError
-        If the scene tilts rollers or rings.
+        If the scene tilts rollers or rings, or has rings of which plane motion knows nothing.
     ConvergenceError
         If tables do not reach the tolerance.
     """
@@ -258,11 +277,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
             f"plane motion knows no tilt, and operation.misalignment is {o.misalignment:g} rad; make it 0 or choose "
             "level 'pocket'"
         )
-    if a.rings is not None:
-        raise DomainError(
-            "plane motion knows rigid, round rings only; leave out models.inner_ring, models.outer_ring and the forms "
-            "of raceways, or choose level 'pocket'"
-        )
+    bent = bent_rings(a)
     if not np.allclose(a.drop, a.drop[::-1], rtol=1e-9, atol=1e-15):
         raise DomainError(
             "plane motion knows no tilt, and a roller whose profile differs to its two ends tilts; "
@@ -287,9 +302,10 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         [capsule for model, capsule in torques if not (guidance and _of_land(model))],
         b.rollers,
         guidance,
-        _scale(heaviest, cage),
+        _scale(heaviest, cage, 0 if bent is None else len(bent.names) // 2),
         forces=[(table.deepest, table.coefficients) for table in forces],
         resistances=None if friction.name == "conventional" else _resistances(a, most),
+        rings=None if bent is None else bent.given,
         critical_slip=friction.critical_slip,
         film_limit=friction.watched_film,
         inner_radius=k.inner_radius,
@@ -323,8 +339,9 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         friction=of_raceways,
         contacts=contacts,
         planar=planar,
-        system=System(planar.system(_swing_frequency(heaviest, settings))),
+        system=System(planar.system(_swing_frequency(heaviest, settings, bent))),
         forces=forces,
+        bent=bent,
     )
 
 
@@ -415,7 +432,7 @@ def _resistance(a: Assembly, raceway: Raceway, most: float) -> tuple[float, Arra
     return float(root[1]), np.interp(root, np.concatenate(([0.0], np.sqrt(force))), known)
 
 
-def _swing_frequency(a: Assembly, settings: PlanarSettings) -> float:
+def _swing_frequency(a: Assembly, settings: PlanarSettings, bent: BentRings | None) -> float:
     """Angular frequency of a roller between the rings [rad/s], at most: with the whole load on one.
 
     Its square is the stiffness of both contacts over the roller's mass, and that of half as many contacts as there are
@@ -430,10 +447,12 @@ def _swing_frequency(a: Assembly, settings: PlanarSettings) -> float:
         stiffness.append(float(np.interp(most, load @ a.widths, slope @ a.widths)))
     inner, outer = stiffness
     others = 0.5 * a.scene.bearing.rollers * inner / settings.inner_ring_mass
+    if bent is not None:
+        others += bent.square_frequency((inner, outer), a.scene.bearing.rollers)
     return math.sqrt((inner + outer) / a.roller_mass + others)
 
 
-def _scale(a: Assembly, cage: Cage) -> Array:
+def _scale(a: Assembly, cage: Cage, shapes: int) -> Array:
     """Typical magnitudes: deflections, what they are passed through in, the epicyclic speeds and their energies.
 
     Between its raceways a roller swings at some 20 kHz, hardly damped, by little: held to a tolerance of its own
@@ -453,4 +472,5 @@ def _scale(a: Assembly, cage: Cage) -> Array:
     roller = [play, orbit, spin, _SWING * length, _SWING * speed]
     energy = 0.5 * (cage.inertia + b.rollers * a.roller_mass * k.orbit_radius**2) * orbit**2
     ledger = [energy if unit == "J" else 2.0 * energy / orbit for unit in LEDGER.values()]
+    head += [_SWING * length] * shapes + [_SWING * speed] * shapes
     return np.array([*head, *roller * b.rollers, *ledger])
