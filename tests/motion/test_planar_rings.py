@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from plane_motion import TINY, Lagrange, motion, random_state, scene_of, yardstick
-from rollslip import evolve
+from rollslip import evolve, run
 from rollslip.bearing.equilibrium import solve_equilibrium
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import DomainError
+from rollslip.errors import DomainError, SceneError
 from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
@@ -458,3 +458,48 @@ def test_a_ring_without_masses_is_refused_and_a_hoop_may_turn(tmp_path):
         motion(bent_scene(5, outer=matrix))
     hoop = motion(bent_scene(5, inner={"model": "thin", "harmonics": 0}))
     assert list(hoop.bent.names) == ["inner_ring_cos_0", "inner_ring_cos_0_speed"]
+
+
+# Along a history -----------------------------------------------------------------------------------------------------
+
+
+def along(level="planar", history=(), **changes):
+    found = {"level": level, "duration": "2 ms", "points": 9, "history": dict(history)}
+    found |= {"planar": {"inner_ring_mass": "5 kg"}} if level == "planar" else {}
+    scene = evolve(bent_scene(28, "outer", **changes), {"accuracy.slices": 5, "study.dynamics": found})
+    return run(scene, "dynamics")
+
+
+def test_shapes_follow_a_load_that_grows_and_turns():
+    way = {"load_direction": {"shape": "ramp", "to": "90 deg", "within": "2 ms"}}
+    land = ("land_clearance", "0.3 mm"), ("land_width", "5 mm")
+    result = along(history=way, outer={**OUTER, "harmonics": 2, "damping_ratio": 0.5}, cage=land)
+    assert result.attrs["outcome"] == "finished"
+    _, cosine, sine = result.ring_deflection.values
+    assert cosine[0] > 1e-6 > 1e-12 > abs(sine[0])
+    # turned by 90 deg, an oval is its opposite: at 45 deg on the way it is all sine
+    assert cosine[-1] == pytest.approx(-cosine[0], rel=0.3)
+    assert sine[4] == pytest.approx(cosine[0], rel=0.3)
+
+
+TURNED = {"outer_speed": {"shape": "ramp", "to": "500 rpm", "within": "1 ms"}}
+
+
+@pytest.mark.parametrize("level", ["pocket", "planar"])
+def test_what_stands_and_turns_at_some_time_is_refused(level, tmp_path):
+    cage = ("land_clearance", "0.3 mm"), ("land_width", "5 mm")
+    with pytest.raises(DomainError, match="the outer ring turns along the history, with the form of its raceway"):
+        along(level, TURNED, more=(LOBES,), cage=cage)
+    np.savetxt(tmp_path / "C.csv", 1e-9 * np.eye(12), delimiter=",")
+    matrix = {"model": "compliance", "file": str(tmp_path / "C.csv")}
+    if level == "pocket":
+        with pytest.raises(SceneError, match="a matrix stands in the line of load, but this ring turns"):
+            along(level, TURNED, outer=matrix, cage=cage)
+        way = {"load_direction": {"shape": "ramp", "to": "90 deg", "within": "2 ms"}}
+        with pytest.raises(DomainError, match="not alike all round stand; choose level 'planar'"):
+            along(level, way, more=(LOBES,), cage=cage)
+        assert along(level, way, outer=OUTER, cage=cage).attrs["outcome"] == "finished"
+    else:
+        fast = {"outer_speed": {"shape": "ramp", "to": "9000 rpm", "within": "1 ms"}}
+        with pytest.raises(DomainError, match="the outer ring turns through its own shapes"):
+            along(level, fast, outer=OUTER, cage=cage)

@@ -9,14 +9,19 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import taken_from_scene
-from rollslip.bearing.raceway import Array
-from rollslip.errors import DomainError, RollslipError
+from rollslip.bearing.raceway import RINGS, Array
+from rollslip.catalogue.registry import structure_model
+from rollslip.errors import DomainError, RollslipError, SceneError
+from rollslip.fields import FieldError
+from rollslip.rings import Rings
+from rollslip.structure import Location
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import MOST_AXES, Varying
 from rollslip_studies.dynamics.history.interpolated_rates import Axis, Stations, operated
 from rollslip_studies.dynamics.history.settings import History
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.history.time_functions import Course, constant
+from rollslip_studies.dynamics.levels.bent_rings import refuse_unknown
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
@@ -201,6 +206,12 @@ def varying_motion(
             f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
             "make it 0, or leave load_direction out"
         )
+    _refuse_turning(assembly, spans, planar is not None)
+    if "load_direction" in history.given and planar is None and assembly.rings is not None and _stands(assembly.rings):
+        raise DomainError(
+            "the load turns, and rings or raceways that are not alike all round stand; choose level 'planar', or leave "
+            "load_direction out"
+        )
     taken = set[str]().union(*(taken_from_scene(model) for model in assembly.cage.named))
     # effective friction is an average over the loads, and a drag may take the load of its scene
     read = planar is not None and not (friction.name == "effective" or "radial_load" in taken)
@@ -274,6 +285,37 @@ def varying_motion(
         stations=stations,
         base=base,
     )
+
+
+def _stands(rings: Rings) -> bool:
+    """Whether rings have a direction of their own, by a form, what pushes on them, stops or shapes of several waves."""
+    return bool(rings.waves or rings.tables) or any(
+        ring.stops is not None or np.any(ring.pushes) or np.any(np.count_nonzero(ring.harmonics, axis=1) > 1)
+        for ring in (rings.inner, rings.outer)
+    )
+
+
+def _refuse_turning(assembly: Assembly, spans: Mapping[str, tuple[float, float]], planar: bool) -> None:
+    """Refuse what stands in the line of load and turns at some time, and what turns too fast in plane motion."""
+    b, models = assembly.scene.bearing, assembly.scene.models
+    inner, outer = (max(map(abs, spans[f"{ring}_speed"])) for ring in RINGS)
+    for ring, speed in ((RINGS[0], inner), (RINGS[1], outer)):
+        if speed == 0.0:
+            continue
+        raceway, choice = getattr(b, f"{ring}_raceway"), getattr(models, f"{ring}_ring")
+        if raceway is not None and raceway.form:
+            raise DomainError(
+                f"the {ring} ring turns along the history, with the form of its raceway, and loads that follow a form "
+                f"which turns against the load are not modelled; keep {ring}_speed at 0, or leave the form out"
+            )
+        if choice is not None:
+            at = Location(assembly.scene.origins, ("models", f"{ring}_ring"))
+            try:
+                structure_model("ring", {"model": choice.name, **choice.parameters}, at, []).shapes(b, ring, True)
+            except FieldError as error:
+                raise SceneError([at.at(error.field).says(error.reason)]) from None
+    if planar and assembly.rings is not None:
+        refuse_unknown(assembly.rings, (inner, outer))
 
 
 def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:

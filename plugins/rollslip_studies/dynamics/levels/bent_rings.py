@@ -111,9 +111,7 @@ def bent_rings(a: Assembly) -> BentRings | None:
     if a.rings is None:
         return None
     o = a.scene.operation
-    speeds = o.inner_speed, o.outer_speed
-    for ring, shapes, speed in zip(RINGS, (a.rings.inner, a.rings.outer), speeds, strict=True):
-        _refuse(ring, shapes, abs(speed))
+    refuse_unknown(a.rings, (o.inner_speed, o.outer_speed))
     rings = turned(a.rings, 0.0, a.kinematics.direction)
     if not (rings.waves or rings.tables):
         return BentRings(rings, None)
@@ -121,6 +119,12 @@ def bent_rings(a: Assembly) -> BentRings | None:
     most = max([most, *(_PER_ROW * angles.size for angles, _ in rings.tables)])
     # forms that turn are refused before: it is the ring that stands
     return BentRings(rings, 0 if o.outer_speed != 0.0 else 1, _spline(rings, min(max(most, _LEAST), _MOST)))
+
+
+def refuse_unknown(rings: Rings, speeds: tuple[float, float]) -> None:
+    """Refuse rings that plane motion does not know, at the largest speeds of inner and outer ring [rad/s]."""
+    for ring, shapes, speed in zip(RINGS, (rings.inner, rings.outer), speeds, strict=True):
+        _refuse(ring, shapes, abs(speed))
 
 
 def _refuse(ring: str, shapes: RingShapes, speed: float) -> None:
