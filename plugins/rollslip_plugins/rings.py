@@ -405,6 +405,8 @@ class Compliance(RingModel):
     - F_j: forces of rollers there, away from them [N]
     - C_ij: compliance [m/N], the rows of ``file``; between the angles it is interpolated by Fourier terms up to half
       the rollers
+    - ``mass``: m, of a shape with the Fourier terms c_n: m sum |c_n|^2 (1 + 1/n^2)/2, and m c_0^2 of n = 0; without it
+      there is no plane motion
 
     Range: linear, and standing in the line of load. How the ring moves as a whole must be held by its housing, or taken
     out of the matrix.
@@ -424,6 +426,11 @@ class Compliance(RingModel):
     file: str = parameter(
         doc="full path of a CSV file: N rows of N numbers [m/N] at equal angles, the first in the line of load"
     )
+    mass: float | None = parameter(
+        default=None, unit="kg", doc="mass that moves with the ring, even all round, for plane motion",
+        validator=attrs.validators.optional(positive), usual=(1e-3, 1e4), possible=(1e-9, 1e9),
+    )  # fmt: skip
+    damping_ratio: float = _damping()
 
     def matrix(self) -> Floats:
         """Return the matrix, made symmetric."""
@@ -463,12 +470,22 @@ class Compliance(RingModel):
         waves = [(n, phase) for n in range(highest + 1) for phase in ((1.0, -1.0j) if n else (1.0,))]
         basis = np.array([np.real(phase * np.exp(1j * n * angles)) for n, phase in waves]).T
         size = np.sqrt((basis**2).sum(axis=0))
-        values, vectors = np.linalg.eigh((basis / size).T @ C @ (basis / size))
+        weight = size  # by what shapes are orthogonal: each other, or their masses
+        if self.mass is not None:
+            weight = np.sqrt([self.mass * (0.5 + 0.5 / n**2 if n else 1.0) for n, _ in waves])
+        part = basis * (weight / size**2)
+        values, vectors = np.linalg.eigh(part.T @ C @ part)
         kept = values > _STIFF * values[-1]
         harmonics = np.zeros((kept.sum(), highest + 1), complex)
-        for (n, phase), row, norm in zip(waves, vectors[:, kept], size, strict=True):
+        for (n, phase), row, norm in zip(waves, vectors[:, kept], weight, strict=True):
             harmonics[:, n] += phase * row / norm
-        return RingShapes(harmonics, 1.0 / values[kept])
+        if self.mass is None:
+            return RingShapes(harmonics, 1.0 / values[kept])
+        largest = np.abs(harmonics).max(axis=1)  # an amplitude of 1 m, not of 1 m kg^0.5
+        return RingShapes(
+            harmonics / largest[:, None], 1.0 / (values[kept] * largest**2), mass=largest**-2,
+            damping_ratio=self.damping_ratio,
+        )  # fmt: skip
 
 
 @hookimpl

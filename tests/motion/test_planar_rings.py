@@ -14,6 +14,7 @@ from rollslip import evolve, run
 from rollslip.bearing.equilibrium import solve_equilibrium
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
+from rollslip_kernels.motion.system import RefusedError
 from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
@@ -247,6 +248,29 @@ def test_ever_stiffer_rings_come_to_the_rigid_motion_and_rigid_ones_are_it_to_th
     assert off[2] < 0.2 * off[1]
 
 
+def test_a_matrix_with_a_mass_moves_as_the_ring_that_it_stands_for(tmp_path):
+    thin = {"model": "thin", "seat_stiffness": "1e9 Pa", "harmonics": 3, "damping_ratio": 0.1}
+    scene = bent_scene(12, outer=thin)
+    ring, psi = motion(scene).bent.rings.outer, 2 * np.pi * np.arange(36) / 36
+    np.savetxt(tmp_path / "C.csv", ring.at(psi) / ring.stiffness @ ring.at(psi).T, delimiter=",", fmt="%.17e")
+    file = {
+        "model": "compliance",
+        "file": str(tmp_path / "C.csv"),
+        "mass": f"{float(ring.mass[0])!r} kg",
+        "damping_ratio": 0.1,
+    }
+    forces = []
+    for outer in (thin, file):
+        planar = motion(bent_scene(12, outer=outer), coefficient=0.02)
+        y = planar.initial(0.01)
+        planar.parts(y)[1][:, 4] = 1e-2 * np.cos(np.arange(12))
+        problem = InitialValueProblem(rates=planar.system, y=y, atol=1e-9 * planar.system.scale)
+        found = integrate(problem, get_model("integrator", "rk45"), np.linspace(0.0, 3e-4, 4), rtol=1e-9)
+        forces.append(planar.planar.outputs(np.zeros(4), found.y)["normal_force"])
+    assert np.abs(forces[0] - forces[0][0]).max() > 0.1 * forces[0].max()
+    assert forces[1] == pytest.approx(forces[0], abs=1e-5 * forces[0].max())
+
+
 # Energy --------------------------------------------------------------------------------------------------------------
 
 FACTOR = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9)  # Palmgren's law, Q = FACTOR d^(10/9) of a roller of 15 mm
@@ -456,8 +480,21 @@ def test_a_ring_without_masses_is_refused_and_a_hoop_may_turn(tmp_path):
     matrix = {"model": "compliance", "file": str(tmp_path / "C.csv")}
     with pytest.raises(DomainError, match="needs the masses of the shapes"):
         motion(bent_scene(5, outer=matrix))
+    assert "outer_ring_shape_0" in motion(bent_scene(5, outer=matrix | {"mass": "2 kg"})).bent.names
     hoop = motion(bent_scene(5, inner={"model": "thin", "harmonics": 0}))
     assert list(hoop.bent.names) == ["inner_ring_cos_0", "inner_ring_cos_0_speed"]
+
+
+def test_a_ring_that_yields_by_more_than_is_small_ends_a_motion_in_words():
+    planar, system, _, _ = case("constant")
+    y = planar.initial()
+    y[11] = -0.76e-3
+    with pytest.raises(RefusedError) as refused:
+        system.watch(0.0, y)
+    said = str(planar.error(refused.value.reason))
+    assert said.startswith("the shape of a ring is displaced by 0.00076 m, beyond what small displacements describe")
+    y[11] = -0.74e-3
+    assert np.isfinite(system.watch(0.0, y)[2])
 
 
 # Along a history -----------------------------------------------------------------------------------------------------

@@ -361,6 +361,36 @@ def test_a_compliance_matrix_of_a_ring_stands_for_it(tmp_path):
     assert np.abs(one.inner_force - other.inner_force).max() < 1e-8 * one.inner_force.max()
 
 
+def test_a_compliance_matrix_with_a_mass_has_the_frequencies_of_the_ring_that_it_stands_for(tmp_path):
+    ring, rng = Thin(width=WIDTH, thickness=H, harmonics=6, seat_stiffness=3e8), np.random.default_rng(2)
+    shapes = ring.shapes(scene().bearing, "outer", False)
+    psi = 2 * np.pi * np.arange(72) / 72
+    whole, file = shapes.mass[0], tmp_path / "ring.csv"
+
+    def found(C):
+        np.savetxt(file, C, delimiter=",", fmt="%.17e")
+        one = Compliance(file=str(file), mass=whole, damping_ratio=0.01)
+        return one.shapes(scene().bearing, "outer", False), Compliance(file=str(file)).shapes(
+            scene().bearing, "outer", False
+        )
+
+    made, _ = found(shapes.at(psi) / shapes.stiffness @ shapes.at(psi).T)
+    expected = np.sort(np.sqrt(shapes.stiffness / shapes.mass))
+    assert np.sort(np.sqrt(made.stiffness / made.mass)) == pytest.approx(expected, rel=1e-6)
+    assert made.damping_ratio == 0.01
+    # a housing with feet couples waves: the compliance is that without masses, and shapes are apart in mass
+    mixed = shapes.at(psi) @ rng.normal(size=(13, 13)) * 1e-5
+    made, plain = found(mixed @ mixed.T)
+    for one in (made, plain):
+        at = one.at(psi)
+        assert at / one.stiffness @ at.T == pytest.approx(mixed @ mixed.T, abs=1e-5 * np.abs(mixed @ mixed.T).max())
+    n = np.arange(made.harmonics.shape[1])
+    terms = whole * np.where(n == 0, 1.0, 0.5 + 0.5 / np.maximum(n, 1) ** 2)
+    M = np.real(made.harmonics * terms @ made.harmonics.conj().T)
+    assert pytest.approx(np.diag(made.mass), abs=1e-9 * made.mass.max()) == M
+    assert plain.mass is None
+
+
 # What symmetry says ---------------------------------------------------------------------------------------------------
 
 lobed = st.lists(st.tuples(st.integers(2, 6), st.floats(0.0, 4e-5), st.floats(-3.0, 3.0)), min_size=1, max_size=3)

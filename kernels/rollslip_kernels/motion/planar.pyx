@@ -241,7 +241,7 @@ cdef enum:   # who refused an evaluation
     FRICTION_REFUSED              # + ring
     DEFLECTION_REFUSED = 3        # + ring
     DRAG_REFUSED = 5
-    DISPLACED                     # + 1 for the cage
+    DISPLACED                     # + 1 for the cage, 2 for a shape
 
 #: Recorded unknowns, in order, with their unit; the work that elastic forces did is what is stored, negative.
 LEDGER_UNITS = {
@@ -325,14 +325,23 @@ cdef inline void cage_acceleration(
     rates[CAGE_SPEED] += (p.cage_mass * torque - p.unbalance * across) / det
 
 
+cdef inline size_t half_of(const planar_t *p) noexcept nogil:
+    """Where the amplitudes of shapes end in the head, and their rates begin."""
+    return (HEAD + p.heads) // 2
+
+
 cdef inline int displacement(const double *head, planar_t *p) noexcept nogil:
-    """Refuse a ring or a cage that is too far out."""
-    cdef size_t body
+    """Refuse a ring, a cage or a shape that is too far out."""
+    cdef size_t body, k
     cdef const double *x
     for body in range(2):
         x = head + (CAGE_X if body else RING_X)
         if x[0] * x[0] + x[1] * x[1] > FAR * FAR * p.c.roller_radius * p.c.roller_radius:
             p.refused, p.displaced = DISPLACED + <int>body, sqrt(x[0] * x[0] + x[1] * x[1])
+            return 1
+    for k in range(HEAD, half_of(p)):
+        if fabs(head[k]) > FAR * p.c.roller_radius:
+            p.refused, p.displaced = DISPLACED + 2, fabs(head[k])
             return 1
     return 0
 
@@ -553,11 +562,6 @@ cdef inline bint land_is_touched(const planar_t *p, const double *head, double t
 cdef int clear(double h, void *state) noexcept nogil:
     cdef planar_t *p = <planar_t *>state
     return p.loops.clear(&p.c, h, reach(p), radial_reach(p)) and not land_is_touched(p, p.head, h)
-
-
-cdef inline size_t half_of(const planar_t *p) noexcept nogil:
-    """Where the amplitudes of shapes end in the head, and their rates begin."""
-    return (HEAD + p.heads) // 2
 
 
 cdef void drift_near(const planar_t *p, double h, double *y, size_t near) noexcept nogil:
@@ -1141,15 +1145,16 @@ cdef class Planar:
     def refusal(self):
         """Return who refused an evaluation last, and why; None if nobody.
 
-        Who is "inner", "outer", "inner deflection", "outer deflection", "drag", "inner ring" or "cage"; why is what
-        ``Chain.run`` returns, None for a drag, and of a ring or cage that is too far out its displacement and
-        the limit [m].
+        Who is "inner", "outer", "inner deflection", "outer deflection", "drag", "inner ring", "cage" or "shape of a
+        ring"; why is what ``Chain.run`` returns, None for a drag, and of the last three, too far out, how far and the
+        limit [m].
         """
         cdef int who = self.p.refused
         if who == NOBODY:
             return None
         if who >= DISPLACED:
-            return ("inner ring", "cage")[who - DISPLACED], (self.p.displaced, FAR * self.p.c.roller_radius)
+            body = ("inner ring", "cage", "shape of a ring")[who - DISPLACED]
+            return body, (self.p.displaced, FAR * self.p.c.roller_radius)
         if who == DRAG_REFUSED:
             return "drag", None
         if who >= DEFLECTION_REFUSED:

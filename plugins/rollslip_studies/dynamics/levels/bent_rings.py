@@ -135,8 +135,8 @@ def _refuse(ring: str, shapes: RingShapes, speed: float) -> None:
         )
     if shapes.stiffness.size and shapes.mass is None:
         raise DomainError(
-            f"plane motion needs the masses of the shapes of models.{ring}_ring, and its model has none; take "
-            "'annulus' or 'thin', or choose level 'pocket'"
+            f"plane motion needs the masses of the shapes of models.{ring}_ring, and its model gives none; give 'mass' "
+            "to 'compliance', take 'annulus' or 'thin', or choose level 'pocket'"
         )
     if not shapes.stiffness.size:
         return

@@ -235,7 +235,7 @@ class PlanarMotion(MovingBearing):
     def error(self, refusal: Any) -> RollslipError:
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
         who, what = refusal
-        if who in ("inner ring", "cage"):
+        if who in ("inner ring", "cage", "shape of a ring"):
             return DomainError(
                 f"the {who} is displaced by {what[0]:.3g} m, beyond what small displacements describe (a tenth of the "
                 f"roller's radius, {what[1]:.3g} m); check what holds it: load, clearances and stiffnesses"
