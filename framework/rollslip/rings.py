@@ -114,6 +114,12 @@ class Rings:
     #: Forms of both raceways: number of waves, amplitude [m], angle [rad], and tables of angles [rad] and heights [m].
     waves: tuple[tuple[int, float, float], ...] = ()
     tables: tuple[tuple[Floats, Floats], ...] = ()
+    left: float = 0.0  #: Relative error of friction that shapes which were left out are estimated to leave.
+
+    @property
+    def yielding(self) -> dict[str, RingShapes]:
+        """The rings that have shapes, by "inner" and "outer"."""
+        return {ring: one for ring, one in (("inner", self.inner), ("outer", self.outer)) if one.stiffness.size}
 
     @property
     def parity(self) -> Floats:

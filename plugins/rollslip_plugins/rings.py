@@ -30,8 +30,6 @@ _WIDTH: Final = 1.8
 _FAR: Final = 1e3
 #: Radius over that of the raceway beyond which a housing's mass is not counted, see `mass_of_annulus`.
 _HEAVY: Final = 2.0
-#: n up to which rings are computed where lobes ask for no more: the largest drag then stands still to 0.1 %.
-_HARMONICS: Final = 6
 #: Shear: 1/(5/6) of a rectangular section.
 _SHEAR: Final = 1.2
 #: Stops round a seat with clearance.
@@ -125,15 +123,9 @@ def modal(radius: float, stiffness: dict[int, float], mass: dict[int, float] | N
     return RingShapes(np.array(rows, complex), np.array(held), **more)
 
 
-def numbers(bearing: Bearing, highest: int | None, usual: int = _HARMONICS) -> list[int]:
-    """Return n of the shapes but 1: up to that which is asked for, or what forms of the raceways need."""
-    lobes = [
-        part.lobes or 0
-        for raceway in (bearing.inner_raceway, bearing.outer_raceway)
-        for part in (raceway.form if raceway is not None else ())
-    ]
-    most = max(2, bearing.rollers // 2)
-    return [n for n in range(min(max([usual, *lobes]), most) + 1 if highest is None else highest + 1) if n != 1]
+def numbers(bearing: Bearing, highest: int | None) -> list[int]:
+    """Return n of the shapes but 1: up to that which is asked for, or half the rollers."""
+    return [n for n in range((max(2, bearing.rollers // 2) if highest is None else highest) + 1) if n != 1]
 
 
 def width_of(bearing: Bearing) -> float:
@@ -164,10 +156,10 @@ def _damping() -> Any:
     )  # fmt: skip
 
 
-def _highest(usual: int) -> Any:
+def _highest() -> Any:
     return parameter(
         default=None,
-        doc=f"highest n of a shape; by default {usual}, or the lobes of a raceway, at most half the rollers",
+        doc="highest n of a shape, by default half the rollers; what accuracy.tolerance can do without is left out",
         validator=attrs.validators.optional(at_least(0)),
         usual=(0, 20),
         possible=(0, 100),
@@ -250,7 +242,7 @@ class Annulus(RingModel):
         validator=attrs.validators.optional(positive), usual=(1000, 9000), possible=(1e-12, 25e3),
     )  # fmt: skip
     damping_ratio: float = _damping()
-    harmonics: int | None = _highest(_HARMONICS)
+    harmonics: int | None = _highest()
 
     def layers(self, bearing: Bearing, ring: str) -> tuple[tuple[float, float, float, float], ...]:
         """Return near and far radius [m], E [Pa] and nu of the ring and of what it sits on, if that is anything."""
@@ -351,7 +343,7 @@ class Thin(RingModel):
     )  # fmt: skip
     forces: tuple[ToothForce, ...] = parameter(default=(), doc="forces of teeth on the rim")
     damping_ratio: float = _damping()
-    harmonics: int | None = _highest(12)
+    harmonics: int | None = _highest()
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return cosines and sines of the numbers n; with a seat n = 1 is among them."""
@@ -366,7 +358,7 @@ class Thin(RingModel):
         if loose and not self.seat_stiffness > 0.0:
             raise FieldError("seat_stiffness", "must be above 0 with a fit_clearance: nothing else stops the ring")
         held = 0.0 if loose else self.seat_stiffness
-        chosen = numbers(bearing, self.harmonics, 12)
+        chosen = numbers(bearing, self.harmonics)
         k = {n: held + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio) for n in chosen}
         if self.seat_stiffness > 0.0:
             k = {n: k[n] if n != 1 else held for n in sorted((*k, 1))}

@@ -417,6 +417,7 @@ def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
         same(resolution, like.resolution)
         and same(scene.models, like.scene.models)
         and same(scene.bearing, like.scene.bearing)
+        and (like.rings is None or scene.accuracy.tolerance == like.scene.accuracy.tolerance)
         and (own is other or all(getattr(own, name) == getattr(other, name) for name in loads))
     )
 

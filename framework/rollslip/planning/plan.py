@@ -33,6 +33,7 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
+from rollslip.studies.parts import rings
 from rollslip.studies.study import Study, settings
 from rollslip.units import format_quantity
 
@@ -244,21 +245,7 @@ def plan(
     if (mounted := scene.bearing.mounted) is not None:
         clearance = format_quantity(mounted.clearance, "m", 3)
         parts.append(Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted)))
-    if (rings := stated.rings) is not None:
-        m = scene.models
-        chosen_rings = [
-            f"{of} {'rigid' if one is None else one.name}"
-            for of, one in (("inner", m.inner_ring), ("outer", m.outer_ring))
-        ]
-        shapes, formed = rings.parity.size, len(rings.waves) + len(rings.tables)
-        parts.append(
-            Part(
-                part="rings",
-                choice=", ".join(chosen_rings),
-                resolution=f"{shapes} shapes that yield, {formed} parts of forms",
-                reason="loads of rollers follow how rings yield and how round raceways are, in one equilibrium",
-            )
-        )
+    parts.append(rings(stated))
     for name, one in studies.items():
         assembly = stated.at(estimated[name].resolution)
         try:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rollslip.bearing.cage import Cage, doubts
+from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.fields import unusual
 from rollslip.lubricant.base_oil import HIGHEST_INDEX, LOWEST_INDEX
@@ -18,7 +19,7 @@ from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
-from rollslip.scene.rings import reaching, rings_of
+from rollslip.scene.rings import rings_of, yielding
 from rollslip.scene.values import Scene, model_kind, resolved
 from rollslip.structure import Location
 from rollslip.studies.study import study_class
@@ -81,26 +82,32 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
         yield where.at(key), "is not used: bearing.radial_clearance is stated, that in operation"
     b, mounted = scene.bearing, scene.bearing.mounted
     preloads = [(where.at("mounting" if mounted else "radial_clearance"), -b.radial_clearance, 0)]
-    if (shapes := rings_of(scene, lambda choice, at: None, [])) is not None:  # all parts together
-        formed = next(ring for ring in ("outer", "inner") if getattr(getattr(b, f"{ring}_raceway"), "form", ()))
-        highest = float(shapes.form(np.linspace(0.0, 2.0 * np.pi, 721)).max())
-        lobes = max(shapes.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))[0]  # a table is taken for an oval
-        preloads.append((where.at(f"{formed}_raceway"), 2.0 * highest - b.radial_clearance, lobes))
-    rings = (scene.models.inner_ring, scene.models.outer_ring)
-    if any(choice is not None and choice.name != "rigid" for choice in rings):
+    rings = rings_of(
+        scene, lambda choice, at: structure_model("ring", {"model": choice.name, **choice.parameters}, at, []), []
+    )
+    stated = {} if rings is None else rings.yielding
+    if len(stated) == 2:
         return
+    if rings is not None and (rings.waves or rings.tables):  # all parts together
+        formed = next(ring for ring in ("outer", "inner") if getattr(getattr(b, f"{ring}_raceway"), "form", ()))
+        highest = float(rings.form(np.linspace(0.0, 2.0 * np.pi, 721)).max())
+        lobes = max(rings.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))[0]  # a table is taken for an oval
+        preloads.append((where.at(f"{formed}_raceway"), 2.0 * highest - b.radial_clearance, lobes))
+    rigid = [ring for ring in ("outer", "inner") if ring not in stated]
+    here = "rings are" if len(rigid) == 2 else f"the {rigid[0]} ring is"
+    keys = " and ".join(f"models.{ring}_ring" for ring in rigid)
     for at, preload, lobes in preloads:
         if preload > 0.0:
             how = f": {mounted}" if mounted and not lobes else ""
             told = "too large"
             with contextlib.suppress(RollslipError):
-                bare, held = reaching(b, lobes)
-                told += f": of {preload * 1e6:.3g} um about {100 * bare:.0f} % (bare rings) to {100 * held:.0f} % "
+                bare, held = (100 * one.share(lobes) for one in yielding(b, lobes=lobes, stated=stated))
+                told += f": of {preload * 1e6:.3g} um about {bare:.0f} % (bare rings) to {held:.0f} % "
                 told += "(with the housing and shaft of bearing.mounting, or thick ones) reach the rollers"
             yield (
                 at,
-                f"the bearing runs preloaded{how}; rings are rigid here, so that forces of rollers are {told}; give "
-                "models.outer_ring and models.inner_ring, or take a looser fit or class",
+                f"the bearing runs preloaded{how}; {here} rigid here, so that forces of rollers are {told}; give "
+                f"{keys}, or take a looser fit or class",
             )
 
 

@@ -1,11 +1,14 @@
 """The lines of a plan that several studies have: slices, loads, what is left out, tables and steps."""
 
+import contextlib
 from collections.abc import Mapping
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.errors import RollslipError
+from rollslip.scene.rings import yielding
 from rollslip.studies.accuracy import Errors
 from rollslip.studies.answers import Estimated, Part
 
@@ -135,3 +138,27 @@ def spent(costs: Mapping[str, float], meanings: Mapping[str, str]) -> list[Part]
         reason, _, resolution = meanings.get(part, "a part of the study").partition("|")
         found.append(Part(part=part, choice="", resolution=resolution, reason=reason, seconds=seconds))
     return found
+
+
+def rings(assembly: Assembly) -> Part:
+    """How rings yield, and how much that counts for; if they do not, what they would."""
+    scene, both, told = assembly.scene, assembly.rings, ""
+    stated = {} if both is None else both.yielding
+    with contextlib.suppress(RollslipError):  # no plugin, or no room for a ring
+        bare, held = yielding(scene.bearing, scene.operation.radial_load, stated=stated)
+        told = f"rings that yield count for about {100 * held.change:.2g} % of the loads of rollers"
+        own = f" in their seats ({held}), {100 * bare.change:.2g} % bare ({bare})"
+        told += f" ({held})" if len(stated) == 2 else own
+        told += "" if bare.change > scene.accuracy.tolerance else ", less than accuracy.tolerance"
+    if both is None:
+        return Part(part="rings that yield", included=False, choice="rigid, round", reason=told or "none is named")
+    chosen = (("inner", scene.models.inner_ring), ("outer", scene.models.outer_ring))
+    shapes, formed = both.parity.size, len(both.waves) + len(both.tables)
+    reason = "loads of rollers follow how rings yield and how round raceways are, in one equilibrium"
+    return Part(
+        part="rings",
+        choice=", ".join(f"{of} {'rigid' if one is None else one.name}" for of, one in chosen),
+        resolution=f"{shapes} shapes that yield, {formed} parts of forms",
+        reason="; ".join(filter(None, (reason, told))),
+        errors={"friction": both.left} if both.left else {},
+    )
