@@ -17,6 +17,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops
 from rollslip.scene.clearance import share
 from rollslip.scene.rings import yielding
+from rollslip.scene.values import SceneHashes, scene_hash
 from rollslip_plugins.rings import (
     Annulus,
     Compliance,
@@ -699,3 +700,34 @@ def test_a_plan_tells_what_rings_count_for():
     part = next(part for part in plan(both, "effective-friction").parts if part.part == "rings")
     assert f"count for about {100 * held.change:.2g} % of the loads of rollers ({held})" in part.reason
     assert part.errors["friction"] < 2e-3
+
+
+def test_what_stands_in_a_file_of_a_form_or_a_ring_is_in_the_hash_of_its_scene(tmp_path):
+    form, matrix = tmp_path / "form.csv", tmp_path / "ring.csv"
+    heights = {0: 20, 90: 0, 180: 20, 270: 0}
+
+    def write(height):
+        rows = "\n".join(f"{a}, {h}" for a, h in (heights | {0: height}).items())
+        form.write_text(f"angle [deg], height [um]\n{rows}\n")
+
+    write(20)
+    np.savetxt(matrix, 1e-9 * np.eye(12), delimiter=",")
+    given = scene(
+        **{
+            "bearing.outer_raceway.form": [{"file": str(form)}],
+            "models.outer_ring": {"model": "compliance", "file": str(matrix)},
+        }
+    )
+    known, found = SceneHashes(given), [scene_hash(given)]
+    assert known.of(evolve(given, {"operation.radial_load": 1e3})) != found[0]
+    write(21)
+    found.append(scene_hash(given))
+    np.savetxt(matrix, 2e-9 * np.eye(12), delimiter=",")
+    found.append(scene_hash(given))
+    write(20)
+    np.savetxt(matrix, 1e-9 * np.eye(12), delimiter=",")
+    assert len(set(found)) == 3
+    assert scene_hash(given) == found[0] == known.of(given)
+    assert run(given, "effective-friction").scene_hash == found[0]
+    form.unlink()
+    assert scene_hash(given) not in found  # who reads it refuses it

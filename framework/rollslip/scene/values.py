@@ -6,14 +6,17 @@ Decisions:
 - What a plugin or a study has to understand (oil data, parameters of models, the settings of a study, the cage) stays
   raw here, as a read-only `FrozenTable`; who knows the class reads it with the same reader (`rollslip.structure`).
 - Defaults that follow from other values (clearance, temperatures) are filled in, so that nobody downstream meets None.
-- The hash is taken of the values in SI units, not of the text: comments, order and units do not change it.
+- The hash is taken of the values in SI units, not of the text: comments, order and units do not change it, but what
+  stands in files of models and forms does.
 """
 
 import hashlib
 import json
 import operator
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
+from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import attrs
@@ -290,6 +293,19 @@ _SORTED: Final = sorted(((name, key) for name, key, _ in _keys(Scene)), key=oper
 _canonical: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode
 
 
+def _contents(plain: object) -> str:
+    """Digests of files that a table names by their full paths, as models and forms do; history has its own."""
+    if isinstance(plain, list):
+        return "".join(map(_contents, plain))
+    if not isinstance(plain, dict):
+        return ""
+    found, file = "".join(map(_contents, plain.values())), plain.get("file")
+    if isinstance(file, str) and "\0" not in file and (path := Path(file)).is_absolute() and path.is_file():
+        with suppress(OSError):  # who reads it says so
+            found += hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
+
+
 class SceneHashes:
     """Hashes of scenes that share tables with one of them, of which the text is made once."""
 
@@ -297,12 +313,15 @@ class SceneHashes:
         self._scene, self._known = scene, dict[str, str]()
 
     def of(self, scene: Scene) -> str:
-        """Return the SHA-256 of a resolved scene; equal scenes have equal hashes however they are written."""
+        """Return the SHA-256 of a resolved scene with its files; equal scenes have equal hashes however written."""
         texts = []
         for name, key in _SORTED:
             if (value := getattr(scene, name)) is not None:
                 own = value is getattr(self._scene, name)
-                text = (self._known.get(name) if own else None) or f"{_canonical(key)}:{_canonical(_plain(value))}"
+                text = self._known.get(name) if own else None
+                if text is None:
+                    plain = _plain(value)
+                    text = f"{_canonical(key)}:{_canonical(plain)}{_contents(plain) if name != 'study' else ''}"
                 if own:
                     self._known[name] = text
                 texts.append(text)
