@@ -44,6 +44,17 @@ def test_the_better_stands_first_and_what_failed_last(oils):
     assert said[1].startswith("nope: ")
 
 
+def test_models_of_rings_are_alternatives_too():
+    tight = rollslip.evolve(SCENE, {"bearing.radial_clearance": "-5 um", "accuracy.tolerance": 1e-2})
+    found = rollslip.compare(tight, outer_ring="rigid, annulus, rubber")
+    assert sorted(found.alternative.values[:2]) == ["annulus", "rigid"]
+    assert json.loads(found.attrs["differ"]) == ["models.outer_ring"]
+    assert "rubber" in str(found.message.values[-1])
+    alone = rollslip.run(rollslip.evolve(tight, {"models.outer_ring": "annulus"}), "steady-slip")
+    assert float(found.cage_slip.sel(alternative="annulus")) == float(alone.steady_slip[0])
+    assert float(found.cage_slip.sel(alternative="rigid")) != float(alone.steady_slip[0])
+
+
 def _with_band(slip, **moved):
     rows = [{"key": key.replace("_", ".", 1), "values": [slip * end for end in ends]} for key, ends in moved.items()]
     return xr.Dataset({"steady_slip": ("steady", [slip])}, attrs={"band": json.dumps({"steady_slip": {"moved": rows}})})

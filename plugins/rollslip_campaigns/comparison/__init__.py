@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 class ComparisonSettings(OfScene):
     """Run SCENE with several oils, bearings, cages or models, and compare them.
 
-    --oil, --bearing, --cage and --clearance-class give the answer of each, best first, and say whether there is a clear
-    winner where data scatter. --traction, --film and --contact compare friction, critical slip and cost.
+    --oil, --bearing, --cage, --clearance-class, --outer-ring and --inner-ring give the answer of each, best first, and
+    say whether there is a clear winner where data scatter. --traction, --film and --contact compare friction, critical
+    slip and cost.
 
     A model that is not composed of others takes the place of the hydrodynamic model where the scene's traction is a
     blend, such as lambda-blend, and of the film where the scene's film is a correction, such as inlet-correction; --set
@@ -75,11 +76,14 @@ class ComparisonSettings(OfScene):
     bearing: Sequence[str] | str = setting("Bearings to choose from.", default=(), metavar="A,B", many=True)
     cage: Sequence[str] | str = setting("What the cage may be of.", default=(), metavar="A,B", many=True)
     clearance_class: Sequence[str] | str = setting("Clearances to choose from.", default=(), metavar="C3,C4", many=True)
+    outer_ring: Sequence[str] | str = setting("How the outer ring yields.", default=(), metavar="A,B", many=True)
+    inner_ring: Sequence[str] | str = setting("How the inner ring yields.", default=(), metavar="A,B", many=True)
 
     @property
     def _of_scenes(self) -> bool:
         """Whether scenes are compared by their answers, not laws by their curves."""
-        return bool(self.oil or self.bearing or self.cage or self.clearance_class)
+        places = self.oil, self.bearing, self.cage, self.clearance_class, self.outer_ring, self.inner_ring
+        return any(map(bool, places))
 
     def plan(self) -> "Comparison | Alternatives":
         """Check all names and plan every combination."""

@@ -38,7 +38,14 @@ __all__ = ["KEYS", "STUDY", "Alternatives", "plan_alternatives", "ratio_band", "
 
 #: Option -> key of the scene that it changes.
 KEYS: Final[Mapping[str, str]] = MappingProxyType(
-    {"bearing": "bearing.name", "clearance_class": "bearing.clearance_class", "oil": "lubricant", "cage": "cage.make"}
+    {
+        "bearing": "bearing.name",
+        "clearance_class": "bearing.clearance_class",
+        "oil": "lubricant",
+        "cage": "cage.make",
+        "outer_ring": "models.outer_ring",
+        "inner_ring": "models.inner_ring",
+    }
 )
 STUDY: Final = SteadySlip.name
 #: Row of an answer -> unit and meaning of the variable of that name.
