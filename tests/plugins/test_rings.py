@@ -1,6 +1,7 @@
 """Rings that yield and raceways out of round, against closed forms, a frame of beams and what symmetry says."""
 
 import math
+import re
 from types import SimpleNamespace
 
 import attrs
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, run
+from rollslip import Chain, Conditions, evolve, get_model, load_distribution, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import SceneError
@@ -29,6 +30,8 @@ from rollslip_plugins.rings import (
     modal,
     numbers,
 )
+from rollslip_studies.effective_friction.figures import figures
+from rollslip_studies.effective_friction.ring_figures import ring_figure
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
 R, WIDTH, H, E = 0.10125, 0.028, 0.0075, 208e9
@@ -731,3 +734,37 @@ def test_what_stands_in_a_file_of_a_form_or_a_ring_is_in_the_hash_of_its_scene(t
     assert run(given, "effective-friction").scene_hash == found[0]
     form.unlink()
     assert scene_hash(given) not in found  # who reads it refuses it
+
+
+def test_the_shape_of_a_raceway_is_its_form_and_how_it_yields():
+    wave = {"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "20 um", "angle": "10 deg"}]}
+    found = load_distribution(scene(**wave))["raceway_shape"]
+    angle = found.orbit_angle.to_numpy()
+    assert found.sel(ring="outer")[0].to_numpy() == pytest.approx(-20e-6 * np.cos(3 * (angle - np.radians(10.0))))
+    assert not found.sel(ring="inner").any()
+    # a hoop widens by the sum of the forces over 2 pi of its stiffness, Lame's of a thick one; the inner ring narrows
+    hoop = {f"models.{ring}_ring": {"model": "annulus", "harmonics": 0} for ring in ("inner", "outer")}
+    tight = scene(**hoop, **{"bearing.radial_clearance": "-20 um"})
+    loaded = load_distribution(tight, 3)
+    E, nu = tight.bearing.material.elastic_modulus, tight.bearing.material.poisson_ratio
+    for ring, stiff in (("outer", 2 * np.pi * E * WIDTH / (1 + nu)), ("inner", -2 * np.pi * E * WIDTH / (1 - nu))):
+        wide = loaded.normal_force.sel(ring=ring).sum("roller") / stiff
+        assert loaded.raceway_shape.sel(ring=ring).to_numpy() == pytest.approx(
+            np.repeat(wide.to_numpy()[:, None], 361, axis=1), rel=1e-4
+        )
+
+
+def test_a_result_of_rings_that_yield_has_their_figure_and_one_of_rigid_ones_has_none():
+    yielding = scene(**{"models.outer_ring": {"model": "annulus", "outside": "0.23 m"}})
+    result = run(yielding, "effective-friction")
+    ((name, caption, figure),) = ring_figure(result)
+    loaded = load_distribution(yielding)
+    shape = loaded.raceway_shape.sel(ring="outer", instant=0).to_numpy()
+    assert name == "effective-friction-rings"
+    times = float(re.search(r"([0-9]+) times", caption)[1])
+    assert times == pytest.approx(0.5 * 15e-3 / np.abs(shape).max(), rel=0.05)
+    keys = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert f"outer raceway, {1e6 * shape.min():.3g} to {1e6 * shape.max():.3g} µm" in keys[1].replace("\n", " ")
+    assert f"{float(loaded.normal_force.sel(ring='outer', instant=0).max()):.3g} N" in keys[1]
+    assert name in [name for name, _, _ in figures(result)]
+    assert not list(ring_figure(run(scene(), "effective-friction")))

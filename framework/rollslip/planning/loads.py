@@ -27,8 +27,8 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     -------
     xarray.Dataset
         Dimensions (ring, instant, roller): normal_force; (ring, instant, roller, slice): load_per_length;
-        (instant, direction): displacement; (instant,): moment; attributes force_residual and moment_residual,
-        relative.
+        (instant, direction): displacement; (ring, instant, orbit_angle): raceway_shape, by forms and by how rings
+        yield; (instant,): moment; attributes force_residual and moment_residual, relative.
 
     Raises
     ------
@@ -42,6 +42,14 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     assembly = assemble(scene if isinstance(scene, Scene) else load_scene(scene))
     loads = assembly.load_distribution(instants)
 
+    orbit, rings = np.radians(np.arange(361.0)), assembly.rings
+    shape = np.zeros((2, instants, orbit.size))
+    if rings is not None:
+        m = rings.inner.stiffness.size
+        shape[0] = -loads.deflection[:, :m] @ rings.inner.at(orbit).T
+        shape[1] = loads.deflection[:, m:] @ rings.outer.at(orbit).T
+        formed = int(assembly.scene.operation.outer_speed == 0.0)  # a form is of the ring that stands
+        shape[formed] += (1.0, -1.0)[formed] * rings.form(orbit)
     contacts = ("ring", "instant", "roller")
     return xr.Dataset(
         {
@@ -57,12 +65,18 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
                 about("m", "displacement of the inner ring"),
             ),
             "roller_tilt": (("instant", "roller"), loads.roller_tilt, about("rad", "tilt of the roller")),
+            "raceway_shape": (
+                ("ring", "instant", "orbit_angle"),
+                shape,
+                about("m", "how far the raceway stands outwards of a circle"),
+            ),
             "moment": ("instant", loads.moment, about("N m", "moment on the inner ring from its misalignment")),
         },
         coords={
             "ring": ("ring", np.array(["inner", "outer"]), about("1", "ring")),
             "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
             "angle": (("instant", "roller"), loads.psi, about("rad", "position from the line of load")),
+            "orbit_angle": ("orbit_angle", orbit, about("rad", "angle from the line of load")),
             "position": ("slice", loads.position, about("m", "position along the roller from its middle")),
         },
         attrs={

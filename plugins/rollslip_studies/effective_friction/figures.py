@@ -25,6 +25,7 @@ from rollslip.results.style import (
     light_to_dark,
     seamless,
 )
+from rollslip_studies.effective_friction.ring_figures import ring_figure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,6 +48,8 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     if "friction_map" in dataset:
         caption = f"Effective friction over cage slip and roller slip; the line is the {closure}."
         yield f"{name}-map", caption, _map(dataset)
+    if "operating_slip" not in dataset.attrs:  # else the study that tells it draws them
+        yield from ring_figure(dataset)
 
 
 def _effective_friction(dataset: "xr.Dataset") -> "Figure":

@@ -28,6 +28,7 @@ from rollslip.results.style import (
 from rollslip.results.words import percent, span, two
 from rollslip.scene.reading import from_raw
 from rollslip.units import converted, shown_unit
+from rollslip_studies.effective_friction.ring_figures import ring_figure
 from rollslip_studies.steady_slip.findings import has_steady, varied
 from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers
 
@@ -56,6 +57,7 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     if has_steady(dataset):
         caption = f"Normal force and roller slip over the orbit at the steady cage slips, {which}."
         yield "steady-slip-orbit", caption, _orbit(dataset)
+        yield from ring_figure(dataset)
         # one bar would say no more than the sentences do
         if dataset.sizes["steady"] > 1 and "loss" in dataset and float(np.abs(dataset["loss"]).max()) > 0.0:
             yield "steady-slip-losses", "Power lost to friction at the steady cage slips, by source.", _losses(dataset)
