@@ -33,3 +33,21 @@ def test_below_the_largest_drag_one_slip_lasts_and_one_does_not():
     assert low < float(result.largest_drag_slip) < high
     beyond = steady({"cage.drag": [{"model": "constant-torque", "size": 1.02 * largest}]})
     assert np.isnan(beyond.steady_slip.to_numpy()).all()
+
+
+def test_statements_on_preload_hang_on_rigid_rings():
+    """What the data set estimates and says: hoops of bare rings leave a slip, and more of it at 5 um than at none."""
+    bare = {
+        "bearing.catalogue": {"bore": "150 mm", "outside_diameter": "210 mm", "width": "28 mm"},
+        "models.outer_ring": {"model": "annulus", "outside": "210 mm", "harmonics": 0},
+        "models.inner_ring": {"model": "annulus", "bore": "150 mm", "harmonics": 0},
+    }
+    rigid, yielding = (
+        [slip({"bearing.radial_clearance": f"{-tight} um"} | rings) for tight in (0, 5, 20)] for rings in ({}, bare)
+    )
+    assert rigid[0] > rigid[1] > rigid[2]
+    assert rigid[2] < 1e-3 < yielding[2]  # the limit of the statement
+    assert yielding[1] > yielding[0]
+    # of a prototype in NumPy
+    assert 100 * np.array([*rigid, *yielding]) == pytest.approx([7.3, 3.4, 0.011, 6.2, 7.3, 0.68], rel=0.03)
+    assert {"models.outer_ring", "models.inner_ring"} <= set(PUBLISHED.estimated)
