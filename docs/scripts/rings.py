@@ -1,6 +1,6 @@
 """Write rings.csv, rings_tight, rings_play and rings_cost of docs/trust/rings.rst: what rings do to slip and drag.
 
-Bearing 1032930, 15 slices; ten minutes. tests/plugins/test_rings.py and test_published_slip.py hold some of their cells.
+Bearing 1032930, 15 slices; ten minutes. tests/plugins/test_rings.py and test_published_slip.py hold some cells.
 """
 
 import sys
