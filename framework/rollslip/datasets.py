@@ -154,6 +154,13 @@ def _length(doc: str, usual: Any, possible: Any, default: float | None = None, v
     return field(default=default, unit="m", doc=doc, usual=usual, possible=possible, validator=validator)
 
 
+def _expansion(of: str, default: float | None) -> Any:
+    return field(
+        default=default, unit="1/K", doc=f"thermal expansion {of}", usual=(0, 3e-5), possible=(0, 1e-3),
+        validator=attrs.validators.optional(non_negative),
+    )  # fmt: skip
+
+
 def _interference(of: str) -> Any:
     doc = f"interference of {of}, of diameters, before it is smoothed, below zero for play; in place of the fit"
     return _length(doc, (-2e-4, 5e-4), (-1e-2, 1e-2))
@@ -195,16 +202,17 @@ class Mounting:
         usual=(-20, 40),
         possible=(-150, 150),
     )
-    expansion: float = field(
-        default=12e-6, unit="1/K", doc="thermal expansion of rings and rollers (B)", validator=non_negative,
-        usual=(0, 3e-5), possible=(0, 1e-3),
-    )  # fmt: skip
+    expansion: float = _expansion("of rings and rollers (B)", 12e-6)
     growth: bool = field(default=True, doc="whether rings and shaft that turn widen by their centrifugal force")
-    shaft_bore: float = _length("bore of a hollow shaft, of the rings' steel", (0, 2), (0, 50), 0.0, non_negative)
+    shaft_bore: float = _length("bore of a hollow shaft", (0, 2), (0, 50), 0.0, non_negative)
     housing_outside_diameter: float | None = _length(
-        "outside diameter of the housing, of the rings' steel; by default it is thick",
+        "outside diameter of the housing; by default it is thick",
         (1e-2, 5), (1e-4, 100), validator=attrs.validators.optional(positive),
     )  # fmt: skip
+    shaft_material: Material | None = field(default=None, doc="material of the shaft, by default that of the rings")
+    housing_material: Material | None = field(default=None, doc="material of the housing, by default that of the rings")
+    shaft_expansion: float | None = _expansion("of the shaft, by default that of the rings", None)
+    housing_expansion: float | None = _expansion("of the housing, by default that of the rings", None)
 
     def __attrs_post_init__(self) -> None:
         for part in ("shaft", "housing"):

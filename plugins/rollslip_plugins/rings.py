@@ -143,7 +143,7 @@ def _size(doc: str, **more: Any) -> Any:
 
 def _modulus(of: str) -> Any:
     return parameter(
-        default=None, unit="Pa", doc=f"Young's modulus of {of}, by default that of the rings",
+        default=None, unit="Pa", doc=f"Young's modulus of {of}, by default that of bearing.mounting, or of the rings",
         validator=attrs.validators.optional(positive), usual=(1e9, 500e9), possible=(1e3, 2e12),
     )  # fmt: skip
 
@@ -207,7 +207,7 @@ class Annulus(RingModel):
     - n: up to ``harmonics``; n = 1 is where the ring stands
     - mass of a shape: int rho (u^2 + v^2) dV of its displacement, 1 at the raceway, out to twice its radius (D)
     - outer ring: raceway, seat D, outside of the housing (``outside``); inner ring: raceway, bore d, bore of the shaft
-      (``bore``); both ``width`` wide
+      (``bore``); both ``width`` wide; state them in ``bearing.mounting`` where fits leave less of the clearance by them
 
     Range: any thickness, a tight seat, one temperature. Ribs stiffen a thin ring in bending and are not in it; load is
     even across the width.
@@ -234,7 +234,7 @@ class Annulus(RingModel):
     )
     modulus: float | None = _modulus("housing or shaft")
     poisson_ratio: float | None = parameter(
-        default=None, unit="1", doc="Poisson's ratio of housing or shaft, by default that of the rings",
+        default=None, unit="1", doc="Poisson's ratio of housing or shaft, by default as the modulus",
         validator=attrs.validators.optional(in_range(0, 0.5)),
     )  # fmt: skip
     density: float | None = parameter(
@@ -251,14 +251,14 @@ class Annulus(RingModel):
         if ring == "outer":
             if self.bore is not None:
                 raise FieldError("bore", "is that of a shaft, of the inner ring; give 'outside' of the housing")
-            raceway, seat = bearing.outer_raceway_diameter, D
+            raceway, seat, other = bearing.outer_raceway_diameter, D, mounting.housing_material or steel
             beyond = self.outside or mounting.housing_outside_diameter or _FAR * D
             if beyond < D * (1.0 - 1e-9):
                 raise FieldError("outside", f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m")
         else:
             if self.outside is not None:
                 raise FieldError("outside", "is that of a housing, of the outer ring; give 'bore' of the shaft")
-            raceway, seat = bearing.inner_raceway_diameter, d
+            raceway, seat, other = bearing.inner_raceway_diameter, d, mounting.shaft_material or steel
             beyond = mounting.shaft_bore if self.bore is None else self.bore
             if beyond > d * (1.0 + 1e-9):
                 raise FieldError("bore", f"must be at most the ring's own, {d:.4g} m, not {beyond:.4g} m")
@@ -266,8 +266,8 @@ class Annulus(RingModel):
         own = (raceway / 2.0, seat / 2.0, steel.elastic_modulus, steel.poisson_ratio)
         if abs(beyond - seat) <= 1e-9 * seat:
             return (own,)
-        nu = steel.poisson_ratio if self.poisson_ratio is None else self.poisson_ratio
-        return own, (seat / 2.0, beyond / 2.0, self.modulus or steel.elastic_modulus, nu)
+        nu = other.poisson_ratio if self.poisson_ratio is None else self.poisson_ratio
+        return own, (seat / 2.0, beyond / 2.0, self.modulus or other.elastic_modulus, nu)
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return cosines and sines of the numbers n."""

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from rollslip import Chain, Conditions, evolve, get_model, load_distribution, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
+from rollslip.datasets import Material, Mounting
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops
@@ -198,21 +199,36 @@ def test_a_ring_and_a_seat_of_its_own_steel_are_one_annulus(n, radii):
     assert soft == pytest.approx(compliance_of_annulus(n, ((raceway, seat, E, 0.3),), WIDTH), rel=1e-7)
 
 
+@pytest.mark.parametrize("other", [Material(), Material(elastic_modulus=70e9, poisson_ratio=0.33)], ids=["steel", "al"])
 @pytest.mark.parametrize(("raceway", "seat", "beyond"), [(0.165, 0.15, 0.12), (0.165, 0.15, 0.0), (0.195, 0.21, 0.25)])
-def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, seat, beyond):
+def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, seat, beyond, other):
     # by Maxwell: a seat held to the ring takes share^2 F of the compliance of the free ring, F that of both at the seat
-    material = load_scene("1032930-50C").bearing.material
-    r, s, b = raceway / 2, seat / 2, max(beyond, 1e-4) / 2
+    where = {"shaft_bore": beyond, "shaft_material": other}
+    if beyond > seat:
+        where = {"housing_outside_diameter": beyond, "housing_material": other}
+    bearing = attrs.evolve(scene().bearing, mounting=Mounting(**where))
+    own, outside = Annulus().layers(bearing, "outer" if beyond > seat else "inner")
+    assert outside[2:] == (other.elastic_modulus, other.poisson_ratio)
 
-    def of(near, *rest):
-        layers, start = [], near
-        for far in rest:
-            layers.append((start, far, material.elastic_modulus, material.poisson_ratio))
-            start = far
-        return compliance_of_annulus(0, tuple(layers), WIDTH) / (2 * np.pi * near)
+    def of(near, *layers):
+        return compliance_of_annulus(0, layers, WIDTH) / (2 * np.pi * near)
 
-    taken = of(r, s) - of(r, s, b)
-    assert taken == pytest.approx(share(material, raceway, seat, beyond) ** 2 * (of(s, r) + of(s, b)), rel=1e-5)
+    ring_at_seat = (own[1], own[0], *own[2:])
+    taken = of(own[0], own) - of(own[0], own, outside)
+    both = of(own[1], ring_at_seat) + of(outside[0], outside)
+    through = share(bearing.material, raceway, seat, beyond, other)
+    assert taken == pytest.approx(through**2 * both, rel=1e-5)
+
+
+def test_an_outer_ring_widens_by_the_centrifugal_force_of_its_rollers():
+    # Z F_c round a bare ring (Lame), no roller on the inner one
+    free = {"bearing.radial_clearance": "200 um", "operation.radial_load": "0 N", "operation.inner_speed": "10000 rpm"}
+    given = scene(**free, **{"models.outer_ring": {"model": "annulus", "outside": "0.21 m", "harmonics": 0}})
+    r, s, steel = 0.0975, 0.105, given.bearing.material
+    load = 28 * assemble(given).centrifugal_force / (2 * np.pi * r * WIDTH)
+    wide = load * r / steel.elastic_modulus * ((s**2 + r**2) / (s**2 - r**2) + steel.poisson_ratio)
+    assert load_distribution(given).raceway_shape.sel(ring="outer").to_numpy() == pytest.approx(wide, rel=1e-9)
+    assert 2 * wide == pytest.approx(8.9e-6, rel=0.05)  # of the clearance, by the prototype
 
 
 def test_shapes_go_to_half_the_rollers_and_forces_and_play_are_those_of_the_ring():

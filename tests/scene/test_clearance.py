@@ -107,6 +107,47 @@ def test_a_housing_narrows_the_raceway_as_elasticity_says(around, housing):
         assert 5e-5 * share(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(-edges[0], rel=1e-4)
 
 
+@pytest.mark.parametrize("rpm", [0.0, 6000.0])
+def test_a_hollow_shaft_of_aluminium_presses_and_grows_as_elasticity_says(rpm):
+    edges, pressure = solved([(ALUMINIUM, 0.06, 0.15), (STEEL, 0.15, 0.165)], 8e-5, rpm * math.pi / 30)
+    found = mounted(
+        (rpm * math.pi / 30, 0.0), shaft_interference=8e-5, bore=0.15, shaft_bore=0.06, shaft_material=ALUMINIUM
+    )
+    assert pressure > 0.0
+    assert found == pytest.approx(-edges[3], rel=1e-6)
+
+
+@pytest.mark.parametrize("kelvin", [-60.0, 0.0, 30.0, 60.0])
+def test_a_housing_of_aluminium_lets_go_of_its_ring_as_it_warms(kelvin):
+    # fitted at 20 degC by 60 um on 210 mm; aluminium 23.8e-6, rings 12e-6 per K
+    left = 6e-5 - (23.8e-6 - 12e-6) * 0.21 * kelvin
+    found = mounted(
+        temperatures=(293.15 + kelvin,) * 3, housing_interference=6e-5, housing_outside_diameter=0.25,
+        housing_material=ALUMINIUM, housing_expansion=23.8e-6,
+    )  # fmt: skip
+    if left > 0.0:
+        edges, _ = solved([(STEEL, 0.195, 0.21), (ALUMINIUM, 0.21, 0.25)], left)
+        assert found == pytest.approx(edges[0], rel=1e-6)
+    else:
+        assert found == 0.0
+
+
+def test_a_scene_has_its_housing_at_its_temperature():
+    table = "name = 'NU2216'\n[bearing.mounting]\n{}\nhousing_expansion = '23.8e-6 1/K'\n"
+    table += "[bearing.mounting.housing_material]\nelastic_modulus = '70 GPa'"
+    cold, warm = (
+        evolve(scene(table.format("housing_interference = '50 um'")), {"operation.temperature": at}).bearing
+        for at in ("20 degC", "120 degC")
+    )
+    alone = 0.8 * 5e-5 * share(STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9))
+    assert warm.radial_clearance - cold.radial_clearance == pytest.approx(alone, abs=2e-12)
+    cold, warm = (
+        evolve(scene(table.format("housing_fit = 'P7'")), {"operation.temperature": at}).bearing.mounted
+        for at in ("20 degC", "120 degC")
+    )
+    assert warm.deviation < cold.deviation  # a seat that is loose scatters nothing
+
+
 def test_thin_rings_share_an_interference_by_their_walls():
     # a ring of 1 um on a tube of 3 um, both of 100 mm: each yields by what the other one's wall is of both
     ring, tube = 1e-6, 3e-6

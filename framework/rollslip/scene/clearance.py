@@ -4,7 +4,8 @@ G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + de
 
 - G_0 is the clearance before mounting, I_s and I_h are the interferences of the seats, k is what smoothing leaves of
   them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `share`):
-  d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel.
+  d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel. Seats are fitted at 20 degC: a shaft or
+  housing of another material tightens or loosens by what it expands more than its ring.
 - dT_i and dT_r are the temperatures of inner ring and rollers above that of the outer ring.
 - It is computed once, when a scene is read, and stands in ``bearing.radial_clearance``: every study reads it there. A
   thermal model asks `operating` for other temperatures, and gets the same answer for the same ones.
@@ -13,7 +14,7 @@ G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + de
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 import attrs
 
@@ -33,6 +34,8 @@ FOLLOWS = ("clearance_class", "mounting")
 #: Up to which bore [m] which fit of a shaft is usual; the outer ring stands still in H7.
 _USUAL = ((0.05, "k5"), (0.1, "m5"), (math.inf, "m6"))
 _USUAL_HOUSING = "H7"
+#: Temperature at which seats are fitted [K].
+_FITTED: Final = 293.15
 
 
 def usual_fit(bore: float) -> str:
@@ -72,13 +75,18 @@ def spun(material: Material, speed: float, inside: float, outside: float) -> tup
 
 
 def operating(
-    bearing: Bearing, speeds: tuple[float, float], temperatures: tuple[float, float, float] | None = None
+    bearing: Bearing,
+    speeds: tuple[float, float],
+    temperatures: tuple[float, float, float] | None = None,
+    temperature: float = _FITTED,
 ) -> MountedClearance:
     """Return the clearance in operation at speeds of inner and outer ring [rad/s].
 
-    ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says.
+    ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says,
+    from ``temperature`` of the outer ring.
     """
     m, steel = bearing.mounting or Mounting(), bearing.material
+    shaft_steel, housing_steel = m.shaft_material or steel, m.housing_material or steel
     inner, outer = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter
     bore, outside = bearing.boundaries
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
@@ -93,25 +101,29 @@ def operating(
             raise FieldError(name, f"must be {bound}, not {format_quantity(size, 'm')}")
     shaft, pressed, of_shaft = _seat(m, "shaft", usual_fit(bore), bore)
     housing, tight, of_housing = _seat(m, "housing", _USUAL_HOUSING, outside)
-    through = share(steel, inner, bore, m.shaft_bore), share(steel, outer, outside, around)
+    through = share(steel, inner, bore, m.shaft_bore, shaft_steel), share(steel, outer, outside, around, housing_steel)
+    warm = rollers = m.temperature_difference
+    if temperatures is not None:
+        warm, rollers = (one - temperatures[2] for one in temperatures[:2])
+        temperature = temperatures[2]
+    more = [0.0 if of is None else of - m.expansion for of in (m.shaft_expansion, m.housing_expansion)]
+    shrunk = more[0] * (temperature + warm - _FITTED) * bore, -more[1] * (temperature - _FITTED) * outside
+    fitted = [min(one, m.smoothing * one) + grown for one, grown in zip((pressed, tight), shrunk, strict=True)]
 
     def seated(speed: float) -> float:
         """Widening of the inner raceway [m]."""
         at_bore, grown = spun(steel, speed, bore, inner)
-        left = m.smoothing * pressed - at_bore + spun(steel, speed, m.shaft_bore, bore)[1]
+        left = fitted[0] - at_bore + spun(shaft_steel, speed, m.shaft_bore, bore)[1]
         return through[0] * max(left, 0.0) + grown
 
     turned = spun(steel, speeds[1], outer, outside)[0] - seated(speeds[0]) + seated(0.0) if m.growth else 0.0
-    warm = rollers = m.temperature_difference
-    if temperatures is not None:
-        warm, rollers = (one - temperatures[2] for one in temperatures[:2])
     before = bearing.nominal_clearance if m.initial_clearance is None else m.initial_clearance
-    scatters = zip(through, (of_shaft, of_housing), (pressed, tight), strict=True)
+    scatters = zip(through, (of_shaft, of_housing), fitted, strict=True)
     return MountedClearance(
         terms=(
             (bearing.clearance_class or "before mounting", before),
             (shaft, -seated(0.0)),
-            (housing, -m.smoothing * through[1] * max(tight, 0.0)),
+            (housing, -through[1] * max(fitted[1], 0.0)),
             (f"for {warm:.3g} K", -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers)),
             ("for speed", turned),
             ("of deviation", m.clearance_deviation),
@@ -212,7 +224,7 @@ def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: 
     rings = {"inner_ring_temperature", "outer_ring_temperature"} & raw["operation"].keys()
     warm = (o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature) if rings else None
     try:
-        mounted = operating(b, (o.inner_speed, o.outer_speed), warm)
+        mounted = operating(b, (o.inner_speed, o.outer_speed), warm, o.temperature)
         return attrs.evolve(b, radial_clearance=mounted.clearance, mounted=mounted)
     except FieldError as error:
         at = at if error.field == "radial_clearance" else at.at("mounting")
