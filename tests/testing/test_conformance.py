@@ -124,6 +124,10 @@ class TestRings(Conformance):
     )
 
 
+class TestSeparators(Conformance):
+    models = box("separator")
+
+
 DATA = [kind for kind in kinds() if get_kind(kind).data or get_kind(kind).waits]
 
 

@@ -10,7 +10,7 @@ from typing import Any, Final, TypeVar
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, Separator, filled, read_cage, scene_values, separator, with_drags
+from rollslip.bearing.cage import Cage, Separator, filled, read_cage, scene_values, with_drags
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.equilibrium import (
@@ -115,19 +115,23 @@ class Assembly:
             )
         return force
 
-    @cached_property
+    @property
     def separator(self) -> Separator:
         """What keeps the rollers apart."""
-        return separator(self.scene)
+        made: Separator = self._read_cage().separator
+        return made
+
+    def _read_cage(self) -> Cage:
+        """The cage as it is read, with its drags as they are named."""
+        of = self.scene.cage, self.scene.bearing, self.scene.models
+        return self._known("read", of, lambda: read_cage(self.scene))
 
     @property
     def cage(self) -> Cage:
         """The cage with its drags; read when a study in time asks for it."""
 
         def bound() -> Cage:
-            of = self.scene.cage, self.scene.bearing, self.scene.models
-            read = self._known("read", of, lambda: read_cage(self.scene))
-            cage = with_drags(read, self.scene, self.kinematics, self.lubricant)
+            cage = with_drags(self._read_cage(), self.scene, self.kinematics, self.lubricant)
             if (resistance := cage.drags.resistance) is not None:
                 check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
             return cage

@@ -9,6 +9,7 @@
 import abc
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, ClassVar, Final, NamedTuple
 
 import attrs
@@ -16,7 +17,7 @@ import attrs
 from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
-from rollslip.catalogue.kinds import Kind
+from rollslip.catalogue.kinds import Kind, Template
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
@@ -41,13 +42,24 @@ class Separator(abc.ABC):
     references: ClassVar[tuple[Citation, ...]]
     #: Coefficient of friction of a roller against its neighbours [1]; None where a cage is between them.
     coefficient: float | None = None
+    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
 
-SEPARATOR: Final = Kind(name="separator", hook="separators", base=Separator)
+SEPARATOR: Final = Kind(
+    name="separator", hook="separators", base=Separator,
+    template=Template(
+        summary="A separator of rollers",
+        contents="what is between neighbours, and how they rub",
+        use="rollslip new own.toml --bearing SL182210 && "
+        "rollslip run own.toml --set models.separator=${model}",
+        classes=("Separator",),
+        needs=("attrs>=24.2",),
+    ),
+)  # fmt: skip
 
 
-def separator(scene: Scene) -> Separator:
-    """Return what keeps the rollers of a scene apart."""
+def _separator(scene: Scene) -> Separator:
     problems, choice = list[str](), scene.models.separator
     raw = {"model": "cage"} if choice is None else {"model": choice.name, **choice.parameters}
     made: Separator = structure_model("separator", raw, Location(scene.origins, ("models", "separator")), problems)
@@ -199,6 +211,7 @@ class Cage:
         "churning and, where a ring guides the cage, its land",
     )
     named: tuple[Any, ...] = attrs.field(default=(), repr=False, metadata={"key": None})
+    separator: Any = attrs.field(default=None, repr=False, metadata={"key": None})  # a `Separator`
     drags: Drags = attrs.field(factory=Drags, metadata={"key": None})
 
     def __attrs_post_init__(self) -> None:
@@ -298,8 +311,8 @@ def read_cage(scene: Scene) -> Cage:
     `with_drags` binds these. Without a cage only these are of use.
     """
     where, problems = Location(scene.origins, ("cage",)), list[str]()
-    table: dict[str, object] = dict(scene.cage or {})
-    if separator(scene).coefficient is not None and (problems := _without(table, where)):
+    table, apart = dict[str, object](scene.cage or {}), _separator(scene)
+    if apart.coefficient is not None and (problems := _without(table, where)):
         raise SceneError(problems)
     estimates = _estimates(scene.bearing, table)
     usual = default_drags(scene, table.get("guidance", estimates["guidance"]))
@@ -311,7 +324,7 @@ def read_cage(scene: Scene) -> Cage:
     ]
     if cage is None or problems:
         raise SceneError(problems)
-    return attrs.evolve(cage, named=tuple(models))
+    return attrs.evolve(cage, named=tuple(models), separator=apart)
 
 
 def _drags(raw: object, usual: Sequence[object], where: Location, problems: list[str]) -> object:
@@ -337,7 +350,7 @@ def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
 def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
     """Return what a cage is, in words, and how that is known."""
     name, written = _written(scene)
-    if (friction := separator(scene).coefficient) is not None:
+    if (friction := cage.separator.coefficient) is not None:
         play = format_quantity(train_play(scene.bearing), "m", 2)
         return "none, full complement", f"rollers rub against each other at {friction:g}, play of their train {play}"
     guide = "the rollers" if cage.guidance == "roller" else f"the {cage.guidance} ring"
@@ -365,7 +378,7 @@ def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
     except RollslipError:  # who needs it says so
         return
     b, where, own = scene.bearing, Location(scene.origins, ("cage",)), own_cage(name)
-    if separator(scene).coefficient is not None:
+    if cage.separator.coefficient is not None:
         if (play := train_play(b)) > b.roller_diameter:
             shown, other = format_quantity(play, "m", 3), format_quantity(b.roller_diameter, "m")
             told = f"without a cage {b.rollers} rollers of {other} have a play of {shown}, room for more of them"
@@ -402,7 +415,7 @@ def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubr
     values = scene_values(scene, kinematics, lubricant) | _of_land(cage, supplied(scene, lubricant))
     given = [filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]
     given = [with_law(model, lubricant.pressure_viscosity_law) for model in given]
-    drags = _by_sort(given, where, problems, caged=separator(scene).coefficient is None)
+    drags = _by_sort(given, where, problems, caged=cage.separator.coefficient is None)
     if problems:
         raise SceneError(problems)
     return attrs.evolve(cage, drags=drags)

@@ -21,7 +21,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.cage import in_words, read_cage, separator
+from rollslip.bearing.cage import in_words, read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
@@ -311,8 +311,9 @@ def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
     """Return which cage a bearing has that the scene does not state; nothing where it does, or none takes part."""
     if not _caged(studies) or "mass" in (scene.cage or {}):
         return ""
-    told = "; ".join(in_words(scene, read_cage(scene)))
-    return f"the cage is the bearing's own, {told}" if separator(scene).coefficient is None else f"cage: {told}"
+    cage = read_cage(scene)
+    told = "; ".join(in_words(scene, cage))
+    return f"the cage is the bearing's own, {told}" if cage.separator.coefficient is None else f"cage: {told}"
 
 
 def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:

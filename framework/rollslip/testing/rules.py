@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from hypothesis import assume
 
+from rollslip.bearing.cage import Separator
 from rollslip.catalogue.kinds import kind_of, usable_kinds
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
@@ -97,7 +98,7 @@ def kinds_of(model: object) -> Iterator[type | str]:
         yield from () if of is None else (of.name,)
         return
     yield "value"
-    beside = (Engine, Lubricant, Study, ThermalModel, DamageModel, TorqueFormula, RingModel)
+    beside = (Engine, Lubricant, Study, ThermalModel, DamageModel, TorqueFormula, RingModel, Separator)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     of = kind_of(model) or kind_of(type(model))
     if of is not None and of.rules:  # a kind that brings its own
