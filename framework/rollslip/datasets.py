@@ -262,8 +262,16 @@ class FormPart:
 
 @attrs.frozen(kw_only=True)
 class Raceway:
-    """How a raceway is out of round."""
+    """What a raceway is of, where that is not the ring of the bearing, and how it is out of round."""
 
+    without_ring: bool = field(
+        default=False,
+        doc="whether rollers run on shaft or housing itself, or in a drawn cup: no seat changes the clearance",
+    )
+    material: Material | None = field(
+        default=None,
+        doc="material of a shaft or a ring that is not of that of the rollers; of the contact laws lundberg knows it",
+    )
     form: tuple[FormPart, ...] = field(
         default=(), doc="what is added up: waves, { lobes = 3, amplitude = '25 um', angle = '60 deg' }, and tables"
     )
@@ -329,10 +337,10 @@ class Bearing:
         default=None, doc="class of the clearance before mounting (ISO 5753-1), such as C3; by default that of the name"
     )
     mounting: Mounting | None = field(default=None, doc="seats and temperatures, which change the clearance")
-    inner_raceway: Raceway | None = field(default=None, doc="how the inner raceway is out of round")
-    outer_raceway: Raceway | None = field(default=None, doc="how the outer raceway is out of round")
+    inner_raceway: Raceway | None = field(default=None, doc="material and form of the inner raceway")
+    outer_raceway: Raceway | None = field(default=None, doc="material and form of the outer raceway")
     profile: Profile = field(default=Profile(), doc="roller profile")
-    material: Material = field(default=Material(), doc="material of rings and rollers")
+    material: Material = field(default=Material(), doc="material of rollers and rings")
     catalogue: Catalogue | None = field(
         default=None, doc="what the catalogue lists, for makers' rules of minimum load and friction torque"
     )
@@ -343,6 +351,11 @@ class Bearing:
     def nominal_clearance(self) -> float:
         """What the diameters leave [m]."""
         return _radial_clearance(self)
+
+    def material_of(self, ring: str) -> Material:
+        """Return what a raceway is of, by default the bearing's material."""
+        raceway: Raceway | None = getattr(self, f"{ring}_raceway")
+        return self.material if raceway is None or raceway.material is None else raceway.material
 
     @property
     def boundaries(self) -> tuple[float, float]:

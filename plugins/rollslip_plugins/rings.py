@@ -246,7 +246,7 @@ class Annulus(RingModel):
 
     def layers(self, bearing: Bearing, ring: str) -> tuple[tuple[float, float, float, float], ...]:
         """Return near and far radius [m], E [Pa] and nu of the ring and of what it sits on, if that is anything."""
-        steel, mounting = bearing.material, bearing.mounting or Mounting()
+        steel, mounting = bearing.material_of(ring), bearing.mounting or Mounting()
         d, D = bearing.boundaries
         if ring == "outer":
             if self.bore is not None:
@@ -354,7 +354,7 @@ class Thin(RingModel):
         if h / 2.0 >= R:
             raise FieldError("thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m")
         area, inertia = width * h, self.section_inertia or width * h**3 / 12.0
-        steel, loose = bearing.material, self.fit_clearance is not None
+        steel, loose = bearing.material_of(ring), self.fit_clearance is not None
         if loose and not self.seat_stiffness > 0.0:
             raise FieldError("seat_stiffness", "must be above 0 with a fit_clearance: nothing else stops the ring")
         held = 0.0 if loose else self.seat_stiffness

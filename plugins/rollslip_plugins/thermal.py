@@ -392,7 +392,7 @@ class Network(ThermalModel):
 def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     """What a bearing's size and speed say of conductances and capacities; see `Network`."""
     b, k, scene = assembly.scene.bearing, assembly.kinematics, assembly.scene
-    oil, steel = assembly.lubricant.at(scene.operation.temperature), b.material
+    oil = assembly.lubricant.at(scene.operation.temperature)
     width = _WIDTH * b.roller_length
     bore, outside = b.boundaries
     seats = {"shaft": math.pi * bore * width, "housing": math.pi * outside * width}
@@ -424,7 +424,9 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
         flash = math.sqrt(math.pi * across / rolling) / raceway.conditions.effusivity
         area = b.rollers * b.roller_length * across
         found[f"{raceway.ring}_ring_rollers"] = model.contact_factor * area / (film / oil.conductivity + flash)
-    heat = steel.density * steel.specific_heat
+    materials = {"rollers": b.material, "inner_ring": b.material_of("inner"), "outer_ring": b.material_of("outer")}
+    heat = {part: m.density * m.specific_heat for part, m in materials.items()}
+    heat |= {"shaft": heat["inner_ring"], "housing": heat["outer_ring"]}
     rings = {
         "inner_ring": 0.25 * math.pi * (b.inner_raceway_diameter**2 - bore**2) * width,
         "outer_ring": 0.25 * math.pi * (outside**2 - b.outer_raceway_diameter**2) * width,
@@ -433,7 +435,7 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     free = 0.25 * math.pi * (b.outer_raceway_diameter**2 - b.inner_raceway_diameter**2) * width - rollers
     both = sum(rings.values())
     volumes = rings | {"rollers": rollers, "housing": _HOUSING * both, "shaft": _SHAFT * both}
-    found |= {f"{part}_capacity": heat * volume for part, volume in volumes.items()}
+    found |= {f"{part}_capacity": heat[part] * volume for part, volume in volumes.items()}
     found["oil_capacity"] = density * model.oil_specific_heat * _FILLED * max(free, 0.1 * rollers)
     found["oil_inlet_temperature"] = scene.operation.temperature
     return found

@@ -10,6 +10,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.errors import SceneError
 from rollslip.scene.reading import load_scene
+from rollslip.scene.values import resolved
 from rollslip_kernels.slices import Slices
 
 pytestmark = pytest.mark.quick
@@ -51,6 +52,25 @@ def test_contacts_of_a_ring_have_its_roughness_radius_and_temperature(ring, roug
     assert conditions.modulus == pytest.approx(200e9 / (1 - 0.25**2), rel=1e-12)
     assert conditions.effusivity == pytest.approx(math.sqrt(40.0 * 7700.0 * 450.0), rel=1e-12)
     assert conditions.length == pytest.approx(15e-3, rel=1e-12)
+
+
+def test_a_shaft_of_another_material_is_half_of_its_contacts():
+    bronze = {"elastic_modulus": "110 GPa", "poisson_ratio": 0.34, "thermal_conductivity": "60 W/(m K)",
+              "specific_heat": "380 J/(kg K)", "density": "8800 kg/m3"}  # fmt: skip
+    shaft = assemble(evolve(SCENE, {"bearing.inner_raceway.material": bronze, "models.contact": "lundberg"}))
+    inner, outer, plain = shaft.inner.conditions, shaft.outer.conditions, assemble(SCENE)
+    # 2/E' is the sum of (1 - nu^2)/E of both bodies, as Hertz has it; of heat each takes what its effusivity says
+    assert 2.0 / inner.modulus == pytest.approx((1 - 0.34**2) / 110e9 + (1 - 0.25**2) / 200e9, rel=1e-12)
+    both = math.sqrt(60.0 * 380.0 * 8800.0), math.sqrt(40.0 * 7700.0 * 450.0)
+    assert inner.effusivity == pytest.approx(sum(both) / 2.0, rel=1e-12)
+    assert outer == plain.outer.conditions
+    assert shaft.roller_mass == plain.roller_mass
+    # b = sqrt(4 w R (sum of (1 - nu^2)/E)/pi)
+    [half_width] = shaft.inner.evaluate(np.array([1e5]), 10.0, 0.1).half_width
+    soft = (1 - 0.34**2) / 110e9 + (1 - 0.25**2) / 200e9
+    assert half_width == pytest.approx(math.sqrt(4.0 * 1e5 * inner.radius * soft / math.pi), rel=1e-12)
+    same = evolve(SCENE, {"bearing.inner_raceway.material": resolved(SCENE.bearing.material)})
+    assert assemble(same).inner.conditions == plain.inner.conditions  # to the bit
 
 
 @pytest.mark.parametrize("ring", ["inner", "outer"])

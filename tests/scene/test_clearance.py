@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from rollslip import evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
-from rollslip.datasets import Bearing, Catalogue, Material, Mounting
+from rollslip.datasets import Bearing, Catalogue, Material, Mounting, Raceway
 from rollslip.errors import SceneError
+from rollslip.fields import FieldError
 from rollslip.planning.plausibility import implausible
 from rollslip.scene.clearance import operating, share, spun, usual_fit
 from rollslip.scene.reading import from_raw, parse_scene
@@ -185,6 +186,22 @@ def test_a_turning_outer_ring_widens_and_a_ring_in_play_is_not_pressed():
 
 
 # The sum -------------------------------------------------------------------------------------------------------------
+
+
+def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc():
+    bare = attrs.evolve(PLAIN, inner_raceway=Raceway(without_ring=True), mounting=Mounting(
+        initial_clearance=5e-5, housing_interference=0.0, temperature_difference=0.0))  # fmt: skip
+    assert operating(bare, (0.0, 0.0)).clearance == pytest.approx(5e-5, abs=1e-12)
+    # (1 - nu) rho w^2 r^3/(4 E) of a solid disc, of radii
+    grown = 2.0 * (1 - 0.3) * STEEL.density * 1000.0**2 * 0.0825**3 / (4.0 * STEEL.elastic_modulus)
+    assert operating(bare, (1000.0, 0.0)).clearance == pytest.approx(5e-5 - grown, abs=1e-12)
+    assert operating(bare, (0.0, 0.0)).assumed == ()
+    for key, value in (("shaft_fit", "k5"), ("shaft_interference", 1e-5)):
+        with pytest.raises(FieldError, match="rollers run on the shaft itself"):
+            operating(attrs.evolve(bare, mounting=Mounting(**{key: value})), (0.0, 0.0))
+    cup = attrs.evolve(bare, outer_raceway=Raceway(without_ring=True), mounting=Mounting(housing_fit="N6"))
+    with pytest.raises(FieldError, match="rollers run on the housing itself"):
+        operating(cup, (0.0, 0.0))
 
 
 def test_the_sum_is_that_by_hand():

@@ -504,18 +504,20 @@ def _slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]
 
 def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Location) -> Conditions:
     """What the contacts of a ring share; the film enters at the mean temperature of the two surfaces."""
-    o, s, m = scene.operation, scene.surface, scene.bearing.material
+    o, s, pair = scene.operation, scene.surface, (scene.bearing.material_of(ring), scene.bearing.material)
     ring_temperature = o.inner_ring_temperature if ring == "inner" else o.outer_ring_temperature
     try:
         oil = lubricant.at((ring_temperature + o.roller_temperature) / 2)
     except DomainError as error:
         raise SceneError([where.at("operation").at("temperature").says(str(error))]) from error
     raceway_roughness = s.inner_raceway_roughness if ring == "inner" else s.outer_raceway_roughness
+    own, other = (m.elastic_modulus / (1 - m.poisson_ratio**2) for m in pair)
     return Conditions(
         length=scene.bearing.roller_length,
         radius=kinematics.inner_equivalent_radius if ring == "inner" else kinematics.outer_equivalent_radius,
-        modulus=m.elastic_modulus / (1 - m.poisson_ratio**2),
+        modulus=own * (other / ((own + other) / 2)),  # 2/(1/own + 1/other), and own to the bit where both are one
         roughness=1.25 * math.hypot(raceway_roughness, s.roller_roughness),
-        effusivity=math.sqrt(m.thermal_conductivity * m.density * m.specific_heat),
+        # heat parts such that both are equally warm
+        effusivity=sum(math.sqrt(m.thermal_conductivity * m.density * m.specific_heat) for m in pair) / 2,
         **{name: getattr(oil, name) for name in _OF_OIL},
     )

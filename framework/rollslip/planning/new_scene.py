@@ -15,6 +15,7 @@ from typing import Any, Final
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
+from rollslip.datasets import Bearing
 from rollslip.errors import RollslipError, SceneError
 from rollslip.scene.clearance import usual_fit
 from rollslip.scene.plausibility import skf_least_load
@@ -212,6 +213,7 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "clearance_class": b.clearance_class or "CN",
         "mounted": "" if b.mounting else "# ",
         "shaft_fit": usual_fit(b.boundaries[0]),
+        **_seats(b),
         "follows": "# " if follows else "",
         "make": cage,
         "why_make": f"{make.words}{f': {says} in the name' if says else ': most makers put it in' if follows else ''}",
@@ -224,6 +226,16 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "supply_words": SUPPLIES[supply].words,
         **given,
     }
+
+
+def _seats(b: Bearing) -> dict[str, str]:
+    """Return marks of the lines of fits, which are comments where a raceway has no ring that sits anywhere."""
+    found = {}
+    for seat, part, raceway in (("on_shaft", "shaft", b.inner_raceway), ("in_housing", "housing", b.outer_raceway)):
+        bare = raceway is not None and raceway.without_ring
+        found[seat] = "# " if bare or not b.mounting else ""
+        found[f"no_{part}"] = f"; not here: rollers run on the {part} itself" if bare else ""
+    return found
 
 
 def _aligned(text: str) -> str:

@@ -85,45 +85,56 @@ def operating(
     ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says,
     from ``temperature`` of the outer ring.
     """
-    m, steel = bearing.mounting or Mounting(), bearing.material
-    shaft_steel, housing_steel = m.shaft_material or steel, m.housing_material or steel
+    m, (of_inner, of_outer) = bearing.mounting or Mounting(), map(bearing.material_of, ("inner", "outer"))
+    shaft_steel, housing_steel = m.shaft_material or of_inner, m.housing_material or of_outer
+    bare = {
+        part: raceway is not None and raceway.without_ring
+        for part, raceway in (("shaft", bearing.inner_raceway), ("housing", bearing.outer_raceway))
+    }
     inner, outer = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter
     bore, outside = bearing.boundaries
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
     for name, size, low, high in (
-        ("shaft_bore", m.shaft_bore, -1.0, bore),
-        ("housing_outside_diameter", around, outside, math.inf),
+        ("shaft_bore", m.shaft_bore, -1.0, inner if bare["shaft"] else bore),
+        ("housing_outside_diameter", around, outer if bare["housing"] else outside, math.inf),
     ):
         if not low < size < high and not math.isinf(size):
             bound = (
                 f"less than {format_quantity(high, 'm')}" if size >= high else f"more than {format_quantity(low, 'm')}"
             )
             raise FieldError(name, f"must be {bound}, not {format_quantity(size, 'm')}")
-    shaft, pressed, of_shaft = _seat(m, "shaft", usual_fit(bore), bore)
-    housing, tight, of_housing = _seat(m, "housing", _USUAL_HOUSING, outside)
-    through = share(steel, inner, bore, m.shaft_bore, shaft_steel), share(steel, outer, outside, around, housing_steel)
+    shaft, pressed, of_shaft = _seat(m, "shaft", usual_fit(bore), bore, bare["shaft"])
+    housing, tight, of_housing = _seat(m, "housing", _USUAL_HOUSING, outside, bare["housing"])
+    through = (
+        0.0 if bare["shaft"] else share(of_inner, inner, bore, m.shaft_bore, shaft_steel),
+        0.0 if bare["housing"] else share(of_outer, outer, outside, around, housing_steel),
+    )
+    beyond = around if bare["housing"] and not math.isinf(around) else outside
     warm = rollers = m.temperature_difference
     if temperatures is not None:
         warm, rollers = (one - temperatures[2] for one in temperatures[:2])
         temperature = temperatures[2]
     more = [0.0 if of is None else of - m.expansion for of in (m.shaft_expansion, m.housing_expansion)]
     shrunk = more[0] * (temperature + warm - _FITTED) * bore, -more[1] * (temperature - _FITTED) * outside
+    wider = more[1] * (temperature - _FITTED) * outer
     fitted = [min(one, m.smoothing * one) + grown for one, grown in zip((pressed, tight), shrunk, strict=True)]
 
     def seated(speed: float) -> float:
         """Widening of the inner raceway [m]."""
-        at_bore, grown = spun(steel, speed, bore, inner)
+        if bare["shaft"]:
+            return more[0] * (temperature + warm - _FITTED) * inner + spun(of_inner, speed, m.shaft_bore, inner)[1]
+        at_bore, grown = spun(of_inner, speed, bore, inner)
         left = fitted[0] - at_bore + spun(shaft_steel, speed, m.shaft_bore, bore)[1]
         return through[0] * max(left, 0.0) + grown
 
-    turned = spun(steel, speeds[1], outer, outside)[0] - seated(speeds[0]) + seated(0.0) if m.growth else 0.0
+    turned = spun(of_outer, speeds[1], outer, beyond)[0] - seated(speeds[0]) + seated(0.0) if m.growth else 0.0
     before = bearing.nominal_clearance if m.initial_clearance is None else m.initial_clearance
     scatters = zip(through, (of_shaft, of_housing), fitted, strict=True)
     return MountedClearance(
         terms=(
             (bearing.clearance_class or "before mounting", before),
             (shaft, -seated(0.0)),
-            (housing, -through[1] * max(fitted[1], 0.0)),
+            (housing, wider if bare["housing"] else -through[1] * max(fitted[1], 0.0)),
             (f"for {warm:.3g} K", -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers)),
             ("for speed", turned),
             ("of deviation", m.clearance_deviation),
@@ -134,16 +145,23 @@ def operating(
         assumed=tuple(
             f"{part}_fit"
             for part in ("shaft", "housing")
-            if getattr(m, f"{part}_fit") is None and getattr(m, f"{part}_interference") is None
+            if not bare[part] and getattr(m, f"{part}_fit") is None and getattr(m, f"{part}_interference") is None
         ),
     )
 
 
-def _seat(m: Mounting, part: str, usual: str, diameter: float) -> tuple[str, float, float]:
+def _seat(m: Mounting, part: str, usual: str, diameter: float, bare: bool) -> tuple[str, float, float]:
     """Return name, mean interference and its standard deviation [m] of a seat."""
     from rollslip.catalogue.discovery import families, get_class  # only a bearing on seats needs a plugin
 
     given = getattr(m, f"{part}_interference")
+    if bare:
+        for key in (f"{part}_fit", f"{part}_interference", f"{part}_material"):
+            if getattr(m, key) is not None:
+                of = f"; its material is that of bearing.{'inner' if part == 'shaft' else 'outer'}_raceway"
+                none = f"rollers run on the {part} itself, so no ring sits there"
+                raise FieldError(key, f"{none}; leave it out{of * key.endswith('material')}")
+        return part, 0.0, 0.0
     if given is not None:
         return f"{part} fit", given, 0.0
     key, name = f"{part}_fit", getattr(m, f"{part}_fit") or usual

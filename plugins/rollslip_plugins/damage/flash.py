@@ -81,11 +81,10 @@ class FlashTemperature(DamageModel):
 
     def conductors(self, contacts: Contacts) -> tuple[tuple[float, float, Array], ...]:
         """Return conductivity K [W/(m K)], heat capacity rho c [J/(m3 K)] and speed v [m/s] of ring and roller."""
-        m, (ring, roller) = contacts.material, contacts.surface_speeds
-        capacity = m.density * m.specific_heat
-        return (m.thermal_conductivity, capacity, ring), (
-            m.thermal_conductivity if self.roller_conductivity is None else self.roller_conductivity,
-            capacity if self.roller_heat_capacity is None else self.roller_heat_capacity,
+        m, own, (ring, roller) = contacts.material, contacts.roller_material, contacts.surface_speeds
+        return (m.thermal_conductivity, m.density * m.specific_heat, ring), (
+            own.thermal_conductivity if self.roller_conductivity is None else self.roller_conductivity,
+            own.density * own.specific_heat if self.roller_heat_capacity is None else self.roller_heat_capacity,
             roller,
         )
 

@@ -59,7 +59,9 @@ class Contacts:
     #: ring_temperature, roller_temperature: Bulk temperatures [K].
     ring_temperature: float
     roller_temperature: float
-    material: Material  #: Of ring and rollers.
+    material: Material  #: Of the raceway.
+    #: Of the rollers.
+    roller_material: Material = attrs.field(default=attrs.Factory(lambda own: own.material, takes_self=True))
 
     @classmethod
     def of(cls, assembly: "Assembly", ring: "Ring", slices: Slices) -> "Contacts":
@@ -70,7 +72,8 @@ class Contacts:
             ring=ring,
             ring_temperature=operation.inner_ring_temperature if ring == "inner" else operation.outer_ring_temperature,
             roller_temperature=operation.roller_temperature,
-            material=assembly.scene.bearing.material,
+            material=assembly.scene.bearing.material_of(ring),
+            roller_material=assembly.scene.bearing.material,
         )
 
     @property
