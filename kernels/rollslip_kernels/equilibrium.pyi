@@ -26,4 +26,5 @@ def solve(
     centrifugal: NDArray[np.float64],
     reach: float,
     found: dict[str, NDArray[np.float64]],
+    pull: NDArray[np.float64] | None = None,
 ) -> Literal["", "inner", "outer", "range"]: ...

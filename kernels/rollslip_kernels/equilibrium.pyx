@@ -63,6 +63,7 @@ cdef struct contact_t:   # of a roller and a ring
 cdef struct roller_t:
     const double *direction  # cos psi, sin psi, and -B of each shape
     double form          # of both raceways, towards the roller
+    double outward       # force on it that no contact exerts, below zero towards the inner ring
     double at[2]         # radial shift, rise of its end by its tilt
     contact_t contact[2]
     double force[2]      # unbalanced
@@ -75,7 +76,8 @@ cdef struct bearing_t:
     const double *xi      # places of the slices over half the roller's length
     const double *drop
     const double *weights  # [3 x slices] of the moments of order 0, 1, 2
-    double length, half_clearance, rise, load, centrifugal
+    double length, half_clearance, rise, load
+    double centrifugal    # the same for all; with what else acts on a roller at most
     double seat, rest     # approach under the centrifugal force, shift of a straight roller under it
     double reach          # longest move
     double stiffness      # typical of a contact
@@ -104,14 +106,15 @@ cdef struct bearing_t:
 def solve(stages, tables, const double[:, :, ::1] direction, const double[:, ::1] form, const double[::1] xi,
           const double[::1] drop, const double[:, ::1] weights, double length, double clearance, double rise,
           const double[::1] given, const double[::1] held, const double[:, ::1] stops, size_t outer,
-          const double[::1] centrifugal, double reach, dict found):
+          const double[::1] centrifugal, double reach, dict found, const double[:, ::1] pull=None):
     """Fill ``found`` with the equilibrium at every instant; return "", or "inner", "outer" or "range" of a refusal.
 
     ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one
     instant; ``direction`` holds cos psi, sin psi and -B of the shapes (M, Z, u), ``form`` those of both raceways
     (M, Z), ``given`` and ``held`` load and stiffness of each unknown of the rings (u,), those from ``outer`` on of the
     outer ring; ``stops`` (s, u + 2) one-sided springs: shapes, stiffness, gap. ``centrifugal`` is the force of each
-    instant (M,): where rollers stand as in the one before, it goes on from there. Of the slices carried along, all of a
+    instant (M,): where rollers stand as in the one before, it goes on from there; ``pull`` what else acts on each roller
+    outwards (M, Z), of which it never goes on. Of the slices carried along, all of a
     roller or its half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h)
     those of the moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach`` the longest move due to
     clearance, profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring (M, u), residual
@@ -143,6 +146,8 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[:, ::1
         raise ValueError(f"{given.shape[0]} loads, {held.shape[0]} stiffnesses, {s} stops for {u} unknowns of rings")
     if form.shape[0] != instants or form.shape[1] != Z:
         raise ValueError("forms must be those of all rollers at all instants")
+    if pull is not None and (pull.shape[0] != instants or pull.shape[1] != Z):
+        raise ValueError("forces must be those on all rollers at all instants")
     if not (weights.shape[1] == drop.shape[0] == h <= n <= 2 * h):
         raise ValueError(f"{drop.shape[0]} drops, {weights.shape[1]} weights for {h} of {n} slices")
     gathered = []
@@ -169,21 +174,27 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[:, ::1
     with nogil:
         for m in range(instants):
             nearest, most = min(nearest, _nearest(&direction[m, 0, 0], Z, u)), max(most, centrifugal[m])
+            if pull is not None:
+                for j in range(Z):
+                    most = max(most, fabs(centrifugal[m] + pull[m, j]))
         b.centrifugal = most
         ended = _measure(&b, max(least_drop, 0.0), nearest, reach)
         m = 0
         while ended == ARRIVED and m < instants:
-            stay = m > 0 and max(residuals[m - 1, 0], residuals[m - 1, 1]) <= ROUNDING
+            stay = m > 0 and max(residuals[m - 1, 0], residuals[m - 1, 1]) <= ROUNDING and pull is None
+            most = centrifugal[m]
             for j in range(Z):
                 for i in range(u):
                     stay = stay and direction[m, j, i] == direction[m - 1, j, i]
                 b.roller[j].direction, b.roller[j].form = &direction[m, j, 0], form[m, j]
+                b.roller[j].outward = centrifugal[m] + (pull[m, j] if pull is not None else 0.0)
+                most = max(most, fabs(b.roller[j].outward))
             if stay:
                 _go_on(&b, centrifugal[m])
                 ended = _settle(&b, &passes[m], &residuals[m, 0])
                 stay = ended == ARRIVED and max(residuals[m, 0], residuals[m, 1]) <= ROUNDING
             if not stay:
-                b.centrifugal = centrifugal[m]
+                b.centrifugal = most
                 b.seat = _approach_for(&b, b.centrifugal)
                 b.rest = b.seat + max(least_drop, 0.0)
                 low = 0.0
@@ -312,8 +323,10 @@ cdef void _start(bearing_t *b, double depth) noexcept nogil:
         r = &b.roller[j]
         gap, rise = depth * r.direction[0] - (b.half_clearance - r.form), b.rise * r.direction[0]
         r.at[0], r.at[1] = 0.5 * (gap + b.seat), 0.5 * rise
-        if b.centrifugal > 0.0 and not r.at[0] > b.rest:
+        if r.outward > 0.0 and not r.at[0] > b.rest:
             r.at[0], r.at[1] = b.rest, 0.0
+        elif r.outward < 0.0 and not gap - r.at[0] > b.rest:
+            r.at[0], r.at[1] = gap - b.rest, rise
         r.search.descent = INFINITY
         r.search.share = r.search.step[0] = r.search.step[1] = 0.0
         for i in range(h):
@@ -405,12 +418,12 @@ cdef int _evaluate(bearing_t *b) noexcept nogil:
             largest = _larger(largest, c.force[0])
     for j in range(b.rollers):
         r = &b.roller[j]
-        r.force[0] = r.contact[INNER].force[0] - r.contact[OUTER].force[0] + b.centrifugal
+        r.force[0] = r.contact[INNER].force[0] - r.contact[OUTER].force[0] + r.outward
         r.force[1] = r.contact[INNER].force[1] - r.contact[OUTER].force[1]
         for i in range(b.outer):
             b.force[i] -= r.contact[INNER].force[0] * r.direction[i]
         for i in range(b.outer, u):
-            b.force[i] -= (r.contact[INNER].force[0] + b.centrifugal) * r.direction[i]
+            b.force[i] -= (r.contact[INNER].force[0] + r.outward) * r.direction[i]
     for j in range(b.stops):
         b.deep[j] = -b.stop_gap[j]
         for i in range(u):
@@ -601,7 +614,7 @@ cdef void _advance(bearing_t *b, double depth) noexcept nogil:
         for i in range(3):
             k[i] = ki[i] + ko[i]
         # balanced well enough to move the ring: by its own forces, or by what the ring lacks
-        own = max(max(r.contact[INNER].force[0], r.contact[OUTER].force[0]), b.centrifugal)
+        own = max(max(r.contact[INNER].force[0], r.contact[OUTER].force[0]), fabs(r.outward))
         unbalanced = _larger(fabs(r.force[0]), fabs(r.force[1]))
         settled = unbalanced <= max(SETTLED * max(own, lacking), AIM * b.scale)
         free = free and settled

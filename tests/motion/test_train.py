@@ -146,6 +146,24 @@ def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage
 # In time -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("angle", ["90 deg", "200 deg"])
+def test_neighbours_bear_what_a_carrier_pulls_along_the_orbit(angle):
+    scene = evolve(NONE, {"operation.carrier": {"speed": "300 rpm", "radius": "0.5 m", "direction": angle}})
+    a, mu = assemble(scene), 0.1
+    balance, (along, across) = rollers(a, 1), a.body_force
+    k, orbit = balance.assembly.kinematics, balance.orbit(0.01)
+    psi = 2.0 * math.pi / 74 * np.arange(74)  # every other position is that of one instant
+    pull = k.orbit_radius * (across * np.cos(psi) - along * np.sin(psi))
+    given = (balance.forces(orbit)[2] + pull)[::2]
+    # c (N ahead - N behind) is what is given beyond an equal share; the least is zero; M = mu r (N ahead + N behind)
+    ahead = np.cumsum(given - given.mean()) / (k.orbit_radius * math.cos(math.pi / 37))
+    ahead -= ahead.min()
+    brakes = mu * k.roller_radius * (ahead + np.roll(ahead, 1))
+    assert orbit.brakes[::2] == pytest.approx(brakes, abs=1e-3 * brakes.max())
+    still = rollers(assemble(NONE), 1).orbit(0.01).brakes[::2]
+    assert abs(brakes - still).max() > 0.2 * still.max()
+
+
 def test_slips_are_those_of_rollers_integrated_in_time():
     """Of tests/tools/references/full_complement.py: without play the steady slip, with it the first order on top."""
     rows = numbers_of(REFERENCES / "full_complement.csv")

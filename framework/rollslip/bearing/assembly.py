@@ -105,7 +105,9 @@ class Assembly:
         return self.centrifugal_force_at(self.kinematics.epicyclic_cage_speed)
 
     def centrifugal_force_at(self, cage_speed: float) -> float:
-        """Return that force at a cage speed [rad/s]."""
+        """Return that force at a cage speed [rad/s], which a carrier adds its own to."""
+        if (carrier := self.scene.operation.carrier) is not None:
+            cage_speed += self.kinematics.direction * carrier.speed
         force = self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)  # a power would raise
         if not force < math.inf:
             raise DomainError(
@@ -114,6 +116,17 @@ class Assembly:
                 "operation.outer_speed, or the mass"
             )
         return force
+
+    @property
+    def body_force(self) -> tuple[float, float]:
+        """Force m w^2 R_p on each roller off the axis of a carrier [N], along the line of load and across it.
+
+        w is the speed of the carrier and R_p the distance of both axes. Across it has the sense of the kinematics.
+        """
+        if (carrier := self.scene.operation.carrier) is None:
+            return 0.0, 0.0
+        force = self.roller_mass * carrier.speed**2 * carrier.radius
+        return force * math.cos(carrier.direction), force * math.sin(carrier.direction) * self.kinematics.direction
 
     @property
     def separator(self) -> Separator:
@@ -252,6 +265,7 @@ class Assembly:
             position=self.position,
             widths=self.widths,
             rings=self.rings,
+            body_force=self.body_force,
         )
 
     @cached_property
@@ -416,7 +430,8 @@ def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
         return one is other or one == other  # what is not changed is the same object, and comparing takes longer
 
     own, other = scene.operation, like.scene.operation
-    loads = ("inner_speed", "outer_speed", "radial_load", "misalignment")
+    temperatures = ("temperature", "inner_ring_temperature", "outer_ring_temperature", "roller_temperature")
+    loads = [a.name for a in attrs.fields(type(own)) if a.name not in temperatures]
     return (
         same(resolution, like.resolution)
         and same(scene.models, like.scene.models)

@@ -104,6 +104,8 @@ class LoadCase:
     )
     #: Rings that yield and forms of the raceways; by default both are rigid and round.
     rings: Rings | None = None
+    #: Force on each roller in one direction whichever way it stands, along the line of load and across it [N].
+    body_force: tuple[float, float] = (0.0, 0.0)
 
     def __attrs_post_init__(self) -> None:
         if self.psi.ndim != 2 or self.psi.size == 0 or not np.all(np.isfinite(self.psi)):
@@ -118,8 +120,8 @@ class LoadCase:
                 raise ValueError(f"{name} is {getattr(self, name)} N: it must be zero or positive")
         if (shape := np.shape(self.centrifugal_force)) not in ((), self.psi.shape[:1]):
             raise ValueError(f"centrifugal_force must be one or of shape (instants,), not {shape}")
-        for name in ("radial_clearance", "misalignment"):
-            if not np.isfinite(getattr(self, name)):
+        for name in ("radial_clearance", "misalignment", "body_force"):
+            if not np.all(np.isfinite(getattr(self, name))):
                 raise ValueError(f"{name} is {getattr(self, name)}: it must be finite")
         if not self.position.shape == self.widths.shape == self.drop.shape:
             raise ValueError(
@@ -132,7 +134,13 @@ class LoadCase:
     @property
     def mirrored(self) -> bool:
         """Whether the bearing mirrors itself in the line of load, so that half a pitch tells of the other."""
-        return self.rings is None or self.rings.mirrored(self.psi)
+        return self.body_force[1] == 0.0 and (self.rings is None or self.rings.mirrored(self.psi))
+
+    @property
+    def pull(self) -> Floats | None:
+        """Share of the body force of every roller that acts outwards [N], (instants, Z); None where there is none."""
+        along, across = self.body_force
+        return along * np.cos(self.psi) + across * np.sin(self.psi) if any(self.body_force) else None
 
 
 @attrs.frozen(eq=False)
@@ -178,6 +186,9 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     and with Q, M the forces and moments about the roller's middle, summed over slices of width l / n::
 
         Q_oj = Q_ij + F_c      M_oj = M_ij      sum Q_ij cos psi_j = F_r      sum Q_ij sin psi_j = 0
+
+    A body force (b_x, b_y) adds b_x cos psi_j + b_y sin psi_j to F_c. What it has along the orbit, b_y cos psi_j - b_x
+    sin psi_j, no contact bears: a cage or the neighbours do.
 
     Of rings that yield by q B(psi) and have the form f(psi), an approach is larger by f - q B, and at rest::
 
@@ -266,6 +277,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         + case.roller_length * abs(case.misalignment)
         + reach,
         found=balance,
+        pull=case.pull,
     )
     if refused == "range":
         raise ConvergenceError(f"the bearing found no equilibrium in the range of floats; {_REMEDY}")

@@ -246,6 +246,16 @@ def plan(
         clearance = format_quantity(mounted.clearance, "m", 3)
         parts.append(Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted)))
     parts.append(rings(stated))
+    if (carrier := scene.operation.carrier) is not None:
+        force = format_quantity(math.hypot(*stated.body_force), "N", 2)
+        parts.append(
+            Part(
+                part="carrier",
+                choice=f"{force} on each roller, {math.degrees(carrier.direction):.3g} deg from the line of load",
+                resolution="in the equilibrium",
+                reason="the bearing turns about another axis; the cage's own weight there is its guide's, and left out",
+            )
+        )
     for name, one in studies.items():
         assembly = stated.at(estimated[name].resolution)
         try:

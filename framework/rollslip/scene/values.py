@@ -12,6 +12,7 @@ Decisions:
 
 import hashlib
 import json
+import math
 import operator
 from collections.abc import Mapping
 from contextlib import suppress
@@ -75,6 +76,25 @@ def _temperature(of: str, default: object = _follow_temperature) -> Any:
 
 
 @attrs.frozen(kw_only=True)
+class Carrier:
+    """The carrier of a planet: load and speeds of rings are those that are seen from it."""
+
+    speed: float = field(unit="rad/s", doc="rotational speed of the carrier", usual=(-2e3, 2e3), possible=(-1e6, 1e6))
+    radius: float = field(
+        unit="m",
+        doc="distance of the axis of the bearing from that of the carrier",
+        validator=positive,
+        usual=(0.01, 2),
+        possible=(1e-4, 50),
+    )
+    direction: float = field(
+        default=attrs.Factory(lambda carrier: math.copysign(math.pi / 2, carrier.speed), takes_self=True),
+        unit="rad",
+        doc="direction away from the axis of the carrier, from the line of load; by default as teeth drive the carrier",
+    )
+
+
+@attrs.frozen(kw_only=True)
 class Operation:
     """What the bearing is doing."""
 
@@ -96,6 +116,8 @@ class Operation:
         usual=(-5e-3, 5e-3),
         possible=(-0.1, 0.1),
     )
+
+    carrier: Carrier | None = field(default=None, doc="carrier that the bearing turns with about another axis")
 
     def __attrs_post_init__(self) -> None:
         if self.inner_speed == self.outer_speed:

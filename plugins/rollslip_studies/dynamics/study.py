@@ -41,7 +41,7 @@ from rollslip_studies.dynamics.history.settings import History, HistorySettings
 from rollslip_studies.dynamics.history.time_functions import Course
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
-from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, unknowns
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, check_moves, unknowns
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
 from rollslip_studies.dynamics.outputs import OUTPUTS
@@ -467,9 +467,7 @@ class Dynamics(Study):
         limit: Course | None = None,
     ) -> MovingBearing:
         """Return the bearing in motion along a history, in which ``limit`` is the slip that is watched."""
-        if assembly.separator.coefficient is not None:
-            told = "motions in time have a cage, rollers without one are known at steady slips alone"
-            raise SceneError([Location(assembly.scene.origins, ("models", "separator")).says(told)])
+        check_moves(assembly)
         friction = self._frictions(critical_slip)
         if history is not None:
             planar = self._of_planar(assembly) if self.level == "planar" else None

@@ -91,7 +91,7 @@ class LoadedRaceways:
         # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same where rings do
         positions = distribution.psi.size
         number, angle = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi)), distribution.psi
-        if assembly.rings is None or assembly.rings.mirrored(distribution.psi):
+        if assembly.load_case(len(distribution.psi)).mirrored:
             count = np.full(positions // 2 + 1, 2.0)
             count[0] = 1.0
             count[-1] -= positions % 2 == 0 and positions > 1

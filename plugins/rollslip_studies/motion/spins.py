@@ -28,7 +28,8 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.equilibrium import Contacts, Floats, LoadCase, angular_positions, solve_equilibrium
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
-from rollslip.errors import ConvergenceError
+from rollslip.errors import ConvergenceError, SceneError
+from rollslip.structure import Location
 from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
@@ -235,6 +236,14 @@ class Motions:
         pace = abs(k.epicyclic_cage_speed) * self.positions / (2.0 * np.pi)
         #: torque that changes the roller slip by one from a position to the next, at no cage slip
         self._inertia = spin * pace if inertia else 0.0
+        along, across = assembly.body_force
+        if pocket > 0.0 and (along or across):
+            told = "friction in pockets is that of forces along the orbit, and those of a carrier are not among them"
+            where = Location(assembly.scene.origins, ("cage", "drag"))
+            raise SceneError([where.says(f"{told}; leave out one of them")])
+        angle = self._orbit[1]
+        #: torque of the body force on a roller along the orbit, in its sense [N m], (K,)
+        self._pull = self.sense * k.orbit_radius * (across * np.cos(angle) - along * np.sin(angle))
         self._rollers, self._lever = self.sense * assembly.scene.bearing.rollers, 1.0 + k.outer_radius / k.roller_radius
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle = self._most = 0.0
@@ -376,7 +385,7 @@ class Motions:
             turns = k.roller_radius * k.epicyclic_roller_speed * (1.0 - at)
             falls = np.clip(taken, 0.0, k.outer_radius / k.roller_radius) * turns / np.hypot(turns, SLIDES)
             torque, falls = self.sense * torque.reshape(shape), falls.reshape(shape)
-            step = friction * sum(train.pushes(torque + falls * now, falls * friction)) - now
+            step = friction * sum(train.pushes(torque + self._pull + falls * now, falls * friction)) - now
             size = np.abs(step).max(axis=1)
             stalled[rows] += size > _SLOWLY * least[rows]
             least[rows] = np.minimum(size, least[rows])

@@ -10,7 +10,8 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.errors import DomainError, RollslipError
+from rollslip.errors import DomainError, RollslipError, SceneError
+from rollslip.structure import Location
 from rollslip_kernels.motion.system import System
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, RacewayFriction
 from rollslip_studies.motion.effective_table import table_records
@@ -28,6 +29,17 @@ def unknowns(level: str, assembly: Assembly) -> int:
     head, roller = _UNKNOWNS[level]
     shapes = assembly.rings.parity.size if level == "planar" and assembly.rings is not None else 0
     return head + 2 * shapes + roller * assembly.scene.bearing.rollers
+
+
+def check_moves(assembly: Assembly) -> None:
+    """Refuse a bearing that is known at steady slips alone."""
+    for table, key, there, told in (
+        ("models", "separator", assembly.separator.coefficient is not None, "have a cage, rollers without one"),
+        ("operation", "carrier", assembly.scene.operation.carrier is not None, "know no carrier, planets"),
+    ):
+        if there:
+            where = Location(assembly.scene.origins, (table, key))
+            raise SceneError([where.says(f"motions in time {told} are known at steady slips alone")])
 
 
 @attrs.frozen(eq=False, kw_only=True)

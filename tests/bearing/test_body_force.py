@@ -1,0 +1,169 @@
+"""Forces on rollers in one direction, those of a carrier: sums of forces, statics by hand, and another solver."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq, root
+
+from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
+from rollslip.errors import SceneError
+from rollslip_studies.motion.spins import solve_orbits
+from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.motion.train import Train
+
+pytestmark = pytest.mark.quick
+
+SCENE = load_scene("1032930-50C")
+LAW = SimpleNamespace(
+    conditions=Conditions(length=0.014), deflection=Chain(get_model("contact", "iso16281").deflection())
+)
+
+
+def case(rollers=14, instants=1, **values):
+    given = {"radial_clearance": 2e-5, "radial_load": 3000.0, **values}
+    return LoadCase(angular_positions(rollers, instants), 0.014, [0.0], **given)
+
+
+def planet(**changes):
+    """A bearing whose inner ring stands on the pin of a carrier and whose outer one turns against it."""
+    carrier = {"speed": "400 rpm", "radius": "0.3 m", **changes}
+    return evolve(SCENE, {"operation.inner_speed": "0 rpm", "operation.outer_speed": "-3000 rpm",
+                          "operation.carrier": carrier, "operation.radial_load": "8 kN"})  # fmt: skip
+
+
+@given(
+    st.integers(5, 21), st.floats(0.0, 500.0), st.floats(0.0, 300.0), st.floats(-math.pi, math.pi),
+    st.floats(-1e-5, 5e-5), st.floats(10.0, 2e4),
+)  # fmt: skip
+@settings(max_examples=60, deadline=None)
+def test_forces_of_all_rollers_add_up(Z, centrifugal, body, angle, clearance, load):
+    b = body * math.cos(angle), body * math.sin(angle)
+    one = case(Z, 1, body_force=b, centrifugal_force=centrifugal, radial_clearance=clearance, radial_load=load)
+    s = solve_equilibrium(one, (LAW, LAW))
+    e = np.stack((np.cos(s.psi), np.sin(s.psi)))
+    size = max(load, centrifugal + body, s.inner_force.max())
+    # each roller, the inner ring, and the outer one, which bears half of all body forces besides: Z/2 of e e^T is 1
+    assert np.abs(s.outer_force - s.inner_force - centrifugal - b @ e.reshape(2, -1)).max() < 1e-9 * size
+    assert (s.inner_force * e).sum(axis=(1, 2)) == pytest.approx([load, 0.0], abs=1e-9 * size)
+    outer = np.array([load, 0.0]) + 0.5 * Z * np.array(b)
+    assert (s.outer_force * e).sum(axis=(1, 2)) == pytest.approx(outer, abs=1e-9 * Z * size)
+
+
+def test_rollers_at_rest_on_a_race_bear_what_points_at_it():
+    # without load a roller stands on the outer ring with F_c + b cos psi; where that is below zero it lies on the inner
+    s = solve_equilibrium(case(radial_load=0.0, centrifugal_force=50.0, body_force=(30.0, 40.0)), (LAW, LAW))
+    assert s.inner_force == pytest.approx(0.0, abs=1e-12)
+    assert s.outer_force == pytest.approx(50.0 + 30.0 * np.cos(s.psi) + 40.0 * np.sin(s.psi), abs=1e-10)
+    # a heavy ring under few light rollers: those above it lie on it, those below it carry it
+    s = solve_equilibrium(case(radial_load=4000.0, body_force=(2.0, 0.0), radial_clearance=2e-4), (LAW, LAW))
+    above = np.cos(s.psi) < -1e-9
+    assert s.inner_force[above] == pytest.approx(-2.0 * np.cos(s.psi[above]), abs=1e-9)
+    assert s.outer_force[above] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("body", [(25.0, 0.0), (-60.0, 35.0)])
+def test_another_solver_finds_the_same_loads(body):
+    """Each roller by a bracket, where the ring is held; the ring by the hybrid method of MINPACK."""
+    G, F, centrifugal = 1e-5, 2000.0, 20.0
+    one = case(9, radial_clearance=G, radial_load=F, centrifugal_force=centrifugal, body_force=body)
+    law, psi = get_model("contact", "iso16281").deflection(), one.psi[0]
+    outwards = centrifugal + body[0] * np.cos(psi) + body[1] * np.sin(psi)
+
+    def force(approach):
+        slices = Slices(1, Conditions(length=0.014), approach=np.array([approach]))
+        law.evaluate(slices)
+        return 0.014 * float(slices.load[0]) if approach > 0.0 else 0.0
+
+    def inner(x):
+        gaps = 1e-5 * (x[0] * np.cos(psi) + x[1] * np.sin(psi)) - G / 2
+        at = [
+            brentq(lambda y, gap=gap, f=f: force(gap - y) - force(y) + f, -1e-3, 1e-3, xtol=1e-17, rtol=1e-15)
+            for gap, f in zip(gaps, outwards, strict=True)
+        ]
+        return np.array([force(gap - y) for gap, y in zip(gaps, at, strict=True)])
+
+    found = root(lambda x: np.array([F - inner(x) @ np.cos(psi), inner(x) @ np.sin(psi)]), [2.0, 0.1], tol=1e-12)
+    solved = solve_equilibrium(one, (LAW, LAW))
+    assert solved.inner_force[0] == pytest.approx(inner(found.x), abs=1e-6 * F)
+    assert solved.displacement[0] == pytest.approx(1e-5 * found.x, abs=1e-11)
+
+
+def test_over_a_pitch_half_is_solved_only_if_the_other_mirrors_it():
+    for body in ((40.0, 0.0), (40.0, 25.0)):
+        one = case(11, 4, body_force=body, centrifugal_force=60.0)
+        every, pitch = solve_equilibrium(one, (LAW, LAW)), solve_pitch(one, (LAW, LAW))
+        assert pitch.outer_force == pytest.approx(every.outer_force, rel=1e-9, abs=1e-7)
+        inner, _ = solve_orbits(one, (LAW, LAW), np.array([60.0, 30.0]))
+        assert inner.shape[1] == (3 if body[1] == 0.0 else 4)
+        assert inner[0, :3] == pytest.approx(every.inner_load[:3], rel=1e-8, abs=1e-4)
+
+
+def test_a_planet_feels_its_carrier():
+    scene = planet()
+    a, b = assemble(scene), scene.bearing
+    w, mass = 400.0 * math.pi / 30.0, 7800.0 * math.pi / 4.0 * 0.015**2 * 0.015
+    k = a.kinematics
+    # outwards is across the load, and seen in a mirror, since the outer ring turns backwards as the inner one forwards
+    assert math.hypot(*a.body_force) == pytest.approx(mass * w**2 * 0.3, rel=1e-9)
+    assert a.body_force[1] == pytest.approx(k.direction * mass * w**2 * 0.3, rel=1e-9)
+    # with all that Coriolis adds the force off the axis of the bearing is that of the absolute speed of the orbit
+    cage = k.direction * k.epicyclic_cage_speed + w
+    assert a.centrifugal_force == pytest.approx(mass * k.orbit_radius * cage**2, rel=1e-9)
+    alone = evolve(scene, {"operation.carrier": {"speed": "1 rpm", "radius": "1 mm"}})
+    assert assemble(alone).centrifugal_force > 1.5 * a.centrifugal_force
+    loads = a.load_distribution(2)
+    e = np.stack((np.cos(loads.psi), np.sin(loads.psi)))
+    b_outer = (loads.outer_force * e).sum(axis=2)
+    assert b_outer[1] == pytest.approx(0.5 * b.rollers * a.body_force[1], rel=1e-6)
+
+
+def test_over_an_orbit_unloaded_rollers_feel_where_the_carrier_points():
+    balance = rollers(assemble(planet(radius="1.2 m")), 2)
+    orbit, a = balance.orbit(0.02), balance.assembly
+    psi = 2.0 * math.pi / orbit.roller_slip.size * np.arange(orbit.roller_slip.size) * balance.motions.sense
+    b, free = a.body_force, orbit.force[0] == 0.0
+    outwards = a.centrifugal_force_at(balance.cage_speed(0.02)) + b[0] * np.cos(psi) + b[1] * np.sin(psi)
+    assert orbit.force[1][free] == pytest.approx(np.maximum(outwards, 0.0)[free], rel=1e-9, abs=1e-9)
+    assert np.any(free & (outwards > 0.0))
+    assert (outwards < 0.0).any()
+    assert np.all(orbit.force[0][outwards < 0.0] >= -outwards[outwards < 0.0] * (1.0 - 1e-9))  # on the inner ring
+
+
+def test_a_full_complement_pushes_against_the_carrier():
+    """Of rollers that nothing else drives N is a sine above its least of zero, of a chain that hangs."""
+    Z, pull = 12, 9.0
+    psi = 2.0 * math.pi / Z * np.arange(Z)
+    behind, ahead = Train(Z, 0.01, 0.5, 0.1).pushes((pull * np.cos(psi))[None])
+    # c (a_k - b_k) = pull cos psi_k: the sum is pull sin/(2 c sin(pi/Z)) at the half steps
+    want = pull / (2.0 * 0.5 * math.sin(math.pi / Z)) * np.sin(psi - math.pi / Z)
+    assert behind[0] == pytest.approx(want - want.min(), abs=1e-9)
+    assert ahead[0] == pytest.approx(np.roll(behind[0], -1), abs=1e-12)
+
+
+def test_motions_in_time_and_friction_in_pockets_refuse_a_carrier():
+    from rollslip_studies.dynamics.study import Dynamics
+
+    a = assemble(planet())
+    with pytest.raises(SceneError, match="motions in time know no carrier, planets"):
+        Dynamics(duration=1e-3).moving(a)
+    with pytest.raises(SceneError, match="friction in pockets"):
+        rollers(assemble(evolve(planet(), {"cage.drag": ["pocket-friction"]})), 1).torque(0.1)
+
+
+@pytest.mark.parametrize(
+    ("carrier", "says"),
+    [
+        ({"speed": "400 rpm"}, "radius"),
+        ({"speed": "400 rpm", "radius": "0 m"}, "above 0"),
+        ({"radius": "1 m"}, "speed"),
+    ],
+)
+def test_half_a_carrier_is_refused(carrier, says):
+    with pytest.raises(SceneError, match=says):
+        evolve(SCENE, {"operation.carrier": carrier})
