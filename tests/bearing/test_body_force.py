@@ -1,4 +1,4 @@
-"""Forces on rollers in one direction, those of a carrier: sums of forces, statics by hand, and another solver."""
+"""Forces on rollers in one direction, a carrier's and gravity: sums of forces, statics by hand, and another solver."""
 
 import math
 from types import SimpleNamespace
@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq, root
 
-from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene
+from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import SceneError
+from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.motion.spins import solve_orbits
 from rollslip_studies.motion.torque_balance import rollers
 from rollslip_studies.motion.train import Train
@@ -147,8 +148,6 @@ def test_a_full_complement_pushes_against_the_carrier():
 
 
 def test_motions_in_time_and_friction_in_pockets_refuse_a_carrier():
-    from rollslip_studies.dynamics.study import Dynamics
-
     a = assemble(planet())
     with pytest.raises(SceneError, match="motions in time know no carrier, planets"):
         Dynamics(duration=1e-3).moving(a)
@@ -167,3 +166,67 @@ def test_motions_in_time_and_friction_in_pockets_refuse_a_carrier():
 def test_half_a_carrier_is_refused(carrier, says):
     with pytest.raises(SceneError, match=says):
         evolve(SCENE, {"operation.carrier": carrier})
+
+
+# Gravity -------------------------------------------------------------------------------------------------------------
+
+
+def slow(**changes):
+    return evolve(SCENE, {"operation.inner_speed": "20 rpm", "operation.radial_load": "30 N", **changes})
+
+
+def test_rollers_lie_where_their_weight_puts_them():
+    weight = 9.80665 * 7800.0 * math.pi / 4.0 * 0.015**2 * 0.015
+    a = assemble(slow(**{"operation.gravity_direction": "0 deg"}))
+    assert a.body_force == pytest.approx((weight, 0.0), rel=1e-9)
+    s = a.load_distribution(4)
+    held = a.centrifugal_force + weight * np.cos(s.psi)
+    lying, standing = held < 0.0, (s.inner_force == 0.0) & (held > 0.0)
+    assert lying.any()
+    assert standing.any()
+    assert s.inner_force[lying & (np.cos(s.psi) < -0.5)] == pytest.approx(
+        -held[lying & (np.cos(s.psi) < -0.5)], rel=1e-6
+    )
+    assert s.outer_force[standing] == pytest.approx(held[standing], rel=1e-6)
+    outer = (s.outer_force * np.cos(s.psi)).sum(axis=1)
+    assert outer == pytest.approx(30.0 + 14.0 * weight, rel=1e-9)  # half of 28 rollers
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+def test_weight_is_left_out_where_it_moves_nothing_beyond_the_tolerance(tolerance):
+    given = {
+        "operation.gravity_direction": "30 deg",
+        "operation.inner_speed": "6371 rpm",
+        "accuracy.tolerance": tolerance,
+    }
+    light = assemble(evolve(SCENE, {**given, "operation.radial_load": "3 kN"}))
+    assert light.weight_share < tolerance
+    assert light.body_force == (0.0, 0.0)
+    exact = assemble(evolve(SCENE, {**given, "operation.radial_load": "3 kN", "accuracy.tolerance": 1e-6}))
+    assert exact.body_force[1] > 0.0
+    one, other = (of.load_distribution(2).inner_force.sum(axis=1) for of in (light, exact))
+    assert one == pytest.approx(other, rel=tolerance)
+
+
+def parts(scene):
+    return {part.part: part for part in plan(scene, "effective-friction").parts}
+
+
+def test_the_plan_says_what_weight_leaves():
+    left = parts(slow())["gravity of rollers"]
+    assert not left.included
+    assert "operation.gravity_direction would take it in" in left.reason
+    taken = parts(slow(**{"operation.gravity_direction": "15 deg"}))["gravity of rollers"]
+    assert taken.included
+    assert "15 deg from the line of load" in taken.choice
+    fast = evolve(SCENE, {"operation.gravity_direction": "0 deg", "accuracy.tolerance": 1e-2})
+    assert "below the tolerance" in parts(fast)["gravity of rollers"].reason
+    assert "gravity of rollers" not in parts(evolve(SCENE, {"accuracy.tolerance": 1e-2}))
+    assert parts(planet())["carrier"].included
+
+
+def test_weight_is_refused_where_it_turns_or_moves_in_time():
+    with pytest.raises(SceneError, match="turns round where a carrier does"):
+        evolve(planet(), {"operation.gravity_direction": "0 deg"})
+    with pytest.raises(SceneError, match="know no weight of rollers but that of level planar"):
+        Dynamics(duration=1e-3).moving(assemble(slow(**{"operation.gravity_direction": "0 deg"})))

@@ -40,6 +40,8 @@ from rollslip_kernels.slices import Conditions, Slices
 _PIECE = 2048  # slices whose deflection is found at a time
 _KEPT = 1 << 14  # loads in a distribution that is kept, at most
 _OF_OIL: Final = tuple(attrs.fields_dict(OilState))
+#: Standard acceleration of free fall [m/s2].
+GRAVITY: Final = 9.80665
 _log = logging.getLogger(__name__)
 _T = TypeVar("_T")
 
@@ -119,14 +121,23 @@ class Assembly:
 
     @property
     def body_force(self) -> tuple[float, float]:
-        """Force m w^2 R_p on each roller off the axis of a carrier [N], along the line of load and across it.
+        """Force on each roller in one direction [N], along the line of load and across it in the sense of kinematics.
 
-        w is the speed of the carrier and R_p the distance of both axes. Across it has the sense of the kinematics.
+        m w^2 R_p off the axis of a carrier, w its speed and R_p the distance of both axes; or the weight m g, where its
+        share is above the tolerance.
         """
-        if (carrier := self.scene.operation.carrier) is None:
-            return 0.0, 0.0
-        force = self.roller_mass * carrier.speed**2 * carrier.radius
-        return force * math.cos(carrier.direction), force * math.sin(carrier.direction) * self.kinematics.direction
+        o, force, direction = self.scene.operation, 0.0, 0.0
+        if o.carrier is not None:
+            force, direction = self.roller_mass * o.carrier.speed**2 * o.carrier.radius, o.carrier.direction
+        elif o.gravity_direction is not None and self.weight_share > self.scene.accuracy.tolerance:
+            force, direction = self.roller_mass * GRAVITY, o.gravity_direction
+        return force * math.cos(direction), force * math.sin(direction) * self.kinematics.direction
+
+    @property
+    def weight_share(self) -> float:
+        """Weight of a roller over what presses it besides, F_r/Z + F_c."""
+        pressed = self.scene.operation.radial_load / self.scene.bearing.rollers + self.centrifugal_force
+        return self.roller_mass * GRAVITY / pressed if pressed > 0.0 else math.inf
 
     @property
     def separator(self) -> Separator:
@@ -278,7 +289,7 @@ class Assembly:
             )
             for raceway in self.raceways
         ]
-        return self.slices, self.resolution.quadrature, self.inner.chain.placed, *sides
+        return self.slices, self.resolution.quadrature, self.inner.chain.placed, self.body_force, *sides
 
     def places(self, ring: Ring, angle: Array, roller: Array | None = None) -> dict[str, Array]:
         """Return where slices of rollers are, as `LoadedContacts` takes it; nothing where no law asks.

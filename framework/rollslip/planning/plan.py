@@ -20,7 +20,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.assembly import GRAVITY, Assembly, assemble
 from rollslip.bearing.cage import in_words, read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
@@ -246,16 +246,7 @@ def plan(
         clearance = format_quantity(mounted.clearance, "m", 3)
         parts.append(Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted)))
     parts.append(rings(stated))
-    if (carrier := scene.operation.carrier) is not None:
-        force = format_quantity(math.hypot(*stated.body_force), "N", 2)
-        parts.append(
-            Part(
-                part="carrier",
-                choice=f"{force} on each roller, {math.degrees(carrier.direction):.3g} deg from the line of load",
-                resolution="in the equilibrium",
-                reason="the bearing turns about another axis; the cage's own weight there is its guide's, and left out",
-            )
-        )
+    parts += _pulls(stated)
     for name, one in studies.items():
         assembly = stated.at(estimated[name].resolution)
         try:
@@ -430,6 +421,27 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
         resolution="every loaded lamina",
         reason="the scene names it" if kind in named else "default",
     )
+
+
+def _pulls(assembly: Assembly) -> list[Part]:
+    """Return what acts on all rollers in one direction."""
+    o, share, tolerance = assembly.scene.operation, assembly.weight_share, assembly.scene.accuracy.tolerance
+    direction = o.gravity_direction
+    if (carrier := o.carrier) is not None:
+        what, direction = "carrier", carrier.direction
+        why = "the bearing turns about another axis; the cage's own weight there is its guide's, and left out"
+    elif share > tolerance or direction is not None:
+        weight = format_quantity(assembly.roller_mass * GRAVITY, "N", 2)
+        what = "gravity of rollers"
+        why = f"{weight} each, {100.0 * share:.2g} % of what presses a roller on average"
+        if direction is None or share <= tolerance:
+            less = "below the tolerance" if share <= tolerance else "operation.gravity_direction would take it in"
+            return [Part(part=what, choice=weight, resolution="", reason=f"{why}: {less}", included=False)]
+    else:
+        return []
+    force = format_quantity(math.hypot(*assembly.body_force), "N", 2)
+    choice = f"{force} on each roller, {math.degrees(direction):.3g} deg from the line of load"
+    return [Part(part=what, choice=choice, resolution="in the equilibrium", reason=why)]
 
 
 def _inlet(film: FilmModel) -> Part:

@@ -118,8 +118,15 @@ class Operation:
     )
 
     carrier: Carrier | None = field(default=None, doc="carrier that the bearing turns with about another axis")
+    gravity_direction: float | None = field(
+        default=None,
+        unit="rad",
+        doc="direction of gravity on the rollers, from the line of load, where it counts; by default it is left out",
+    )
 
     def __attrs_post_init__(self) -> None:
+        if self.carrier is not None and self.gravity_direction is not None:
+            raise FieldError("gravity_direction", "it turns round where a carrier does; leave out one of them")
         if self.inner_speed == self.outer_speed:
             speed = format_quantity(self.inner_speed, "rad/s")
             raise FieldError("inner_speed", f"both rings turn at {speed}, so nothing rolls; give them different speeds")
