@@ -2,10 +2,14 @@
 
 - A model hands over data: shapes as Fourier sums, each with a stiffness, what pushes on them, and one-sided stops. It
   solves nothing: the equilibrium stays one convex problem of all rollers and both rings, the framework's.
-- The form of a raceway is geometry, of the bearing, and goes with every model. It stands in the line of load.
+- The form of a raceway is geometry, of the bearing, and goes with every model. It stands in the line of load, or turns
+  with its ring. How far it has turned is independent of where rollers are in their pitch, if one waits for long. So a
+  mean is one over both, and instants of a pitch are a lattice of rank 1 in both: (m/M, k m/M mod 1), k/M nearly the
+  golden section, which has the longest shortest wave that it takes for a constant.
 """
 
 import abc
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
@@ -20,6 +24,9 @@ from rollslip.references import Citation
 __all__ = ["RingModel", "RingShapes", "Rings", "Stops"]
 
 Floats = NDArray[np.float64]
+
+#: By which share of its period, nearly, a form of the inner and the outer ring turns from one instant to the next.
+SHARES = (0.6180339887498949, 0.4142135623730951)
 
 
 @attrs.frozen(eq=False)
@@ -105,6 +112,14 @@ class RingModel(abc.ABC):
         """
 
 
+def _lattice(instants: int, share: float) -> Floats:
+    """Return shares k m/M mod 1 of a period at M instants, (M,)."""
+    step = int(share * instants) | 1
+    while math.gcd(step, instants) > 1:
+        step += 1
+    return np.arange(instants) * step % instants / instants
+
+
 @attrs.frozen(eq=False)
 class Rings:
     """Both rings and the forms of their raceways."""
@@ -115,6 +130,9 @@ class Rings:
     waves: tuple[tuple[int, float, float], ...] = ()
     tables: tuple[tuple[Floats, Floats], ...] = ()
     left: float = 0.0  #: Relative error of friction that shapes which were left out are estimated to leave.
+    #: Of each of these the period in which it turns against the load [rad], 0 if it stands, and its `SHARES`; empty if
+    #: all stand.
+    turns: tuple[tuple[float, float], ...] = ()
 
     @property
     def yielding(self) -> dict[str, RingShapes]:
@@ -127,16 +145,29 @@ class Rings:
         return np.concatenate((self.inner.parity, self.outer.parity))
 
     def form(self, psi: Floats) -> Floats:
-        """Return how far both raceways stand out of round towards a roller [m], at angles [rad]."""
+        """Return how far both raceways stand out of round towards a roller [m], at angles [rad].
+
+        Forms that turn do so from one instant to the next of those of a whole pitch, (M, Z).
+        """
         form = np.zeros(psi.shape)
-        for lobes, amplitude, angle in self.waves:
-            form += amplitude * np.cos(lobes * (psi - angle))
-        for angles, heights in self.tables:
-            form += np.interp(psi, angles, heights, period=2.0 * np.pi)
+        turned: list[Floats] = [np.zeros(1)] * (len(self.waves) + len(self.tables))
+        if self.turning and psi.ndim == 2:
+            turned = [period * _lattice(psi.shape[0], share)[:, None] for period, share in self.turns]
+        for (lobes, amplitude, angle), turn in zip(self.waves, turned, strict=False):
+            form += amplitude * np.cos(lobes * (psi - angle - turn))
+        for (angles, heights), turn in zip(self.tables, turned[len(self.waves) :], strict=True):
+            form += np.interp(psi - turn, angles, heights, period=2.0 * np.pi)
         return form
+
+    @property
+    def turning(self) -> bool:
+        """Whether a form turns against the load."""
+        return any(period for period, _ in self.turns)
 
     def mirrored(self, psi: Floats) -> bool:
         """Whether what rollers at these angles feel mirrors itself in the line of load."""
+        if self.turning:
+            return False
         here, there = self.form(psi), self.form(-psi)
         same = bool(np.all(np.abs(here - there) <= 1e-12 * max(np.abs(here).max(initial=0.0), 1e-12)))
         return same and self.inner.symmetric and self.outer.symmetric

@@ -31,7 +31,9 @@ from rollslip_plugins.rings import (
     modal,
     numbers,
 )
+from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.figures import figures
+from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.ring_figures import ring_figure
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
@@ -470,6 +472,83 @@ def test_friction_counts_all_rollers_of_forms_that_do_not_mirror_themselves():
     assert slip(0.4) == pytest.approx(other, rel=1e-3)
 
 
+def mean_friction(scene, instants, slip=0.01):
+    """Pulls and forces of both rings over the instants of a pitch, (2, 2)."""
+    made = assemble(scene)
+    raceways = LoadedRaceways(made, made.load_distribution(instants), "epicyclic")
+    curve = raceways.evaluated(raceways.speeds(np.array([slip])))[0][:, 0]
+    force = np.array([raceways.inner.total, raceways.outer.total]) / instants
+    return np.array([curve * force, force])
+
+
+@pytest.mark.parametrize(
+    ("form", "angles"),
+    [
+        ([{"lobes": 2, "amplitude": "15 um"}], 24),
+        ([{"lobes": 4, "amplitude": "6 um", "angle": "20 deg"}, {"lobes": 6, "amplitude": "4 um"}], 24),
+        ([{"angles": ["0 deg", "40 deg", "90 deg", "200 deg"], "heights": ["0 um", "9 um", "2 um", "5 um"]}], 48),
+    ],
+)
+def test_friction_of_a_form_that_turns_is_the_mean_over_all_turns_and_instants(form, angles):
+    """Against forms that stand, turned by equal angles, with 8 instants for each; the pulls and forces are added."""
+    base = {"operation.radial_load": "6 kN", "bearing.radial_clearance": "5 um"}
+    found = mean_friction(scene(**base, **{"bearing.inner_raceway.form": form}), 256)
+
+    def turned(k):
+        turn, parts = 360.0 * k / angles, []
+        for part in form:
+            if "lobes" in part:
+                parts.append({**part, "angle": f"{float(part.get('angle', '0').split()[0]) + turn} deg"})
+            else:  # a table begins anywhere in its turn
+                places = sorted((float(at.split()[0]) + turn) % 360.0 for at in part["angles"])
+                given = {
+                    (float(at.split()[0]) + turn) % 360.0: h
+                    for at, h in zip(part["angles"], part["heights"], strict=True)
+                }
+                parts.append({"angles": [f"{at} deg" for at in places], "heights": [given[at] for at in places]})
+        return mean_friction(scene(**base, **{"bearing.outer_raceway.form": parts}), 8)
+
+    want = np.mean([turned(k) for k in range(angles)], axis=0)
+    assert found[0] / found[1] == pytest.approx(want[0] / want[1], rel=1e-3)
+    assert found[1] == pytest.approx(want[1], rel=1e-3)
+    standing = turned(0)
+    assert abs(standing[0] / standing[1] / (want[0] / want[1]) - 1.0).max() > 5e-3  # so that the mean says something
+
+
+def test_a_form_that_turns_moves_the_friction_that_is_told_and_converges():
+    changes = {
+        "bearing.inner_raceway.form": [{"lobes": 2, "amplitude": "15 um"}],
+        "study.effective-friction.runaway_range": 0.0,
+        "study.effective-friction.points": 9,
+        "study.effective-friction.map_points": 0,
+    }
+    result = run(scene(**changes), "effective-friction")
+    assert result.attrs["instants"] >= 4
+    round_one = {key: value for key, value in changes.items() if "form" not in key}
+    other = run(scene(**round_one), "effective-friction")
+    assert abs(float(result.effective_friction[0, -1] / other.effective_friction[0, -1]) - 1.0) > 0.01
+
+
+@pytest.mark.parametrize("ring", ["inner", "outer"])
+def test_orbits_that_do_not_repeat_are_refused_in_words(ring):
+    made = scene(**{f"bearing.{ring}_raceway.form": [{"lobes": 2, "amplitude": "15 um"}],
+                    "operation.outer_speed": "-100 rpm"})  # fmt: skip
+    for study in ("steady-slip", "effective-friction"):
+        with pytest.raises(SceneError, match=f"bearing.{ring}_raceway.form: turns with its ring.*level planar"):
+            run(made, study)
+    for level in ("cage-set", "pocket"):
+        with pytest.raises(SceneError, match="orbits of rollers do not repeat"):
+            Dynamics(duration=1e-3, level=level).moving(assemble(made))
+
+
+def test_single_rollers_of_forms_that_do_not_mirror_themselves_are_told_apart():
+    form = [{"lobes": 2, "amplitude": "20 um", "angle": "0.4 rad"}]
+    made = assemble(scene(**{"bearing.outer_raceway.form": form}))
+    loads = made.load_distribution(2)
+    friction = LoadedRaceways(made, loads, "epicyclic").per_roller(np.array([0.01]))[0, :, 0]
+    assert np.array_equal(np.isnan(friction), loads.inner_force[0] == 0.0)
+
+
 # Scenes ---------------------------------------------------------------------------------------------------------------
 
 
@@ -504,7 +583,6 @@ def test_a_table_of_a_form_is_the_wave_it_was_taken_of(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"bearing.inner_raceway.form": [{"lobes": 2, "amplitude": "20 um"}]}, "turns with its ring"),
         ({"models.outer_ring": {"model": "annulus", "bore": "0.1 m"}}, "models.outer_ring.bore: is that of a shaft"),
         ({"models.outer_ring": {"model": "annulus", "outside": "0.2 m"}}, "must be at least the ring's own"),
         ({"models.outer_ring": {"model": "thin", "fit_clearance": "20 um"}}, "seat_stiffness: must be above 0"),

@@ -260,6 +260,8 @@ class Assembly:
         self, instants: int, cage_speed: float | None, known: LoadDistribution | None
     ) -> LoadDistribution:
         force = self.centrifugal_force if cage_speed is None else self.centrifugal_force_at(cage_speed)
+        if self.rings is not None and self.rings.turning:  # instants of half as many are others
+            known = None
         return solve_pitch(self.load_case(instants, force), self.raceways, known)
 
     def load_case(self, instants: int, centrifugal_force: float = 0.0) -> LoadCase:

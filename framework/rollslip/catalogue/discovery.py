@@ -142,7 +142,6 @@ def is_another(kind: str, name: str) -> str | None:
     return f"this is {other}; {meant}rollslip is for cylindrical roller bearings ('rollslip models {kind}' lists them)"
 
 
-
 def own_cage(designation: object) -> Any:
     """Return the `rollslip.datasets.OwnCage` of a designation; None where no family of bearings has one."""
     if not isinstance(designation, str) or not designation:

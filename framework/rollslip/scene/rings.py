@@ -1,5 +1,6 @@
 """The rings of a scene: how they yield, by their models, and how their raceways are out of round."""
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from rollslip.datasets import Bearing, FormPart
 from rollslip.fields import FieldError, field
 from rollslip.files import named_text, read_columns
-from rollslip.rings import RingModel, Rings, RingShapes
+from rollslip.rings import SHARES, RingModel, Rings, RingShapes
 from rollslip.structure import Location
 
 __all__ = ["Yielding", "rings_of", "yielding"]
@@ -45,16 +46,14 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
     """
     b, o, m, where = scene.bearing, scene.operation, scene.models, Location(scene.origins)
     found, waves, tables = dict[str, RingShapes](), list[tuple[int, float, float]](), list[tuple[Floats, Floats]]()
-    for ring, choice, speed in (("inner", m.inner_ring, o.inner_speed), ("outer", m.outer_ring, o.outer_speed)):
+    turns: tuple[list[tuple[float, float]], list[tuple[float, float]]] = [], []
+    rings = ("inner", m.inner_ring, o.inner_speed), ("outer", m.outer_ring, o.outer_speed)
+    for (ring, choice, speed), share in zip(rings, SHARES, strict=True):
         raceway, at = getattr(b, f"{ring}_raceway"), where.at("bearing").at(f"{ring}_raceway").at("form")
         form = () if raceway is None else raceway.form
-        if form and speed != 0.0:
-            problems.append(
-                at.says(
-                    f"turns with its ring, at operation.{ring}_speed, and loads that follow a form which turns against "
-                    "the load are not modelled; give the form to the ring that stands, or leave it out"
-                )
-            )
+        period = 2.0 * np.pi / (math.gcd(*(part.lobes or 1 for part in form)) or 1)
+        for part in form:
+            turns[part.lobes is None].append((period if speed != 0.0 else 0.0, share))
         found[ring] = RingShapes()
         try:
             for k, part in enumerate(form):
@@ -75,8 +74,15 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
         return None
     formed = range(b.rollers) if tables else {lobes for lobes, _, _ in waves}
     kept = {ring: _enough(b, one, formed, scene.accuracy.tolerance) for ring, one in found.items()}
-    left = sum(error for _, error in kept.values())
-    return Rings(kept["inner"][0], kept["outer"][0], tuple(waves), tuple(tables), left)
+    every = (*turns[0], *turns[1])
+    return Rings(
+        kept["inner"][0],
+        kept["outer"][0],
+        tuple(waves),
+        tuple(tables),
+        sum(error for _, error in kept.values()),
+        every if any(one for one, _ in every) else (),
+    )
 
 
 @attrs.frozen
@@ -130,7 +136,9 @@ def _enough(
     waves, phi = _softness(bearing, shapes)
     effect = phi * np.where(np.isin(waves, [*formed]), 1.0, np.minimum(1.0, 60.0 / np.maximum(waves, 1) ** 4.0))
     kept = waves <= waves[effect >= tolerance].max(initial=-1)
-    return RingShapes(shapes.harmonics[kept], shapes.stiffness[kept]), float(effect[~kept].max(initial=0.0))
+    columns = ("harmonics", "stiffness", "pushes", "mass")
+    some = {name: own[kept] for name in columns if (own := getattr(shapes, name)) is not None}
+    return attrs.evolve(shapes, **some), float(effect[~kept].max(initial=0.0))
 
 
 def yielding(

@@ -91,7 +91,8 @@ class LoadedRaceways:
         # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same where rings do
         positions = distribution.psi.size
         number, angle = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi)), distribution.psi
-        if assembly.load_case(len(distribution.psi)).mirrored:
+        self._folded = assembly.load_case(len(distribution.psi)).mirrored
+        if self._folded:
             count = np.full(positions // 2 + 1, 2.0)
             count[0] = 1.0
             count[-1] -= positions % 2 == 0 and positions > 1
@@ -294,7 +295,8 @@ class LoadedRaceways:
         """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
         instants, rollers = self.distribution.psi.shape
         position = instants * np.arange(rollers)
-        place = np.minimum(position, instants * rollers - position) if not self.inner.places else position
+        folded = self._folded and not self.inner.places
+        place = np.minimum(position, instants * rollers - position) if folded else position
         out = np.full((2, rollers, slip.size), np.nan)
         for k, both in enumerate(self.contacts(self.speeds(slip))):
             for i, (contacts, u, V) in enumerate(both):

@@ -520,6 +520,7 @@ def orbit_loads(
     Of shape (speeds, instants, Z, slices), the widths (slices,), or both (speeds, instants, Z, few) of their Gauss
     rules of a few loads.
     """
+    check_repeats(assembly)
     forces = np.array([assembly.centrifugal_force_at(speed) for speed in cage_speeds.tolist()])
 
     def whole(part: Array) -> tuple[Array, Array]:
@@ -531,6 +532,20 @@ def orbit_loads(
 
     inner, outer = solve_orbits(assembly.load_case(instants), assembly.raceways, forces)
     return whole(inner), whole(outer)
+
+
+def check_repeats(assembly: Assembly) -> None:
+    """Refuse a bearing in which no orbit of a roller is like the one before."""
+    if assembly.rings is None or not assembly.rings.turning:
+        return
+    o = assembly.scene.operation
+    for ring, speed in (("inner", o.inner_speed), ("outer", o.outer_speed)):
+        raceway = getattr(assembly.scene.bearing, f"{ring}_raceway")
+        if raceway is not None and raceway.form and speed != 0.0:
+            where = Location(assembly.scene.origins, ("bearing", f"{ring}_raceway", "form"))
+            told = "turns with its ring against the load, so that orbits of rollers do not repeat, as in a steady slip"
+            remedy = "motions at level planar follow it, effective friction alone, without skidding, is a mean over it"
+            raise SceneError([where.says(f"{told}; {remedy}")])
 
 
 def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats) -> tuple[Floats, Floats]:

@@ -30,6 +30,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
+from rollslip_studies.motion.spins import check_repeats
 
 _log = logging.getLogger(__name__)
 
@@ -166,6 +167,7 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
 
 
 def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least: float) -> LoadMap:
+    check_repeats(assembly)
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     top = per_square * (fastest(assembly.kinematics) if top_speed is None else top_speed) ** 2
     roots = tuple(sorted({0.0, min(assembly.centrifugal_force, top), top}))

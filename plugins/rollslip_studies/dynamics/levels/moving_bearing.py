@@ -34,7 +34,7 @@ def unknowns(level: str, assembly: Assembly) -> int:
 def check_moves(assembly: Assembly) -> None:
     """Refuse a bearing that is known at steady slips alone."""
     operation, heavy = assembly.scene.operation, assembly.weight_share > assembly.scene.accuracy.tolerance
-    rollers = "know no weight of rollers but that of level planar, study.dynamics.planar, others"
+    rollers = "know no weight of rollers but that of level planar, which has its own key; others"
     for table, key, there, told in (
         ("models", "separator", assembly.separator.coefficient is not None, "have a cage, rollers without one"),
         ("operation", "carrier", operation.carrier is not None, "know no carrier, planets"),
