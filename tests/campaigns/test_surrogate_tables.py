@@ -155,9 +155,9 @@ def test_drags_are_told_apart_by_what_they_go_with():
 def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
     def drags(torque):
         def made(lead=50.0):
-            scene = SimpleNamespace(operation=SimpleNamespace(inner_speed=lead, outer_speed=0.0))
             of = SimpleNamespace(torque=lambda *speeds: torque(*speeds, lead))
-            return SimpleNamespace(scene=scene, cage=SimpleNamespace(drags=of))
+            radii = SimpleNamespace(inner_radius=1.0, outer_radius=1.0)
+            return SimpleNamespace(kinematics=radii, cage=SimpleNamespace(drags=of))
 
         monkeypatch.setattr(surrogate, "assemble", lambda _: made())
         monkeypatch.setattr(surrogate, "at_rolling_speed", lambda _, u: made(2.0 * u))

@@ -448,7 +448,7 @@ def _drags(
     axis, worst = Axis(rolling, True), 0.0
     for temperature in temperatures.tolist():
         bearing = assemble(evolve(scene, {_KEYS[0]: temperature}))
-        drags = bearing.cage.drags
+        drags, k = bearing.cage.drags, bearing.kinematics
 
         def lead(of: int, drags: Any = drags) -> float:
             speeds = [0.5 * most] * 3
@@ -474,10 +474,9 @@ def _drags(
             found[name].append(value)
         for _ in range(20):
             more, u = rng.uniform(-most, most), float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
-            there = at_rolling_speed(bearing, u)
-            wi, wo = there.scene.operation.inner_speed + more, there.scene.operation.outer_speed + more
+            wi, wo = more + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius), more
             w = float(rng.uniform(wo, wi))
-            true, x = there.cage.drags.torque(w, wi, wo), math.asinh(abs(w) / CAGE_SMALL) / step
+            true, x = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo), math.asinh(abs(w) / CAGE_SMALL) / step
             told = inner * (wi - w) + outer * (wo - w) - float((axis.weights(u) @ squares)[0]) * abs(w) * w
             told += math.copysign(1.0, w) * float((weights(_CAGE, np.array([x])) @ rest)[0])
             worst = max(worst, abs(told - true) / max(size, abs(true), 1e-300))

@@ -22,8 +22,8 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.cage import supplied
-from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts, Raceway, load_rule
+from rollslip.bearing.drags import taken_from_scene
+from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts, load_rule
 from rollslip.fields import FieldError, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
@@ -45,6 +45,9 @@ _RATIOS, ROLLING, _SLIDING = 9, 49, 65
 _SPEEDS: Final = (0.1, 2.0)
 #: Instants of a pitch where none are chosen, error that few loads may leave of friction, and loads of resistances.
 _INSTANTS, _FEW_LOADS, _LOADS = 4, 1e-5, 48
+
+#: What goes with the supply of oil.
+_SUPPLIED: Final = frozenset({"starvation", "oil_fraction"})
 
 _GRID: Final = "ring cage_node rolling_node"
 
@@ -129,13 +132,14 @@ class RacewayFriction(Study):
         instants = assembly.resolution.instants or _INSTANTS
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
         loads, _ = zip(*orbit_loads(assembly, instants, speeds.ravel()), strict=True)
-        supply = [_raceways_at(assembly, one) for one in u.tolist()]
+        supplied = [at_rolling_speed(assembly, one).raceways for one in u.tolist()]
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING))
         force, resistance = np.zeros(friction.shape[:3]), np.zeros(friction.shape[:3])
         for ring in range(len(RINGS)):
             for k, (i, j) in enumerate(np.ndindex(speeds.shape)):
-                raceway = supply[j][ring]
-                contacts = LoadedContacts(raceway, loads[ring][k].reshape(-1, assembly.slices), assembly.widths, 1.0)
+                contacts = LoadedContacts(
+                    supplied[j][ring], loads[ring][k].reshape(-1, assembly.slices), assembly.widths, 1.0
+                )
                 force[ring, i, j] = contacts.total / instants
                 if contacts.total > 0.0:
                     friction[ring, i, j, 1:] = _friction(contacts, float(u[j]), u[j] * ratio[1:])
@@ -156,20 +160,14 @@ class RacewayFriction(Study):
 
 
 def at_rolling_speed(assembly: Assembly, u: float) -> Assembly:
-    """Return the bearing between whose rings it rolls at a speed [m/s] without slip, with its supply of oil."""
-    k, o, made = assembly.kinematics, assembly.scene.operation, assembly
-    lead = u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
-    if lead != abs(o.inner_speed - o.outer_speed):
-        scene = evolve(assembly.scene, {"operation.inner_speed": o.outer_speed + lead})
-        made = assemble(scene, assembly.resolution, like=assembly)
-    return made
-
-
-def _raceways_at(assembly: Assembly, u: float) -> tuple[Raceway, Raceway]:
-    """Both raceways at the supply of a rolling speed; those of the scene where it goes with no speed."""
-    if supplied(assembly.scene, assembly.lubricant).starvation_constant == 0.0:
-        return assembly.raceways
-    return at_rolling_speed(assembly, u).with_bounds(*assembly.inner.chain.bounds).with_resistance().raceways
+    """Return the bearing with the supply of oil of rings between which it rolls at a speed [m/s] without slip."""
+    k, models = assembly.kinematics, (*assembly.models.values(), *assembly.cage.named)
+    if not any(_SUPPLIED & taken_from_scene(model) for model in models):
+        return assembly
+    speed = assembly.scene.operation.outer_speed + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
+    scene = evolve(assembly.scene, {"operation.inner_speed": speed})
+    made = assemble(scene, assembly.resolution, like=assembly).with_bounds(*assembly.inner.chain.bounds)
+    return made.with_resistance() if assembly.inner.chain.resists else made
 
 
 def _friction(contacts: LoadedContacts, u: float, sliding: Array) -> Array:
