@@ -540,3 +540,12 @@ def test_what_stands_and_turns_at_some_time_is_refused(level, tmp_path):
         fast = {"outer_speed": {"shape": "ramp", "to": "9000 rpm", "within": "1 ms"}}
         with pytest.raises(DomainError, match="the outer ring turns through its own shapes"):
             along(level, fast, outer=OUTER, cage=cage)
+
+
+def test_forces_come_from_the_table_where_a_form_presses_rollers_beyond_their_share_of_the_load():
+    tight = ("bearing.outer_raceway.form", [{"lobes": 2, "amplitude": "20 um"}]), ("bearing.radial_clearance", "-20 um")
+    planar = motion(bent_scene(28, more=tight), coefficient=0.02, tabulated=True)
+    y, before = planar.initial(), planar.planar.deflections_evaluated
+    assert planar.planar.outputs([0.0], y[None])["normal_force"].max() > 20.0 * 1037.0 / 28
+    planar.system.rates(0.0, y)
+    assert planar.planar.deflections_evaluated == before == 0

@@ -38,6 +38,7 @@ from rollslip_studies.motion.effective_table import table_records
 
 _SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
 _CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)
+_PRESSED: Final = 2.0  # times the largest force at rest up to which tables of rings that yield reach, at least
 #: Error of the table of forces, relative to a force or to this share of the usual one, and its first and most cells.
 _FORCE_ERROR, _LIGHT = 3e-5, 1e-2
 _FIRST_CELLS, _MOST_CELLS = 512, 65536
@@ -292,6 +293,8 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
     heaviest = a if friction.like is None else friction.like
     most = DEEP * usual_force(heaviest)
+    if bent is not None:  # forms and what pushes on rings press rollers far beyond their share of the load
+        most = max(most, _PRESSED * float(heaviest.load_distribution(1).outer_force.max()))
     forces = _force_tables(a, most) if friction.tabulated and not of_raceways.by_slices else ()
     planar = Planar(
         of_raceways.capsules,
