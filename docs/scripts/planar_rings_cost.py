@@ -22,8 +22,8 @@ def sleeve(highest: int, outside: str = "230 mm") -> dict[str, object]:
     return {"models.outer_ring": {"model": "annulus", "outside": outside, "harmonics": highest}}
 
 
-LOBES = {"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "2 um"}]}
-HOOP = {"models.inner_ring": {"model": "annulus", "harmonics": 0}}
+LOBES: dict[str, object] = {"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "2 um"}]}
+HOOP: dict[str, object] = {"models.inner_ring": {"model": "annulus", "harmonics": 0}}
 RINGS: dict[str, dict[str, object]] = {
     "rigid": {},
     "10 mm sleeve, n = 0": sleeve(0),
