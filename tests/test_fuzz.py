@@ -49,6 +49,7 @@ COUNTS = {
     "setting": 250,
     "unit": 2000,
     "rig": 200,
+    "parameters": 250,
     "measurements": 250,
     "stages": 800,
     "result": 40,

@@ -81,8 +81,13 @@ def test_other_units_are_read():
         (lambda d: d["parameters"]["bearing"].update(rollers=None), "bearing.rollers: has no value"),
         (
             lambda d: d["parameters"]["bearing"].update(roller_diameter={"value": "15", "unit": "mm"}),
-            "a number, or a list",
+            "a finite number, or a list",
         ),
+        (  # as JSON makes of 1e999
+            lambda d: d["parameters"]["lubricant"].update(density={"value": float("inf"), "unit": "kg/m3"}),
+            "lubricant.density: a finite number, or a list",
+        ),
+        (lambda d: d["parameters"]["bearing"].update(rollers=float("inf")), "bearing.rollers: inf is no finite number"),
         (lambda d: d["parameters"]["bearing"].update(roller_diameter={"value": 15, "unit": "kg"}), "roller_diameter"),
         (lambda d: d["parameters"]["bearing"].update(rolers=28), "did you mean 'rollers'"),
         (lambda d: d["parameters"]["bearing"].pop("rollers"), "bearing.rollers: missing, but required"),

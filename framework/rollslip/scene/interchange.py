@@ -12,6 +12,7 @@
 
 import contextlib
 import json
+import math
 import os
 import re
 from collections.abc import Mapping
@@ -120,9 +121,9 @@ def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
     if isinstance(value, Mapping) and "value" in value and "unit" in value:
         number, unit = value["value"], value["unit"]
         numbers = number if isinstance(number, list) else [number]
-        good = all(isinstance(one, int | float) and not isinstance(one, bool) for one in numbers)
+        good = all(isinstance(one, int | float) and not isinstance(one, bool) and _finite(one) for one in numbers)
         if not good or not isinstance(unit, str) or len(value) > 2:
-            problems.append(f"{source}: {key}: a number, or a list of numbers, with a text 'unit' is expected")
+            problems.append(f"{source}: {key}: a finite number, or a list of them, with a text 'unit' is expected")
             return None
         if unit in (_units().get(key), "1"):
             return number
@@ -134,7 +135,13 @@ def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
         return [_read(one, f"{key}[]", source, problems) for one in value]
     if value is None:
         problems.append(f"{source}: {key}: has no value; leave it out")
+    if not _finite(value):
+        problems.append(f"{source}: {key}: {value} is no finite number")
     return value
+
+
+def _finite(value: object) -> bool:
+    return not isinstance(value, float) or math.isfinite(value)
 
 
 def _refused(text: str) -> float:

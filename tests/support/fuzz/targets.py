@@ -26,6 +26,7 @@ from rollslip.errors import OutputError, PluginError, RollslipDeprecationWarning
 from rollslip.results.dataset import save
 from rollslip.scene import Scene, resolved, scene_hash
 from rollslip.scene.changes import evolve, parse_set
+from rollslip.scene.interchange import read_foreign, to_parameters
 from rollslip.scene.reading import load_scene, shipped_scenes
 from rollslip.scene.schema import schema
 from rollslip.structure import structure
@@ -135,6 +136,13 @@ def rig(data):
         load_rig(path)
 
 
+def parameters(data):
+    """A file of parameters in JSON, as other programs write it."""
+    path = _file("parameters.json", data)
+    with refused(SceneError, PluginError, place=path):
+        read_foreign(path)
+
+
 def measurements(data):
     """A table of measurements: finite numbers, or an error with file and line."""
     path = _file("data.csv", data)
@@ -178,6 +186,18 @@ _TOKENS = [
     "[{ temperature = '40 degC', viscosity = '12 mPa s' }, { temperature = '70 degC', viscosity = '5 mPa s' }]",
     *("[" * 50 + "]" * 50, "[" * 2000 + "]" * 2000, "{a=" * 50 + "1" + "}" * 50, "{a=" * 400 + "1" + "}" * 400),
     *("'a", '"\\x"', '"\\u0000"', '"\\ud800"', '"\\U00110000"', "1 2", "=", "#", "1__0", "00", "+1", "1.", ".5", "1e"),
+]
+_JSON = [
+    "null",
+    "true",
+    '""',
+    "[]",
+    "{}",
+    "[1, 2]",
+    '{"value": 1, "unit": "furlong"}',
+    '"\\ud800"',
+    '"\\u0000"',
+    "-1e999",
 ]
 _KEYS = [row.key.replace("*", "x") for row in schema()]
 _KEYS += [f"lubricant.{key}" for key in ("viscosity_law", "points", "density", "yasutomi", "viscosity_factor")]
@@ -257,6 +277,21 @@ def changed_bytes(random, data):
         out = count if random.random() < 0.8 else random.randrange(4)  # else what lies behind moves
         data = data[:place] + random.randbytes(count) + data[place + out :]
     return data[: random.randrange(len(data) + 1)] if random.random() < 0.2 else data
+
+
+def changed_json(random, data):
+    """Return JSON with a few of its values and names changed, or another character in it."""
+    text = data.decode()
+    for _ in range(random.choice((1, 1, 2, 4))):
+        tokens = [*re.finditer(r'"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:e-?\d+)?', text)]
+        at, kind = random.choice(tokens), random.randrange(4)
+        if kind == 3:
+            place = random.randrange(len(text))
+            text = text[:place] + random.choice(_MARKS) + text[place + random.randrange(2) :]
+            continue
+        new = random.choice(tokens)[0] if kind == 2 else random.choice((_number(random), *_JSON))
+        text = text[: at.start()] + new + text[at.end() :]
+    return text.encode(errors="replace")
 
 
 def changed_csv(random, data):
@@ -387,6 +422,7 @@ TARGETS = {
     "setting": Target(setting, [b"operation.radial_load=500 N"], changed_setting),
     "unit": Target(unit, [b"\x0015 mm"], changed_unit),
     "rig": Target(rig, [EXAMPLE.encode()], changed_toml),
+    "parameters": Target(parameters, [json.dumps(to_parameters(load_scene("gearbox"))).encode()], changed_json),
     "measurements": Target(measurements, [CSV], changed_csv),
     "result": Target(result, [_result()], changed_bytes),
     "stages": Target(stages.run, stages.SEEDS, stages.changed),

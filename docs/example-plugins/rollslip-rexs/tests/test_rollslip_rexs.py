@@ -1,15 +1,17 @@
 """A REXS file written by hand is read to the number, what it lacks is told, and a scene goes there and back."""
 
+import contextlib
 import math
 import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from random import Random
 
 import pytest
 import xarray as xr
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import SceneError
+from rollslip.errors import PluginError, SceneError
 from rollslip.scene import Scene, scene_hash
 from rollslip.scene.interchange import read_foreign, write_foreign
 
@@ -113,6 +115,7 @@ def test_what_is_missing_and_not_used_is_told_attribute_by_attribute(tmp_path: P
         ('id="number_of_rolling_elements"', 'id="count"', "rolling_bearing_row 4, number_of_rolling_elements: missing"),
         (">16<", ">16.5<", "number_of_rolling_elements: 16.5 is no whole number"),
         (">11.0<", ">nan<", "rolling_element 5, diameter_of_rolling_element: 'nan' is no finite number"),
+        (">0.875<", ">1e308<", "density_at_15_degree_celsius: '1e308' is no finite number"),  # g of a kilogram
         ('unit="mm">11.0', 'unit="furlong">11.0', "unit 'furlong' is not read; there are: mm, mum"),
         ('id="radial_force_in_w"', 'id="force"', "radial_force_in_w: missing, but needed for operation.radial_load"),
         ('role="assembly"/><ref id="5"', 'role="assembly"/><ref id="9"', "no rolling_element belongs to the bearing"),
@@ -135,6 +138,33 @@ def test_a_bad_file_is_refused_in_words(before: str, after: str, said: str | Non
     with pytest.raises(SceneError, match=re.escape(said)) as error:
         put(tmp_path, FILE.replace(before, after, 1))
     assert all(problem.startswith(str(tmp_path / "a.rexs")) for problem in error.value.problems)
+
+
+def test_any_file_is_read_or_refused_in_words(tmp_path: Path) -> None:
+    """Numbers, lines, ids and units of a file changed, by fixed seeds."""
+    numbers = ["nan", "inf", "1e400", "1e308", "1e-320", "-1", "0", "", "1,5", "16.5", "9" * 400]
+    units = ["mm", "N", "kN", "C", "1 / min", "", "none", "mum", "furlong", "mm^2 / s"]
+    ids = ["3", "4", "5", "6", "7", "", "-1", "bearing_type", "inner_diameter"]
+    read = 0
+    for seed in range(200):
+        text, random = FILE, Random(seed)
+        for _ in range(random.choice((1, 2, 4))):
+            before, after, choices = random.choice(
+                [
+                    (r">[-\d.]+<", ">{}<", numbers),
+                    (r'unit="[^"]*"', 'unit="{}"', units),
+                    (r' id="[^"]*"', ' id="{}"', ids),
+                ]
+            )
+            at = random.choice([*re.finditer(before, text)])
+            text = text[: at.start()] + after.format(random.choice(choices)) + text[at.end() :]
+            lines = text.split("\n")
+            lines.insert(random.randrange(len(lines)), lines.pop(random.randrange(2, len(lines))))
+            text = "\n".join(lines) if random.random() < 0.3 else text
+        with contextlib.suppress(SceneError, PluginError):
+            put(tmp_path, text)
+            read += 1
+    assert 20 < read < 180
 
 
 def test_what_is_no_rexs_at_all_is_refused(tmp_path: Path) -> None:

@@ -51,15 +51,15 @@ class Component:
         if unit not in UNITS:
             problems.append(f"{self}, {attribute}: unit {unit!r} is not read; there are: {', '.join(UNITS)}")
             return None
+        ours, factor = UNITS[unit]
         try:
-            value = float(text)
+            value = float(text) * factor
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
             problems.append(f"{self}, {attribute}: {text!r} is no finite number")
             return None
-        ours, factor = UNITS[unit]
-        return value * factor, ours
+        return value, ours
 
 
 @attrs.frozen
