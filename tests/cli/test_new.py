@@ -1,6 +1,11 @@
 """``rollslip new``: a complete scene from a few options, or from answers."""
 
+import contextlib
+import os
 import re
+import select
+import subprocess
+import sys
 import tomllib
 
 import pytest
@@ -220,3 +225,41 @@ def test_python_makes_the_scene_that_the_command_writes(tmp_path):
 def test_python_names_an_option_that_is_none():
     with pytest.raises(SceneError, match="there is no sped; there are bearing, oil, speed"):
         rollslip.new("NU 2210", sped="1500 rpm")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no terminals of this kind")
+@pytest.mark.parametrize(
+    ("keys", "code", "says"),
+    [
+        (["\x03"], 130, "interrupted; nothing was left behind"),  # Ctrl-C
+        (["\x04"], 130, "interrupted; nothing was left behind"),  # Ctrl-D
+        (["\n", "\n", "fast\n", "\x04"], 130, "speed: 'fast' is not a number with a unit"),
+        (["\n"] * 7, 0, "written to my.toml: NU2210, iso-vg-68, 1500 rpm"),
+        (["\xff\x1b\n", *["\n"] * 7], 0, "written to my.toml: NU2210"),
+    ],
+)
+def test_keys_at_a_terminal_end_it_or_are_answers(keys, code, says, tmp_path):
+    """Each is pressed when it asks: once it has told what it asks for, and nothing comes for a while."""
+    import fcntl
+    import pty
+    import termios
+
+    program, shown, left = "from rollslip.cli import main; main()", "", list(keys)
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-c", program, "new", "my"]
+    process = subprocess.Popen(
+        command, stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
+        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+    )  # fmt: skip
+    os.close(theirs)
+    with contextlib.suppress(OSError):  # Linux ends so what nobody writes to any more
+        while select.select([ours], [], [], 60.0)[0] and (come := os.read(ours, 4096)):
+            shown += come.decode(errors="replace")
+            if left and shown.endswith("]: "):
+                os.write(ours, left.pop(0).encode("latin-1"))
+    os.close(ours)
+    assert process.wait(60) == code, shown
+    assert says in shown
+    assert "Traceback" not in shown
+    assert not left
+    assert [path.name for path in tmp_path.iterdir()] == ["my.toml"] * (code == 0)
