@@ -19,7 +19,7 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import Judgement, again, told, verify
-from rollslip.studies.accuracy import errors_between
+from rollslip.studies.accuracy import WHERE_JUMPED, errors_between
 
 #: Few large rollers on smooth raceways: each has two balances from a slip of 0.25 to 0.75, and jumps at its own slip.
 JUMPS = evolve(
@@ -178,12 +178,16 @@ def test_errors_that_fall_with_the_root_of_laminae_are_not_taken_to_fall_with_th
 
 
 def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
-    """Rollers that the inner ring hardly loads stay slow; the heaviest of them is between two positions."""
-    result = execute(plan(_hidden(557), STUDY), STUDY, exactly=True)
+    """Rollers that the inner ring hardly loads stay slow; the heaviest of them is between two positions.
+
+    It is told and no run is made again for it: with ten times as many positions it would be a tenth.
+    """
+    result = execute(plan(_hidden(557), STUDY), STUDY)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     actual = _film_off(result, _finer(557, result))
-    assert actual > 1e-2
-    assert actual < rows["film parameter"] < 5.0 * actual
+    assert actual > 1e-3
+    assert actual < rows[f"film parameter{WHERE_JUMPED}"] < 10.0 * actual
+    assert "film parameter, where rollers jump, is off by 4.6e-02 at most: it is that just" in result.attrs["warnings"]
 
 
 def _hidden(k):

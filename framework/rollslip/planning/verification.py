@@ -12,7 +12,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT
-from rollslip.studies.accuracy import Errors, Probe, apart, difference, errors_between
+from rollslip.studies.accuracy import WHERE_JUMPED, Errors, Probe, apart, difference, errors_between
 from rollslip.studies.answers import Estimated, total
 from rollslip.studies.estimates import FEW, SOME, few_slices
 from rollslip.studies.study import Study
@@ -147,7 +147,7 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     parts, whole = [*errors], attrs.evolve(resolution, **back)
     if whole != resolution:
         each[LEFT_OUT], parts = whole, [*parts, LEFT_OUT]
-    alone = {part: moved_by(assembly.at(each[part])) for part in parts} if over(1.0, at_once) else {}
+    alone = {part: moved_by(assembly.at(each[part])) for part in parts} if over(1.0, _without_jumps(at_once)) else {}
     return Judgement(errors=errors, orders=orders, at_once=at_once, alone=alone)
 
 
@@ -206,7 +206,7 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     not the curves themselves, or that would have too many slices.
     """
     accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
-    off = {name: error for name, error in judgement.total.items() if error > accuracy.of(name)}
+    off = {name: error for name, error in _without_jumps(judgement.total).items() if error > accuracy.of(name)}
     if accuracy.exact or not off or study.curved(assembly) is not study:
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
@@ -255,6 +255,10 @@ def _wanted_at_once(judgement: Judgement, tolerances: Errors) -> dict[str, float
     return wanted
 
 
+def _without_jumps(errors: Errors) -> Errors:
+    return {name: error for name, error in errors.items() if not name.endswith(WHERE_JUMPED)}
+
+
 def _numbers(of: Resolution) -> dict[str, int]:
     return {"slices": of.slices, "instants": of.instants or 1}
 
@@ -283,6 +287,11 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
         order = judgement.orders.get(result, _MOST_ORDER)
         seen = order >= _LEAST_ORDER
         if error <= tolerance or tolerance == EXACT:  # "exact" is the finest, whatever it leaves
+            continue
+        if result.endswith(WHERE_JUMPED):
+            said.append(
+                f"{name} is off by {error:.1e} at most: it is that just before one jumps, between two positions"
+            )
             continue
         if accuracy.slices is not None and judgement.errors.get("slices", {}).get(result, 0.0) > tolerance:
             continue  # a number that the scene fixes is told of by itself

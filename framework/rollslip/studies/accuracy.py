@@ -32,6 +32,9 @@ _LEVEL: Final = 1e-9
 #: of twice as many it is off by 0.75 / (1 - 2^-0.5) times as much.
 LEAST_OF_SOME: Final = 2.56
 
+#: How what is off ends that hangs on where rollers jump to another balance, which no run comes near at once.
+WHERE_JUMPED: Final = ", where rollers jump,"
+
 #: Key of [accuracy] -> relative error.
 Errors: TypeAlias = Mapping[str, float]
 #: What gives curves at some slips, on each of some numbers of instants of a pitch, (k, curves, n).

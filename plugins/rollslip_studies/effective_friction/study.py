@@ -30,7 +30,7 @@ from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
-from rollslip.studies.accuracy import LEAST_OF_SOME
+from rollslip.studies.accuracy import LEAST_OF_SOME, WHERE_JUMPED
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
 from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
 from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
@@ -339,7 +339,7 @@ class EffectiveFriction(Study):
         """
         film = np.where(dataset["film_parameter"] > 0.0, dataset["film_parameter"], np.inf)
         instants = finer.resolution.instants or 1
-        raceways, here, off = self.loaded(finer, instants), film.min(axis=1), 0.0
+        raceways, here, off, jumped = self.loaded(finer, instants), film.min(axis=1), 0.0, 0.0
         slips = dataset["cage_slip"].to_numpy()[film.argmin(axis=1)]
         tolerance = finer.scene.accuracy.tolerance
         for ring, both in enumerate(raceways.contacts(raceways.speeds(slips))):
@@ -356,8 +356,8 @@ class EffectiveFriction(Study):
                 for k in np.flatnonzero(edges).tolist():
                     own = np.flatnonzero(contacts.owner == k)[0]
                     bound = raceways.thinnest(contacts, u[own], V[own])[1 + k + step]
-                    off = max(off, least / bound - 1.0)
-        return {"film parameter": float(off)}
+                    jumped = max(jumped, least / bound - 1.0)
+        return {"film parameter": float(off), **({f"film parameter{WHERE_JUMPED}": float(jumped)} if jumped else {})}
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
