@@ -272,6 +272,23 @@ def test_what_does_not_go_together_is_refused(arguments, code, said, tmp_path, m
     assert not list(tmp_path.glob("**/journal-*"))
 
 
+def test_a_folder_that_must_not_be_listed_is_said(tmp_path, monkeypatch, capsys):
+    """Points there would not be found, and be computed again without end."""
+    from rollslip.cli import main
+
+    def refused(path="."):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s").mkdir()
+    monkeypatch.setattr(os, "listdir", refused)
+    with pytest.raises(SystemExit) as left:
+        main(["sweep", *LOADS, "--set", "accuracy.slices=5", "--out", "s"])
+    assert left.value.code == 2
+    assert "s: cannot be " in (said := capsys.readouterr().err)
+    assert "Permission denied" in said
+
+
 @pytest.mark.parametrize(
     ("fetched", "ended"),
     [

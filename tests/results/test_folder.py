@@ -1,5 +1,7 @@
 """Folders of results: what is replaced, what never is, and what a run that died leaves."""
 
+import errno
+import itertools
 import json
 import os
 import random
@@ -104,6 +106,59 @@ def test_a_folder_that_cannot_be_put_in_place_leaves_the_old_one(tmp_path, monke
 
     monkeypatch.setattr(results.os, "replace", failing)
     with pytest.raises(OutputError, match=r"o: cannot be written \(No space left on device\); free space"):
+        wrote(tmp_path / "o", "new")
+    assert held(tmp_path / "o") == {"result.nc": "numbers"}
+    assert [path.name for path in tmp_path.iterdir()] == ["o"]
+
+
+REFUSED = [errno.ENOSPC, errno.EROFS, errno.EXDEV, errno.ESTALE, errno.ENOTSUP, errno.EACCES, errno.ENOSYS]
+
+
+class Refusing:
+    """A function of the system that refuses from some call in a folder on."""
+
+    def __init__(self, name, number, folder, first):
+        self.of_system, self.number, self.folder, self.left, self.refused = getattr(os, name), number, folder, first, 0
+
+    def __call__(self, place, *more, **options):
+        if str(place).startswith(str(self.folder)):
+            self.left -= 1
+            if self.left < 0:
+                self.refused += 1
+                raise OSError(self.number, os.strerror(self.number), str(place))
+        return self.of_system(place, *more, **options)
+
+
+@pytest.mark.parametrize("number", REFUSED)
+@pytest.mark.parametrize("name", ["replace", "mkdir", "chmod", "listdir"])
+def test_whatever_a_system_refuses_from_whenever_on_leaves_whole_results(number, name, tmp_path, monkeypatch):
+    """As of network folders that rename or list nothing any more; the next run finds its way."""
+    for first in itertools.count():
+        target, said = tmp_path / f"{first}" / "o", ""
+        wrote(target)
+        refusing = Refusing(name, number, tmp_path, first)
+        with monkeypatch.context() as patched:
+            patched.setattr(os, name, refusing)
+            try:
+                wrote(target, "new")
+            except OutputError as error:
+                said = str(error)
+        assert not said or said.startswith(f"{target}: cannot be written ({os.strerror(number)})")
+        if target.exists():
+            assert held(target) == {"result.nc": "numbers" if said else "new"}
+        wrote(target, "next")
+        assert held(target) == {"result.nc": "next"}
+        assert [path.name for path in target.parent.iterdir()] == ["o"]
+        if not refusing.refused:
+            break
+    assert first > 0
+
+
+def test_a_folder_of_another_device_leaves_nothing_beside_it(tmp_path, monkeypatch):
+    """As of a layer of an image: a folder there cannot be renamed."""
+    wrote(tmp_path / "o")
+    monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(errno.EXDEV, "Invalid cross-device")))
+    with pytest.raises(OutputError, match=r"o: cannot be written \(Invalid cross-device\)"):
         wrote(tmp_path / "o", "new")
     assert held(tmp_path / "o") == {"result.nc": "numbers"}
     assert [path.name for path in tmp_path.iterdir()] == ["o"]

@@ -145,7 +145,11 @@ def _exchange(partial: Path, target: Path) -> None:
         os.replace(partial, target)
     else:
         old = Path(tempfile.mkdtemp(prefix=f".{target.name}.{_OLD}", dir=target.parent))
-        os.replace(target, old)  # an empty folder may be replaced by a folder
+        try:
+            os.replace(target, old)  # an empty folder may be replaced by a folder
+        except BaseException:
+            old.rmdir()
+            raise
         try:
             os.replace(partial, target)
         except BaseException:

@@ -12,6 +12,7 @@
 """
 
 import json
+import os
 import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -96,8 +97,9 @@ class Row:
 
 
 def journals(folder: Path) -> list[Path]:
-    """Return the journals of a folder in the order in which they were begun."""
-    return sorted(folder.glob("journal-*.sqlite"))
+    """Return the journals of a folder in the order in which they were begun; none where there is no folder."""
+    names = os.listdir(folder) if folder.is_dir() else []  # a search would find none where it may not look
+    return sorted(folder / name for name in names if name.startswith("journal-") and name.endswith(".sqlite"))
 
 
 class Journal:
