@@ -966,3 +966,49 @@ def test_rings_that_yield_cost_a_few_more_evaluations(clearance, waves):
     c = case(Rings(RIGID, shapes, waves), radial_clearance=clearance, centrifugal_force=174.0)
     rigid = case(Rings(RIGID, RIGID, waves), radial_clearance=clearance, centrifugal_force=174.0)
     assert solve_equilibrium(c, law()).iterations <= 2.2 * solve_equilibrium(rigid, law()).iterations
+
+
+@pytest.mark.parametrize("seat", [0.0, 1e7, 1e11])
+@pytest.mark.parametrize("clearance", ["0 um", "50 um"])
+def test_a_ring_with_50_um_of_play_in_its_seat_is_found_or_refused(seat, clearance):
+    loose = {"model": "thin", "fit_clearance": "50 um", "seat_stiffness": f"{seat} Pa"}
+    state = {"models.outer_ring": loose, "bearing.radial_clearance": clearance}
+    if seat == 0.0:
+        with pytest.raises(SceneError, match="seat_stiffness: must be above 0 with a fit_clearance"):
+            assemble(scene(**state))
+        return
+    found = loads(**state)
+    assert found.force_residual < 1e-10
+    along = (found.inner_force * np.cos(found.psi)).sum(axis=1)
+    assert along == pytest.approx(1037.0, rel=1e-9)
+    # the stops carry what the rollers do: their sum in the line of load, over the ring as a whole (n = 1)
+    rings = assemble(scene(**state)).rings
+    stops = rings.outer.stops
+    deep = found.deflection @ rings.outer.at(stops.angles).T - stops.gap
+    carried = stops.stiffness * (deep.clip(0.0) * np.cos(stops.angles)).sum(axis=1)
+    assert carried == pytest.approx((found.outer_force * np.cos(found.psi)).sum(axis=1), rel=1e-6)
+
+
+def test_a_matrix_without_compliance_is_refused_in_words(tmp_path):
+    file = tmp_path / "ring.csv"
+    np.savetxt(file, np.zeros((12, 12)), delimiter=",")
+    with pytest.raises(SceneError, match="must be finite and symmetric"):
+        assemble(scene(**{"models.outer_ring": {"model": "compliance", "file": str(file)}}))
+
+
+def test_a_free_ring_pressed_oval_by_teeth_is_found_with_few_rollers_or_none():
+    # rollers across the line of load, under the teeth, carry most; in much play and without load none carries
+    def pressed(load, clearance):
+        teeth = [{"angle": f"{at} deg", "radial": "-2 kN"} for at in (90, 270)]
+        ring = {"model": "thin", "forces": teeth}
+        return loads(
+            **{"models.outer_ring": ring, "operation.radial_load": load, "bearing.radial_clearance": clearance}
+        )
+
+    some, none = pressed("1 kN", "50 um"), pressed("0 N", "4 mm")
+    assert some.force_residual < 1e-10
+    across = np.abs(np.abs(some.psi - np.pi) - np.pi / 2) < 0.3
+    assert some.inner_force[across].max() > 2.0 * some.inner_force[~across].max()
+    assert (some.inner_force * np.cos(some.psi)).sum(axis=1) == pytest.approx(1e3, rel=1e-9)
+    assert not none.inner_force.any()
+    assert np.abs(none.deflection).max() > 3e-4
