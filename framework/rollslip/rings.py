@@ -4,13 +4,13 @@
   solves nothing: the equilibrium stays one convex problem of all rollers and both rings, the framework's.
 - The form of a raceway is geometry, of the bearing, and goes with every model. It stands in the line of load, or turns
   with its ring. How far it has turned is independent of where rollers are in their pitch, if one waits for long. So a
-  mean is one over both, and instants of a pitch are a lattice of rank 1 in both: (m/M, k m/M mod 1), k/M nearly the
-  golden section, which has the longest shortest wave that it takes for a constant.
+  mean is one over both, and instants of a pitch are a lattice of rank 1 in both, (m/M, k m/M mod 1), whose k is such
+  that all waves that it takes for constants are short (`_step`).
 """
 
 import abc
-import math
 from collections.abc import Mapping
+from functools import cache
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -24,9 +24,7 @@ from rollslip.references import Citation
 __all__ = ["RingModel", "RingShapes", "Rings", "Stops"]
 
 Floats = NDArray[np.float64]
-
-#: By which share of its period, nearly, a form of the inner and the outer ring turns from one instant to the next.
-SHARES = (0.6180339887498949, 0.4142135623730951)
+_HIGHEST, _STEPS = 60, 257  # waves that are looked at, and steps that are tried
 
 
 @attrs.frozen(eq=False)
@@ -112,12 +110,27 @@ class RingModel(abc.ABC):
         """
 
 
-def _lattice(instants: int, share: float) -> Floats:
-    """Return shares k m/M mod 1 of a period at M instants, (M,)."""
-    step = int(share * instants) | 1
-    while math.gcd(step, instants) > 1:
-        step += 1
-    return np.arange(instants) * step % instants / instants
+def _lattice(instants: int, rollers: int, periods: int, ring: int) -> Floats:
+    """Return by how much a form of some periods a turn has turned at M instants [rad], (M,)."""
+    step = _step(instants, round(rollers / periods)) ** ring % instants
+    return np.asarray(2.0 * np.pi / periods * (np.arange(instants) * step % instants / instants))
+
+
+@cache
+def _step(instants: int, rollers: int) -> int:
+    """Return k of the lattice for so many rollers in a period of a form.
+
+    What loads depend on are places of the form against the load, waves s of its period, and against rollers, waves n of
+    their pitch: exp(2 pi i (n x + (s - n Z) y)) of the phases x, y. The lattice takes those for constants for which n +
+    k (s - n Z) is 0 mod M. The k is the one whose least 10 n + |s| of these is largest.
+    """
+    n, s = (of.ravel()[_HIGHEST + 1 :] for of in np.mgrid[: _HIGHEST // 5, -_HIGHEST : _HIGHEST + 1])
+
+    def least(k: int) -> float:
+        taken = (n + k * (s - n * rollers)) % instants == 0
+        return float((10 * n + np.abs(s))[taken].min(initial=10 * _HIGHEST))
+
+    return max(range(1, min(instants, _STEPS), 2), key=least, default=1)
 
 
 @attrs.frozen(eq=False)
@@ -130,9 +143,9 @@ class Rings:
     waves: tuple[tuple[int, float, float], ...] = ()
     tables: tuple[tuple[Floats, Floats], ...] = ()
     left: float = 0.0  #: Relative error of friction that shapes which were left out are estimated to leave.
-    #: Of each of these the period in which it turns against the load [rad], 0 if it stands, and its `SHARES`; empty if
-    #: all stand.
-    turns: tuple[tuple[float, float], ...] = ()
+    #: Of each of these how many periods a turn of its ring has, 0 if it stands, and 1 for the inner ring, 2 for the
+    #: outer one; empty if all stand.
+    turns: tuple[tuple[int, int], ...] = ()
 
     @property
     def yielding(self) -> dict[str, RingShapes]:
@@ -152,7 +165,8 @@ class Rings:
         form = np.zeros(psi.shape)
         turned: list[Floats] = [np.zeros(1)] * (len(self.waves) + len(self.tables))
         if self.turning and psi.ndim == 2:
-            turned = [period * _lattice(psi.shape[0], share)[:, None] for period, share in self.turns]
+            M, Z = psi.shape
+            turned = [_lattice(M, Z, periods, ring)[:, None] if periods else turned[0] for periods, ring in self.turns]
         for (lobes, amplitude, angle), turn in zip(self.waves, turned, strict=False):
             form += amplitude * np.cos(lobes * (psi - angle - turn))
         for (angles, heights), turn in zip(self.tables, turned[len(self.waves) :], strict=True):
@@ -162,7 +176,7 @@ class Rings:
     @property
     def turning(self) -> bool:
         """Whether a form turns against the load."""
-        return any(period for period, _ in self.turns)
+        return any(periods for periods, _ in self.turns)
 
     def mirrored(self, psi: Floats) -> bool:
         """Whether what rollers at these angles feel mirrors itself in the line of load."""

@@ -124,6 +124,16 @@ def test_a_planet_feels_its_carrier():
     assert b_outer[1] == pytest.approx(0.5 * b.rollers * a.body_force[1], rel=1e-6)
 
 
+def test_a_planet_in_a_mirror_is_the_same():
+    one = planet(radius="1 m", direction="50 deg")
+    other = evolve(one, {"operation.outer_speed": "3000 rpm", "operation.carrier.speed": "-400 rpm",
+                         "operation.carrier.direction": "-50 deg"})  # fmt: skip
+    assert (assemble(one).kinematics.direction, assemble(other).kinematics.direction) == (1, -1)
+    orbits = [rollers(assemble(scene), 2).orbit(0.02) for scene in (one, other)]
+    assert orbits[0].force == pytest.approx(orbits[1].force, rel=1e-9)
+    assert orbits[0].torque == pytest.approx(orbits[1].torque, rel=1e-9)
+
+
 def test_over_an_orbit_unloaded_rollers_feel_where_the_carrier_points():
     balance = rollers(assemble(planet(radius="1.2 m")), 2)
     orbit, a = balance.orbit(0.02), balance.assembly

@@ -48,9 +48,10 @@ def value(model, **state):
 
 def test_heat_parts_by_the_materials_of_raceway_and_rollers():
     # of surfaces at one speed each takes heat by its effusivity: the rise is that of steel by 2 e/(e + e'), e' = e/2
-    poor = attrs.evolve(STEEL, thermal_conductivity=STEEL.thermal_conductivity / 4.0)
     model, both = FlashTemperature(conduction="fast"), contacts(V=1e-9)
-    for parts in ({"material": poor, "roller_material": STEEL}, {"roller_material": poor}):
+    poor = attrs.evolve(STEEL, thermal_conductivity=STEEL.thermal_conductivity / 4.0)
+    light = attrs.evolve(STEEL, density=STEEL.density / 4.0)
+    for parts in ({"material": poor, "roller_material": STEEL}, {"roller_material": poor}, {"roller_material": light}):
         assert model.evaluate(attrs.evolve(both, **parts)) == pytest.approx(model.evaluate(both) / 0.75, rel=1e-9)
 
 

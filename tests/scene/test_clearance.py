@@ -196,6 +196,10 @@ def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc(
     grown = 2.0 * (1 - 0.3) * STEEL.density * 1000.0**2 * 0.0825**3 / (4.0 * STEEL.elastic_modulus)
     assert operating(bare, (1000.0, 0.0)).clearance == pytest.approx(5e-5 - grown, abs=1e-12)
     assert operating(bare, (0.0, 0.0)).assumed == ()
+    hollow = attrs.evolve(
+        bare, mounting=attrs.evolve(bare.mounting, shaft_bore=PLAIN.boundaries[0])
+    )  # a ring would sit there
+    assert operating(hollow, (0.0, 0.0)).clearance == pytest.approx(5e-5, abs=1e-12)
     for key, value in (("shaft_fit", "k5"), ("shaft_interference", 1e-5)):
         with pytest.raises(FieldError, match="rollers run on the shaft itself"):
             operating(attrs.evolve(bare, mounting=Mounting(**{key: value})), (0.0, 0.0))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rollslip.datasets import Bearing, FormPart
 from rollslip.fields import FieldError, field
 from rollslip.files import named_text, read_columns
-from rollslip.rings import SHARES, RingModel, Rings, RingShapes
+from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.structure import Location
 
 __all__ = ["Yielding", "rings_of", "yielding"]
@@ -46,14 +46,14 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
     """
     b, o, m, where = scene.bearing, scene.operation, scene.models, Location(scene.origins)
     found, waves, tables = dict[str, RingShapes](), list[tuple[int, float, float]](), list[tuple[Floats, Floats]]()
-    turns: tuple[list[tuple[float, float]], list[tuple[float, float]]] = [], []
+    turns: tuple[list[tuple[int, int]], list[tuple[int, int]]] = [], []
     rings = ("inner", m.inner_ring, o.inner_speed), ("outer", m.outer_ring, o.outer_speed)
-    for (ring, choice, speed), share in zip(rings, SHARES, strict=True):
+    for number, (ring, choice, speed) in enumerate(rings, 1):
         raceway, at = getattr(b, f"{ring}_raceway"), where.at("bearing").at(f"{ring}_raceway").at("form")
         form = () if raceway is None else raceway.form
-        period = 2.0 * np.pi / (math.gcd(*(part.lobes or 1 for part in form)) or 1)
+        periods = math.gcd(*(part.lobes or 1 for part in form)) if speed != 0.0 else 0
         for part in form:
-            turns[part.lobes is None].append((period if speed != 0.0 else 0.0, share))
+            turns[part.lobes is None].append((periods, number))
         found[ring] = RingShapes()
         try:
             for k, part in enumerate(form):
