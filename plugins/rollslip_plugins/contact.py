@@ -1,7 +1,7 @@
 """Line contact after Hertz, with the deflection laws of Palmgren, ISO/TS 16281 and Lundberg."""
 
 from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import attrs
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
-from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel
+from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel, Validity
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
@@ -153,6 +153,21 @@ class _HertzLine(ContactModel):
         return compiled.hertz_line()
 
 
+#: Of laws of deflection that have the elasticity of steel in a number.
+_OF_STEEL: Final = (
+    Validity(
+        code="W24",
+        quantity="modulus",
+        low=2.1e11,
+        high=2.5e11,
+        consequence="deflections are those of steel on steel, so loads of rollers are others",
+        remedy="contact 'lundberg', which takes any elastic material",
+        instead="lundberg",
+        source="E/(1 - nu^2) of bearing steels, 200 to 215 GPa at 0.25 to 0.3",
+    ),
+)
+
+
 @attrs.frozen
 @explained
 class Palmgren(_HertzLine):
@@ -187,6 +202,7 @@ class Palmgren(_HertzLine):
 
     name: ClassVar[str] = "palmgren"
     references: ClassVar[tuple[Reference, ...]] = (HARRIS_ESSENTIAL_2007, JOHNSON_1985)
+    validity: ClassVar[tuple[Validity, ...]] = _OF_STEEL
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""
@@ -229,6 +245,7 @@ class Iso16281(_HertzLine):
 
     name: ClassVar[str] = "iso16281"
     references: ClassVar[tuple[Reference, ...]] = (ISO_16281, JOHNSON_1985)
+    validity: ClassVar[tuple[Validity, ...]] = _OF_STEEL
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""

@@ -2,6 +2,7 @@
 
 import pytest
 
+from rollslip import run
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import find
 from rollslip.errors import SceneError, UnknownNameError
@@ -72,3 +73,13 @@ def test_a_new_scene_runs_on_its_shaft_and_refuses_a_fit_there():
         evolve(scene, {"bearing.mounting.shaft_fit": "k5"})
     cup = new("HK 2016", speed="3000 rpm", load="500 N")
     assert cup.bearing.mounted.clearance < cup.bearing.mounting.initial_clearance
+
+
+@pytest.mark.parametrize(("law", "warned"), [("palmgren", True), ("iso16281", True), ("lundberg", False)])
+def test_deflections_of_steel_are_told_where_the_shaft_is_none(law, warned):
+    few = {"study.effective-friction.points": 5, "study.effective-friction.map_points": 0,
+           "study.effective-friction.runaway_range": 0.0, "models.contact": law}  # fmt: skip
+    steel = evolve(new("NK 20/16", speed="3000 rpm", load="500 N"), few)
+    bronze = evolve(steel, {"bearing.inner_raceway.material.elastic_modulus": "110 GPa"})
+    told = [str(run(scene, "effective-friction").attrs["warnings"]) for scene in (steel, bronze)]
+    assert ["deflections are those of steel" in one for one in told] == [False, warned]
