@@ -161,7 +161,10 @@ def test_a_load_below_the_weight_of_the_rollers_is_told() -> None:
     mass = 28 * 7800 * math.pi / 4 * 0.015**3
     for load, many in ((0.9 * 9.81 * mass, 1), (1.1 * 9.81 * mass, 0), (0.0, 0)):
         told = " ".join(implausible(evolve(SCENE, {"operation.radial_load": load})))
-        assert told.count("of the weight of the rollers, which is left out, at least 100 % is usual") == many
+        left = "of the weight of the rollers, which is left out without operation.gravity_direction, at least 100 %"
+        assert told.count(f"{left} is usual") == many
+    heavy = {"operation.radial_load": 0.5 * 9.81 * mass, "operation.gravity_direction": 0.0}
+    assert "weight of the rollers" not in " ".join(implausible(evolve(SCENE, heavy)))
 
 
 #: Classes of the tables of a scene.

@@ -275,9 +275,13 @@ RELATIONS: Final = (
     Relation(
         "operation",
         "radial_load",
-        lambda scene: scene.operation.radial_load / (9.81 * _rollers(scene)) or math.nan,
+        lambda scene: (
+            scene.operation.radial_load / (9.81 * _rollers(scene)) or math.nan
+            if scene.operation.gravity_direction is None
+            else math.nan
+        ),
         "1",
-        "of the weight of the rollers, which is left out",
+        "of the weight of the rollers, which is left out without operation.gravity_direction",
         (1, math.inf),
         (-math.inf, math.inf),
         "from there on weight decides which rollers are loaded; without load clearance does",

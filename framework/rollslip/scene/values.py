@@ -91,6 +91,8 @@ class Carrier:
         default=attrs.Factory(lambda carrier: math.copysign(math.pi / 2, carrier.speed), takes_self=True),
         unit="rad",
         doc="direction away from the axis of the carrier, from the line of load; by default as teeth drive the carrier",
+        usual=(-6.2832, 6.2832),
+        possible=(-1e3, 1e3),
     )
 
 
@@ -122,6 +124,8 @@ class Operation:
         default=None,
         unit="rad",
         doc="direction of gravity on the rollers, from the line of load, where it counts; by default it is left out",
+        usual=(-6.2832, 6.2832),
+        possible=(-1e3, 1e3),
     )
 
     def __attrs_post_init__(self) -> None:
