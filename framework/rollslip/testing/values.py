@@ -128,17 +128,42 @@ def check_its_module_is_imported_fast_and_quietly(model: Any) -> None:
     )
 
 
+#: Imports modules one after the other, each in a fork of a process that has imported what all of them need; where there
+#: are no forks, the first one itself. It answers with what a module prints and, if it can be imported, the time below.
 _IMPORT = """
-import json, os, sys, time
-sys.path[:] = json.loads(sys.argv[2])
+import json, os, sys, tempfile, time, traceback
+sys.path[:] = json.loads(sys.argv[1])
 import rollslip, rollslip.bearing.chain, rollslip.hookspecs, rollslip.lubricant, rollslip.models
-import rollslip.studies.study
-import rollslip_kernels.stages.traction
-answer = os.fdopen(os.dup(1), "w")
-start = time.process_time()
-__import__(sys.argv[1])
-answer.write(f"\\n{time.process_time() - start}")
+import rollslip.studies.study, rollslip_kernels.stages.traction
+answers, forks = os.fdopen(os.dup(1), "w"), hasattr(os, "fork")
+for module in iter(sys.stdin.readline, ""):
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said:
+        if forks and (child := os.fork()):
+            os.waitpid(child, 0)
+        else:
+            os.dup2(said.fileno(), 1), os.dup2(said.fileno(), 2)
+            start = time.process_time()
+            try:
+                __import__(module.strip())
+                print(f"\\n{time.process_time() - start}", end="")
+            except BaseException:
+                traceback.print_exc()
+            sys.stdout.flush(), sys.stderr.flush()
+            if forks:
+                os._exit(0)
+        said.seek(0)
+        print(json.dumps(said.read()), file=answers, flush=True)
 """
+
+
+@cache
+def _importer(path: tuple[str, ...]) -> "subprocess.Popen[str]":
+    process = subprocess.Popen(
+        [sys.executable, "-c", _IMPORT, json.dumps(path)], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    atexit.register(_end, process)
+    return process
 
 
 @cache
@@ -146,19 +171,22 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
     """Return the shortest time of up to three imports, in a process each, and what they print."""
     best = math.inf
     for _ in range(3):  # a busy computer makes an import slow, but not three times
-        done = subprocess.run(
-            [sys.executable, "-c", _IMPORT, module, json.dumps(path)], capture_output=True, text=True, check=False
-        )
-        if done.returncode:
-            if f"No module named {module!r}" in done.stderr or module == "__main__":
-                raise Inapplicable(f"{module} cannot be imported by its name")
-            raise Nonconformance(
-                f"importing {module} fails: {(done.stderr.strip().splitlines() or ['no message'])[-1]}"
-            )
-        printed, _, seconds = done.stdout.rpartition("\n")
-        printed = (printed + done.stderr).strip()
-        best = min(best, float(seconds))
-        if printed or best < IMPORT_LIMIT:
+        process = _importer(path)
+        assert process.stdin is not None
+        assert process.stdout is not None
+        print(module, file=process.stdin, flush=True)
+        printed, _, seconds = (told := json.loads(process.stdout.readline())).rpartition("\n")
+        if not hasattr(os, "fork"):
+            _end(process)
+            _importer.cache_clear()
+        try:
+            best = min(best, float(seconds))
+        except ValueError:
+            if f"No module named {module!r}" in told or module == "__main__":
+                raise Inapplicable(f"{module} cannot be imported by its name") from None
+            last = (told.strip().splitlines() or ["no message"])[-1]
+            raise Nonconformance(f"importing {module} fails: {last}") from None
+        if (printed := printed.strip()) or best < IMPORT_LIMIT:
             break
     return best, printed
 
@@ -183,7 +211,7 @@ def _other(path: tuple[str, ...], **variables: str) -> "subprocess.Popen[bytes]"
     return process
 
 
-def _end(process: "subprocess.Popen[bytes]") -> None:
+def _end(process: "subprocess.Popen[bytes] | subprocess.Popen[str]") -> None:
     with process, suppress(BrokenPipeError):
         process.kill()
 
