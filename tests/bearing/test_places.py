@@ -21,9 +21,11 @@ from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip.fields import parameter
 from rollslip.foreign import capsule_from_address
 from rollslip.models import FINITE, POSITIVE, FilmModel, TractionModel
+from rollslip.studies.law_outputs import law_outputs
 from rollslip_kernels.motion import raceway
 from rollslip_kernels.slices import COLUMNS, PLACES
 from rollslip_studies.motion.torque_balance import rollers
+from rollslip_studies.steady_slip.study import SteadySlip
 
 ROOT = Path(__file__).parents[2]
 PAPER = evolve(
@@ -128,7 +130,9 @@ DRAG = {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}
     "of", ["orbit_angle", *(pytest.param(name, marks=pytest.mark.slow) for name in ("position", "transverse_speed"))]
 )
 def test_a_steady_slip_has_places(placed, of):
-    found = run(placed(of, **DRAG), "steady-slip")
+    bearing, study = assemble(placed(of, **DRAG)), SteadySlip()
+    found = study.run(bearing)
+    found = found.assign(law_outputs(study, bearing, found))
     for ring in ("inner", "outer"):
         want = expected(placed(of), ring, found.instants, float(found.steady_slip[0]))[of]
         np.testing.assert_allclose(found.place.sel(ring=ring), want, rtol=1e-6, atol=1e-9)
