@@ -6,15 +6,19 @@ each other.
 The short profile draws the same examples in every run: hypothesis also draws constants that it finds in the modules
 imported so far, which differ with the split of the tests among workers, so it is kept from that. The long one searches.
 
+Bytecode is written even where the environment says not to: hundreds of processes would each compile what they import.
+
 A quick run imports only files that have quick tests: importing all would take longer than its tests.
 """
 
 import gc
 import os
 import signal
+import sys
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import pytest
 from hypothesis import settings
@@ -29,6 +33,7 @@ def _hear_interrupts():
 
 
 _hear_interrupts()
+sys.dont_write_bytecode = False
 settings.register_profile("short", max_examples=25, deadline=None, derandomize=True)
 settings.register_profile("thorough", max_examples=1000, deadline=None, derandomize=False)
 settings.load_profile("short")
