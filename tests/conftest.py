@@ -7,6 +7,7 @@ The short profile draws the same examples in every run: hypothesis also draws co
 imported so far, which differ with the split of the tests among workers, so it is kept from that. The long one searches.
 
 Bytecode is written even where the environment says not to: hundreds of processes would each compile what they import.
+Of sources with planted faults there is none, lest one fault is taken for another.
 
 A quick run imports only files that have quick tests: importing all would take longer than its tests.
 """
@@ -18,7 +19,8 @@ import sys
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+if os.environ.get("PYTHONDONTWRITEBYTECODE") != "planted":
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import pytest
 from hypothesis import settings
@@ -33,7 +35,7 @@ def _hear_interrupts():
 
 
 _hear_interrupts()
-sys.dont_write_bytecode = False
+sys.dont_write_bytecode = "PYTHONDONTWRITEBYTECODE" in os.environ
 settings.register_profile("short", max_examples=25, deadline=None, derandomize=True)
 settings.register_profile("thorough", max_examples=1000, deadline=None, derandomize=False)
 settings.load_profile("short")

@@ -105,7 +105,7 @@ def _tested(tree: Path, tests: tuple[str, ...], log: Path) -> NoReturn:
         os.chdir(tree)
         roots = [str(tree / root) for root in ("framework", "plugins", "kernels", ".")]
         sys.path[:0], os.environ["PYTHONPATH"] = roots, os.pathsep.join(roots)
-        sys.dont_write_bytecode, os.environ["PYTHONDONTWRITEBYTECODE"] = True, "1"
+        sys.dont_write_bytecode, os.environ["PYTHONDONTWRITEBYTECODE"] = True, "planted"
         options = ["-n0", "-x", "-q", "--tb=line", "-pno:cacheprovider", "--hypothesis-profile=planted"]
         options += ["-Wignore::pytest.PytestAssertRewriteWarning"]  # of hypothesis, which is imported before
         status = int(pytest.main([*options, "--hypothesis-seed=0", *tests]))
