@@ -14,6 +14,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import SceneError
 from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.motion.spins import solve_orbits
 from rollslip_studies.motion.torque_balance import rollers
 from rollslip_studies.motion.train import Train
@@ -132,6 +133,16 @@ def test_a_planet_in_a_mirror_is_the_same():
     orbits = [rollers(assemble(scene), 2).orbit(0.02) for scene in (one, other)]
     assert orbits[0].force == pytest.approx(orbits[1].force, rel=1e-9)
     assert orbits[0].torque == pytest.approx(orbits[1].torque, rel=1e-9)
+
+
+def test_friction_counts_every_roller_where_a_carrier_leaves_no_mirror():
+    a = assemble(planet(radius="1.2 m"))
+    loads = a.load_distribution(4)
+    raceways = LoadedRaceways(a, loads, "epicyclic")
+    assert raceways.outer.total == pytest.approx(loads.outer_force.sum(), rel=1e-9)
+    assert raceways.inner.total == pytest.approx(loads.inner_force.sum(), rel=1e-9)
+    friction = raceways.per_roller(np.array([0.01]))[:, :, 0]
+    assert np.array_equal(np.isnan(friction[0]), loads.inner_force[0] == 0.0)
 
 
 def test_over_an_orbit_unloaded_rollers_feel_where_the_carrier_points():
