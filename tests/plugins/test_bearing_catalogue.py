@@ -102,7 +102,7 @@ def test_other_bearings_are_called_what_they_are():
 
 
 def test_a_full_complement_bearing_without_the_letter_of_one_is_asked_for():
-    with pytest.raises(UnknownNameError, match="full complement .*; did you mean 'NCF3010V'\\?"):
+    with pytest.raises(UnknownNameError, match=r"full complement .*; did you mean 'NCF3010V'\?"):
         find("bearing", "NCF 3010")
 
 
