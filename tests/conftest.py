@@ -6,8 +6,7 @@ each other.
 The short profile draws the same examples in every run: hypothesis also draws constants that it finds in the modules
 imported so far, which differ with the split of the tests among workers, so it is kept from that. The long one searches.
 
-Bytecode is written even where the environment says not to: hundreds of processes would each compile what they import.
-Of sources with planted faults there is none, lest one fault is taken for another.
+Bytecode is written whatever the environment says, or hundreds of processes compile anew; but of planted faults.
 
 A quick run imports only files that have quick tests: importing all would take longer than its tests.
 """

@@ -107,33 +107,28 @@ def test_rows_are_sent_round_as_each_by_itself():
 def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last_bit():
     """Where all load is at one position, and a table has room for that of one roller alone; and none with less."""
     one = scenes.balance(scenes.catalogue(4), positions=1)
-    motions, slips = one.motions, np.array([0.01, 0.3])
-    spins, k = motions.spins(slips), one.assembly.kinematics
-    radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
+    motions, slips, k = one.motions, np.array([0.01, 0.3]), one.assembly.kinematics
+    spins, radii = motions.spins(slips), (k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius)
 
-    def kernel(short: int | None = None) -> Kernel:
-        rings = [ring for *_, ring in spins._gathered]
-        if short is not None:
-            conditions = [contacts.raceway.conditions for contacts in spins._contacts]
-            rings = [
-                (stage, Slices(int(np.diff(rest[3]).max()) - short, own), *rest)
-                for (stage, _, *rest), own in zip(rings, conditions, strict=True)
-            ]
-        made = Kernel(slips.size * motions.positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed)
-        made.at(*(np.repeat(lead, motions.positions) for lead in k.leads(slips)))
-        return made
+    def found(room):
+        rings = [
+            (stage, room(table, int(np.diff(rest[3]).max())), *rest) for *_, (stage, table, *rest) in spins._gathered
+        ]
+        kernel = Kernel(slips.size * motions.positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed)
+        kernel.at(*(np.repeat(lead, motions.positions) for lead in k.leads(slips)))
+        bracket, ends = np.tile([-1.0, 1.0], (2, 1)), np.tile([-0.1, 0.1], (2, 1))
+        around = np.arange(slips.size), motions.positions, np.ones(2), bracket, np.ones(2), ends, 2, 1e-5
+        return (
+            *kernel.torques(np.linspace(-0.3, 0.3, 2 * motions.positions)),
+            *kernel.sent_round(*around),
+            kernel.evaluated,
+        )
 
-    at = np.linspace(-0.3, 0.3, slips.size * motions.positions)
-    bracket, ends = np.tile([-1.0, 1.0], (2, 1)), np.tile([-0.1, 0.1], (2, 1))
-    around = np.arange(slips.size), motions.positions, np.ones(2), bracket, np.ones(2), ends, 2, 1e-5
-    wide, narrow = kernel(), kernel(0)
-    for here, there in zip(
-        (*wide.torques(at), *wide.sent_round(*around)), (*narrow.torques(at), *narrow.sent_round(*around)), strict=True
-    ):
+    wide, narrow = found(lambda table, _: table), found(lambda table, most: Slices(most, table.conditions))
+    for here, there in zip(wide, narrow, strict=True):
         np.testing.assert_array_equal(here, there)
-    assert wide.evaluated == narrow.evaluated
     with pytest.raises(ValueError, match="by no more than the table"):
-        kernel(1)
+        found(lambda table, most: Slices(most - 1, table.conditions))
 
 
 # Of any bearing ------------------------------------------------------------------------------------------------------
