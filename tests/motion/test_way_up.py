@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 import way_up_scenes as scenes
 from rollslip import evolve, load_scene, run
+from rollslip.bearing import raceway
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
@@ -104,31 +105,26 @@ def test_rows_are_sent_round_as_each_by_itself():
         assert [one.torque for one in alone] == pytest.approx([one.torque for one in here], rel=1e-9)
 
 
-def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last_bit():
+def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last_bit(monkeypatch):
     """Where all load is at one position, and a table has room for that of one roller alone; and none with less."""
-    one = scenes.balance(scenes.catalogue(4), positions=1)
-    motions, slips, k = one.motions, np.array([0.01, 0.3]), one.assembly.kinematics
-    spins, radii = motions.spins(slips), (k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius)
+    one, slips = scenes.balance(scenes.catalogue(4), positions=1), np.array([0.01, 0.3])
 
-    def found(room):
-        rings = [
-            (stage, room(table, int(np.diff(rest[3]).max())), *rest) for *_, (stage, table, *rest) in spins._gathered
-        ]
-        kernel = Kernel(slips.size * motions.positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed)
-        kernel.at(*(np.repeat(lead, motions.positions) for lead in k.leads(slips)))
-        bracket, ends = np.tile([-1.0, 1.0], (2, 1)), np.tile([-0.1, 0.1], (2, 1))
-        around = np.arange(slips.size), motions.positions, np.ones(2), bracket, np.ones(2), ends, 2, 1e-5
-        return (
-            *kernel.torques(np.linspace(-0.3, 0.3, 2 * motions.positions)),
-            *kernel.sent_round(*around),
-            kernel.evaluated,
-        )
+    def found():
+        motions = one.motions.like(instants=1, few=0)
+        spins = motions.spins(slips)
+        return spins, [(motion.torque, *motion.share) for here in motions.at(slips) for motion in here]
 
-    wide, narrow = found(lambda table, _: table), found(lambda table, most: Slices(most, table.conditions))
-    for here, there in zip(wide, narrow, strict=True):
-        np.testing.assert_array_equal(here, there)
+    _, whole = found()
+    monkeypatch.setattr(raceway, "_ROOM", 0)
+    spins, in_parts = found()
+    assert in_parts == whole
+    rings = [(stage, Slices(int(np.diff(rest[3]).max()), table.conditions), *rest)
+             for *_, (stage, table, *rest) in spins._gathered]  # fmt: skip
+    parts = 2 * one.motions.positions, rings, (0.03, 0.04, 0.005, 0.035), 1.0
+    assert len(Kernel(*parts).torques(np.zeros(parts[0]))[0]) == parts[0]
+    rings[0] = (rings[0][0], Slices(len(rings[0][1]) - 1), *rings[0][2:])
     with pytest.raises(ValueError, match="by no more than the table"):
-        found(lambda table, most: Slices(most - 1, table.conditions))
+        Kernel(*parts)
 
 
 # Of any bearing ------------------------------------------------------------------------------------------------------
