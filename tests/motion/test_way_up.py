@@ -111,8 +111,7 @@ def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last
 
     def found():
         motions = one.motions.like(instants=1, few=0)
-        spins = motions.spins(slips)
-        return spins, [(motion.torque, *motion.share) for here in motions.at(slips) for motion in here]
+        return motions.spins(slips), [(motion.torque, *motion.share) for here in motions.at(slips) for motion in here]
 
     _, whole = found()
     monkeypatch.setattr(raceway, "_ROOM", 0)
