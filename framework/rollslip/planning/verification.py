@@ -210,7 +210,8 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     if accuracy.exact or not off or study.curved(assembly) is not study:
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
-    if any(judgement.alone.get(LEFT_OUT, {}).get(name, 0.0) > _AIM * accuracy.of(name) for name in off):
+    left_out = judgement.alone.get(LEFT_OUT, {}) if estimated.left_out else {}  # else there is nothing to take back
+    if any(left_out.get(name, 0.0) > _AIM * accuracy.of(name) for name in off):
         resolution = reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution)
         seen = f"what was left out of a contact was seen to leave {found}"
         kept = {part: errors for part, errors in estimated.errors.items() if part not in _OF_CONTACTS}

@@ -352,11 +352,19 @@ class EffectiveFriction(Study):
             # rollers that all run alike jump nowhere, and other slices see the jump of the run
             for step in (1, -1) if np.ndim(u) and instants > dataset.attrs["instants"] else ():
                 near, at, far = (over[1 + k : over.size - 1 + k] for k in (-step, 0, step))
-                edges = (at <= tolerance) & (far > _JUMP * np.maximum(near, tolerance)) & np.isfinite(far)
-                for k in np.flatnonzero(edges).tolist():
-                    own = np.flatnonzero(contacts.owner == k)[0]
-                    bound = raceways.thinnest(contacts, u[own], V[own])[1 + k + step]
-                    jumped = max(jumped, least / bound - 1.0)
+                edges = np.flatnonzero(
+                    (at <= tolerance) & (far > _JUMP * np.maximum(near, tolerance)) & np.isfinite(far)
+                )
+                if not edges.size:
+                    continue
+                # all of them at once: each neighbour moves as the position before its jump does
+                first, moves = (np.arange(over.size - 2) for _ in range(2))
+                first[contacts.owner[::-1]] = np.arange(contacts.owner.size)[::-1]
+                moves[(edges + step) % moves.size] = edges
+                own = np.where(moves == np.arange(moves.size), -1, first[moves])[contacts.owner]
+                own = np.where(own < 0, np.arange(own.size), own)
+                bounds = raceways.thinnest(contacts, u[own], V[own])[1 + edges + step]
+                jumped = max(jumped, float((least / bounds - 1.0).max()))
         return {"film parameter": float(off), **({f"film parameter{WHERE_JUMPED}": float(jumped)} if jumped else {})}
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
