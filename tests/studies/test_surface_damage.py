@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+import promise_scenes
 from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
@@ -66,6 +67,15 @@ def test_the_worst_is_the_worst_of_the_orbit(result):
     assert flash.across.max("place").values == pytest.approx(flash.worst.values, rel=1e-3)
     assert np.isnan(result.across.sel(measure="film-parameter")).all()
     assert result.slip.item() == pytest.approx(run(SCENE, "steady-slip").steady_slip.values[0], rel=0.02)
+
+
+def test_what_friction_does_not_need_of_a_contact_is_measured():
+    """Its torques hardly hang on the film's own pressure, by which light contacts are more than twice as wide."""
+    changes = {"accuracy.tolerance": 1e-3, "models.damage": EVERY[0], "study.surface-damage.cage_slip": 0.1}
+    scene = evolve(promise_scenes.scene(22, 350), changes | {"cage.drag": ["churning"]})
+    assert not plan(scene, "steady-slip").estimated["steady-slip"].resolution.light_contacts
+    whole = run(evolve(scene, {"accuracy.tolerance": "exact", "accuracy.slices": 101}), "surface-damage")
+    np.testing.assert_allclose(run(scene, "surface-damage").worst, whole.worst, rtol=0.02)
 
 
 def test_a_tilted_roller_is_worst_towards_its_end():

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 #: Share of the largest slip at which a motion is timed, and how many of them a steady slip takes.
 _TRIED, _ORBITS = 0.3, 30
+#: Parts of a resolution that change films and widths of contacts.
+_OF_CONTACTS: Final = ("inlet_heating", "light_contacts")
 #: What was found where everything was.
 _FOUND: Final = "found"
 
@@ -85,10 +87,17 @@ class SurfaceDamage(Study):
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
-        """Choose slices, instants and laws as for the torques of a steady slip; nothing where nothing is measured."""
+        """Choose slices, instants and laws as for the torques of a steady slip; nothing where nothing is measured.
+
+        Nothing is left out of films and widths of contacts: measures see these where torques do not.
+        """
         if not assembly.scene.models.damage:
             return Estimated(resolution=assembly.resolution)
-        return estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
+        found = estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
+        whole = attrs.evolve(found.resolution, **dict.fromkeys(_OF_CONTACTS, True))
+        left = tuple(bound for bound in found.left_out if bound.taken_back(whole) != whole)
+        errors = {part: some for part, some in found.errors.items() if part not in _OF_CONTACTS}
+        return attrs.evolve(found, resolution=whole, left_out=left, errors=errors)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the damage models; none where nothing is measured."""
