@@ -13,8 +13,11 @@
   and DOP853 differ by, or two runs of the study of which one watches for events, if that is more: how sensitive the
   motion is. It is added to a difference that is *kept* and taken from one that is *missed*; others are *sensitive*.
 - ``finer`` is the difference of the study's own integrator at a thousandth of its tolerance, where it is not kept.
+- Scene 2 is missed by its steps: leapfrog is off by 2.0e-3 where a thousandth of the tolerance leaves 3.3e-5. A plan
+  takes the tolerance of a step from the cage speed at the end of a short motion without the history, and not from the
+  largest difference within it; whether that is why is not known.
 
-A row is written as soon as it is known, and the script goes on where it was interrupted. A scene has 20 s at most.
+A row is written as soon as it is known, and the script goes on where it was interrupted. A scene has 10 s at most.
 """
 
 import csv
@@ -37,7 +40,7 @@ from rollslip.planning.plan import plan
 
 #: Seed that nothing else uses; relative tolerance of the references; time of the processor for a scene [s]; parts of
 #: an orbit of which one is gone through, and least steps: a first one far outside what laws know has no rates.
-SEED, EXACT, SECONDS, PART, STEPS = 351, 1e-9, 20.0, 20, 400
+SEED, EXACT, SECONDS, PART, STEPS = 351, 1e-9, 10.0, 20, 400
 KINDS = [(level, history) for history in ("", "run-up", "drop") for level in ("pocket", "planar")]
 FRICTIONS = ("effective", "constant", "conventional")
 HEADER = [
@@ -46,8 +49,8 @@ HEADER = [
 ]  # fmt: skip
 
 
-class TooDearError(Exception):
-    """A scene takes longer than it may."""
+class TooDearError(BaseException):
+    """A scene takes longer than it may; no error, which an integration would keep to itself."""
 
 
 def stop(*_):
@@ -172,7 +175,7 @@ def refused(k, why, verdict="refused"):
 def row(k, seconds=SECONDS):
     """The row of a scene."""
     begin = time.process_time()
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds, 1.0)
     try:
         found = judged(k)
     except TooDearError:
