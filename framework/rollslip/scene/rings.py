@@ -75,14 +75,9 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
     formed = range(b.rollers) if tables else {lobes for lobes, _, _ in waves}
     kept = {ring: _enough(b, one, formed, scene.accuracy.tolerance) for ring, one in found.items()}
     every = (*turns[0], *turns[1])
-    return Rings(
-        kept["inner"][0],
-        kept["outer"][0],
-        tuple(waves),
-        tuple(tables),
-        sum(error for _, error in kept.values()),
-        every if any(one for one, _ in every) else (),
-    )
+    turning = every if any(one for one, _ in every) else ()
+    inner, outer = kept["inner"][0], kept["outer"][0]
+    return Rings(inner, outer, tuple(waves), tuple(tables), sum(error for _, error in kept.values()), turning)
 
 
 @attrs.frozen
