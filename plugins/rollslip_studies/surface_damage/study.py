@@ -94,7 +94,7 @@ class SurfaceDamage(Study):
         if not assembly.scene.models.damage:
             return Estimated(resolution=assembly.resolution)
         found = estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
-        whole = attrs.evolve(found.resolution, **dict.fromkeys(_OF_CONTACTS, True))
+        whole = attrs.evolve(found.resolution, inlet_heating=True, light_contacts=True)
         left = tuple(bound for bound in found.left_out if bound.taken_back(whole) != whole)
         errors = {part: some for part, some in found.errors.items() if part not in _OF_CONTACTS}
         return attrs.evolve(found, resolution=whole, left_out=left, errors=errors)
