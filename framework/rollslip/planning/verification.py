@@ -141,12 +141,13 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
 
     more = max(2 * m + 1, _SOME_INSTANTS if resolution.slices < _SOME_SLICES else 0)
     twice = attrs.evolve(resolution, slices=max(2 * resolution.slices, _SOME_SLICES), quadrature="gauss")
-    back: dict[str, Any] = {"inlet_heating": True, "light_contacts": True}
+    whole = reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution)
+    back: dict[str, Any] = {name: getattr(whole, name) for name in ("inlet_heating", "light_contacts")}
     at_once = moved_by(assembly.at(attrs.evolve(twice, instants=more, **back)))
     each = {"slices": twice, "instants": attrs.evolve(resolution, instants=more)}
-    parts, whole = [*errors], attrs.evolve(resolution, **back)
-    if whole != resolution:
-        each[LEFT_OUT], parts = whole, [*parts, LEFT_OUT]
+    parts, taken = [*errors], attrs.evolve(resolution, **back)
+    if taken != resolution:
+        each[LEFT_OUT], parts = taken, [*parts, LEFT_OUT]
     alone = {part: moved_by(assembly.at(each[part])) for part in parts} if over(1.0, _without_jumps(at_once)) else {}
     return Judgement(errors=errors, orders=orders, at_once=at_once, alone=alone)
 
@@ -210,8 +211,7 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     if accuracy.exact or not off or study.curved(assembly) is not study:
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
-    left_out = judgement.alone.get(LEFT_OUT, {}) if estimated.left_out else {}  # else there is nothing to take back
-    if any(left_out.get(name, 0.0) > _AIM * accuracy.of(name) for name in off):
+    if any(judgement.alone.get(LEFT_OUT, {}).get(name, 0.0) > _AIM * accuracy.of(name) for name in off):
         resolution = reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution)
         seen = f"what was left out of a contact was seen to leave {found}"
         kept = {part: errors for part, errors in estimated.errors.items() if part not in _OF_CONTACTS}
