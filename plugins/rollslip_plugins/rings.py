@@ -238,7 +238,7 @@ class Annulus(RingModel):
         validator=attrs.validators.optional(in_range(0, 0.5)),
     )  # fmt: skip
     density: float | None = parameter(
-        default=None, unit="kg/m3", doc="density of housing or shaft, by default that of the rings",
+        default=None, unit="kg/m3", doc="density of housing or shaft, by default as the modulus",
         validator=attrs.validators.optional(positive), usual=(1000, 9000), possible=(1e-12, 25e3),
     )  # fmt: skip
     damping_ratio: float = _damping()
@@ -272,8 +272,10 @@ class Annulus(RingModel):
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return cosines and sines of the numbers n."""
         layers, width = self.layers(bearing, ring), self.width or width_of(bearing)
-        own = bearing.material.density
-        densities = (own, self.density or own)[: len(layers)]
+        m = bearing.mounting or Mounting()
+        own = bearing.material_of(ring)
+        other = (m.housing_material if ring == "outer" else m.shaft_material) or own
+        densities = (own.density, self.density or other.density)[: len(layers)]
         k = {n: 1.0 / compliance_of_annulus(n, layers, width) for n in numbers(bearing, self.harmonics)}
         mass = {n: mass_of_annulus(n, layers, width, densities) for n in k}
         return modal(layers[0][0], k, mass, damping_ratio=self.damping_ratio)
