@@ -25,11 +25,12 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from rollslip.errors import RollslipError
 
 __all__ = [
+    "GRAVITY",
     "UnitError",
     "as_written",
     "check_typed",
@@ -67,8 +68,10 @@ _PREFIXES = {
     "G": Fraction(10**9),
 }
 
-#: A kilogram and a pound by the acceleration of free fall, all by definition [N].
-_KILOGRAM = Fraction("9.80665")
+#: Standard acceleration of free fall [m/s2].
+GRAVITY: Final = 9.80665
+#: A kilogram and a pound by that, all by definition [N].
+_KILOGRAM = Fraction(str(GRAVITY))
 _POUND = Fraction("0.45359237") * _KILOGRAM
 
 # symbol: size in SI units, dimension, prefixes in use

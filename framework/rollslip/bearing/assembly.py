@@ -34,14 +34,12 @@ from rollslip.scene.oil import check_given, members, unused_constants
 from rollslip.scene.rings import rings_of
 from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
-from rollslip.units import format_quantity
+from rollslip.units import GRAVITY, format_quantity
 from rollslip_kernels.slices import Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
 _KEPT = 1 << 14  # loads in a distribution that is kept, at most
 _OF_OIL: Final = tuple(attrs.fields_dict(OilState))
-#: Standard acceleration of free fall [m/s2].
-GRAVITY: Final = 9.80665
 _log = logging.getLogger(__name__)
 _T = TypeVar("_T")
 

@@ -20,7 +20,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.bearing.assembly import GRAVITY, Assembly, assemble
+from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import in_words, read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
@@ -35,7 +35,7 @@ from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.parts import rings
 from rollslip.studies.study import Study, settings
-from rollslip.units import format_quantity
+from rollslip.units import GRAVITY, format_quantity
 
 _log = logging.getLogger(__name__)
 

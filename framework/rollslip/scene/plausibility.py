@@ -21,7 +21,7 @@ from rollslip.errors import PluginError
 from rollslip.fields import FieldError, Span, as_given, span_in_words, unusual
 from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location, attributes, fields_of, types_of
-from rollslip.units import UnitError, format_quantity, likely, quantity, unit_given
+from rollslip.units import GRAVITY, UnitError, format_quantity, likely, quantity, unit_given
 
 __all__ = [
     "RELATIONS",
@@ -276,7 +276,7 @@ RELATIONS: Final = (
         "operation",
         "radial_load",
         lambda scene: (
-            scene.operation.radial_load / (9.81 * _rollers(scene)) or math.nan
+            scene.operation.radial_load / (GRAVITY * _rollers(scene)) or math.nan
             if scene.operation.gravity_direction is None
             else math.nan
         ),

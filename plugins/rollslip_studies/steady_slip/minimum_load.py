@@ -22,7 +22,7 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import AT_REST, SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.values import Scene
-from rollslip.units import format_quantity
+from rollslip.units import GRAVITY, format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
 __all__ = ["RULES", "SAME", "Rule", "asked_by_makers", "held", "least_load", "rollers_weight", "static_rating"]
@@ -114,7 +114,7 @@ def held(balance: TorqueBalance, slip: float, close: float = 0.0) -> tuple[float
 
 def rollers_weight(assembly: Assembly) -> float:
     """Return the weight of all rollers [N]."""
-    return 9.81 * assembly.roller_mass * assembly.scene.bearing.rollers
+    return GRAVITY * assembly.roller_mass * assembly.scene.bearing.rollers
 
 
 def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:
