@@ -11,6 +11,7 @@
 import abc
 from collections.abc import Mapping
 from functools import cache
+from itertools import compress
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -144,7 +145,7 @@ class Rings:
     tables: tuple[tuple[Floats, Floats], ...] = ()
     left: float = 0.0  #: Relative error of friction that shapes which were left out are estimated to leave.
     #: Of each of these how many periods a turn of its ring has, 0 if it stands, and 1 for the inner ring, 2 for the
-    #: outer one; empty if all stand.
+    #: outer one; where they are empty all stand.
     turns: tuple[tuple[int, int], ...] = ()
 
     @property
@@ -172,6 +173,12 @@ class Rings:
         for (angles, heights), turn in zip(self.tables, turned[len(self.waves) :], strict=True):
             form += np.interp(psi - turn, angles, heights, period=2.0 * np.pi)
         return form
+
+    def formed(self, ring: int) -> "Rings":
+        """Return them with the form of one ring alone, 1 for the inner one, 2 for the outer one, as it stands."""
+        own = [number == ring for _, number in self.turns]
+        waves, tables = tuple(compress(self.waves, own)), tuple(compress(self.tables, own[len(self.waves) :]))
+        return attrs.evolve(self, waves=waves, tables=tables, turns=())
 
     @property
     def turning(self) -> bool:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rollslip import Chain, Conditions, evolve, get_model, load_distribution, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
-from rollslip.datasets import Material, Mounting
+from rollslip.datasets import Material, Mounting, Raceway
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops, _lattice
@@ -183,6 +183,12 @@ def test_rings_by_a_model_have_masses_that_a_heavier_housing_adds_to(ring):
     assert np.all(light.mass > 0.0)
     assert np.array_equal(heavy.mass, Annulus().shapes(bearing, ring, False).mass)
     assert heavy.damping_ratio == 0.02
+    part = "housing" if ring == "outer" else "shaft"
+    alloy = attrs.evolve(bearing.material, density=2700.0)
+    of_alloy = attrs.evolve(bearing, mounting=Mounting(**{f"{part}_material": alloy}))
+    assert np.array_equal(light.mass, Annulus().shapes(of_alloy, ring, False).mass)
+    bare = attrs.evolve(bearing, **{f"{ring}_raceway": Raceway(material=alloy)})
+    assert np.all(Annulus(density=7800.0).shapes(bare, ring, False).mass < heavy.mass)
 
 
 @pytest.mark.parametrize("mass", [np.ones(1), np.array([1.0, 0.0, 1.0]), np.full(3, np.nan)])
@@ -866,6 +872,11 @@ def test_the_shape_of_a_raceway_is_its_form_and_how_it_yields():
     angle = found.orbit_angle.to_numpy()
     assert found.sel(ring="outer")[0].to_numpy() == pytest.approx(-20e-6 * np.cos(3 * (angle - np.radians(10.0))))
     assert not found.sel(ring="inner").any()
+    # each ring has its own, also one that turns
+    both = wave | {"bearing.inner_raceway.form": [{"lobes": 2, "amplitude": "5 um"}]}
+    formed = load_distribution(scene(**both))["raceway_shape"]
+    assert formed.sel(ring="outer").to_numpy() == pytest.approx(found.sel(ring="outer").to_numpy())
+    assert formed.sel(ring="inner")[0].to_numpy() == pytest.approx(5e-6 * np.cos(2 * angle))
     # a hoop widens by the sum of the forces over 2 pi of its stiffness, Lame's of a thick one; the inner ring narrows
     hoop = {f"models.{ring}_ring": {"model": "annulus", "harmonics": 0} for ring in ("inner", "outer")}
     tight = scene(**hoop, **{"bearing.radial_clearance": "-20 um"})

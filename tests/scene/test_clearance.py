@@ -472,3 +472,21 @@ def test_its_scatter_follows_class_and_fit_and_moves_the_clearance():
         assert moved.radial_clearance == pytest.approx(one.bearing.radial_clearance - 7e-6, abs=2e-12)
     own, _ = with_scatter(scene("name = 'NU2216'\nradial_clearance = '20 um'"))
     assert "bearing.mounting.clearance_deviation" not in own.uncertainty
+
+
+@pytest.mark.parametrize(("ring", "part", "sense"), [("inner", "shaft", -1.0), ("outer", "housing", 1.0)])
+def test_a_raceway_without_ring_widens_with_the_expansion_of_what_it_is_on(ring, part, sense):
+    """From 20 degC to 80 degC by (24 - 12)e-6 1/K of its diameter beyond steel, which both sides share."""
+    bearing = attrs.evolve(PLAIN, **{f"{ring}_raceway": Raceway(without_ring=True)})
+    of = {name: attrs.evolve(Mounting(temperature_difference=0.0), **given) for name, given in
+          (("steel", {}), ("alloy", {f"{part}_expansion": 24e-6}))}  # fmt: skip
+    steel, alloy = (operating(attrs.evolve(bearing, mounting=m), (0.0, 0.0), None, 353.15).clearance
+                    for m in of.values())  # fmt: skip
+    diameter = getattr(bearing, f"{ring}_raceway_diameter")
+    assert alloy - steel == pytest.approx(sense * 12e-6 * 60.0 * diameter, rel=1e-9)
+
+
+def test_the_material_of_a_seat_that_there_is_not_is_refused():
+    bare = attrs.evolve(PLAIN, mounting=Mounting(shaft_material=Material()), inner_raceway=Raceway(without_ring=True))
+    with pytest.raises(FieldError, match=r"rollers run on the shaft itself.*is that of bearing.inner_raceway"):
+        operating(bare, (100.0, 0.0))

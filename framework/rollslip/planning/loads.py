@@ -27,8 +27,9 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     -------
     xarray.Dataset
         Dimensions (ring, instant, roller): normal_force; (ring, instant, roller, slice): load_per_length;
-        (instant, direction): displacement; (ring, instant, orbit_angle): raceway_shape, by forms and by how rings
-        yield; (instant,): moment; attributes force_residual and moment_residual, relative.
+        (instant, direction): displacement; (ring, instant, orbit_angle): raceway_shape, by forms, such as turn
+        as at first, and by how rings yield; (instant,): moment; attributes force_residual and moment_residual,
+        relative.
 
     Raises
     ------
@@ -48,8 +49,8 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
         m = rings.inner.stiffness.size
         shape[0] = -loads.deflection[:, :m] @ rings.inner.at(orbit).T
         shape[1] = loads.deflection[:, m:] @ rings.outer.at(orbit).T
-        formed = int(assembly.scene.operation.outer_speed == 0.0)  # a form is of the ring that stands
-        shape[formed] += (1.0, -1.0)[formed] * rings.form(orbit)
+        for k, outwards in enumerate((1.0, -1.0)):
+            shape[k] += outwards * rings.formed(k + 1).form(orbit)
     contacts = ("ring", "instant", "roller")
     return xr.Dataset(
         {

@@ -74,10 +74,9 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
         return None
     formed = range(b.rollers) if tables else {lobes for lobes, _, _ in waves}
     kept = {ring: _enough(b, one, formed, scene.accuracy.tolerance) for ring, one in found.items()}
-    every = (*turns[0], *turns[1])
-    turning = every if any(one for one, _ in every) else ()
     inner, outer = kept["inner"][0], kept["outer"][0]
-    return Rings(inner, outer, tuple(waves), tuple(tables), sum(error for _, error in kept.values()), turning)
+    left = sum(error for _, error in kept.values())
+    return Rings(inner, outer, tuple(waves), tuple(tables), left, (*turns[0], *turns[1]))
 
 
 @attrs.frozen

@@ -358,11 +358,10 @@ class EffectiveFriction(Study):
                 if not edges.size:
                     continue
                 # all of them at once: each neighbour moves as the position before its jump does
-                first, moves = (np.arange(over.size - 2) for _ in range(2))
-                first[contacts.owner[::-1]] = np.arange(contacts.owner.size)[::-1]
+                moves = np.arange(over.size - 2)
                 moves[(edges + step) % moves.size] = edges
-                own = np.where(moves == np.arange(moves.size), -1, first[moves])[contacts.owner]
-                own = np.where(own < 0, np.arange(own.size), own)
+                as_of = moves[contacts.owner]
+                own = np.where(as_of == contacts.owner, np.arange(as_of.size), np.searchsorted(contacts.owner, as_of))
                 bounds = raceways.thinnest(contacts, u[own], V[own])[1 + edges + step]
                 jumped = max(jumped, float((least / bounds - 1.0).max()))
         return {"film parameter": float(off), **({f"film parameter{WHERE_JUMPED}": float(jumped)} if jumped else {})}

@@ -305,8 +305,8 @@ def _refuse_turning(assembly: Assembly, spans: Mapping[str, tuple[float, float]]
         raceway, choice = getattr(b, f"{ring}_raceway"), getattr(models, f"{ring}_ring")
         if raceway is not None and raceway.form:
             raise DomainError(
-                f"the {ring} ring turns along the history, with the form of its raceway, and loads that follow a form "
-                f"which turns against the load are not modelled; keep {ring}_speed at 0, or leave the form out"
+                f"the {ring} ring turns along the history, with the form of its raceway, and motions in time "
+                f"know no form that turns against the load; keep {ring}_speed at 0, or leave the form out"
             )
         if choice is not None:
             at = Location(assembly.scene.origins, ("models", f"{ring}_ring"))

@@ -20,6 +20,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import DomainError
 from rollslip.rings import Rings, RingShapes
+from rollslip_studies.motion.spins import check_repeats
 
 _FASTEST: Final = 0.1  # of a natural frequency, that of the waves in which a turning ring passes through a shape
 #: Cells of a form for each lobe, by which a spline is right to 1e-7, for each row of a table, and least and most.
@@ -110,6 +111,7 @@ def bent_rings(a: Assembly) -> BentRings | None:
     """
     if a.rings is None:
         return None
+    check_repeats(a)
     o = a.scene.operation
     refuse_unknown(a.rings, (o.inner_speed, o.outer_speed))
     rings = turned(a.rings, 0.0, a.kinematics.direction)
@@ -117,7 +119,7 @@ def bent_rings(a: Assembly) -> BentRings | None:
         return BentRings(rings, None)
     most = max((_PER_LOBE * lobes for lobes, _, _ in rings.waves), default=0)
     most = max([most, *(_PER_ROW * angles.size for angles, _ in rings.tables)])
-    # forms that turn are refused before: it is the ring that stands
+    # forms that turn are refused: it is the ring that stands
     return BentRings(rings, 0 if o.outer_speed != 0.0 else 1, _spline(rings, min(max(most, _LEAST), _MOST)))
 
 
