@@ -156,10 +156,13 @@ def test_what_nobody_gave_is_told_with_the_slips_that_it_leads_to(key, unit, end
 
 @pytest.mark.quick
 def test_values_that_a_new_scene_assumed_are_named_with_its_cage():
-    lines = 'inner_speed = "1500 rpm" # ASSUMED, write yours', 'radial_load = "1 kN"', 'supply = "bath" # oil; ASSUMED'
+    lines = (
+        "[lubricant]", 'name = "iso-vg-68" # ASSUMED', "[operation]", 'inner_speed = "1500 rpm" # ASSUMED, write yours',
+        'radial_load = "1 kN"', 'supply = "bath" # oil; ASSUMED',
+    )  # fmt: skip
     own = "the cage is the bearing's own, brass, 457 g, guided by the outer ring; cage.make says so"
     assert assumed_of(xr.Dataset(attrs={"scene": "\n".join(lines), "own_cage": own})) == (
-        "inner speed, supply as rollslip new has it; cage brass, 457 g, guided by the outer ring",
+        "oil, inner speed, supply as rollslip new has it; cage brass, 457 g, guided by the outer ring",
     )
 
 

@@ -48,8 +48,9 @@ MOST_LINES, MOST_ROWS = 15, 8
 _WIDTH: Final = 100
 #: Letters of the longest heading below the rows.
 _HEADING: Final = len("assumed")
-#: A line of a new scene whose value nobody gave.
-_ASSUMED: Final = re.compile(r"^\s*(\w+)\s*=.*#.*\bASSUMED\b", re.MULTILINE)
+#: A line of a new scene whose value nobody gave, or that begins a table; and what names are of, by table.
+_ASSUMED: Final = re.compile(r"^\s*(?:\[(\w+)\]|(\w+)\s*=.*#.*\bASSUMED\b)", re.MULTILINE)
+_NAMED: Final = {"lubricant": "oil"}
 
 
 @attrs.frozen(kw_only=True)
@@ -413,7 +414,11 @@ def case_of(dataset: "xr.Dataset") -> tuple[str, ...]:
 def assumed_of(dataset: "xr.Dataset") -> tuple[str, ...]:
     """Return what nobody gave: marks of a new scene, and what scatters, with the slips that it leads to."""
     a = dataset.attrs
-    given = [", ".join(dict.fromkeys(_ASSUMED.findall(a.get("scene", "")))).replace("_", " ")]
+    marked, table = list[str](), ""
+    for begins, key in _ASSUMED.findall(a.get("scene", "")):
+        table = begins or table
+        marked += filter(None, [_NAMED.get(table, table) if key == "name" else key])
+    given = [", ".join(dict.fromkeys(marked)).replace("_", " ")]
     given = [f"{names} as rollslip new has it" for names in filter(None, given)]
     if own := a.get("own_cage"):
         given.append(f"cage {own.partition(', ')[2].partition(';')[0]}")
