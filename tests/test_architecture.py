@@ -160,7 +160,7 @@ PLANTED = {
     ],
     "over_budget": [
         ("bearing/cage.py", "\n" * 60),
-        ("scenes/planted.toml", "\n" * 60),
+        ("scene/planted.toml", "\n" * 60),
         ("plugins/rollslip_campaigns/planted.py", "\n" * 60),
     ],
     "named_studies": [
@@ -396,6 +396,7 @@ def test_only_what_a_scene_names_is_loaded(name, tmp_path):
 
 
 def test_shipped_scenes_are_package_data():
-    assert {entry.name for entry in (files("rollslip") / "scenes").iterdir() if entry.name.endswith(".toml")} == {
+    names = [entry.name for entry in (files("rollslip_plugins") / "scenes").iterdir()]
+    assert {name for name in names if name.endswith(".toml")} == {
         "1032930-30C.toml", "1032930-50C.toml", "1032930-70C.toml", "gearbox.toml", "turbine.toml",
     }  # fmt: skip

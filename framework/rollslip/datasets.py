@@ -26,6 +26,7 @@ __all__ = [
     "Profile",
     "Raceway",
     "Scatter",
+    "SceneData",
     "Surface",
     "SurfaceData",
 ]
@@ -453,6 +454,19 @@ class SurfaceData(_Named):
     def data(self) -> Surface:
         """The values."""
         return self.surface
+
+
+class SceneData(NamedTuple):
+    """A scene that comes with a package: ``rollslip run NAME`` finds it, as all that takes a scene."""
+
+    name: str  #: What commands call it.
+    package: str  #: Importable package in whose folder it stands, as ``NAME.toml``.
+
+    def read(self) -> bytes:
+        """Return its text; `OSError` if the file is not there."""
+        from importlib.resources import files  # costs 20 ms, and a path given by the user does not need it
+
+        return (files(self.package) / f"{self.name}.toml").read_bytes()
 
 
 class OwnCage(NamedTuple):

@@ -37,6 +37,7 @@ HOOKS: Final = {
     "measurements": "Data sets: values of `rollslip_campaigns.measurement.Measurement`.",
     "surfaces": "Surfaces: values of `rollslip.datasets.SurfaceData`.",
     "fits": "Fits: values of `rollslip.datasets.FitData`.",
+    "scenes": "Scenes: values of `rollslip.datasets.SceneData`.",
 }
 
 

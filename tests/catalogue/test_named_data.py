@@ -1,8 +1,11 @@
 """Bearings and surfaces as data of plugins: a scene names a set and changes values of it."""
 
+from pathlib import Path
+
 import attrs
 import pytest
 
+import rollslip_plugins
 from packages import install, python
 from rollslip import evolve, load_scene, plan
 from rollslip.catalogue import discovery
@@ -19,6 +22,7 @@ from rollslip_plugins.bibliography import MARTIN_1916
 from rollslip_plugins.data.bearings import bearing_1032930, bearings
 
 SHIPPED = load_scene("1032930-70C")
+FILE = Path(rollslip_plugins.__file__).parent / "scenes" / "1032930-70C.toml"
 CROWNED = BearingData(
     name="crowned",
     description="a bearing of a test",
@@ -195,7 +199,7 @@ import sys
 from rollslip.errors import PluginError
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
-scene = load_scene("1032930-70C")
+scene = load_scene(%r)
 print({"rollslip.catalogue.discovery", "pluggy"} & set(sys.modules))
 raw = {"surface": {"name": %r}}
 try:
@@ -207,7 +211,42 @@ except PluginError as error:
 
 def test_a_package_offers_surfaces_and_a_scene_without_a_name_loads_none(tmp_path):
     install(tmp_path, "rollslip-smooth", SURFACES, kind="surface", name="smooth")
-    assert python(READ % "smooth", tmp_path, fresh=True) == [set(), 1e-8]
+    assert python(READ % (str(FILE), "smooth"), tmp_path, fresh=True) == [set(), 1e-8]
+
+
+SCENES = """\
+from rollslip.datasets import SceneData
+from rollslip.hookspecs import hookimpl
+
+@hookimpl
+def scenes():
+    return [SceneData("NAME", "own_scenes")]
+"""
+
+RUN = """
+from rollslip.errors import RollslipError
+from rollslip.scene.reading import load_scene, shipped_scenes
+print({"test-stand", "gearbox"} <= {*shipped_scenes()})
+try:
+    print(repr(load_scene("test-stand").title))
+except RollslipError as error:
+    print(repr(str(error)))
+"""
+
+
+def test_a_package_ships_scenes(tmp_path):
+    install(tmp_path, "rollslip-stand", SCENES, kind="scene", name="test-stand")
+    (tmp_path / "own_scenes").mkdir()
+    text = FILE.read_text(encoding="utf-8")
+    (tmp_path / "own_scenes" / "test-stand.toml").write_text(text.replace('title = "', 'title = "Own '))
+    assert python(RUN, tmp_path) == [True, f"Own {SHIPPED.title}"]
+
+
+def test_a_scene_whose_file_is_missing_is_the_packages_fault(tmp_path):
+    install(tmp_path, "rollslip-stand", SCENES, kind="scene", name="test-stand")
+    said = python(RUN, tmp_path)[1]
+    assert said.startswith("scene 'test-stand' of package rollslip-stand 1.0: its file cannot be read (")
+    assert said.endswith("repair or uninstall rollslip-stand")
 
 
 def test_the_box_offers_a_bearing():
@@ -220,7 +259,7 @@ def test_data_of_the_wrong_kind_are_the_packages_fault(tmp_path):
     install(tmp_path, "rollslip-wrong", SURFACES.replace("SurfaceData(", "dict("), kind="surface", name="wrong")
     thing = "type('T', (), {'name': 'NAME', '__repr__': lambda self: 'T()'})()"
     install(tmp_path, "rollslip-odd", SURFACES.split("    return")[0] + f"    return [{thing}]\n", kind="surface")
-    said = [python(READ % name, tmp_path)[1] for name in ("wrong", "odd")]
+    said = [python(READ % ("1032930-70C", name), tmp_path)[1] for name in ("wrong", "odd")]
     assert said == [
         "changes: surface.name: surface 'wrong' of package rollslip-wrong 1.0: its surfaces() offers None, but its "
         "entry point promises 'wrong'",

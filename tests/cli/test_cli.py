@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 from importlib.resources import files
-from pathlib import Path
 
 import click
 import numpy as np
@@ -22,6 +21,7 @@ import warm
 from rollslip.cli.main import cli
 from rollslip.results.dataset import VOLATILE
 from rollslip.results.words import LOWER_BOUNDS
+from rollslip.scene.reading import shipped_scenes
 
 QUICK = ["--study", "friction-curve", "--no-plots"]
 
@@ -37,7 +37,7 @@ def command(*arguments, cwd, code=0):
 @pytest.fixture
 def scene(tmp_path):
     """A scene file of the user's own to spoil, and its text."""
-    text = (files("rollslip") / "scenes" / "1032930-70C.toml").read_text()
+    text = (files("rollslip_plugins") / "scenes" / "1032930-70C.toml").read_text()
     path = tmp_path / "own.toml"
     path.write_text(text)
 
@@ -384,9 +384,8 @@ def test_the_fine_result_agrees_with_the_default_one(slices, tolerance):
 
 @pytest.mark.slow
 def test_every_shipped_scene_runs(tmp_path):
-    for entry in (files("rollslip") / "scenes").iterdir():
-        if entry.name.endswith(".toml"):
-            assert isinstance(rollslip.run(Path(entry.name).stem).attrs["evaluations"], int | np.integer)
+    for name in shipped_scenes():
+        assert isinstance(rollslip.run(name).attrs["evaluations"], int | np.integer)
 
 
 # Oils -----------------------------------------------------------------------------------------------------------------

@@ -12,12 +12,13 @@ from pathlib import Path
 import pytest
 
 import rollslip
+import rollslip_plugins
 from rollslip.errors import SceneError
 from rollslip.files import readable
 
 PROGRAM = f"{shlex.quote(sys.executable)} -c 'from rollslip.cli import main; main()'"
 CURVE = "run 1032930-70C --study friction-curve --no-plots --out o"
-SHIPPED = Path(rollslip.__file__).parent / "scenes" / "1032930-70C.toml"
+SHIPPED = Path(rollslip_plugins.__file__).parent / "scenes" / "1032930-70C.toml"
 FULL = "standard output: cannot be written (No space left on device); free some space, or write elsewhere\n"
 
 

@@ -10,7 +10,7 @@ from rollslip.planning.json_schema import json_schema
 from rollslip.planning.keys import keys
 from rollslip.planning.new_scene import ASSUMED, new_scene
 
-SCENES = sorted(one.name for one in resources.files("rollslip.scenes").iterdir() if one.name.endswith(".toml"))
+SCENES = sorted(one.name for one in resources.files("rollslip_plugins.scenes").iterdir() if one.name.endswith(".toml"))
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def checked():
 
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_in_the_box_are_valid(checked, name):
-    text = (resources.files("rollslip.scenes") / name).read_text(encoding="utf-8")
+    text = (resources.files("rollslip_plugins.scenes") / name).read_text(encoding="utf-8")
     assert list(checked.iter_errors(tomllib.loads(text))) == []
 
 

@@ -3,7 +3,7 @@
 from typing import Any, Final
 
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.datasets import BearingData, FitData, SurfaceData
+from rollslip.datasets import BearingData, FitData, SceneData, SurfaceData
 from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
@@ -102,3 +102,4 @@ LUBRICANT: Final = _data("lubricant", Lubricant, "A lubricant", "the oil", _SCEN
 BEARING: Final = _data("bearing", BearingData, "A bearing", "the bearing", _PYTHON.format("bearing"))
 SURFACE: Final = _data("surface", SurfaceData, "Surfaces", "their roughness", _PYTHON.format("surface"), whose="it")
 FIT: Final = Kind(name="fit", hook="fits", base=FitData, data=True)
+SCENE: Final = Kind(name="scene", hook="scenes", base=SceneData, data=True)

@@ -181,7 +181,7 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
 
 
 def _template() -> string.Template:
-    place = importlib.resources.files("rollslip.scenes") / "new.toml.in"
+    place = importlib.resources.files("rollslip.planning") / "new_scene.toml.in"
     return string.Template(place.read_text(encoding="utf-8"))
 
 

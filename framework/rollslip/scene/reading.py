@@ -10,11 +10,10 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import attrs
 
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import PluginError, SceneError, in_words, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import in_operation
 from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
@@ -27,15 +26,10 @@ __all__ = ["checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_sc
 
 
 def shipped_scenes() -> list[str]:
-    """Return the names of the scenes that come with the package."""
-    return sorted(_shipped())
+    """Return the names of the scenes that come with packages."""
+    from rollslip.catalogue.discovery import available  # a path given by the user does not need it
 
-
-def _shipped() -> dict[str, Any]:
-    from importlib.resources import files  # costs 20 ms, and a path given by the user does not need it
-
-    entries = (files("rollslip") / "scenes").iterdir()
-    return {entry.name.removesuffix(".toml"): entry for entry in entries if entry.name.endswith(".toml")}
+    return sorted(available("scene"))
 
 
 def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
@@ -58,9 +52,9 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     if what := NO_SCENES.get(path.suffix.lower()):
         raise SceneError([f"{source}: is no scene but {what}"])
     if isinstance(name_or_path, str) and not source.endswith(".toml"):
-        shipped = _shipped()
+        shipped = shipped_scenes()
         if source in shipped:
-            return parse_scene(decoded(shipped[source].read_bytes(), source), source)
+            return parse_scene(decoded(_of_package(source), source), source)
         if not source or not _exists(path):
             alike = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
             raise SceneError(
@@ -76,6 +70,19 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise SceneError([f"{source}: cannot be read: {reason}"]) from None
     return parse_scene(decoded(read, source), source)
+
+
+def _of_package(name: str) -> bytes:
+    """Return the text of a scene that a package ships."""
+    from rollslip.catalogue.discovery import find, load
+
+    offer = find("scene", name)
+    try:
+        text: bytes = load(offer).read()
+    except (ImportError, OSError) as error:
+        blame = f"scene {name!r} of package {offer.package} {offer.version}: its file cannot be read"
+        raise PluginError(f"{blame} ({in_words(error)}); repair or uninstall {offer.package}") from error
+    return text
 
 
 def _exists(path: Path) -> bool:

@@ -403,7 +403,7 @@ slide_roll_ratio [1], friction [1], rolling_speed [m/s], max_pressure [GPa], tem
 0.05, 0.045, 2, 1.1, 40
 0.1, 0.05, 2, 1.1, 40
 """
-SCENES = [path.read_bytes() for path in sorted((ROOT / "framework" / "rollslip" / "scenes").glob("*.toml"))]
+SCENES = [path.read_bytes() for path in sorted((ROOT / "plugins" / "rollslip_plugins" / "scenes").glob("*.toml"))]
 SCENES += [path.read_bytes() for path in sorted((ROOT / "docs" / "examples").glob("*.toml"))] + [OWN]
 
 

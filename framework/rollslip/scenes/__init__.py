@@ -1,1 +1,0 @@
-"""The shipped scenes; ``rollslip run NAME`` finds them by name."""
