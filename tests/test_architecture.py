@@ -155,7 +155,7 @@ PLANTED = {
     ],
     "too_large": [
         ("units.py", "\n" * 600),
-        ("testing/thirteenth.py", "VALUE = 1"),
+        ("bearing/thirteenth.py", "VALUE = 1"),
         ("bearing/__init__.py", "def helper():\n    return 1"),
     ],
     "over_budget": [

@@ -456,7 +456,8 @@ class SurfaceData(_Named):
         return self.surface
 
 
-class SceneData(NamedTuple):
+@attrs.frozen
+class SceneData:
     """A scene that comes with a package: ``rollslip run NAME`` finds it, as all that takes a scene."""
 
     name: str  #: What commands call it.

@@ -8,6 +8,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
+from rollslip.datasets import SceneData
 from rollslip.errors import ConvergenceError
 from rollslip.fields import parameter
 from rollslip.studies.answers import Output
@@ -211,8 +212,13 @@ class CurvesWithoutSlices(FrictionCurve):
         return iter(())
 
 
-#: Rule -> the study that breaks it.
+class NoFile(SceneData):
+    """It names a file that its package does not have."""
+
+
+#: Rule -> the study or the scene that breaks it.
 BROKEN = [
+    ("check_a_scene_is_read_and_its_bearing_put_together", NoFile("nowhere", "rollslip_plugins.scenes")),
     ("check_its_result_has_the_outputs_it_declares", Undeclared()),
     ("check_its_result_has_the_outputs_it_declares", OtherUnit()),
     ("check_its_result_has_the_outputs_it_declares", OtherDims()),

@@ -7,7 +7,7 @@ from rollslip.datasets import BearingData, FitData, SceneData, SurfaceData
 from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel
+from rollslip.models import ContactModel, Drag, FilmModel, PressureModel, TractionModel
 from rollslip.rings import RingModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
@@ -66,17 +66,6 @@ DRAG: Final = Kind(
     template=Template(
         summary="A drag model", contents="the law", use=_PYTHON.format("drag"), classes=("DragModel",), needs=_ATTRS,
         compiled=True,
-    ),
-)  # fmt: skip
-INTEGRATOR: Final = Kind(
-    name="integrator", hook="integrator_models", base=IntegratorModel,
-    template=Template(
-        summary="An integrator",
-        contents="the method with its source; `heun.py` beside it: the method as SciPy's `OdeSolver`",
-        use=_PYTHON.format("integrator"),
-        classes=("IntegratorModel", "HeunSolver", "Any"),
-        needs=(*_ATTRS, "numpy>=2.0", "scipy>=1.15"),
-        beside=("heun",),
     ),
 )  # fmt: skip
 ENGINE: Final = Kind(

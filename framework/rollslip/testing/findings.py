@@ -19,7 +19,6 @@ from rollslip.errors import PluginError
 from rollslip.testing import (  # noqa: F401 - they put their rules on the list
     bearings,
     checks,
-    integrators,
     laws,
     numbers,
     studies,

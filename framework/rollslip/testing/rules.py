@@ -13,6 +13,7 @@ from hypothesis import assume
 
 from rollslip.bearing.cage import Separator
 from rollslip.catalogue.kinds import kind_of, usable_kinds
+from rollslip.datasets import SceneData
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant.oil import Lubricant
@@ -98,7 +99,7 @@ def kinds_of(model: object) -> Iterator[type | str]:
         yield from () if of is None else (of.name,)
         return
     yield "value"
-    beside = (Engine, Lubricant, Study, ThermalModel, DamageModel, TorqueFormula, RingModel, Separator)
+    beside = (Engine, Lubricant, SceneData, Study, ThermalModel, DamageModel, TorqueFormula, RingModel, Separator)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     of = kind_of(model) or kind_of(type(model))
     if of is not None and of.rules:  # a kind that brings its own
@@ -110,7 +111,7 @@ def kinds_of(model: object) -> Iterator[type | str]:
 
 def checks_of(model: object) -> list[Check]:
     """Return the checks that a model has to pass, in order."""
-    return [check for kind in kinds_of(model) for check in _RULES.get(kind, ())]
+    return [check for kind in dict.fromkeys(kinds_of(model)) for check in _RULES.get(kind, ())]
 
 
 def all_checks() -> list[Check]:

@@ -1,4 +1,4 @@
-"""The rules of studies and campaigns: what one says of itself holds for what it returns, however it is asked.
+"""The rules of studies, scenes and campaigns: what one says of itself holds for what it returns, however it is asked.
 
 A study is run on a small bearing of its own (`SCENE`), planned, swept and told there as any other would be.
 """
@@ -14,7 +14,9 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.errors import in_words
+from rollslip.datasets import SceneData
+from rollslip.errors import RollslipError, in_words
+from rollslip.files import decoded
 from rollslip.planning.campaign import Campaign, function_of, help_of, own_command
 from rollslip.planning.plan import estimate
 from rollslip.results.account import account_of
@@ -23,7 +25,7 @@ from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import Scene
 from rollslip.studies.answers import Part
 from rollslip.studies.outputs import evaluate
-from rollslip.studies.study import AXES, Study
+from rollslip.studies.study import AXES, Study, settings
 from rollslip.testing.rules import Inapplicable, Nonconformance, refuse_unless, rule
 
 if TYPE_CHECKING:
@@ -236,6 +238,20 @@ def check_its_result_is_told(study: Study) -> None:
         wrong = {"nan", "inf", "None"} & set(re.findall(r"[\w.]+", f"{row.text} {row.note}"))
         refuse_unless(bool(row.label) and not wrong, f"its answer says {row.label!r}: {row.text!r}, {row.note!r}")
     json.dumps(answer.as_dict(), allow_nan=False)
+
+
+# Scenes --------------------------------------------------------------------------------------------------------------
+
+
+@rule(SceneData)
+def check_a_scene_is_read_and_its_bearing_put_together(scene: SceneData) -> None:
+    """Whoever asks for a scene by its name gets a bearing, and the studies that the scene names."""
+    try:
+        read = parse_scene(decoded(scene.read(), scene.name), scene.name)
+        assemble(read)
+        settings(read, None)
+    except (ImportError, OSError, RollslipError) as error:
+        raise Nonconformance(f"{scene.name!r} in {scene.package}: {in_words(error)}") from error
 
 
 # Campaigns -----------------------------------------------------------------------------------------------------------

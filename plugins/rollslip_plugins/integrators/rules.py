@@ -8,15 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from rollslip.models import (
-    IntegratorModel,
-)
+from rollslip.models import IntegratorModel
 from rollslip.testing.rules import Inapplicable, refuse_unless, rule
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
-
-
-# Integrators ---------------------------------------------------------------------------------------------------------
 
 _ROTATION = np.array([[-0.5, 1.0], [-1.0, -0.5]])
 _CALLS = 100_000
