@@ -9,7 +9,8 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
-from rollslip.planning.plan import LONG, foreseen, plan, require_memory
+from rollslip.planning.lines import LONG, foreseen
+from rollslip.planning.plan import plan, require_memory
 from rollslip.results.words import duration
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sweep import plan_sweep

@@ -10,7 +10,7 @@ import pytest
 from rollslip import evolve, load_scene
 from rollslip import plan as planned
 from rollslip.planning import execution, verification
-from rollslip.planning.plan import part_as_dict
+from rollslip.planning.lines import part_as_dict
 from rollslip.planning.verification import (
     Judgement,
     _of_order,

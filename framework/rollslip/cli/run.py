@@ -151,7 +151,8 @@ def run(
     from rollslip.cli import console
     from rollslip.errors import ConvergenceError, DomainError, RollslipError
     from rollslip.planning.execution import execute
-    from rollslip.planning.plan import own_cage, plan
+    from rollslip.planning.lines import own_cage
+    from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified
     from rollslip.results.account import answer
     from rollslip.results.dataset import save
@@ -237,7 +238,8 @@ def plan(
     """
     from rollslip.cli import console
     from rollslip.cli.units import with_units
-    from rollslip.planning.plan import part_as_dict, plan
+    from rollslip.planning.lines import part_as_dict
+    from rollslip.planning.plan import plan
 
     made = plan(scene_of(scene, changes), study)
     if other is not None:

@@ -10,7 +10,6 @@ work, after minutes.
 """
 
 import logging
-import math
 import os
 import time
 from collections.abc import Collection, Mapping
@@ -21,28 +20,24 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.cage import in_words, read_cage
+from rollslip.bearing.cage import read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
-from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
-from rollslip.models import FilmModel, PressureModel, SliceModel
-from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF, duration_range
+from rollslip.planning.lines import caged, foreseen, of_bearing, of_studies, part_as_dict
+from rollslip.results.words import LOWER_BOUNDS, duration_range
 from rollslip.scene.named import unknown_names
 from rollslip.scene.reading import load_scene
-from rollslip.scene.values import EXACT, Scene
+from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
-from rollslip.studies.parts import rings
 from rollslip.studies.study import Study, settings
-from rollslip.units import GRAVITY, format_quantity
+from rollslip.units import format_quantity
 
 _log = logging.getLogger(__name__)
 
-#: Time that is told before it is spent [s].
-LONG: Final = 60.0
-#: Time of a slice at the least, all stages compiled [s], and size of a number [bytes].
-_SLICE, _NUMBER = 2e-8, 8
+#: Size of a number [bytes].
+_NUMBER: Final = 8
 
 
 @attrs.frozen(eq=False, kw_only=True, repr=False)
@@ -80,7 +75,7 @@ class Plan:
     @property
     def cautions(self) -> list[str]:
         """What holds of all its results, as a run tells first: whether they are bounds, and a law of the oil."""
-        bound = LOWER_BOUNDS if _caged(self.studies) and self.assembly.cage.drags.bound_below else ""
+        bound = LOWER_BOUNDS if caged(self.studies) and self.assembly.cage.drags.bound_below else ""
         return [*filter(None, (bound, self.assembly.lubricant.pressure_viscosity_law.caution()))]
 
     @property
@@ -168,12 +163,6 @@ def _units(settings: Any) -> dict[str, str]:
     return found
 
 
-def part_as_dict(part: Part) -> dict[str, Any]:
-    """Return a line of a plan as plain values; an error that cannot be determined is null."""
-    errors = {name: error if math.isfinite(error) else None for name, error in part.errors.items()}
-    return attrs.asdict(part) | {"errors": errors}
-
-
 def _at_once(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembly]:
     """Return studies and bearing; if one is wrong, with what is wrong of the other and of the cage."""
     problems, found, first = list[str](), list[Any](), list[RollslipError]()
@@ -226,27 +215,7 @@ def plan(
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
     assemblies = {name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in estimated.items()}
-    named = dict(scene.raw or {}).get("models", {})
-    parts = [_stage(kind, model, named) for kind, model in stated.models.items()]
-    parts.append(
-        Part(
-            part="viscosity at pressure",
-            choice=stated.lubricant.pressure_viscosity_law.name,
-            resolution="every loaded lamina",
-            reason="; ".join(
-                filter(
-                    None,
-                    (f"the law of the oil, {stated.lubricant.name}", stated.lubricant.pressure_viscosity_law.caution()),
-                )
-            ),
-        )
-    )
-    parts.append(_inlet(stated.film))
-    if (mounted := scene.bearing.mounted) is not None:
-        clearance = format_quantity(mounted.clearance, "m", 3)
-        parts.append(Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted)))
-    parts.append(rings(stated))
-    parts += _pulls(stated)
+    parts = of_bearing(stated)
     for name, one in studies.items():
         assembly = stated.at(estimated[name].resolution)
         try:
@@ -254,7 +223,7 @@ def plan(
         except RollslipError:
             costs = {}
         parts += [attrs.evolve(part, study=name) for part in one.parts(assembly, estimated[name], costs)]
-    parts += _cage(stated, studies) + _heat(scene, studies) + _damage(scene, studies)
+    parts += of_studies(stated, studies)
     for part in parts:
         choice = part.choice if part.included else "left out"
         _log.info(": ".join(filter(None, (part.part, choice, part.reason))))
@@ -308,46 +277,6 @@ def require_memory(studies: Mapping[str, Study], assembly: Assembly, memory: flo
         raise SceneError(problems)
 
 
-def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
-    """Return which cage a bearing has that the scene does not state; nothing where it does, or none takes part."""
-    if not _caged(studies) or "mass" in (scene.cage or {}):
-        return ""
-    cage = read_cage(scene)
-    told = "; ".join(in_words(scene, cage))
-    return f"the cage is the bearing's own, {told}" if cage.separator.coefficient is None else f"cage: {told}"
-
-
-def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:
-    """Return in words what somebody should know before a plan is run; empty if there is nothing."""
-    said = [
-        f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05; nothing "
-        f'finer is computed than with accuracy.{name} = "exact"'
-        if name == "tolerance"
-        else f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
-        for name in ("tolerance", "critical_slip", "friction", "cage_speed")
-        if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
-    ]
-    if told := own_cage(scene, studies):
-        said.append(told)
-    if held := _held(scene, studies):
-        said.append(
-            f"models.thermal does not act in {', '.join(held)}: rings, rollers and oil "
-            "have the temperatures that operation states"
-        )
-    seconds = max(seconds, _SLICE * evaluations)
-    if seconds > LONG:
-        said.append(
-            f"this will take {duration_range(seconds)} of the processor, {evaluations:.1e} laminae to evaluate; "
-            "Ctrl-C ends it, and rollslip plan says what the time goes to"
-        )
-    return said
-
-
-def _caged(studies: Mapping[str, Study]) -> bool:
-    """Whether a study tells of the cage."""
-    return any(study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values())
-
-
 def _size(number: float) -> str:
     return f"{number / 1e9:.2g} GB"
 
@@ -358,99 +287,3 @@ def _memory() -> float:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):
         return float("inf")
-
-
-# Its lines ------------------------------------------------------------------------------------------------------------
-
-
-def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
-    """The drags, where a study asks for the cage."""
-    if not any(study.with_cage for study in studies.values()):
-        reason = "the scene has no study of cage and rollers in motion"
-        return [Part(part="cage, drag and integrators", included=False, choice="not loaded", reason=reason)]
-    named = "drag" in (assembly.scene.cage or {})
-    supply = assembly.scene.lubrication.supply
-    reason = "cage.drag names it" if named else f"default, of lubrication.supply = {supply!r}"
-    choice, known = in_words(assembly.scene, assembly.cage)
-    parts = [
-        Part(part="cage", choice=choice, reason=known),
-        *(Part(part="drag", choice=one.name, resolution=one.equation, reason=reason) for one in assembly.cage.drags),
-    ]
-    if assembly.cage.drags.bound_below:
-        reason = LOWER_BOUNDS if len(parts) > 1 else SWITCHED_OFF
-        parts.append(Part(part="rolling resistance", included=False, choice="none", reason=reason))
-    return parts
-
-
-def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
-    """Which studies find temperatures by the thermal model, where the scene names one."""
-    if scene.models.thermal is None:
-        return []
-    held = _held(scene, studies)
-    reason = f"not in {', '.join(held)}, at the temperatures of the operation" if held else "the scene names it"
-    found = any(study.with_heat for study in studies.values())
-    return [Part(part="thermal", included=found, choice=scene.models.thermal.name, reason=reason)]
-
-
-def _damage(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
-    """Which damage models the scene names that no study takes; a study that takes them says so in lines of its own."""
-    if any(study.with_damage for study in studies.values()):
-        return []
-    reason = "no study of this run measures damage"
-    return [Part(part="damage", included=False, choice=one.name, reason=reason) for one in scene.models.damage]
-
-
-def _held(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
-    """Name the studies in which the thermal model of the scene would find temperatures and does not act."""
-    if scene.models.thermal is None:
-        return []
-    from rollslip.studies.thermal_balance.model import thermal_model  # nobody else needs it
-
-    model = thermal_model(scene)
-    return [name for name, study in studies.items() if not study.with_heat] if model and model.nodes else []
-
-
-def _stage(kind: str, model: SliceModel, named: Any) -> Part:
-    offer = find(kind, model.name)
-    compiled = "compiled" if model.kernel() is not None else "NumPy"
-    if isinstance(model, PressureModel) and model.of_contact:
-        compiled = "that of the contact model, no stage"
-    return Part(
-        part=kind,
-        choice=f"{model.name} ({offer.package} {offer.version}, {compiled})",
-        resolution="every loaded lamina",
-        reason="the scene names it" if kind in named else "default",
-    )
-
-
-def _pulls(assembly: Assembly) -> list[Part]:
-    """Return what acts on all rollers in one direction."""
-    o, share, tolerance = assembly.scene.operation, assembly.weight_share, assembly.scene.accuracy.tolerance
-    direction = o.gravity_direction
-    if (carrier := o.carrier) is not None:
-        what, direction = "carrier", carrier.direction
-        why = "the bearing turns about another axis; the cage's own weight there is its guide's, and left out"
-    elif share > tolerance or direction is not None:
-        weight = format_quantity(assembly.roller_mass * GRAVITY, "N", 2)
-        what = "gravity of rollers"
-        why = f"{weight} each, {100.0 * share:.2g} % of what presses a roller on average"
-        if direction is None or share <= tolerance:
-            less = "below the tolerance" if share <= tolerance else "operation.gravity_direction would take it in"
-            return [Part(part=what, choice=weight, resolution="", reason=f"{why}: {less}", included=False)]
-    else:
-        return []
-    force = format_quantity(math.hypot(*assembly.body_force), "N", 2)
-    choice = f"{force} on each roller, {math.degrees(direction):.3g} deg from the line of load"
-    return [Part(part=what, choice=choice, resolution="in the equilibrium", reason=why)]
-
-
-def _inlet(film: FilmModel) -> Part:
-    """What heat and want of oil in the inlet do to the film."""
-    heating, starvation = film.inlet_heating, film.inlet_starvation
-    return Part(
-        part="thermal inlet shear",
-        included=bool(heating),
-        choice=(heating or "isothermal inlet") + (f", starved by {starvation}" if starvation else ""),
-        resolution="every loaded lamina" if heating else "",
-        reason=f"film model {film.name!r} asks for it" if heating else "the scene does not ask for it",
-    )

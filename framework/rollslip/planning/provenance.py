@@ -22,7 +22,8 @@ from rollslip.catalogue.discovery import load, named_data
 from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.fields import submodels
 from rollslip.models import SliceModel
-from rollslip.planning.plan import Plan, own_cage, part_as_dict
+from rollslip.planning.lines import own_cage, part_as_dict
+from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
 from rollslip.results.dataset import CITED
 from rollslip.scene.changes import CHANGES, NOTED
