@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rollslip.planning.loads import load_distribution as load_distribution
     from rollslip.planning.new_scene import new as new
     from rollslip.planning.plan import plan as plan
-    from rollslip.results.account import answer as answer
+    from rollslip.results.accounts import answer as answer
     from rollslip.results.dataset import open_result as open_result
     from rollslip.results.figures import plot as plot
     from rollslip.results.figures import report as report
@@ -50,7 +50,7 @@ _HOMES = {
     "Conditions": "rollslip_kernels.slices",
     "RollslipDeprecationWarning": "rollslip.errors",
     "Slices": "rollslip_kernels.slices",
-    "answer": "rollslip.results.account",
+    "answer": "rollslip.results.accounts",
     "available": "rollslip.catalogue.registry",
     "evolve": "rollslip.scene.changes",
     "get_include": "rollslip_kernels",

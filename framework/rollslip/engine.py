@@ -21,9 +21,10 @@ from queue import SimpleQueue
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
+from rollslip.errors import RollslipError
 from rollslip.references import Citation
 
-__all__ = ["Engine", "cores", "helps", "shared"]
+__all__ = ["Engine", "cores", "helps", "shared", "threads"]
 
 T = TypeVar("T")
 
@@ -31,6 +32,19 @@ T = TypeVar("T")
 def cores() -> int:
     """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def threads() -> int:
+    """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use."""
+    given = os.environ.get("ROLLSLIP_THREADS")
+    if given is None:
+        return cores()
+    if not (given.isascii() and given.isdecimal() and int(given) > 0):
+        raise RollslipError(
+            f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
+        )
+    return int(given)
 
 
 class Engine(abc.ABC):

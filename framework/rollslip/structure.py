@@ -3,16 +3,22 @@
 - The attrs classes are the schema: `structure` follows their types and metadata. A conversion library is not needed for
   that, because every scalar has its own strict rule here: its unit is a property of the field and not of the type.
 - Faults are collected, not raised one by one, and each names file, line and key.
+- The hash of a scene is taken of its values in SI units, not of the text: comments, order and units do not change it,
+  but what stands in files of models and forms does.
 """
 
 import contextlib
+import hashlib
+import json
 import math
+import operator
 import re
 import types
 from collections.abc import Collection, Mapping
 from functools import cache
 from numbers import Integral, Real
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from pathlib import Path
+from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import attrs
 
@@ -24,9 +30,12 @@ from rollslip.units import UnitError, as_written, expectation, format_quantity, 
 __all__ = [
     "FrozenTable",
     "Location",
+    "SceneHashes",
     "attributes",
     "bare_key",
     "key_of",
+    "resolved",
+    "scene_hash",
     "structure",
     "thawed",
     "types_of",
@@ -330,3 +339,90 @@ def _frozen(raw: object, where: Location, faults: list[str]) -> object:
 def _storable(number: Integral) -> bool:
     """Whether a whole number has the 64 bits that TOML asks for; what has more, no other program can read either."""
     return -(2**63) <= int(number) < 2**63
+
+
+# And back ------------------------------------------------------------------------------------------------------------
+
+
+def resolved(scene: Any) -> dict[str, object]:
+    """Return a scene, or one of its tables, with all defaults as a nested dict of SI values.
+
+    It reads as the same scene again. Optional values that are not set are left out, because TOML has no null.
+    """
+    table: dict[str, object] = {}
+    for name, key, rest in _keys(type(scene)):  # type: ignore[arg-type]  # mypy takes a class for unhashable
+        value = getattr(scene, name)
+        if value is None:
+            continue
+        plain = _plain(value)
+        if rest and isinstance(plain, dict):
+            table.update(plain)
+        else:
+            table[key] = plain
+    return table
+
+
+@cache
+def _keys(cls: Any) -> list[tuple[str, str, bool]]:
+    """Name of every field that has a key in a scene, the key, and whether it takes the rest of the table."""
+    return [(a.name, key, bool(a.metadata.get("rest"))) for key, a in fields_of(cls)]
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, str | float | int):
+        return value
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    return resolved(value) if attrs.has(type(value)) else value
+
+
+@cache
+def _sorted(cls: Any) -> list[tuple[str, str]]:
+    """Fields and their keys, in the order of the keys."""
+    return sorted(((name, key) for name, key, _ in _keys(cls)), key=operator.itemgetter(1))
+
+
+#: The text of plain values that is hashed.
+_canonical: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode
+
+
+def _contents(plain: object) -> str:
+    """Digests of files that a table names by their full paths, as models and forms do; history has its own."""
+    if isinstance(plain, list):
+        return "".join(map(_contents, plain))
+    if not isinstance(plain, dict):
+        return ""
+    found, file = "".join(map(_contents, plain.values())), plain.get("file")
+    if isinstance(file, str) and "\0" not in file and (path := Path(file)).is_absolute() and path.is_file():
+        with contextlib.suppress(OSError):  # who reads it says so
+            found += hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
+
+
+class SceneHashes:
+    """Hashes of scenes that share tables with one of them, of which the text is made once."""
+
+    def __init__(self, scene: Any) -> None:
+        self._scene, self._known = scene, dict[str, str]()
+
+    def of(self, scene: Any) -> str:
+        """Return the SHA-256 of a resolved scene with its files; equal scenes have equal hashes however written."""
+        texts = []
+        for name, key in _sorted(type(scene)):  # type: ignore[arg-type]
+            if (value := getattr(scene, name)) is not None:
+                own = value is getattr(self._scene, name)
+                text = self._known.get(name) if own else None
+                if text is None:
+                    plain = _plain(value)
+                    text = f"{_canonical(key)}:{_canonical(plain)}{_contents(plain) if name != 'study' else ''}"
+                if own:
+                    self._known[name] = text
+                texts.append(text)
+        return hashlib.sha256(f"{{{','.join(texts)}}}".encode()).hexdigest()
+
+
+def scene_hash(scene: Any) -> str:
+    """Return the hash of one scene; see `SceneHashes`."""
+    return SceneHashes(scene).of(scene)

@@ -10,7 +10,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.errors import SceneError
 from rollslip.scene.reading import load_scene
-from rollslip.scene.values import resolved
+from rollslip.structure import resolved
 from rollslip_kernels.slices import Slices
 
 pytestmark = pytest.mark.quick

@@ -15,7 +15,7 @@ import pytest
 import fifty_digits
 from chain_samples import BEARING, OwnError, run_together
 from foreign_stages import Stage, foreign_capsule
-from rollslip import Chain, Slices
+from rollslip import Chain, Slices, engine
 from rollslip.bearing import chain as chain_module
 from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip_kernels.slices import COLUMNS
@@ -286,7 +286,7 @@ def test_threads_are_made_for_large_tables_only():
 def test_a_number_of_threads_that_is_none_is_refused_in_words(monkeypatch):
     for given in ("0", "-2", "two", "", "1.5", "\N{SUPERSCRIPT TWO}"):
         monkeypatch.setenv("ROLLSLIP_THREADS", given)
-        chain_module.threads.cache_clear()
+        engine.threads.cache_clear()
         with pytest.raises(RollslipError) as error:
             Chain(*PAPER)(contacts(LARGE))
         assert str(error.value) == (
@@ -295,10 +295,10 @@ def test_a_number_of_threads_that_is_none_is_refused_in_words(monkeypatch):
     with pytest.raises(ValueError, match="at least one thread, not in 0"):
         Chain(*PAPER, threads=0)
     monkeypatch.setenv("ROLLSLIP_THREADS", "3")
-    assert chain_module.threads() == 3
+    assert engine.threads() == 3
     monkeypatch.delenv("ROLLSLIP_THREADS")
-    chain_module.threads.cache_clear()
-    assert 1 <= chain_module.threads() <= os.cpu_count()
+    engine.threads.cache_clear()
+    assert 1 <= engine.threads() <= os.cpu_count()
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 8])

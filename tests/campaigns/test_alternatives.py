@@ -11,7 +11,7 @@ from click.testing import CliRunner
 import rollslip
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip_campaigns.comparison.alternatives import ratio_band
 
 SCENE = rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 9})

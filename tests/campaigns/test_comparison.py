@@ -14,12 +14,12 @@ from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
 from rollslip.models import FilmModel, TractionModel
-from rollslip.results.account import account_of
+from rollslip.models.validity import FILM_REGIMES
+from rollslip.results.accounts import account_of
 from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
-from rollslip.validity import FILM_REGIMES
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
 from rollslip_campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables

@@ -16,7 +16,7 @@ import rollslip
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.table import sheet
 from rollslip_campaigns.limit import LimitSettings, findings
 from rollslip_campaigns.limit.limit import RESULT, of_the_worst, run_limit

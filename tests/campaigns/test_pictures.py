@@ -9,7 +9,7 @@ import xarray as xr
 import rollslip
 from rollslip.results.figures import plot
 from rollslip.results.words import two
-from rollslip.scene.values import resolved
+from rollslip.structure import resolved
 from rollslip_studies.steady_slip.figures import catalogue_loads
 from rollslip_studies.steady_slip.minimum_load import asked_by_makers
 

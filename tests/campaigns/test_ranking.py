@@ -13,7 +13,7 @@ from rollslip import fit, rank
 from rollslip.cli.main import main
 from rollslip.cli.units import with_units
 from rollslip.errors import SceneError
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip_campaigns.validation.predictions import form, read_predictions
 from rollslip_campaigns.validation.ranking import FEWEST, tell
 from synthetic_traction import exact, synthetic

@@ -20,7 +20,7 @@ from mean_roller import MeanRoller
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli, main
 from rollslip.errors import SceneError
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.scene.changes import evolve
 from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings

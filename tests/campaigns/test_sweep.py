@@ -29,9 +29,9 @@ from rollslip.cli.main import cli
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, PluginError, RollslipError, SceneError
 from rollslip.models import TractionModel
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.scene.reading import parse_scene
-from rollslip.scene.values import resolved, scene_hash
+from rollslip.structure import resolved, scene_hash
 from rollslip.studies import study as studies
 from rollslip_campaigns.limit import LimitSettings
 from rollslip_campaigns.sweep import findings, point

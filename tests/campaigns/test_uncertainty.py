@@ -19,7 +19,7 @@ from drawn import words
 from rollslip import uncertainty
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.table import sheet
 from rollslip.results.words import two

@@ -18,7 +18,7 @@ from rollslip.errors import DomainError, PluginError, RollslipDeprecationWarning
 from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
 from rollslip.lubricant.pressure import PressureViscosity, from_oil, with_law
 from rollslip.models import TractionModel
-from rollslip.results.account import answer
+from rollslip.results.accounts import answer
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi

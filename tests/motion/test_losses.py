@@ -10,7 +10,7 @@ from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import as_stated
 from rollslip.models import DragModel
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance, effective_curves
 

@@ -19,7 +19,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops, _lattice
 from rollslip.scene.clearance import share
 from rollslip.scene.rings import yielding
-from rollslip.scene.values import SceneHashes, scene_hash
+from rollslip.structure import SceneHashes, scene_hash
 from rollslip_plugins.rings import (
     Annulus,
     Compliance,

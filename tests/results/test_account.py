@@ -15,8 +15,9 @@ from architecture import COMMON
 from rollslip import register
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli import console
-from rollslip.results.account import Account, PlainAccount, Table, account_of
-from rollslip.results.account import answer as answer_of
+from rollslip.results.account import Account, Table
+from rollslip.results.accounts import PlainAccount, account_of
+from rollslip.results.accounts import answer as answer_of
 from rollslip.results.curves import Curves, curve_names, curves
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
@@ -80,7 +81,7 @@ def test_every_study_and_campaign_of_the_box_has_an_account():
 def test_accounts_are_found_by_the_attribute_study_and_load_no_matplotlib():
     code = (
         "import sys, xarray\n"
-        "from rollslip.results.account import account_of\n"
+        "from rollslip.results.accounts import account_of\n"
         "for name in sys.argv[1:]:\n"
         "    account = account_of(xarray.Dataset(attrs={'study': name}))\n"
         "    assert account.name == name and type(account).__module__.endswith('.account')\n"

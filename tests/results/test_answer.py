@@ -17,7 +17,7 @@ import ten_scenes
 from rollslip.cli import console
 from rollslip.cli.main import cli
 from rollslip.errors import DomainError, SceneError, UnknownNameError
-from rollslip.results.account import answer as answer_of
+from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import (
     MOST_LINES,
     RULES,

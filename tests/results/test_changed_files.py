@@ -16,7 +16,8 @@ import xarray as xr
 import rollslip
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, RollslipError
-from rollslip.results.dataset import open_result, save, telling
+from rollslip.results.accounts import telling
+from rollslip.results.dataset import open_result, save
 
 #: What came in place of an attribute; None: it is missing.
 CHANGES = {

@@ -11,7 +11,7 @@ from architecture import ROOT
 from json_units import without_units
 from rollslip.cli.main import cli
 from rollslip.cli.units import with_units
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 
 COARSE = ("--set", "accuracy.slices=3")
 SAMPLED = ("--samples", "8", "--loads", "2", "--indices", "4", "--probability", "0.5", "--engine", "serial")

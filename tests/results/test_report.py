@@ -17,7 +17,7 @@ from matplotlib.textpath import TextPath
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.references import KLEBANOV, as_dict
-from rollslip.results.account import answer as answer_of
+from rollslip.results.accounts import answer as answer_of
 from rollslip.results.curves import percent
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report

@@ -2,8 +2,7 @@
 
 import pytest
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS, styled
+from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS, Sheet, styled
 
 pytestmark = pytest.mark.quick
 

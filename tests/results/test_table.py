@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import rollslip
 from rollslip.cli.main import cli
-from rollslip.results.account import answer
+from rollslip.results.accounts import answer
 from rollslip.results.table import sheet
 from rollslip.units import quantity
 

@@ -16,7 +16,7 @@ from rollslip.fields import FieldError
 from rollslip.planning.plausibility import implausible
 from rollslip.scene.clearance import operating, share, spun, usual_fit
 from rollslip.scene.reading import from_raw, parse_scene
-from rollslip.scene.values import resolved, scene_hash
+from rollslip.structure import resolved, scene_hash
 from rollslip_plugins.data.cylindrical import CATALOGUE
 from rollslip_studies.variation.scatter import with_scatter
 

@@ -12,7 +12,7 @@ from scipy.stats import norm
 import rollslip
 from rollslip import uncertainty
 from rollslip.cli.main import cli
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.scene.reading import load_scene
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.band import Band, Moved, bands, with_bands

@@ -6,7 +6,7 @@ import pytest
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
-from rollslip.results.account import account_of, answer
+from rollslip.results.accounts import account_of, answer
 from rollslip_studies.dynamics.figures import motion_figures
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.surface_damage import over_motion

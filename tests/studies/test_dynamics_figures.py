@@ -13,7 +13,7 @@ import pytest
 from drawn import words
 from motion_samples import CAGE_SPEED, ROLLER_SPEED, motion, relaxing, running_away
 from rollslip.cli import console
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip_studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together

@@ -12,7 +12,7 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, SceneError
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.style import save_figures
 from rollslip.studies.answers import Keep
 from rollslip_studies.dynamics import heating

@@ -17,7 +17,7 @@ from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime
 from rollslip.errors import SceneError
 from rollslip.planning.execution import run
 from rollslip.planning.plan import plan
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.curves import percent
 from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene

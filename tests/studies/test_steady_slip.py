@@ -22,7 +22,7 @@ from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
 from rollslip.results.words import two

@@ -12,10 +12,10 @@ from rollslip import available, evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
 from rollslip.errors import ConvergenceError, SceneError
-from rollslip.results.curves import Curves
+from rollslip.results.curves import Curves, curve_labels
 from rollslip.scene.values import Accuracy
 from rollslip.studies.estimates import FEW, by_doubling
-from rollslip.studies.study import AXES, Study, curve_labels, settings, study_class
+from rollslip.studies.study import AXES, Study, settings, study_class
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})

@@ -9,7 +9,7 @@ import promise_scenes
 from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
-from rollslip.results.account import account_of, answer
+from rollslip.results.accounts import account_of, answer
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.results.words import LOWER_BOUNDS

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.scene.reading import from_raw

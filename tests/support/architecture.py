@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 #: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
 #: Studies of the box and campaigns are roots of their own, right of all.
 ORDER = (
-    "shelf", "lubricant", "catalogue", "scene", "bearing", "results", "studies", "planning",
+    "shelf", "models", "lubricant", "catalogue", "scene", "bearing", "results", "studies", "planning",
     "testing", "cli", "rollslip_studies", "rollslip_campaigns",
 )  # fmt: skip
 #: Roots whose modules stand in these folders.

@@ -21,8 +21,8 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.ticker import FixedLocator
 
-from rollslip.results.account import account_of
-from rollslip.results.account import answer as answer_of
+from rollslip.results.accounts import account_of
+from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import aligned
 from rollslip.results.figures import plot
 from rollslip.results.words import confidence, counted, warned

@@ -13,16 +13,10 @@ import numpy as np
 from rollslip.bearing.cage import Cage, Separator, filled, read_cage, scene_values, with_drags
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import taken_from_scene
-from rollslip.bearing.equilibrium import (
-    LoadCase,
-    LoadDistribution,
-    angular_positions,
-    solve_pitch,
-)
+from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.bearing.profile import profile_drop
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
-from rollslip.bearing.resolution import Resolution, as_stated
+from rollslip.bearing.resolution import Resolution, as_stated, slicing
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, OilState
@@ -197,7 +191,7 @@ class Assembly:
         laws = ("traction", "boundary", "inlet_heating", "light_contacts", "compiled")
         if any(getattr(self.resolution, name) != getattr(resolution, name) for name in laws):
             return assemble(self.scene, resolution)
-        made = partial(_slicing, self.scene, resolution)
+        made = partial(slicing, self.scene, resolution)
         key = ("slicing", resolution.slices, resolution.quadrature)
         position, widths, drop = self.known_loads.get(key) or self.known_loads.setdefault(key, made())
         return attrs.evolve(self, resolution=resolution, position=position, widths=widths, drop=drop)
@@ -396,7 +390,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         scene.operation.outer_speed,
     )
     try:
-        position, widths, drop = _slicing(scene, resolution)
+        position, widths, drop = slicing(scene, resolution)
     except ValueError as error:
         problems.append(where.at("bearing").at("profile").says(str(error)))
     if lubricant is None or problems:
@@ -509,23 +503,6 @@ def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel
         shared = {a.name for a in attrs.fields(cls)} & {a.name for a in getattr(named, "__attrs_attrs__", ())}
         traction = traction.with_full_film(cls(**{name: getattr(named, name) for name in shared}))
     return traction
-
-
-def _slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
-    """Places, widths and profile of the slices; one slice serves where nothing varies along the roller."""
-    b = scene.bearing
-    if b.profile.shape == "none" and scene.operation.misalignment == 0.0:
-        return np.zeros(1), np.full(1, b.roller_length), np.zeros(1)
-    position, widths = resolution.slicing(b.roller_length)
-    drop = profile_drop(
-        b.profile.shape,
-        position,
-        b.roller_length,
-        b.roller_diameter,
-        radius=b.profile.radius,
-        table=(b.profile.position, b.profile.drop) if b.profile.shape == "table" else None,
-    )
-    return position, widths, drop
 
 
 def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Location) -> Conditions:

@@ -27,8 +27,8 @@ from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
 from rollslip.references import Citation
 from rollslip.scene.supply import DENSITY, SUPPLIES, Supplied
-from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene, resolved
-from rollslip.structure import Location, structure
+from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene
+from rollslip.structure import Location, resolved, structure
 from rollslip.units import expectation, format_quantity, quantity
 
 _optional = attrs.validators.optional(positive)

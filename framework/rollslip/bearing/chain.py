@@ -6,39 +6,26 @@
 - Where Python takes part there is one thread: it would hold the others up, and is not asked to be re-entrant.
 """
 
-import os
 from collections.abc import Callable, Sequence
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import origin
-from rollslip.engine import cores, helps, shared
+from rollslip.engine import helps, shared, threads
 from rollslip.errors import DomainError, PluginError, RollslipError, in_words
-from rollslip.models import FINITE, SliceModel, in_unit, interval
+from rollslip.models import SliceModel
+from rollslip.models.domains import FINITE, refusal_text
 from rollslip_kernels import chain as kernels
-from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES, Slices
+from rollslip_kernels.slices import PLACES, Slices
 
 Array = NDArray[np.float64]
 
 #: Slices that a thread takes at a time, some 0.1 ms, and with which a table is large: waking a thread takes as long.
 _PART: Final = 4096
 _LARGE: Final = 5 * _PART
-
-
-@cache
-def threads() -> int:
-    """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use."""
-    given = os.environ.get("ROLLSLIP_THREADS")
-    if given is None:
-        return cores()
-    if not (given.isascii() and given.isdecimal() and int(given) > 0):
-        raise RollslipError(
-            f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
-        )
-    return int(given)
 
 
 def stage(model: SliceModel) -> object:
@@ -234,7 +221,7 @@ class Chain:
             return PluginError(
                 f"the kernel of {model.name!r} returned a status that rollslip.h does not define; {origin(type(model))}"
             )
-        return DomainError(_refusal_text(model, what, member, index, slices))
+        return DomainError(refusal_text(model.name, model.domain, what, member, index, slices))
 
 
 class Guarded:
@@ -276,24 +263,3 @@ def _along(
         bound()
         sums[k], films[k] = kernels.weighted(slices.friction, weight), slices.film_thickness.min(initial=np.inf)
     return sums, films
-
-
-def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices: Slices) -> str:
-    if what == "status":
-        return f"{model.name}: slice {index} is outside its domain"
-    if what == "output":
-        return f"{model.name}: slice {index} gives a {member} that is not finite; its inputs are too large or too small"
-    allowed = interval(model.domain.get(member, FINITE))
-    if member in CONDITIONS:
-        value = getattr(slices.conditions, member)
-        if value != value:
-            return f"{model.name}: needs {member} ({CONDITIONS[member][1]}), which the lubricant or scene does not give"
-        return f"{model.name}: {member} = {in_unit(value, member)} is outside its domain ({allowed})"
-    value = float(getattr(slices, member)[index])
-    if value != value:
-        unit, meaning = COLUMNS[member]
-        remedy = "give it, or put a stage that fills it before this one"
-        if member in PLACES:
-            remedy = "what evaluates it takes rollers or slices together; give it, or take another study or level"
-        return f"{model.name}: slice {index} has no {member} ({meaning}, {unit}); {remedy}"
-    return f"{model.name}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed})"

@@ -12,8 +12,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.search import Rows, largest
 from rollslip.errors import DomainError
+from rollslip.search import Rows, largest
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow:
 def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
     """Locate the largest friction of continuous curves, not of their grids, and the first maxima before these.
 
-    That is the maximum on the two intervals of the grid around the best point, by `rollslip.bearing.search.largest`;
+    That is the maximum on the two intervals of the grid around the best point, by `rollslip.search.largest`;
     the first of equal ones. A first maximum is one behind which friction falls by a thousandth on the grid before it is
     larger again. A curve that holds NaN or infinity is refused.
     """

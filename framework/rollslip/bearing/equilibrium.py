@@ -18,19 +18,19 @@ How it is solved, and why:
 - An open contact keeps a trace of stiffness in the Hessian, never in the residual. It makes every step defined and
   lets a free roller ride half-way between the rings.
 - What mirrors something is not solved for: with aligned rings and a symmetric profile one half of a roller carries what
-  the other does, and over a pitch the instants m and M - m mirror each other in the line of load (`solve_pitch`).
+  the other does, and over a pitch half of the instants mirror the others (`rollslip.bearing.pitch`).
 """
 
-from collections.abc import Collection
-from typing import Any, Protocol, TypeAlias
+from typing import Protocol, TypeAlias
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain
-from rollslip.bearing.profile import slice_positions
+from rollslip.bearing.pitch import over_pitch
 from rollslip.errors import ConvergenceError
+from rollslip.profile import slice_positions
 from rollslip.rings import Rings
 from rollslip_kernels import equilibrium as kernels
 from rollslip_kernels.slices import Conditions, Slices
@@ -318,54 +318,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     )
 
 
-#: Arrays of a `LoadDistribution` whose first axis is that of the instants, beside psi.
-_BY_INSTANT = (
-    "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "deflection", "roller_shift",
-    "roller_tilt", "moment",
-)  # fmt: skip
-
-
-def _worst(parts: Collection[LoadDistribution]) -> dict[str, Any]:
-    names = ("force_residual", "moment_residual", "iterations")
-    return {name: max(getattr(part, name) for part in parts) for name in names}
-
-
 def solve_pitch(
     case: LoadCase, contacts: tuple[Contacts, Contacts], known: LoadDistribution | None = None
 ) -> LoadDistribution:
-    """Load distribution at instants spread over one roller pitch, of which half are mirror images of the others.
-
-    Roller j at instant m is the mirror image, in the line of load, of roller Z - 1 - j at instant M - m, and carries
-    the same, unless rings do not mirror themselves. With twice as many instants, every second one is that of before.
-    """
-    instants = case.psi.shape[0]
-    if known is not None and 2 * known.psi.shape[0] != instants:
-        raise ValueError(f"known are {known.psi.shape[0]} instants: of {instants} it must be half")
-    new = np.arange(instants) if known is None else np.arange(1, instants, 2)
-    last = instants // 2 if case.mirrored else instants
-    solved, images = new[new <= last], new[new > last]
-    if known is None and not images.size:
-        return solve_equilibrium(case, contacts)
-    solution = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), contacts)
-
-    def whole_of(name: str) -> Floats:
-        part: Floats = getattr(solution, name)
-        whole = np.empty((instants, *part.shape[1:]))
-        if known is not None:
-            whole[::2] = getattr(known, name)
-        whole[solved] = part
-        for image in images:
-            whole[image] = whole[instants - image] if part.ndim == 1 else whole[instants - image, ::-1]
-        if name == "displacement":
-            whole[images] = whole[images, ::-1] * np.array([1.0, -1.0])  # along the line of load, and across it
-        if name == "deflection" and case.rings is not None:
-            whole[images] = whole[images, ::-1] * case.rings.parity
-        return whole
-
-    pitch: dict[str, Any] = {name: whole_of(name) for name in _BY_INSTANT}
-    return attrs.evolve(
-        solution,
-        psi=case.psi,
-        **pitch,
-        **_worst((solution,) if known is None else (solution, known)),
-    )
+    """Load distribution at instants over one roller pitch; with twice as many, every second one is that of before."""
+    return over_pitch(case, known, lambda some: solve_equilibrium(some, contacts))

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain, Guarded, Job, along
+from rollslip.bearing.quadrature import load_rule
 from rollslip_kernels.chain import Bound
 from rollslip_kernels.gauss import rules
 from rollslip_kernels.slices import PLACES, Conditions, Slices
@@ -31,8 +32,6 @@ RINGS: tuple[Ring, Ring] = ("inner", "outer")
 #: At how many speeds few loads are held against all.
 PROBES = 12
 _TABLE, _ROOM, _LANES = 32768, 2048, 8  # slices in a table at a time, where rows go round, and of the widest vectors
-_FEWEST, _MOST = 8, 128  # loads of a rule
-_ROUNDING = 1e-13  # of a share of the force
 
 
 @attrs.frozen(eq=False)
@@ -202,41 +201,3 @@ class LoadedContacts:
         probes = np.linspace(0, rolling.size - 1, PROBES).astype(int)
         rule = load_rule(self.load, self.force, over(probes), tolerance)
         return over(slice(None))(rule)
-
-
-def gauss_rule(load: Array, force: Array, count: int) -> Array:
-    """Return the Gauss rule of a force distributed over loads.
-
-    With weights q_k at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials that are
-    orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its eigenvectors
-    their shares of the weight (`rollslip_kernels.gauss.rules`). The rule is load per length [N/m] and share of the
-    force of each node that has one, (m, 2).
-
-    References
-    ----------
-    G. H. Golub, J. H. Welsch, Calculation of Gauss quadrature rules, Math. Comp. 23 (1969) 221-230.
-    """
-    nodes, weights = rules(load, force, np.array([0, load.size]), count)
-    share = weights[0] / force.sum()
-    held = share > _ROUNDING  # of loads that differ by rounding alone there are fewer: no law takes a load of nothing
-    return np.asarray(np.stack((nodes[0], share), axis=1)[held])
-
-
-def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], tolerance: float) -> Array:
-    """Return as few loads as leave a mean by force right, with their shares of the force, (m, 2).
-
-    ``mean`` gives the means of a rule at all that is looked at; errors are relative to the largest of them. If no few
-    loads are right it is the rule of all slices.
-    """
-    whole = np.stack((load, force / force.sum()), axis=1)
-    different = np.unique(load).size
-    if different > _FEWEST:
-        true = mean(whole)
-        scale = float(np.abs(true).max())
-    count = _FEWEST
-    while count < min(different, _MOST + 1):
-        rule = gauss_rule(load, force, count)
-        if np.abs(mean(rule) - true).max() <= tolerance * scale:
-            return rule
-        count *= 2
-    return whole

@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.validity import FILM_REGIMES
+from rollslip.models.validity import FILM_REGIMES
 from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]

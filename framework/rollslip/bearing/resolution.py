@@ -16,9 +16,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.profile import slice_positions
 from rollslip.errors import RollslipError
 from rollslip.fields import at_least, in_range, one_of, parameter
+from rollslip.profile import profile_drop, slice_positions
 from rollslip.scene.values import Scene
 from rollslip_kernels.gauss import legendre
 from rollslip_kernels.slices import Slices
@@ -162,3 +162,20 @@ class LeftOut(abc.ABC):
     @abc.abstractmethod
     def taken_back(self, resolution: Resolution) -> Resolution:
         """Return a resolution that does not leave it out."""
+
+
+def slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
+    """Return places, widths and profile of the slices [m], (n,) each: of one where nothing varies along it."""
+    b = scene.bearing
+    if b.profile.shape == "none" and scene.operation.misalignment == 0.0:
+        return np.zeros(1), np.full(1, b.roller_length), np.zeros(1)
+    position, widths = resolution.slicing(b.roller_length)
+    drop = profile_drop(
+        b.profile.shape,
+        position,
+        b.roller_length,
+        b.roller_diameter,
+        radius=b.profile.radius,
+        table=(b.profile.position, b.profile.drop) if b.profile.shape == "table" else None,
+    )
+    return position, widths, drop

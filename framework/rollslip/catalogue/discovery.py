@@ -26,7 +26,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.installed import Offer, ordered
+from rollslip.catalogue.installed import THIS_PROCESS, Offer, with_session
 from rollslip.catalogue.installed import installed as _installed
 from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
 from rollslip.catalogue.shipped import altered, held, is_ours, told_if_slow
@@ -35,14 +35,10 @@ from rollslip.units import as_written
 
 _log = logging.getLogger(__name__)
 
-#: In place of the package and the version of what this process has registered.
-THIS_PROCESS: Final = "(this process)"
-UNPACKAGED: Final = "unpackaged"
-
 
 def catalogue() -> tuple[Offer, ...]:
     """Return everything offered, by kind and name, without importing any of it."""
-    return _with_session(_installed()) if _registered else _installed()
+    return with_session(_installed(), dict(_registered)) if _registered else _installed()  # another thread may register
 
 
 #: Numbers of a name that tell it from others.
@@ -293,24 +289,3 @@ def taken_back() -> Iterator[dict[tuple[str, str], Any]]:
         offered |= {key: thing for key, thing in _registered.items() if before.get(key) is not thing}
         _registered.clear()
         _registered.update(before)
-
-
-def _with_session(installed: tuple[Offer, ...]) -> tuple[Offer, ...]:
-    registered = dict(_registered)  # another thread may register
-    replaced = [
-        attrs.evolve(o, state="shadowed", cause="replaced in this process; restart it to have this one back")
-        if (o.kind, o.name) in registered
-        else o
-        for o in installed
-    ]
-    ours = [
-        Offer(
-            kind=kind,
-            name=name,
-            package=THIS_PROCESS,
-            version=UNPACKAGED,
-            module=(thing if isinstance(thing, type) else type(thing)).__module__,
-        )
-        for (kind, name), thing in registered.items()
-    ]
-    return ordered([*replaced, *ours])

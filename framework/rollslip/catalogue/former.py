@@ -23,6 +23,10 @@ _RENAMED: Final = {
     "rollslip.planning.quantities": "rollslip_studies.variation.quantities",
     "rollslip.planning.scatter": "rollslip_studies.variation.scatter",
     "rollslip.scene.distributions": "rollslip_studies.variation.distributions",
+    "rollslip.bearing.profile": "rollslip.profile",
+    "rollslip.bearing.search": "rollslip.search",
+    "rollslip.validity": "rollslip.models.validity",
+    "rollslip.results.sheet": "rollslip.results.style",
     "rollslip.bearing.load_map": "rollslip_studies.dynamics.levels.load_map",
     "rollslip.motion.continuation": "rollslip_studies.steady_slip.branches",
     **{

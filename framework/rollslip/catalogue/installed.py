@@ -7,10 +7,19 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from types import MappingProxyType
+from typing import Final
 
 import attrs
 
-__all__ = ["Offer", "by_package", "canonical", "entry_points", "installed", "is_disabled", "kinds", "ordered"]
+__all__ = [
+    "THIS_PROCESS", "UNPACKAGED", "Offer", "by_package", "canonical", "entry_points", "installed", "is_disabled",
+    "kinds", "ordered", "with_session",
+]  # fmt: skip
+
+
+#: In place of the package and the version of what this process has registered.
+THIS_PROCESS: Final = "(this process)"
+UNPACKAGED: Final = "unpackaged"
 
 
 def canonical(name: str) -> str:
@@ -148,3 +157,24 @@ def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
         state="shadowed",
         cause=f"packages {packages} offer this name; uninstall one or put it in ROLLSLIP_DISABLED_PLUGINS",
     )
+
+
+def with_session(installed: tuple[Offer, ...], registered: Mapping[tuple[str, str], object]) -> tuple[Offer, ...]:
+    """Return all that is offered where a process has registered things of its own, which go before others."""
+    replaced = [
+        attrs.evolve(o, state="shadowed", cause="replaced in this process; restart it to have this one back")
+        if (o.kind, o.name) in registered
+        else o
+        for o in installed
+    ]
+    ours = [
+        Offer(
+            kind=kind,
+            name=name,
+            package=THIS_PROCESS,
+            version=UNPACKAGED,
+            module=(thing if isinstance(thing, type) else type(thing)).__module__,
+        )
+        for (kind, name), thing in registered.items()
+    ]
+    return ordered([*replaced, *ours])

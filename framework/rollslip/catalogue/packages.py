@@ -12,8 +12,8 @@ from typing import Any
 
 import attrs
 
-from rollslip.catalogue.discovery import THIS_PROCESS, catalogue, load
-from rollslip.catalogue.installed import Offer, is_disabled
+from rollslip.catalogue.discovery import catalogue, load
+from rollslip.catalogue.installed import THIS_PROCESS, Offer, is_disabled
 from rollslip.catalogue.kinds import kinds
 from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.structure import Location

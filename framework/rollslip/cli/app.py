@@ -269,7 +269,7 @@ class Results:
         """
         figures, written = dict[str, list[Path]](), list[str]()
         if self._report or self._formats:
-            from rollslip.results.account import answer
+            from rollslip.results.accounts import answer
             from rollslip.results.figures import save_plots
 
             drawn = dict.fromkeys((*self._formats, *(["svg"] if self._report else [])))

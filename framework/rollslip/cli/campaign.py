@@ -135,7 +135,7 @@ def _as_dict(asked: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
     """Return what was found as plain values, with where it comes from as far as its origin says."""
     from rollslip.cli import console
     from rollslip.cli.units import with_units
-    from rollslip.results.account import account_of
+    from rollslip.results.accounts import account_of
 
     if isinstance(asked, OfScene) and asked.goes_on != "folder":
         return console.result_as_dict(dataset)

@@ -78,7 +78,8 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     from rollslip.planning.plan import plan
     from rollslip.planning.provenance import citations
     from rollslip.references import as_bibtex, as_dict
-    from rollslip.results.dataset import citations_of, open_result, telling
+    from rollslip.results.accounts import telling
+    from rollslip.results.dataset import citations_of, open_result
 
     if bibtex and as_json:
         raise click.UsageError("--bibtex and --json are two forms of the same; take one")

@@ -18,11 +18,12 @@ from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.answer import COLOURS, Answer
 from rollslip.results.words import confidence, first_line, of_laws
 from rollslip.scene.reading import load_scene
-from rollslip.scene.values import EXACT, Scene, scene_hash
+from rollslip.scene.values import EXACT, Scene
+from rollslip.structure import scene_hash
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -313,7 +314,8 @@ def installation() -> Groups:
 
 def result_info(path: Path) -> Groups:
     """Return what a stored result holds and where it comes from."""
-    from rollslip.results.dataset import open_result, telling
+    from rollslip.results.accounts import telling
+    from rollslip.results.dataset import open_result
 
     dataset = open_result(path)
     with telling(path):

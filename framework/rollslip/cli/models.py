@@ -15,8 +15,7 @@ from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
 from rollslip.results.answer import RULES
 from rollslip.scene.schema import shown_range
-from rollslip.scene.values import resolved
-from rollslip.structure import fields_of
+from rollslip.structure import fields_of, resolved
 from rollslip.studies.validity import APPROXIMATION, bound_of
 from rollslip.units import format_quantity
 

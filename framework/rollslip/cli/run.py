@@ -154,7 +154,7 @@ def run(
     from rollslip.planning.lines import own_cage
     from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified
-    from rollslip.results.account import answer
+    from rollslip.results.accounts import answer
     from rollslip.results.dataset import save
     from rollslip.results.words import IN_ROWS, confidence
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, MutableMapping
 from typing import TYPE_CHECKING, Any, Final
 
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 
 if TYPE_CHECKING:
     import xarray as xr

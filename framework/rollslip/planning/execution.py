@@ -17,8 +17,9 @@ from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import run_origin
 from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, slower, told
-from rollslip.results.account import answer
-from rollslip.scene.values import Scene, scene_hash
+from rollslip.results.accounts import answer
+from rollslip.scene.values import Scene
+from rollslip.structure import scene_hash
 from rollslip.studies import validity
 from rollslip.studies.answers import Keep, Store
 from rollslip.studies.law_outputs import law_outputs

@@ -20,8 +20,8 @@ from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
 from rollslip.scene.rings import rings_of, yielding
-from rollslip.scene.values import Scene, model_kind, resolved
-from rollslip.structure import Location
+from rollslip.scene.values import Scene, model_kind
+from rollslip.structure import Location, resolved
 from rollslip.studies.study import study_class
 from rollslip.toml import parse, split_key
 from rollslip.units import as_written, unit_given

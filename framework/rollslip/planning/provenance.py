@@ -27,7 +27,8 @@ from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
 from rollslip.results.dataset import CITED
 from rollslip.scene.changes import CHANGES, NOTED
-from rollslip.scene.values import Scene, resolved, scene_hash
+from rollslip.scene.values import Scene
+from rollslip.structure import resolved, scene_hash
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly

@@ -1,35 +1,26 @@
 """What an account is: how the results of one study or campaign are told, in words, as plain values, tables and figures.
 
-- Console, report, figures and JSON ask `account_of` for it, `answer` for what stands first, and know no study by
-  name. It is found by the dataset's attribute ``study`` among the entry points ``rollslip.account``, our own like a
-  stranger's.
+- Console, report, figures and JSON ask `rollslip.results.accounts` for it and know no study by name. It is found by the
+  dataset's attribute ``study`` among the entry points ``rollslip.account``, our own like a stranger's.
 - Everything is told from the dataset alone, so that a stored result is told alike years later.
-- A study without an account is told by what its dataset says of itself: friction curves where attribute ``curves`` says
-  what they are, and single values by name, unit and status.
 - An account is imported for words alone too: what loads Matplotlib is imported where figures are drawn.
 """
 
-import json
-import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
 
 from rollslip.catalogue.kinds import Kind
-from rollslip.catalogue.registry import available, get_class
-from rollslip.errors import SceneError
-from rollslip.results.answer import Answer, Row, case_of, merged, notes_of
-from rollslip.results.curves import critical_rows, curves
-from rollslip.results.words import LOWER_BOUNDS, capital, percent, places, single_values
-from rollslip.scene.reading import shipped_scenes
+from rollslip.results.answer import Answer
+from rollslip.results.words import capital
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["ACCOUNT", "Account", "Contact", "PlainAccount", "Sheet", "Story", "Table", "account_of", "answer"]
+__all__ = ["ACCOUNT", "Account", "Contact", "Figures", "Sheet", "Story", "Table"]
 
 
 @attrs.frozen
@@ -123,148 +114,6 @@ class Account:
     def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
         """Return the contacts that the load parameters of the dataset are of, in their order."""
         return []
-
-
-class PlainAccount(Account):
-    """How a dataset is told by what it says of itself: its friction curves, and its single values."""
-
-    @staticmethod
-    def answer(dataset: "xr.Dataset") -> Answer:
-        """Return every single value, and the slip at the largest traction of each curve."""
-        known = [
-            Row(key=f"critical_slip_{c.name}", label=c.name, value=c.critical_slip, text=percent(c.critical_slip),
-                note=f"slip at largest traction {c.rests_on}".rstrip())
-            for c in curves(dataset) if c.has_critical
-        ]  # fmt: skip
-        return Answer(
-            rows=(*known, *(Row(key=name, label=name, text=text) for name, text in single_values(dataset).items()))
-        )
-
-    @staticmethod
-    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say what was found of each curve, and every single value."""
-        slips = {
-            name: [row["status"] if row["critical_slip"] is None else _critical(dataset, row)]
-            for name, row in critical_rows(dataset).items()
-        }
-        return slips | {name: [text] for name, text in single_values(dataset).items()}
-
-    def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Return what was found of each curve, and every single value."""
-        return [curve.finding() for curve in curves(dataset)] + _named(single_values(dataset))
-
-    def lines(self, dataset: "xr.Dataset") -> list[str]:
-        """Return critical slip and largest friction of each curve, and every single value."""
-        slips = {
-            curve.name: f"slip at largest traction {curve.critical_slip:.2%} {curve.rests_on}".rstrip()
-            + f", largest friction {curve.critical_friction:.4g}"
-            if curve.has_critical
-            else curve.status
-            for curve in curves(dataset)
-        }
-        for curve in curves(dataset):
-            if curve.falls_before:
-                slips[curve.name] += (
-                    f"; friction falls already from a slip of {curve.first_slip:.2%} on, then rises again"
-                )
-        return _named(slips | single_values(dataset))
-
-    @staticmethod
-    def record(dataset: "xr.Dataset") -> dict[str, Any]:
-        """Return critical slip, largest friction and status of each curve, and every single value."""
-        singles: dict[str, Any] = {}
-        for name in map(str, dataset.data_vars):
-            for _, at in places(dataset, name):
-                value = dataset[name].isel(at).item()
-                value = None if isinstance(value, float) and not math.isfinite(value) else value
-                if at:
-                    (dim, k), *_ = at.items()
-                    singles.setdefault(name, {})[str(dataset[dim].to_numpy()[k])] = value
-                else:
-                    singles[name] = value
-        return critical_rows(dataset) | singles
-
-    def figures(self, dataset: "xr.Dataset") -> "Figures":
-        """Draw the curves, if there are any, and nothing else does."""
-        if self.drawn:
-            yield from super().figures(dataset)
-        elif curves(dataset):
-            from rollslip.results.curve_figures import plain_curves
-
-            yield self.name, f"Friction over slip, {self.name}.", plain_curves(dataset)
-
-    def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
-        """Return the contacts that the curves are of."""
-        return [
-            Contact(one.name, one.regime, float(one.film_parameter[one.film_parameter > 0.0].min(initial=math.inf)))
-            for one in curves(dataset)
-        ]
-
-
-def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = ()) -> Answer:
-    """Return what has to be known first of results of one scene: verdict, rows with bands, assumptions, notes.
-
-    Parameters
-    ----------
-    results : xarray.Dataset
-        Results of studies, as `rollslip.run` or `rollslip.open_result` give them.
-    scene : str
-        What the commands of the answer are to take, with options; by default the file or the shipped scene that the
-        results are of. Where there is none, or it was changed, commands are those of Python.
-    ignored : collection of str
-        Codes of notes that are left out.
-
-    Returns
-    -------
-    Answer
-        It shows itself as text and in a notebook; ``as_dict()`` gives SI values, units, bands and texts.
-
-    Examples
-    --------
-    >>> import rollslip
-    >>> rollslip.answer(rollslip.run("gearbox", "steady-slip"))["cage_slip"].text
-    '1.5 %'
-    """
-    if len(cases := {case for one in results if (case := case_of(one))}) > 1:
-        raise SceneError([f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"])
-    found = merged(
-        ((str(one.attrs.get("study", "")), account_of(one).answer(one)) for one in results),
-        scene or next(filter(None, map(file_of, results)), ""),
-    )
-    oils = [json.loads(one.attrs["lubricant"]) for one in results if one.attrs.get("lubricant")]
-    first = [one.attrs.get("note", "") for one in results]
-    first += [LOWER_BOUNDS for one in results if one.attrs.get("bound_below")]
-    told = (*first, *found.assumed, *(oil.get("caution", "") for oil in oils))
-    return attrs.evolve(
-        found,
-        case=max(map(case_of, results), key=len, default=()),
-        notes=tuple(note for note in notes_of(results) if note.code not in ignored),
-        assumed=tuple(dict.fromkeys(filter(None, told))),
-    )
-
-
-def file_of(dataset: "xr.Dataset") -> str:
-    """Return the file or the shipped scene that a result is of; nothing where there is none, or it was changed."""
-    source = str(dataset.attrs.get("source", ""))
-    return source if "changed" not in dataset.attrs and (source.endswith(".toml") or source in shipped_scenes()) else ""
-
-
-def account_of(dataset: "xr.Dataset") -> Account:
-    """Return how a dataset is told: the account of its study, or one that knows no more than the dataset says."""
-    name = str(dataset.attrs.get("study", ""))
-    if name not in available("account"):
-        return PlainAccount(name)
-    account: Account = get_class("account", name)
-    return account
-
-
-def _critical(dataset: "xr.Dataset", row: Mapping[str, Any]) -> str:
-    """Critical slip of a curve, and what the curve rests on."""
-    return f"slip at largest traction {row['critical_slip']:.2%} {dataset.attrs.get('curves_with', '')}".rstrip()
-
-
-def _named(texts: Mapping[str, str]) -> list[str]:
-    return [f"{name}: {text}" for name, text in texts.items()]
 
 
 #: The kind of an account; packages that offer studies offer theirs.

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.curves import Curve, Curves, curve_names, curves, digits, percent
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, lay_out, light_to_dark
+from rollslip.results.style import MARKER, ONE_COLUMN, ROW, Sheet, axis_label, lay_out, light_to_dark
 
 if TYPE_CHECKING:
     import xarray as xr

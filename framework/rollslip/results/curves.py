@@ -141,6 +141,14 @@ def curve_names(dataset: "xr.Dataset") -> list[str]:
     return [format_quantity(float(value), over.attrs["units"]) for value in over.to_numpy()]
 
 
+def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
+    """Return how results of each curve are told apart: ", inner ring" or " at 300 N"."""
+    values, unit = dataset[curves.over].to_numpy(), dataset[curves.over].attrs.get("units", "1")
+    if values.dtype.kind in "UO":
+        return [f", {value} {curves.over}" for value in values]
+    return [f" at {format_quantity(float(value), unit)}" for value in values]
+
+
 def curves(dataset: "xr.Dataset") -> list[Curve]:
     """Return the friction curves of a dataset, none if its study has no such curves."""
     of = Curves.of(dataset)

@@ -12,8 +12,6 @@ import json
 import math
 import os
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from hashlib import sha256
 from numbers import Real
 from pathlib import Path
@@ -40,7 +38,7 @@ _STRUCTURES: Final = dict.fromkeys(
      "validity"), dict
 )  # fmt: skip
 #: What readers raise where a file, or what it holds, is of another shape than they take for granted.
-_OTHERWISE: Final = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
+OTHERWISE: Final = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
 
 #: Characters of a value that a message shows.
 _SHOWN: Final = 80
@@ -59,8 +57,6 @@ _SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z
 UNITS: Final = "units_by_name"
 #: Attribute of a variable: which other one says in words why it has no value.
 TOLD_BY: Final = "told_by"
-#: Attribute of a variable: the law that gives it beside its columns.
-LAW: Final = "law"
 
 
 def about(unit: str, long_name: str) -> dict[str, Any]:
@@ -106,7 +102,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
             raise ValueError(f"it claims {claims:.3g} bytes of values in {len(content)} bytes")
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", phony_dims="access") as stored:
             dataset = stored.load()
-    except (OSError, MemoryError, *_OTHERWISE) as error:
+    except (OSError, MemoryError, *OTHERWISE) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
     if dataset.attrs.pop(_MARK[0], None) is not None and not sealed:
         raise OutputError(
@@ -129,43 +125,23 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
 def _fault(name: str, value: object) -> str:
     """Say what is wrong with an attribute that any result may have; nothing of others, which their studies know."""
     if name in _TEXTS and not isinstance(value, str):
-        return f"is {_shown(value)}, and has to be a text"
+        return f"is {shown_short(value)}, and has to be a text"
     if name in _NUMBERS and not (isinstance(value, Real) and 0.0 <= float(value) < math.inf):
-        return f"is {_shown(value)}, and has to be a finite number from 0 on"
+        return f"is {shown_short(value)}, and has to be a finite number from 0 on"
     if name not in _STRUCTURES:
         return ""
     expected = "a list" if _STRUCTURES[name] is list else "a table"
     try:
         held = json.loads(value) if isinstance(value, str) else None
     except (ValueError, RecursionError) as error:
-        return f"is {_shown(value)}, and has to be {expected} in JSON ({error})"
-    return "" if isinstance(held, _STRUCTURES[name]) else f"is {_shown(value)}, and has to be {expected} in JSON"
+        return f"is {shown_short(value)}, and has to be {expected} in JSON ({error})"
+    return "" if isinstance(held, _STRUCTURES[name]) else f"is {shown_short(value)}, and has to be {expected} in JSON"
 
 
-def _shown(value: object) -> str:
+def shown_short(value: object) -> str:
     """Return a value of any length as a message shows it."""
     shown = repr(value)
     return shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}... ({len(shown)} characters)"
-
-
-@contextmanager
-def telling(*paths: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn what is raised while stored results are told or drawn into one error that names their files.
-
-    Results know what they hold by names and shapes that `open_result` cannot check for every study: a file that another
-    program has changed ends here. What a package raises about its own model passes.
-    """
-    try:
-        yield
-    except _OTHERWISE as error:
-        if any(note.startswith("raised by ") for note in getattr(error, "__notes__", ())):
-            raise
-        what = str(error.args[0] if isinstance(error, KeyError) and error.args else error).partition(". ")[0]
-        what = f"there is no {what!r} in it" if isinstance(error, KeyError) and " " not in what else _shown(what)
-        raise OutputError(
-            f"{', '.join(map(str, paths))}: cannot be read as a result of its study: {what} ({type(error).__name__}); "
-            "another program has changed it, or another version of its package wrote it: run the scene again"
-        ) from error
 
 
 def _check_seal(content: bytes, path: Path) -> bool:

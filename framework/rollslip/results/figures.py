@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import xarray as xr
 
 from rollslip.errors import OutputError, RollslipError
-from rollslip.results.account import account_of, answer
+from rollslip.results.accounts import account_of, answer, telling
 from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
-from rollslip.results.dataset import LAW, open_result, telling
+from rollslip.results.dataset import open_result
 from rollslip.results.style import as_svg, save_figures, styled
-from rollslip.results.words import capital, warned
+from rollslip.results.words import LAW, capital, warned
 from rollslip.units import as_written
 
 if TYPE_CHECKING:

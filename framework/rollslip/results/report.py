@@ -33,7 +33,8 @@ from rollslip.files import whole_file
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
-from rollslip.results.account import Table, account_of, answer
+from rollslip.results.account import Table
+from rollslip.results.accounts import account_of, answer
 from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of

@@ -16,7 +16,8 @@ import numpy as np
 
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
-from rollslip.results.account import Sheet, account_of, answer
+from rollslip.results.account import Sheet
+from rollslip.results.accounts import account_of, answer
 from rollslip.results.words import in_percent
 from rollslip.units import converted, shown_unit
 

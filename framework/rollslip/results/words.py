@@ -11,7 +11,6 @@ import numpy as np
 
 from rollslip.results.curves import Curves
 from rollslip.results.curves import percent as three_digits
-from rollslip.results.dataset import LAW
 from rollslip.units import UnitError, format_quantity
 
 if TYPE_CHECKING:
@@ -25,6 +24,8 @@ __all__ = [
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
+#: Attribute of a variable: the law that gives it beside its columns.
+LAW: Final = "law"
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
     "by effective friction the limit drag torque is off by 2.7 % in the middle of 62 random bearings and by up to "

@@ -10,10 +10,8 @@ from rollslip.scene.values import (
     Operation,
     Plugins,
     Scene,
-    resolved,
-    scene_hash,
 )
-from rollslip.structure import FrozenTable
+from rollslip.structure import FrozenTable, resolved, scene_hash
 
 __all__ = [
     "Accuracy",

@@ -13,8 +13,8 @@ from rollslip.files import readable
 from rollslip.lubricant.pressure import FORMER_TABLE
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.reading import checked_scene, load_scene
-from rollslip.scene.values import ModelChoice, Scene, resolved
-from rollslip.structure import bare_key, fields_of, thawed, types_of
+from rollslip.scene.values import ModelChoice, Scene
+from rollslip.structure import bare_key, fields_of, resolved, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, loads, split_key
 from rollslip.units import as_written, quantity, typed, unit_given
 

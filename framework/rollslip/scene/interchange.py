@@ -28,7 +28,8 @@ from rollslip.hookspecs import hookimpl
 from rollslip.scene.formats import Read, SceneFormat, Written, endings, format_of
 from rollslip.scene.reading import from_raw
 from rollslip.scene.schema import schema
-from rollslip.scene.values import Scene, resolved, scene_hash
+from rollslip.scene.values import Scene
+from rollslip.structure import resolved, scene_hash
 from rollslip.units import as_written
 
 if TYPE_CHECKING:

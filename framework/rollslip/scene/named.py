@@ -10,8 +10,8 @@ import attrs
 
 from rollslip.errors import PluginError
 from rollslip.scene.clearance import FOLLOWS, before_mounting, listed
-from rollslip.scene.values import Models, model_kind, resolved
-from rollslip.structure import Location, bare_key, fields_of
+from rollslip.scene.values import Models, model_kind
+from rollslip.structure import Location, bare_key, fields_of, resolved
 from rollslip.units import as_written
 
 __all__ = ["NAMED", "unknown_names", "with_named_data", "with_own_cage"]

@@ -6,18 +6,10 @@ Decisions:
 - What a plugin or a study has to understand (oil data, parameters of models, the settings of a study, the cage) stays
   raw here, as a read-only `FrozenTable`; who knows the class reads it with the same reader (`rollslip.structure`).
 - Defaults that follow from other values (clearance, temperatures) are filled in, so that nobody downstream meets None.
-- The hash is taken of the values in SI units, not of the text: comments, order and units do not change it, but what
-  stands in files of models and forms does.
 """
 
-import hashlib
-import json
 import math
-import operator
 from collections.abc import Mapping
-from contextlib import suppress
-from functools import cache
-from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import attrs
@@ -25,7 +17,7 @@ import attrs
 from rollslip.datasets import Bearing, Surface
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
 from rollslip.scene.supply import Lubrication
-from rollslip.structure import FrozenTable, fields_of
+from rollslip.structure import FrozenTable
 from rollslip.units import format_quantity
 
 __all__ = [
@@ -37,9 +29,6 @@ __all__ = [
     "Operation",
     "Plugins",
     "Scene",
-    "SceneHashes",
-    "resolved",
-    "scene_hash",
 ]
 
 
@@ -282,85 +271,3 @@ class Scene:
         size = format_quantity(self.bearing.inner_raceway_diameter, "m", 4)
         told = ", ".join(format_quantity(value, unit, 4) for value, unit in (*state, (self.operation.temperature, "K")))
         return f"Scene {self.source or self.title!r}: {self.bearing.rollers} rollers on {size}, {told}"
-
-
-def resolved(scene: Any) -> dict[str, object]:
-    """Return a scene, or one of its tables, with all defaults as a nested dict of SI values.
-
-    It reads as the same scene again. Optional values that are not set are left out, because TOML has no null.
-    """
-    table: dict[str, object] = {}
-    for name, key, rest in _keys(type(scene)):  # type: ignore[arg-type]  # mypy takes a class for unhashable
-        value = getattr(scene, name)
-        if value is None:
-            continue
-        plain = _plain(value)
-        if rest and isinstance(plain, dict):
-            table.update(plain)
-        else:
-            table[key] = plain
-    return table
-
-
-@cache
-def _keys(cls: Any) -> list[tuple[str, str, bool]]:
-    """Name of every field that has a key in a scene, the key, and whether it takes the rest of the table."""
-    return [(a.name, key, bool(a.metadata.get("rest"))) for key, a in fields_of(cls)]
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, str | float | int):
-        return value
-    if isinstance(value, Mapping):
-        return {key: _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(inner) for inner in value]
-    return resolved(value) if attrs.has(type(value)) else value
-
-
-#: Fields of a scene and their keys, in the order of the keys.
-_SORTED: Final = sorted(((name, key) for name, key, _ in _keys(Scene)), key=operator.itemgetter(1))
-
-
-#: The text of plain values that is hashed.
-_canonical: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode
-
-
-def _contents(plain: object) -> str:
-    """Digests of files that a table names by their full paths, as models and forms do; history has its own."""
-    if isinstance(plain, list):
-        return "".join(map(_contents, plain))
-    if not isinstance(plain, dict):
-        return ""
-    found, file = "".join(map(_contents, plain.values())), plain.get("file")
-    if isinstance(file, str) and "\0" not in file and (path := Path(file)).is_absolute() and path.is_file():
-        with suppress(OSError):  # who reads it says so
-            found += hashlib.sha256(path.read_bytes()).hexdigest()
-    return found
-
-
-class SceneHashes:
-    """Hashes of scenes that share tables with one of them, of which the text is made once."""
-
-    def __init__(self, scene: Scene) -> None:
-        self._scene, self._known = scene, dict[str, str]()
-
-    def of(self, scene: Scene) -> str:
-        """Return the SHA-256 of a resolved scene with its files; equal scenes have equal hashes however written."""
-        texts = []
-        for name, key in _SORTED:
-            if (value := getattr(scene, name)) is not None:
-                own = value is getattr(self._scene, name)
-                text = self._known.get(name) if own else None
-                if text is None:
-                    plain = _plain(value)
-                    text = f"{_canonical(key)}:{_canonical(plain)}{_contents(plain) if name != 'study' else ''}"
-                if own:
-                    self._known[name] = text
-                texts.append(text)
-        return hashlib.sha256(f"{{{','.join(texts)}}}".encode()).hexdigest()
-
-
-def scene_hash(scene: Scene) -> str:
-    """Return the hash of one scene; see `SceneHashes`."""
-    return SceneHashes(scene).of(scene)

@@ -12,7 +12,8 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.fields import submodels
 from rollslip.models import SliceModel
-from rollslip.results.dataset import LAW, about
+from rollslip.results.dataset import about
+from rollslip.results.words import LAW
 from rollslip.studies.answers import Evaluated, Variables
 from rollslip.studies.study import Study
 from rollslip.studies.validity import filled, quantity

@@ -23,13 +23,12 @@ from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError, UnknownNameError
 from rollslip.references import Citation
-from rollslip.results.curves import Curves
+from rollslip.results.curves import Curves, curve_labels
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, structure
 from rollslip.studies import estimates, parts
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.timing import timed
-from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -322,14 +321,6 @@ def _rolling(assembly: Assembly) -> list[Evaluated]:
         one = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
         found.append(Evaluated(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places))
     return found
-
-
-def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
-    """Return how results of each curve are told apart: ", inner ring" or " at 300 N"."""
-    values, unit = dataset[curves.over].to_numpy(), dataset[curves.over].attrs.get("units", "1")
-    if values.dtype.kind in "UO":
-        return [f", {value} {curves.over}" for value in values]
-    return [f" at {format_quantity(float(value), unit)}" for value in values]
 
 
 def study_class(name: str, scene: Scene | None = None) -> type[Study]:

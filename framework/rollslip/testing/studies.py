@@ -19,7 +19,7 @@ from rollslip.errors import RollslipError, in_words
 from rollslip.files import decoded
 from rollslip.planning.campaign import Campaign, function_of, help_of, own_command
 from rollslip.planning.plan import estimate
-from rollslip.results.account import account_of
+from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import Scene

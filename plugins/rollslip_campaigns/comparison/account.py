@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Story, Table, account_of
+from rollslip.results.account import Account, Story, Table
+from rollslip.results.accounts import account_of
 from rollslip.results.curves import curve_names, or_none
 from rollslip.results.words import two
 from rollslip_campaigns.comparison import findings

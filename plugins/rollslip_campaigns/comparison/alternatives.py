@@ -22,10 +22,11 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import run
 from rollslip.planning.provenance import origin, together
-from rollslip.results.account import answer
+from rollslip.results.accounts import answer
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
-from rollslip.scene.values import Scene, resolved, scene_hash
+from rollslip.scene.values import Scene
+from rollslip.structure import resolved, scene_hash
 from rollslip_studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:

@@ -31,7 +31,8 @@ from rollslip.results.dataset import about
 from rollslip.results.words import counted, duration_range
 from rollslip.results.words import warned as of_consequence
 from rollslip.scene.changes import evolve
-from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
+from rollslip.scene.values import DEFAULT_STUDY, Scene
+from rollslip.structure import resolved, scene_hash
 from rollslip.studies.study import study_class
 from rollslip_campaigns.comparison.attribution import (
     Bins,

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.curves import curve_names, curves
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS, axis_label
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS, Sheet, axis_label
 from rollslip_campaigns.comparison.findings import captioned, curves_of, members
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     MARKER,
     MM,
@@ -15,6 +14,7 @@ from rollslip.results.style import (
     RING_COLOURS,
     ROW,
     TWO_COLUMNS,
+    Sheet,
     axis_label,
     light_to_dark,
     unit_label,

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import DASHES, MODEL_COLOURS, plain_decades, unit_label
+from rollslip.results.style import DASHES, MODEL_COLOURS, Sheet, plain_decades, unit_label
 from rollslip.results.words import in_percent, of_key
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import headline, kept_spans

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, lay_out
+from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet, lay_out
 from rollslip_campaigns.pareto.findings import FINEST, NUMBERS, PLANNED, studies, taking_part
 
 if TYPE_CHECKING:

@@ -28,7 +28,7 @@ from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import origin, run_origin, together
 from rollslip.results.dataset import about
-from rollslip.scene.values import scene_hash
+from rollslip.structure import scene_hash
 from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family
 from rollslip_campaigns.sweep.journal import Kept
 

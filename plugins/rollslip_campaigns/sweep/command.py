@@ -155,7 +155,7 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
     """Write the dataset of a sweep and say what is in it."""
     from rollslip.cli import console
     from rollslip.cli.units import with_units
-    from rollslip.results.account import account_of
+    from rollslip.results.accounts import account_of
     from rollslip_campaigns.sweep.folder import RESULT, finish
 
     dataset = finish(made, folder)

@@ -18,8 +18,8 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.packages import edited
 from rollslip.fields import at_least, non_negative, one_of, parameter, positive
 from rollslip.references import Citation
-from rollslip.scene.values import Scene, resolved, scene_hash
-from rollslip.structure import FrozenTable
+from rollslip.scene.values import Scene
+from rollslip.structure import FrozenTable, resolved, scene_hash
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sampling import SAMPLINGS, Design, plain_names
 from rollslip_studies.variation.distributions import Uncertainty, shown

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -23,6 +22,7 @@ from rollslip.results.style import (
     MODEL_COLOURS,
     ONE_COLUMN,
     RING_COLOURS,
+    Sheet,
     against_zero,
     plain_decades,
     seamless,

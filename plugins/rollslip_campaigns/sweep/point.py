@@ -31,7 +31,8 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
-from rollslip.scene.values import Scene, SceneHashes
+from rollslip.scene.values import Scene
+from rollslip.structure import SceneHashes
 from rollslip.studies.answers import Variables
 from rollslip.studies.outputs import evaluate, evaluate_together
 from rollslip.studies.study import Study, settings

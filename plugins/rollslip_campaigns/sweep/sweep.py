@@ -21,7 +21,8 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.catalogue.discovery import THIS_PROCESS, named_data
+from rollslip.catalogue.discovery import named_data
+from rollslip.catalogue.installed import THIS_PROCESS
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
@@ -34,8 +35,8 @@ from rollslip.planning.provenance import cited, data_references
 from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, evolve, full_key, unknown
 from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
-from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
-from rollslip.structure import FrozenTable, Location, structure
+from rollslip.scene.values import DEFAULT_STUDY, Scene
+from rollslip.structure import FrozenTable, Location, resolved, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written, format_quantity

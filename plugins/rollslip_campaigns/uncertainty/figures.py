@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, plain_decades
+from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, Sheet, plain_decades
 from rollslip.results.words import of_key
 from rollslip_campaigns.uncertainty.findings import RESERVE, RUNAWAY, STEADY, margin, reserve, topics
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, unit_label
+from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, Sheet, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.validation.findings import together
 

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS
+from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet
 from rollslip_campaigns.validation.ranking_findings import better
 
 if TYPE_CHECKING:

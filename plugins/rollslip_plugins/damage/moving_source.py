@@ -18,7 +18,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
-from rollslip.bearing.search import vertex
+from rollslip.search import vertex
 
 __all__ = ["FAST", "largest_rise", "rise"]
 

@@ -31,9 +31,9 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from rollslip.bearing.search import vertex
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.models import interval
+from rollslip.search import vertex
 from rollslip_plugins.film.elements import DEGREE, Elements
 
 Array = NDArray[np.float64]

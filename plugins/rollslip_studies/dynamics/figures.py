@@ -13,13 +13,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     DASHES,
     MARKER,
     MM,
     MODEL_COLOURS,
     TWO_COLUMNS,
+    Sheet,
     light_to_dark,
     save_figures,
     seamless,

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS, Sheet
 from rollslip_studies.dynamics.history_findings import nearest
 
 if TYPE_CHECKING:

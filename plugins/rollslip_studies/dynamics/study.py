@@ -28,8 +28,8 @@ from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.results.dataset import about
-from rollslip.scene.values import Scene, resolved
-from rollslip.structure import Location
+from rollslip.scene.values import Scene
+from rollslip.structure import Location, resolved
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
 from rollslip.studies.study import CONTACT_CHOICES, Study

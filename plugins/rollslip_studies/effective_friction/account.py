@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, PlainAccount
+from rollslip.results.account import Account
+from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
 from rollslip_studies.steady_slip.account import LOAD_OF_OTHERS, NEXT_OF_OTHERS, reserve_row, slip_row

@@ -11,8 +11,7 @@ import numpy as np
 
 from rollslip.errors import RollslipError
 from rollslip.planning.loads import load_distribution
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import ONE_COLUMN, RING_COLOURS
+from rollslip.results.style import ONE_COLUMN, RING_COLOURS, Sheet
 from rollslip.results.words import two
 from rollslip.scene.reading import from_raw
 from rollslip.units import format_quantity

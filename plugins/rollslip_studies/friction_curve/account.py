@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, ClassVar
 import attrs
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, PlainAccount
+from rollslip.results.account import Account
+from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer
 from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
 

@@ -23,8 +23,8 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.raceway import Array
-from rollslip.bearing.search import bracketed, vertex
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.search import bracketed, vertex
 from rollslip_studies.motion.spins import TWO, Motion, Motions, place_of, slip_of
 
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.

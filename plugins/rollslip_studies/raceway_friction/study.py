@@ -23,7 +23,8 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.drags import taken_from_scene
-from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts, load_rule
+from rollslip.bearing.quadrature import load_rule
+from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.fields import FieldError, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about

@@ -23,14 +23,14 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.raceway import Array
-from rollslip.bearing.search import secants
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
 from rollslip.models import FINITE, SliceModel
 from rollslip.results.curves import or_none
 from rollslip.scene.changes import Quantity, evolve
-from rollslip.scene.values import Scene, resolved
-from rollslip.structure import Location, thawed
+from rollslip.scene.values import Scene
+from rollslip.search import secants
+from rollslip.structure import Location, resolved, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance, rollers

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.raceway import Array
-from rollslip.bearing.search import secants
 from rollslip.errors import ConvergenceError
+from rollslip.search import secants
 
 #: Steps along a branch in shares of the box: the first one, the largest, and the smallest before giving up.
 _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.01, 0.05, 1e-6

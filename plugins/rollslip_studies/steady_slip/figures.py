@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError
-from rollslip.results.account import account_of
-from rollslip.results.sheet import Sheet
+from rollslip.results.accounts import account_of
 from rollslip.results.style import (
     DASHES,
     MARKER,
@@ -21,6 +20,7 @@ from rollslip.results.style import (
     RING_COLOURS,
     ROW,
     TWO_COLUMNS,
+    Sheet,
     axis_label,
     light_to_dark,
     unit_label,

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.search import bracketed, secants
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import AT_REST, SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.values import Scene
+from rollslip.search import bracketed, secants
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 

@@ -20,9 +20,9 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
-from rollslip.bearing.search import secants
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.scene.changes import evolve
+from rollslip.search import secants
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
 from rollslip_studies.motion.losses import PowerBalance, power_balance
 from rollslip_studies.steady_slip.study import SteadySlip

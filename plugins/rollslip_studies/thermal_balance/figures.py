@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.sheet import Sheet
-from rollslip.results.style import DASHES, MARKER, MODEL_COLOURS
+from rollslip.results.style import DASHES, MARKER, MODEL_COLOURS, Sheet
 from rollslip_studies.thermal_balance.findings import solved
 
 if TYPE_CHECKING:

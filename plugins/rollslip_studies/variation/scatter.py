@@ -18,8 +18,8 @@ from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.scene.changes import Quantity
 from rollslip.scene.clearance import clearance_scatter
-from rollslip.scene.values import Scene, resolved
-from rollslip.structure import FrozenTable
+from rollslip.scene.values import Scene
+from rollslip.structure import FrozenTable, resolved
 from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["scattering", "with_scatter"]

@@ -15,7 +15,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
 from rollslip.scene.changes import evolve
-from rollslip.scene.values import resolved
+from rollslip.structure import resolved
 from rollslip_studies.dynamics.history.time_functions import Course, through
 
 __all__ = ["CLEARANCE", "ThermalPath", "changed"]

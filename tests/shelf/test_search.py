@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.optimize.elementwise import find_minimum
 
-from rollslip.bearing.search import bracketed, largest, secants, vertex
+from rollslip.search import bracketed, largest, secants, vertex
 
 pytestmark = pytest.mark.quick
 

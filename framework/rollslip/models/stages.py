@@ -10,34 +10,23 @@
 
 import abc
 import math
-import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import attrs
 
 from rollslip.errors import DomainError
+from rollslip.models.domains import NON_NEGATIVE, POSITIVE, Domain, evaluate_arrays
+from rollslip.models.scene_values import left_to_scene
+from rollslip.models.validity import ISOTHERMAL, SMOOTH, Validity, in_regime
 from rollslip.references import Citation
-from rollslip.validity import ISOTHERMAL, SMOOTH, in_regime
-from rollslip.validity import Tabled as Tabled
-from rollslip.validity import Validity as Validity
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from rollslip_kernels.slices import Slices
-
-Domain = Mapping[str, tuple[float, float]]
-
-#: Range of a quantity that may be any finite number.
-FINITE: Final = (-sys.float_info.max, sys.float_info.max)
-#: Range of a quantity that must be greater than zero.
-POSITIVE: Final = (5e-324, sys.float_info.max)
-#: Range of a quantity that must not be negative.
-NON_NEGATIVE: Final = (0.0, sys.float_info.max)
-NO_LIMITS: Final[Domain] = MappingProxyType({})
 
 
 def submodel(kind: str, *, factory: Callable[[], object] | None = None, default: str = "", doc: str) -> Any:
@@ -50,70 +39,6 @@ def submodel(kind: str, *, factory: Callable[[], object] | None = None, default:
 
     made = factory or (lambda: import_module("rollslip").get_model(kind, default))
     return attrs.field(factory=made, metadata={"doc": doc, "unit": None, "kind": kind})
-
-
-#: What a drag or a law of a contact can take from the scene -> (SI unit, or None for a text, and meaning).
-SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
-    {
-        "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
-        "density": ("kg/m3", "density of the oil"),
-        "oil_fraction": ("1", "share of oil in the volume between the rings, of lubrication"),
-        "starvation": ("1", "factor of starved inlets, of lubrication"),
-        "rollers": ("1", "number of rollers"),
-        "roller_diameter": ("m", "diameter of a roller"),
-        "roller_length": ("m", "length of a roller"),
-        "orbit_radius": ("m", "radius of the orbit of the rollers"),
-        "elastic_modulus": ("Pa", "Young's modulus of rings and rollers"),
-        "radial_load": ("N", "radial load of the operation"),
-        "temperature": ("K", "temperature of the operation"),
-        "guiding_ring": (None, "ring whose land guides the cage"),
-        "land_radius": ("m", "radius of the land that guides the cage"),
-        "land_width": ("m", "width of that land that oil fills, all rails together"),
-        "land_clearance": ("m", "radial clearance between cage and land"),
-    }
-)
-
-
-def _given(value: object) -> object | None:
-    """Return a value, None in place of NaN and of an empty text; one NaN does not equal another, but None does."""
-    return value if value == value and value != "" else None
-
-
-def from_scene(
-    name: str,
-    *,
-    doc: str,
-    validator: Callable[[Any, Any, Any], object] | None = None,
-    usual: tuple[float, float] | None = None,
-    possible: tuple[float, float] | None = None,
-) -> Any:
-    """Declare a parameter of a drag or a law that the scene gives where it is not set: NaN, or no text, until then.
-
-    Parameters
-    ----------
-    name
-        What of the scene it is, one of `SCENE_VALUES`; that says the unit too.
-    doc, validator, usual, possible
-        As in `rollslip.fields.parameter`; the validator `rollslip.fields.within_possible` refuses what is not possible.
-    """
-    unit = SCENE_VALUES[name][0]
-
-    def if_given(instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
-        if validator is not None and _given(value) is not None:
-            validator(instance, attribute, value)
-
-    return attrs.field(
-        default=math.nan if unit else "",
-        validator=if_given,
-        eq=_given,
-        metadata={"doc": doc, "unit": unit, "from_scene": name, "usual": usual, "possible": possible},
-    )
-
-
-def left_to_scene(model: Any) -> "list[attrs.Attribute[Any]]":
-    """Return the parameters of a model that the scene is to give."""
-    own = (a for a in attrs.fields(type(model)) if "from_scene" in a.metadata)
-    return [a for a in own if _given(getattr(model, a.name)) is None]
 
 
 class SliceModel(abc.ABC):
@@ -153,50 +78,6 @@ class SliceModel(abc.ABC):
     def kernel(self) -> object | None:
         """Return the same law as a capsule of ``rollslip.h``, or None to run ``evaluate``."""
         return None
-
-
-def interval(limits: tuple[float, float] | None) -> str:
-    """Return a range of a domain in words: "> 0", ">= 0 and <= 1e-3", "finite"; nothing where there is none."""
-    if limits is None:
-        return ""
-    low, high = limits
-    lower = "> 0" if 0.0 < low < sys.float_info.min else "" if low == -sys.float_info.max else f">= {low:g}"
-    upper = "" if high == sys.float_info.max else f"<= {high:g}"
-    return " and ".join(filter(None, (lower, upper))) or "finite"
-
-
-def in_unit(value: float, member: str) -> str:
-    """Return a value of a member of the slices with its unit, for messages."""
-    from rollslip_kernels.slices import COLUMNS, CONDITIONS
-
-    unit = {**COLUMNS, **CONDITIONS}[member][0]
-    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"
-
-
-def evaluate_arrays(model: SliceModel, column: str, **members: "ArrayLike") -> "NDArray[Any]":
-    """Return one column of a stage for members that broadcast against each other, through its NumPy form.
-
-    Conditions may be arrays here, which a table cannot hold; that is why the compiled form does not serve.
-    """
-    import numpy as np
-
-    from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
-
-    arrays = {name: np.asarray(values, dtype=float) for name, values in members.items()}
-    for name, values in arrays.items():
-        low, high = model.domain[name]
-        good = (values >= low) & (values <= high)
-        if not np.all(good):
-            raise DomainError(
-                f"{model.name}: {name} = {in_unit(np.extract(~good, values)[0], name)} is outside its domain "
-                f"({interval((low, high))})"
-            )
-    shape = np.broadcast_shapes(*(values.shape for values in arrays.values()))
-    filled = {name: np.full(shape, np.nan) for name in model.writes}
-    columns = {name: values for name, values in arrays.items() if name in COLUMNS} | filled
-    conditions: dict[str, Any] = {name: values for name, values in arrays.items() if name in CONDITIONS}
-    model.evaluate(Slices.of_columns(Conditions(**conditions), columns))
-    return columns[column]
 
 
 class ContactModel(SliceModel):

@@ -1,0 +1,34 @@
+"""What models must offer: base classes, where laws are defined and valid, and what they take from a scene."""
+
+from rollslip.models.domains import (
+    FINITE,
+    NO_LIMITS,
+    NON_NEGATIVE,
+    POSITIVE,
+    Domain,
+    evaluate_arrays,
+    in_unit,
+    interval,
+)
+from rollslip.models.scene_values import SCENE_VALUES, from_scene, left_to_scene
+from rollslip.models.stages import (
+    ContactModel,
+    Drag,
+    DragModel,
+    FilmModel,
+    IntegratorModel,
+    PocketFriction,
+    PressureModel,
+    ResistanceModel,
+    SliceModel,
+    TractionModel,
+    submodel,
+)
+from rollslip.models.validity import ISOTHERMAL, SMOOTH, Tabled, Validity, in_regime
+
+__all__ = [
+    "FINITE", "ISOTHERMAL", "NON_NEGATIVE", "NO_LIMITS", "POSITIVE", "SCENE_VALUES", "SMOOTH", "ContactModel", "Domain",
+    "Drag", "DragModel", "FilmModel", "IntegratorModel", "PocketFriction", "PressureModel", "ResistanceModel", "SliceModel",
+    "Tabled", "TractionModel", "Validity", "evaluate_arrays", "from_scene", "in_regime", "in_unit", "interval",
+    "left_to_scene", "submodel",
+]  # fmt: skip

@@ -1,0 +1,73 @@
+"""What a drag or a law of a contact may take from the scene where nobody sets it."""
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, Final
+
+import attrs
+
+__all__ = ["SCENE_VALUES", "from_scene", "left_to_scene"]
+
+#: What can be taken -> (SI unit, or None for a text, and meaning).
+SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
+    {
+        "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
+        "density": ("kg/m3", "density of the oil"),
+        "oil_fraction": ("1", "share of oil in the volume between the rings, of lubrication"),
+        "starvation": ("1", "factor of starved inlets, of lubrication"),
+        "rollers": ("1", "number of rollers"),
+        "roller_diameter": ("m", "diameter of a roller"),
+        "roller_length": ("m", "length of a roller"),
+        "orbit_radius": ("m", "radius of the orbit of the rollers"),
+        "elastic_modulus": ("Pa", "Young's modulus of rings and rollers"),
+        "radial_load": ("N", "radial load of the operation"),
+        "temperature": ("K", "temperature of the operation"),
+        "guiding_ring": (None, "ring whose land guides the cage"),
+        "land_radius": ("m", "radius of the land that guides the cage"),
+        "land_width": ("m", "width of that land that oil fills, all rails together"),
+        "land_clearance": ("m", "radial clearance between cage and land"),
+    }
+)
+
+
+def _given(value: object) -> object | None:
+    """Return a value, None in place of NaN and of an empty text; one NaN does not equal another, but None does."""
+    return value if value == value and value != "" else None
+
+
+def from_scene(
+    name: str,
+    *,
+    doc: str,
+    validator: Callable[[Any, Any, Any], object] | None = None,
+    usual: tuple[float, float] | None = None,
+    possible: tuple[float, float] | None = None,
+) -> Any:
+    """Declare a parameter of a drag or a law that the scene gives where it is not set: NaN, or no text, until then.
+
+    Parameters
+    ----------
+    name
+        What of the scene it is, one of `SCENE_VALUES`; that says the unit too.
+    doc, validator, usual, possible
+        As in `rollslip.fields.parameter`; the validator `rollslip.fields.within_possible` refuses what is not possible.
+    """
+    unit = SCENE_VALUES[name][0]
+
+    def if_given(instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
+        if validator is not None and _given(value) is not None:
+            validator(instance, attribute, value)
+
+    return attrs.field(
+        default=math.nan if unit else "",
+        validator=if_given,
+        eq=_given,
+        metadata={"doc": doc, "unit": unit, "from_scene": name, "usual": usual, "possible": possible},
+    )
+
+
+def left_to_scene(model: Any) -> "list[attrs.Attribute[Any]]":
+    """Return the parameters of a model that the scene is to give."""
+    own = (a for a in attrs.fields(type(model)) if "from_scene" in a.metadata)
+    return [a for a in own if _given(getattr(model, a.name)) is None]
