@@ -27,8 +27,8 @@ from rollslip.models.stages import (
 from rollslip.models.validity import ISOTHERMAL, SMOOTH, Tabled, Validity, in_regime
 
 __all__ = [
-    "FINITE", "ISOTHERMAL", "NON_NEGATIVE", "NO_LIMITS", "POSITIVE", "SCENE_VALUES", "SMOOTH", "ContactModel", "Domain",
-    "Drag", "DragModel", "FilmModel", "IntegratorModel", "PocketFriction", "PressureModel", "ResistanceModel", "SliceModel",
-    "Tabled", "TractionModel", "Validity", "evaluate_arrays", "from_scene", "in_regime", "in_unit", "interval",
-    "left_to_scene", "submodel",
+    "FINITE", "ISOTHERMAL", "NON_NEGATIVE", "NO_LIMITS", "POSITIVE", "SCENE_VALUES", "SMOOTH", "ContactModel",
+    "Domain", "Drag", "DragModel", "FilmModel", "IntegratorModel", "PocketFriction", "PressureModel",
+    "ResistanceModel", "SliceModel", "Tabled", "TractionModel", "Validity", "evaluate_arrays", "from_scene",
+    "in_regime", "in_unit", "interval", "left_to_scene", "submodel",
 ]  # fmt: skip
