@@ -24,7 +24,6 @@ SIZE = "check_results_are_of_the_size_that_bearings_have"
 
 
 @breaks(SIZE)
-@attrs.frozen(kw_only=True)
 class FilmInMicrons(Film):
     """The film is in microns."""
 
@@ -33,7 +32,6 @@ class FilmInMicrons(Film):
 
 
 @breaks(SIZE)
-@attrs.frozen
 class WidthInMillimetres(Line):
     """The half width is in millimetres, and the pressure carries the load over it."""
 
@@ -50,13 +48,11 @@ class _SpringsInMegapascals(Springs):
 
 
 @breaks(SIZE)
-@attrs.frozen
 class ModulusInMegapascals(_SpringsInMegapascals):
     """A deflection whose modulus is taken for megapascals."""
 
 
 @breaks(SIZE, share=1.0)
-@attrs.frozen(kw_only=True)
 class ResistanceInThousandths(Resistance):
     """The resistance is in thousandths of the load."""
 
@@ -67,7 +63,6 @@ JUMP = "check_friction_does_not_jump_in_slip"
 
 
 @breaks(JUMP)
-@attrs.frozen(kw_only=True)
 class SticksAndSlips(Traction):
     """Friction falls by a twentieth at a slide-roll ratio of 1 %."""
 
@@ -76,7 +71,6 @@ class SticksAndSlips(Traction):
 
 
 @breaks(JUMP)
-@attrs.frozen(kw_only=True)
 class Coulomb(Traction):
     """Friction is a coefficient with the sign of the slip."""
 
@@ -90,7 +84,6 @@ DIGITS = "check_computes_in_double_precision"
 
 
 @breaks(DIGITS)
-@attrs.frozen(kw_only=True)
 class SingleInside(Traction):
     """It computes in single precision."""
 
@@ -99,7 +92,6 @@ class SingleInside(Traction):
 
 
 @breaks(DIGITS)
-@attrs.frozen(kw_only=True)
 class SingleCondition(Film):
     """One of its conditions goes through single precision."""
 
@@ -108,7 +100,6 @@ class SingleCondition(Film):
 
 
 @breaks(DIGITS)
-@attrs.frozen(kw_only=True)
 class BisectsTwentyTimes(Film):
     """It finds the film by 20 halvings of a decade."""
 
@@ -128,7 +119,6 @@ TIME = "check_python_runs_once_for_all_slices"
 
 
 @breaks(TIME)
-@attrs.frozen(kw_only=True)
 class SixtyTimes(Traction):
     """It evaluates itself sixty times."""
 
@@ -137,7 +127,6 @@ class SixtyTimes(Traction):
 
 
 @breaks(TIME)
-@attrs.frozen(kw_only=True)
 class SliceBySlice(Traction):
     """It goes through the slices in Python."""
 
@@ -152,7 +141,6 @@ ELSEWHERE = "check_gives_the_same_in_another_process"
 
 
 @breaks(ELSEWHERE)
-@attrs.frozen(kw_only=True)
 class RunsIn(Traction):
     """Friction falls with the days since 1970."""
 
@@ -161,7 +149,6 @@ class RunsIn(Traction):
 
 
 @breaks(ELSEWHERE)
-@attrs.frozen(kw_only=True)
 class AsTheShellSays(Traction):
     """A factor comes from a variable of the environment, which nobody has set."""
 
@@ -170,7 +157,6 @@ class AsTheShellSays(Traction):
 
 
 @breaks(ELSEWHERE)
-@attrs.frozen(kw_only=True)
 class FromTheFolder(Traction):
     """The coefficient depends on the folder that the process runs in."""
 
@@ -179,7 +165,6 @@ class FromTheFolder(Traction):
 
 
 @breaks(ELSEWHERE)
-@attrs.frozen(kw_only=True)
 class ByHash(Traction):
     """It takes the first of a set of names, whose order is that of the process."""
 
@@ -225,7 +210,6 @@ SOUND = [Heated()]
 
 
 @breaks(SHAPE)
-@attrs.frozen(kw_only=True)
 class FallsCold(Heated):
     """It says that cold friction rises, and it falls at large slip."""
 
@@ -234,7 +218,6 @@ class FallsCold(Heated):
 
 
 @breaks(SHAPE)
-@attrs.frozen(kw_only=True)
 class KnowsNoHeat(Heated):
     """It says that heated friction has a maximum, and forgets the heat."""
 
@@ -244,7 +227,6 @@ class KnowsNoHeat(Heated):
 
 
 @breaks(SHAPE)
-@attrs.frozen(kw_only=True)
 class AboveItsBound(Heated):
     """It says that friction stays below its coefficient, and it is a tenth above."""
 
@@ -253,7 +235,6 @@ class AboveItsBound(Heated):
 
 
 @breaks("check_shapes_are_words_that_are_known")
-@attrs.frozen(kw_only=True)
 class Wavy(Heated):
     """It says a shape that nobody knows."""
 

@@ -65,7 +65,6 @@ SOUND = [Power(), Squeezed()]
 
 
 @breaks("check_viscosity_does_not_fall_with_pressure")
-@attrs.frozen(kw_only=True)
 class Thins(Power):
     """An oil that thins under pressure."""
 
@@ -74,7 +73,6 @@ class Thins(Power):
 
 
 @breaks("check_without_pressure_the_oil_is_as_it_was")
-@attrs.frozen(kw_only=True)
 class Thicker(Power):
     """An oil that is a thousandth thicker without pressure."""
 
@@ -83,7 +81,6 @@ class Thicker(Power):
 
 
 @breaks("check_values_at_pressures_are_those_of_the_stage")
-@attrs.frozen(kw_only=True)
 class Apart(Power):
     """A stage that is a millionth above what the law says at pressures."""
 
@@ -93,7 +90,6 @@ class Apart(Power):
 
 
 @breaks("check_takes_what_an_oil_says_of_pressure")
-@attrs.frozen(kw_only=True)
 class Deaf(Power):
     """A law that takes a factor of the oil and makes nothing of it."""
 
@@ -102,7 +98,6 @@ class Deaf(Power):
 
 
 @breaks("check_pressure_does_not_fall_with_the_load")
-@attrs.frozen
 class Relieved(Squeezed):
     """A pressure that falls where the load is large."""
 
