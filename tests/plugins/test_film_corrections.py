@@ -208,15 +208,14 @@ def layered(model, film):
 
 @both_forms
 @pytest.mark.parametrize("thermal", ["none", "murch-wilson", "gupta"])
-@pytest.mark.parametrize("exponent", [1.0, 2.0, 5.0, 10.0])
-@pytest.mark.parametrize("oil", [1e-30, 1e-9, 5e-8, 3e-7, 1e-3, 1.0])
-def test_a_layer_of_oil_thins_the_film_as_printed(form, thermal, exponent, oil):
-    slices, flooded = (table(np.geomspace(1e-3, 5.0, 9), 0.1, 3e8) for _ in range(2))
-    model = InletCorrection(thermal=thermal, starvation=0.8, oil_layer=oil, layer_exponent=exponent)
-    Chain(form(model))(slices)
-    Chain(form(attrs.evolve(model, oil_layer=None)))(flooded)
-    expected = [layered(model, film) for film in flooded.film_thickness]
-    np.testing.assert_allclose(slices.film_thickness, expected, rtol=1e-14)
+def test_a_layer_of_oil_thins_the_film_as_printed(form, thermal):
+    for exponent, oil in itertools.product((1.0, 2.0, 5.0, 10.0), (1e-30, 1e-9, 5e-8, 3e-7, 1e-3, 1.0)):
+        slices, flooded = (table(np.geomspace(1e-3, 5.0, 9), 0.1, 3e8) for _ in range(2))
+        model = InletCorrection(thermal=thermal, starvation=0.8, oil_layer=oil, layer_exponent=exponent)
+        Chain(form(model))(slices)
+        Chain(form(attrs.evolve(model, oil_layer=None)))(flooded)
+        expected = [layered(model, film) for film in flooded.film_thickness]
+        np.testing.assert_allclose(slices.film_thickness, expected, rtol=1e-14, err_msg=str(model))
 
 
 @both_forms

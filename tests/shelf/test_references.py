@@ -150,11 +150,11 @@ def test_a_work_is_listed_once_whatever_its_place_and_whoever_wrote_it_down():
 # Data ---------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("one", [*WRITTEN.values(), AWKWARD, rollslip_itself(), "A text of a stranger, 2001."], ids=str)
-def test_plain_values_come_back_as_they_were(one):
-    values = json.loads(json.dumps(as_dict(one)))
-    assert values["text"] == str(one)
-    assert from_dict(values) == one
+def test_plain_values_come_back_as_they_were():
+    for one in (*WRITTEN.values(), AWKWARD, rollslip_itself(), "A text of a stranger, 2001."):
+        values = json.loads(json.dumps(as_dict(one)))
+        assert values["text"] == str(one)
+        assert from_dict(values) == one
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -178,8 +178,8 @@ def test_a_result_of_before_tells_its_texts():
 # BibTeX -------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("one", [*WRITTEN.values(), AWKWARD, rollslip_itself()], ids=str)
-def test_another_program_reads_of_an_entry_what_was_written(one):
+def unlike(one):
+    """Return the fields that another program reads otherwise than they were written."""
     ((_, entry),) = read(as_bibtex([one])).items()
     f = {name: plain(value) for name, value in entry.fields.items()}
     people = [
@@ -187,16 +187,23 @@ def test_another_program_reads_of_an_entry_what_was_written(one):
         + (", " + " ".join(map(plain, (*p.first_names, *p.middle_names))) if p.first_names else "")
         for p in entry.persons.get("author", ())
     ]
-    assert people == list(one.authors)
-    assert f["title"] == (one.title or "[title not confirmed]")
-    assert f.get("journal", f.get("booktitle", "")) == one.journal
-    assert f.get("year", "") == str(one.year or "")
-    assert f.get("pages", "").replace("–", "-") == one.pages
-    assert entry.fields.get("doi", "") == one.doi
-    assert all(open_ in f["note"] for open_ in one.unconfirmed)
     said = " ".join(f.values())
-    assert all(value in said for value in (one.volume, one.issue, one.edition, one.publisher, one.number, one.note))
-    assert as_bibtex([one]).isascii()
+    alike = {
+        "authors": people == list(one.authors),
+        "title": f["title"] == (one.title or "[title not confirmed]"),
+        "journal": f.get("journal", f.get("booktitle", "")) == one.journal,
+        "year": f.get("year", "") == str(one.year or ""),
+        "pages": f.get("pages", "").replace("–", "-") == one.pages,
+        "doi": entry.fields.get("doi", "") == one.doi,
+        "unconfirmed": all(open_ in f["note"] for open_ in one.unconfirmed),
+        "ascii": as_bibtex([one]).isascii(),
+    }
+    others = ("volume", "issue", "edition", "publisher", "number", "note")
+    return [name for name in alike if not alike[name]] + [name for name in others if getattr(one, name) not in said]
+
+
+def test_another_program_reads_of_an_entry_what_was_written():
+    assert {str(one): unlike(one) for one in (*WRITTEN.values(), AWKWARD, rollslip_itself()) if unlike(one)} == {}
 
 
 @pytest.mark.parametrize("style", ["plain", "alpha"])
@@ -298,10 +305,15 @@ def test_data_name_a_publication_as_the_bibliographies_do():
             assert same in ([], [text])
 
 
-@pytest.mark.parametrize("one", WRITTEN.values(), ids=str)
-def test_what_an_article_lacks_is_said(one):
-    expected = {"article": ("volume", "pages"), "proceedings": ("pages",)}.get(one.kind, ())
-    assert [name for name in expected if not getattr(one, name) and name not in one.unconfirmed] == []
+def test_what_an_article_lacks_is_said():
+    expected = {"article": ("volume", "pages"), "proceedings": ("pages",)}
+    lacking = [
+        (str(one), name)
+        for one in WRITTEN.values()
+        for name in expected.get(one.kind, ())
+        if not getattr(one, name) and name not in one.unconfirmed
+    ]
+    assert lacking == []
 
 
 #: As the paper prints itself and its list of references; the last as its publisher does, under the address beside it.
