@@ -8,8 +8,6 @@ import attrs
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, register, run
 from rollslip.bearing.assembly import assemble
@@ -23,7 +21,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction.blend import LambdaBlend
-from strategies import NumpyForm, decades, evaluated, forms, law_of, or_zero
+from strategies import NumpyForm, evaluated, forms, law_of
 from tabled import REFERENCES, rows_of
 
 pytestmark = pytest.mark.quick
@@ -94,17 +92,6 @@ def test_what_barus_is_said_to_be_above_roelands_is_what_the_laws_give(pressure)
     assert validity.error(pressure) == pytest.approx(100.0 * (barus / roelands - 1.0), rel=1e-6)
 
 
-@every_law
-@given(T=st.floats(300.0, 380.0), p=or_zero(decades(3, 8)), more=st.floats(1.0, 1.5))
-def test_viscosity_rises_with_pressure_from_that_of_the_oil(law, T, p, more):
-    oil_here = conditions(law, T)
-    slices = evaluated(law, oil_here, pressure=[0.0, p, p * more])
-    zero, low, high = slices.film_viscosity
-    assert zero == oil_here.viscosity
-    assert zero <= low <= high * (1 + 1e-14)
-    assert slices.film_thermoviscosity[0] == pytest.approx(oil_here.thermoviscosity, rel=1e-14)
-
-
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 @pytest.mark.parametrize("T", [303.15, 343.15])
 def test_the_initial_slope_is_the_coefficient_of_the_oil(law, T):
@@ -141,25 +128,6 @@ def test_roelands_has_no_value_for_an_oil_thinner_than_its_pole(law):
     thin = Conditions(viscosity=6e-5, pressure_viscosity=1e-8, thermoviscosity=0.02, pressure_thermoviscosity=0.0)
     with pytest.raises(DomainError, match=r"roelands: viscosity = 6e-05 Pa s is outside its domain \(>= 6.3"):
         evaluated(law, thin, pressure=1e8)
-
-
-@pytest.mark.parametrize("law", LAWS[:2], ids=lambda law: law.name)
-@given(
-    viscosity=decades(-3.9, 1),
-    alpha=or_zero(decades(-10, -7.5)),
-    beta=decades(-3, -1),
-    gamma=or_zero(decades(-12, -9)),
-    pressures=st.lists(or_zero(decades(4, 9)), min_size=1, max_size=5),
-)
-def test_compiled_and_numpy_agree(law, viscosity, alpha, beta, gamma, pressures):
-    here = Conditions(
-        viscosity=viscosity, pressure_viscosity=alpha, thermoviscosity=beta, pressure_thermoviscosity=gamma
-    )
-    compiled, numpy = (evaluated(form, here, pressure=pressures) for form in (law, NumpyForm(law)))
-    np.testing.assert_allclose(compiled.film_viscosity, numpy.film_viscosity, rtol=1e-12)
-    # near the pole of Roelands's law the two parts of the fall cancel
-    size = np.maximum(np.abs(numpy.film_thermoviscosity), beta)
-    assert np.all(np.abs(compiled.film_thermoviscosity - numpy.film_thermoviscosity) <= 1e-11 * size)
 
 
 def test_local_pressures_of_any_shape():

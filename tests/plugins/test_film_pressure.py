@@ -80,12 +80,6 @@ def test_it_rises_with_the_load_and_has_no_jump(exponent, L, step):
     assert there == pytest.approx(here, rel=1e-6)
 
 
-@given(st.lists(st.floats(-6, 4), min_size=1, max_size=40), st.floats(0.0, 40.0))
-def test_compiled_and_numpy_agree(exponents, L):
-    M = 10.0 ** np.array(exponents)
-    np.testing.assert_allclose(ratio(M, L), ratio(M, L, compiled=False), rtol=1e-12)
-
-
 def test_slices_of_different_speed_are_as_those_of_one():
     """Where all have one speed the kernel takes its logarithm once."""
     oil, model = Conditions(**STEEL, pressure_viscosity=2e-8), get_model("pressure", "light-contact")

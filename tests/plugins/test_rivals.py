@@ -90,15 +90,6 @@ def test_laws_are_exact(law):
             assert slices.friction[0] == pytest.approx(newtonian * share, rel=2e-14), row
 
 
-@every_heated
-@few
-@given(film=films(), sigma=decades(-8, 8))
-def test_compiled_equals_numpy(model, film, sigma):
-    law = law_of(model)
-    speed = film.speed(sigma) * np.logspace(-3, 3, 7)
-    np.testing.assert_allclose(film.friction(law, speed), film.friction(NumpyForm(law), speed), rtol=1e-12)
-
-
 # Against the differential equations ----------------------------------------------------------------------------------
 
 
@@ -167,16 +158,11 @@ def test_limiting_shear_solves_bair_and_winers_equation(viscosity, speed, modulu
 @every_heated
 @few
 @given(film=films())
-def test_friction_is_odd_zero_at_zero_and_below_newtons(model, film):
-    positive = np.concatenate([film.speed(np.logspace(-8, 8, 33)), np.logspace(-9, 2, 12), [5e-324, 1e-310, 1e-160]])
-    speed = np.concatenate([positive, -positive, [0.0, -0.0]])
+def test_friction_is_below_newtons_and_the_limit_of_the_law(model, film):
+    speed = np.concatenate([film.speed(np.logspace(-8, 8, 33)), np.logspace(-9, 2, 12), [5e-324, 1e-310, 1e-160]])
     friction = film.friction(model, speed)
-    assert np.all(np.isfinite(friction))
-    np.testing.assert_array_equal(film.friction(model, -speed), -friction)
-    assert np.all(friction[speed == 0] == 0)
-    assert np.all(friction * np.sign(speed) >= 0)
-    newtonian = film.eta * positive / (film.columns["film_thickness"] * film.columns["pressure"])
-    assert np.all(friction[: len(positive)] <= newtonian * (1 + ROUNDING) + 1e-300)
+    newtonian = film.eta * speed / (film.columns["film_thickness"] * film.columns["pressure"])
+    assert np.all(friction <= newtonian * (1 + ROUNDING) + 1e-300)
     law = law_of(model)
     if isinstance(law, LimitingShear):
         assert np.max(friction) <= law.limit * (1 + ROUNDING)
