@@ -4,7 +4,7 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, load_scene, plan, register, run, sweep
+from rollslip import evolve, load_scene, plan, register, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import Cage, estimated_inertia
 from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
@@ -19,6 +19,7 @@ from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
 from rollslip_studies.variation.quantities import quantities
+from without_bands import run
 
 pytestmark = pytest.mark.quick
 

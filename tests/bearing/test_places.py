@@ -13,7 +13,7 @@ import pytest
 
 from foreign_stages import Stage
 from kit import failed
-from rollslip import Chain, Conditions, Slices, evolve, get_include, get_model, load_scene, register, run
+from rollslip import Chain, Conditions, Slices, evolve, get_include, get_model, load_scene, register
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.catalogue.discovery import taken_back
@@ -26,6 +26,7 @@ from rollslip_kernels.motion import raceway
 from rollslip_kernels.slices import COLUMNS, PLACES
 from rollslip_studies.motion.torque_balance import rollers
 from rollslip_studies.steady_slip.study import SteadySlip
+from without_bands import run
 
 ROOT = Path(__file__).parents[2]
 PAPER = evolve(

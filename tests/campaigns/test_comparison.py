@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rollslip
-from rollslip import compare, evolve, get_model, load_scene, open_result, run
+from rollslip import compare, evolve, get_model, load_scene, open_result
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
@@ -25,6 +25,7 @@ from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
 from rollslip_campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
 from rollslip_plugins.traction.blend import LinearBlend
 from rollslip_plugins.traction.eyring import Muraki
+from without_bands import run
 
 #: One slice a contact and few slips: quick, and still both rings, all rollers and a maximum.
 SCENE = evolve(

@@ -15,13 +15,14 @@ import numpy as np
 import pytest
 
 from kit import failed
-from rollslip import evolve, load_scene, register, run
+from rollslip import evolve, load_scene, register
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import taken_back
 from rollslip.fields import non_negative, parameter
 from rollslip.models import POSITIVE, ResistanceModel, from_scene
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import rollers
+from without_bands import run
 
 SIZE = 2e-3  # N m
 

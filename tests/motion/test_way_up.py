@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import way_up_scenes as scenes
-from rollslip import evolve, load_scene, run
+from rollslip import evolve, load_scene
 from rollslip.bearing import raceway
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
@@ -21,6 +21,7 @@ from rollslip_studies.motion.torque_balance import RANGE, rollers, runaway, runn
 from rollslip_studies.motion.way_up import _FALL as FALL
 from rollslip_studies.motion.way_up import _bend, _peaks, _rise, _trusted
 from tabled import REFERENCES, rows_of
+from without_bands import run
 
 
 def balance(name="1032930-50C", *, instants=2, inertia=True, effective=False, slices=6, **changes):

@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, get_model, load_scene, run
+from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.datasets import Material
 from rollslip.errors import DomainError, SceneError
@@ -18,6 +18,7 @@ from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
 from rollslip_plugins.damage.scuffing import ScuffingAgma, ScuffingIso
 from rollslip_plugins.damage.sliding import FilmParameter, PassEnergy, PowerDensity
 from tabled import REFERENCES, rows_of
+from without_bands import run
 
 pytestmark = pytest.mark.quick
 

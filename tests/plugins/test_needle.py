@@ -2,7 +2,6 @@
 
 import pytest
 
-from rollslip import run
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import find
 from rollslip.errors import SceneError, UnknownNameError
@@ -11,6 +10,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.scene.changes import evolve
 from rollslip_plugins.data.cylindrical import CATALOGUE as CYLINDRICAL
 from rollslip_plugins.data.needle import CATALOGUE
+from without_bands import run
 
 
 def test_every_name_is_a_bearing_of_needles_three_to_eleven_diameters_long():

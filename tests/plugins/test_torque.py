@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rollslip import evolve, load_scene, run
+from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
@@ -18,6 +18,7 @@ from rollslip.studies.steady_slip.torque import Duty
 from rollslip_plugins.torque import ConstantCoefficient, Palmgren, Skf, dimension_series
 from rollslip_studies.steady_slip.findings import topics
 from strategies import decades
+from without_bands import run
 
 DUTY = Duty(
     bore=0.06, outside_diameter=0.13, pitch_diameter=0.0965, radial_load=5e3, speed=400.0, viscosity=0.02,

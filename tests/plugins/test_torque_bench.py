@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from scipy.stats import binom
 
-from rollslip import evolve, run
+from rollslip import evolve
 from rollslip.bearing.assembly import assemble
+from without_bands import run
 
 SCRIPTS = Path(__file__).parents[2] / "docs" / "scripts"
 #: Every fourteenth size of the catalogue, so that all series and bores are there.

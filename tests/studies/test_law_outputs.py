@@ -7,12 +7,13 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, load_scene, plot, register, run
+from rollslip import evolve, load_scene, plot, register
 from rollslip.catalogue.discovery import taken_back
 from rollslip.errors import PluginError
 from rollslip.results.words import of_laws
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.traction.eyring import Muraki
+from without_bands import run
 
 QUICK = {
     "study.effective-friction.points": 9,

@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from rollslip import plan
-from rollslip import run as run_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import Drags
@@ -41,6 +40,7 @@ from rollslip_studies.steady_slip.losses import viscosity_ratio
 from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
 from rollslip_studies.steady_slip.statuses import no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
+from without_bands import run as run_scene
 
 SHIPPED = load_scene("1032930-50C")
 STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})

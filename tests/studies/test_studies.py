@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rollslip import available, evolve, load_scene, run
+from rollslip import available, evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
 from rollslip.errors import ConvergenceError, SceneError
@@ -17,6 +17,7 @@ from rollslip.scene.values import Accuracy
 from rollslip.studies.estimates import FEW, by_doubling
 from rollslip.studies.study import AXES, Study, settings, study_class
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
+from without_bands import run
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})
 SHORT = {

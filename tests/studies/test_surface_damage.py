@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import promise_scenes
-from rollslip import evolve, get_model, load_scene, plan, run, sweep
+from rollslip import evolve, get_model, load_scene, plan, sweep
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
 from rollslip.results.accounts import account_of, answer
@@ -19,6 +19,7 @@ from rollslip_plugins.damage.sliding import PassEnergy
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.surface_damage.figures import damage_figures
+from without_bands import run
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.02, "accuracy.slices": 6})
 EVERY = ["power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature"]

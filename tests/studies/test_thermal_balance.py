@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from rollslip import evolve, get_model, load_scene, plan, run, sweep
+from rollslip import evolve, get_model, load_scene, plan, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip.results.accounts import account_of
@@ -22,6 +22,7 @@ from rollslip_studies.motion.losses import Loss, PowerBalance
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.figures import thermal_figures
 from rollslip_studies.thermal_balance.study import _jumps
+from without_bands import run
 
 SCENE = evolve(
     load_scene("1032930-70C"),
