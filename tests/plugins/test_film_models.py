@@ -1,4 +1,4 @@
-"""Every film model: sign and slope, scale invariance, limits, regimes, and each formula against its other form."""
+"""Every film model: sign and slope, limits, regimes, and each formula against its other form."""
 
 import attrs
 import mpmath

@@ -18,7 +18,7 @@ SAMPLED = ("--samples", "8", "--loads", "2", "--indices", "4", "--probability", 
 COMMANDS = (
     ("run", "gearbox", "--study", "steady-slip"),
     ("run", "1032930-70C"),
-    ("run", "gearbox", "--study", "dynamics", "--set", "study.dynamics.duration=2 ms"),
+    ("run", "gearbox", "--study", "dynamics", "--set", "study.dynamics.duration=0.2 ms"),
     ("run", "gearbox", "--study", "thermal-balance"),
     ("run", "gearbox", "--study", "surface-damage"),
     ("plan", "gearbox"),
@@ -50,7 +50,7 @@ def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
     for example in ("twin-disc.csv", "rig.toml"):
         shutil.copy(ROOT / "docs" / "examples" / example, tmp_path)
     writes = command[0] in {"run", "compare", "limit", "sweep", "uncertainty", "pareto", "fit", "validate"}
-    coarse = COARSE if command[0] in {"compare", "sweep", "uncertainty", "pareto"} else ()
+    coarse = COARSE if command[0] in {"run", "compare", "sweep", "uncertainty", "pareto"} else ()
     done = CliRunner().invoke(cli, [*command, *coarse, *(["--no-plots", "--out", "out"] * writes), "--json"])
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)

@@ -201,7 +201,8 @@ def test_the_choice_of_an_integrator_is_not_one_of_time():
 )
 def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, friction, duration):
     planar = PlanarSettings(inner_ring_mass=5.0)
-    study, assembly = Dynamics(level=level, friction=friction, duration=duration, planar=planar), bearing()
+    study = Dynamics(level=level, friction=friction, duration=duration, points=21, planar=planar)
+    assembly = bearing()
     tried = estimates.with_few_slices(assembly) if friction == "conventional" else assembly
     foreseen, each, _ = costs._foreseen(study, study.moving(tried))
     found = study.run(assembly)
