@@ -21,6 +21,7 @@ from typing import Final
 
 import attrs
 import numpy as np
+from rollslip.bearing.search import bracketed, secants, vertex
 
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
@@ -48,6 +49,8 @@ _FURTHER: Final = 5
 _AGAIN: Final = 1e-3
 #: Exactness of a steady slip, relative to it and to its torque, and the first step below no slip.
 _STEADY, _FASTER = 1e-10, 1e-5
+#: What is left where there is no balance, relative, and up to how many times an end one is looked for beside it.
+_LEFT, _FARTHEST = 1e-6, 1.25
 #: Step of a slip, relative to it, by which the excess torque is differentiated.
 _NUDGE: Final = 1e-4
 
@@ -199,7 +202,14 @@ class WayUp:
             left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))
             return (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (right.slip - left.slip)
 
-        bracketed(excess, low, high, below, over, relative=_STEADY)
+        at = bracketed(excess, low, high, below, over, relative=_STEADY)
+        near = min(abs(at - low), abs(high - at)) <= _LEFT * abs(at)
+        if near and abs(motion.torque + drag(motion.slip)) > _LEFT * abs(motion.torque):
+            # few loads of a roller tell a sign at that end that all slices do not: it lies beside it
+            first, last = sorted((at / _FARTHEST, at * _FARTHEST))
+            slope = (over - below) / (high - low)
+            if secants(excess, at, slope, tolerance=_STEADY * abs(at), within=(first, last)) is None:
+                excess(at)
         return Steady(motion.slip, -drag(motion.slip), motion, rise)
 
 
