@@ -281,15 +281,15 @@ def test_every_sample_is_counted_once(statuses):
 
 def test_a_least_load_that_is_none_lies_where_its_status_says():
     words = ["found", "no load is needed: without", "any load serves: between", "no load serves: between",
-             "the cage does not hold a slip of 0.05", "not found: x"]  # fmt: skip
+             "found; with less the cage skids from a slip of 0.01 on", "not found: x"]  # fmt: skip
     found = xr.Dataset(
         {
-            "least_load": ("sample", np.array([100.0, *[np.nan] * 5])),
+            "least_load": ("sample", np.array([100.0, *[np.nan] * 3, 200.0, np.nan])),
             "least_load_status": ("sample", np.array(words)),
             "status": ("sample", np.full(6, "ok")),
         }
     )
-    assert np.array_equal(least_loads(found), [100.0, 0.0, 0.0, np.inf, np.inf, np.nan], equal_nan=True)
+    assert np.array_equal(least_loads(found), [100.0, 0.0, 0.0, np.inf, 200.0, np.nan], equal_nan=True)
 
 
 def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():

@@ -320,15 +320,19 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
     assert 0.5 * actual <= found <= 5.0 * actual
 
 
-def test_a_minimum_load_at_which_other_slices_skid_before_is_off_without_bound():
-    """The largest drag before an acceptable slip of 5 % is 6 % below what drags, or above it, by the slices."""
+def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_before():
+    """Slips of 1 % to 5 % take nearly the same load: by some slices the cage jumps from one to the other."""
     made = plan(way_up_scenes.wide(100_076), "steady-slip")
     result = execute(made, "steady-slip", exactly=True)
-    assert float(result["least_load"]) == result["least_load"].attrs["doubted"]
-    assert float(result["least_load"]) > result.attrs["rollers_weight"]
+    own = made.estimated["steady-slip"].resolution
+    finest = attrs.evolve(own, slices=4 * own.slices + 1, quadrature="gauss", instants=4 * own.instants + 1)
+    fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
+    assert "skids" in str(fine.least_load_status.item())
+    assert "skids" not in str(result.least_load_status.item())
+    actual = abs(float(result["least_load"]) / float(fine["least_load"]) - 1.0)
+    assert actual > 1e-2
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
-    assert rows["minimum load"] is None
-    assert [text for text in json.loads(result.attrs["warnings"]) if text.startswith("how far minimum load is off")]
+    assert 0.8 * actual <= rows["minimum load"] <= 3.0 * actual
 
 
 @pytest.mark.slow

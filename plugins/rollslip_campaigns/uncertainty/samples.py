@@ -47,7 +47,7 @@ def least_loads(points: "xr.Dataset") -> Array:
     """Return least radial loads, (n,): zero where any load serves, infinite where none does."""
     found = _scalar(points, "least_load")
     found[_begins(points, "least_load_status", *ANY_LOAD)] = 0.0
-    found[_begins(points, "least_load_status", *NO_LOAD)] = np.inf
+    found[_begins(points, "least_load_status", NO_LOAD)] = np.inf
     return found
 
 

@@ -13,7 +13,7 @@ from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
 from rollslip.results.words import AT_REST, force, force_unit, percent, plain, power, rounded_up, span, two
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.findings import doubted, has_steady
-from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
+from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD, WITH_LESS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,15 +139,14 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
             f"any load serves, {below}"
             if none
             else f"no load serves, {below}"
-            if status.startswith(NO_LOAD[0])
-            else f"the cage skids before it slips {plain(100.0 * acceptable)} %"
-            if status.startswith(NO_LOAD[1])
+            if status.startswith(NO_LOAD)
             else status
         )
         return Row(**row, text="none" if none else "not found", note=why)
     if least < (weight := float(dataset.attrs.get("rollers_weight", 0.0))):
         said = f"{below}; rollers weigh as much, which is left out"
         return Row(**row, value=least, text=f"below {force(weight, weight)}", note=said, band=(0.0, weight))
+    below += "; with less it skids" if WITH_LESS in status else ""
     one = json.loads(dataset.attrs.get("band", "{}")).get("least_load")
     low = least if one is None else one["low"]
     load = load if low >= _READABLE * load else low  # in the unit of the load, if that leaves digits to read

@@ -89,7 +89,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "least_load" in dataset else None
     values = {"steady_slip": max(float(slips[0]), _NONE)}
-    if acceptable is not None and math.isfinite(float(dataset["least_load"])):
+    if acceptable is not None and dataset["least_load_status"].item() == "found":
         values["least_load"] = float(dataset["least_load"])
     found = bands(scene, values["steady_slip"], float(acceptable) if "least_load" in values else None)  # type: ignore[arg-type]
     told = {

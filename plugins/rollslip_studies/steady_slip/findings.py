@@ -284,7 +284,7 @@ def _least_load(dataset: "xr.Dataset") -> str:
         said = f"no minimum load for a cage slip of {slip}: {dataset['least_load_status'].item()}"
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
-        said += _band(dataset, "least_load")
+        said += str(dataset["least_load_status"].item()).removeprefix("found") + _band(dataset, "least_load")
     makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_least_load"))
     told = dataset["makers_status"].to_numpy() if "makers_status" in dataset else np.full(makers.shape, "")
     asked = ", ".join(

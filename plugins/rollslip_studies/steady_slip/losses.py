@@ -18,7 +18,7 @@ from rollslip.studies.accuracy import LEAST_OF_SOME
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
-from rollslip_studies.steady_slip.minimum_load import SAME, held
+from rollslip_studies.steady_slip.minimum_load import most_left_over
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 _SMALL, _PLENTY = 1e-3, 1e3
 #: Relative steps of slips and loads by which an excess is differentiated.
 _STEP: Final = 1e-3
-#: How far a steady slip is off an acceptable one, relative, that a largest torque beside it leaves in doubt.
-_NEAR: Final = 0.5
 #: What rollers that jump carry falls with the first order: 0.75 / 0.5 times as much is left.
 _OF_JUMPS: Final = 1.5
 #: How many of these steps to either side torque and film are taken to be linear.
@@ -122,14 +120,10 @@ def _off(
         yield from _largest(balance, dataset)
     if "least_load" not in dataset:
         return
-    load, doubted = float(dataset["least_load"]), dataset["least_load"].attrs["doubted"]
-    if doubted == doubted:
-        apart = abs(held(at_load(doubted), acceptable)[0] - 1.0)
-        if SAME < apart < _NEAR or (apart <= SAME) == math.isnan(load):
-            yield "minimum load", math.inf
-            return
+    load = float(dataset["least_load"])
     if load > dataset.attrs.get("rollers_weight", 0.0):
-        over, more = (at_load(one).excess(acceptable) for one in (load, (1.0 + _STEP) * load))
+        by = np.atleast_1d(dataset["least_load"].attrs["slips"]).tolist()
+        over, more = (most_left_over(at_load(one), by, acceptable)[1] for one in (load, (1.0 + _STEP) * load))
         yield "minimum load", _STEP * abs(over / (more - over)) if more != over else math.inf
 
 

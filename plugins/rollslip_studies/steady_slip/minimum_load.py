@@ -1,21 +1,24 @@
 """The least radial load at which a cage slips no more than is named, and those that makers of bearings ask for.
 
 - The first is a property of this bearing, its oil and its drags: the load at which the rollers just drive the cage as
-  much as the drags resist it at that slip. A larger load slips less.
+  much as the drags resist it at that slip. A larger load slips less. Where more torque than there is left over at a
+  smaller slip, the cage skids before: then it is the load at which that maximum just carries the drag.
 - The others are rules of thumb for any oil, speed and cage, and differ among themselves by a factor of four to five
   (bearing NU 2220 at its reference speed: SKF 3.9 kN, Schaeffler 7.4 kN, NTN 17.8 kN). They say what is usual, not what
   slips.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
+from rollslip.bearing.search import bracketed, secants, vertex
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import Array
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import AT_REST, SWITCHED_OFF
@@ -25,36 +28,38 @@ from rollslip.search import bracketed, secants
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
-__all__ = ["RULES", "SAME", "Rule", "asked_by_makers", "held", "least_load", "rollers_weight", "static_rating"]
+__all__ = ["RULES", "Rule", "asked_by_makers", "least_load", "most_left_over", "rollers_weight", "static_rating"]
 
 #: By which factor loads are left and right of that of the scene at most, and by which the search widens.
 _FARTHEST: Final = 1e6
 _WIDER: Final = 4.0
 #: How its status begins where any load serves, and where none does.
 ANY_LOAD: Final = ("no load is needed", "any load serves")
-NO_LOAD: Final = ("no load serves", "the cage does not hold a slip")
+NO_LOAD: Final = "no load serves"
 #: Relative accuracy of the load.
 _FOUND: Final = 1e-4
 #: Load from which the search begins where the scene has none [N].
 _ANY: Final = 1.0
-#: By how much the least steady slip at that load may be another, relative, and how far the drag is above what the
-#: rollers drive where no balance can be.
-SAME, _CLEAR = 1e-2, 1e-3
-#: Slips before it at which that is looked at, and how far apart their logarithms are.
-_BEFORE, _APART = 24, 0.25
-#: Up to how many times the slip a largest torque is looked for: one beside it may be before it by other slices.
-_BESIDE: Final = 1.5
+#: How its status goes on where the cage skids before it slips as much.
+WITH_LESS: Final = "with less the cage skids from a slip of"
+#: Slips at which a maximum is looked for, up to how many times the slip, how far apart their logarithms are, and from
+#: which share of the drag on: between two of them the torque may rise as they do.
+_LOOKED, _BESIDE, _APART, _CLEAR = 25, 1.3, 0.25, 0.7
+#: From which share on those of the way up count, which is of few loads of a roller; logarithms of slips around one by
+#: which it is told on all slices, and how near these may be to others; how often it is looked for anew.
+_RIVAL, _AROUND, _NEAR, _ROUNDS = 0.9, (-0.2, -0.1, 0.0, 0.1, 0.2), 0.03, 4
 
 
 Balances = Callable[[float], TorqueBalance]
 
 
 def least_load(
-    balance: Balances, load: float, slip: float, close: float = 0.0, weight: float = 0.0
-) -> tuple[float, str, float]:
-    """Return the radial load [N] at which the steady slip is a given one, and "found", or NaN and why there is none.
+    balance: Balances, load: float, slip: float, weight: float = 0.0
+) -> tuple[float, str, tuple[float, ...]]:
+    """Return the least radial load [N] that keeps the steady slip at a given one or below, and "found".
 
-    Third is the load at which it nearly skids before, or nearly does not; NaN where that is beyond doubt.
+    Or NaN and why there is none. Third are the slips by which it is told: that one, and some around maxima of the
+    torque before or beside it.
 
     Parameters
     ----------
@@ -64,52 +69,74 @@ def least_load(
         Where the search begins [N].
     slip : float
         The cage slip, above 0.
-    close : float, optional
-        By what share of the drag it nearly skids before.
     weight : float, optional
         That of the rollers [N], which the balance leaves out: below it nothing tells whether the cage skids before.
     """
+    slips: tuple[float, ...] = (slip,)
 
     def excess(log: float) -> float:
-        return balance(math.exp(log)).excess(slip)
+        return most_left_over(balance(math.exp(log)), slips, slip)[1]
 
     if balance(load).rolls_freely:
-        return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}", math.nan
+        return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}", ()
     try:
-        begin = math.log(load or _ANY)
-        over, drag = excess(begin), -balance(math.exp(begin)).drag(slip)
-        found = _near(excess, begin, over, drag)
-        if math.isnan(found):
-            found, status = _searched(excess, begin, over, slip)
-            if status:
-                return math.nan, status, math.nan
-        if found < weight:
-            return found, "found", math.nan
-        at, doubtful = held(balance(found), slip, close)
+        found, at = load or _ANY, slip
+        over, drag = excess(math.log(found)), -balance(found).drag(slip)
+        for _ in range(_ROUNDS):
+            begin = math.log(found)
+            found = _near(excess, begin, over, drag)
+            if math.isnan(found):
+                found, status = _searched(excess, begin, over, slip)
+                if status:
+                    return math.nan, status, ()
+            if found < weight:
+                break
+            slips = (slip, *_around_maxima(balance(found), slip))
+            at, over = most_left_over(balance(found), slips, slip)
+            if abs(over) <= 4.0 * _FOUND * abs(drag):
+                break
     except (DomainError, ConvergenceError) as error:
-        return math.nan, f"not found: {error}", math.nan
-    doubted = found if doubtful else math.nan
-    if abs(at - 1.0) > SAME:  # on its way up the cage has jumped
-        shown = format_quantity(found, "N", 4)
-        return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it skids before", doubted
-    return found, "found", doubted
+        return math.nan, f"not found: {error}", ()
+    return found, "found" if at == slip else f"found; {WITH_LESS} {at:.2g} on", slips
 
 
-def held(balance: TorqueBalance, slip: float, close: float = 0.0) -> tuple[float, bool]:
-    """Return the least steady slip relative to a given one, 1 where the cage did not jump before, and if that is near.
+def most_left_over(balance: TorqueBalance, slips: Sequence[float], slip: float) -> tuple[float, float]:
+    """Return the slip up to a given one at which most torque is left over to speed the cage up, and that [N m].
 
-    Near is that where a largest torque before or beside it comes within a share ``close`` of the drag.
+    Some slips tell it: that one, and some around maxima, between which it is the vertex of a parabola.
     """
-    looked = (1.0 - SAME) * slip * np.exp(-_APART * np.arange(_BEFORE))
-    dragged = np.array([balance.drag(at) for at in looked.tolist()])
-    if not close and (balance.torques(looked, few=True) < -(1.0 - _CLEAR) * dragged).all():
-        return 1.0, False
-    way = balance.way(max(RANGE, slip))
-    least = next((one.slip for one in way.steady(balance.drag)), math.inf)
-    dragging = [(one, -balance.drag(one.slip)) for one in way.path if one.slip < _BESIDE * slip]
-    shares = [one.torque / drag for one, drag in dragging if drag > 0.0]
-    threes = zip(shares[:-2], shares[1:-1], shares[2:], strict=True)
-    return least / slip, any(abs(at - 1.0) < close for low, at, high in threes if low < at > high)
+    at = np.unique(slips)
+    over = balance.torques(at) + np.array([balance.drag(one) for one in at.tolist()])
+    best = int(np.argmax(over[at <= slip]))
+    if 0 < best < at.size - 1 and over[best] >= over[best + 1]:
+        place, height = vertex(np.log(at[best - 1 : best + 2]), over[best - 1 : best + 2])
+        if place < math.log(slip):
+            return math.exp(place), height
+        best = int(np.flatnonzero(at == slip)[0])
+    return float(at[best]), float(over[best])
+
+
+def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
+    """Slips around maxima of the torque that is left over, which may be reached before a slip, by few loads."""
+    most = max(RANGE, slip)
+    slips = _BESIDE * slip * np.exp(-_APART * np.arange(_LOOKED)[::-1])
+    slips = slips[slips <= most]
+    if not any(_maxima(balance, slips, balance.torques(slips, few=True), _CLEAR)):
+        return
+    path, known = [one for one in balance.way(most).path if one.slip <= _BESIDE * slip], [slip]
+    for peak in _maxima(balance, np.array([one.slip for one in path]), np.array([one.torque for one in path]), _RIVAL):
+        for one in (peak * math.exp(step) for step in _AROUND):
+            if one <= most and min(abs(math.log(one / other)) for other in known) > _NEAR:
+                known.append(one)
+                yield one
+
+
+def _maxima(balance: TorqueBalance, slips: Array, torques: Array, share: float) -> Iterator[float]:
+    """Slips at which more torque is left over than at both next to them, and at least a share of the drag is there."""
+    drags = -np.array([balance.drag(one) for one in slips.tolist()])
+    over = torques - drags
+    inside = (over[1:-1] > over[:-2]) & (over[1:-1] >= over[2:]) & (torques[1:-1] > share * drags[1:-1])
+    yield from slips[1:-1][inside].tolist()
 
 
 def rollers_weight(assembly: Assembly) -> float:
@@ -148,7 +175,7 @@ def _searched(excess: Callable[[float], float], begin: float, over: float, slip:
         if abs(at - begin) > math.log(_FARTHEST):
             ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in sorted((begin, at)))
             way = "less" if over > 0.0 else "more"
-            serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD[0]
+            serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD
             return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
         before, last, at = at, value, at + step
         value = excess(at)

@@ -66,8 +66,6 @@ if TYPE_CHECKING:
 _MOST_INSTANTS: Final = 256
 #: And beyond which these go on for no maximum.
 _MOST_OF_A_JUMP: Final = 16
-#: Times of the tolerance by which a largest drag is off at the least load, often far below that of the scene.
-_CLOSE: Final = 10.0
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 #: Error of tables, with which it is tried whether effective friction is enough.
@@ -327,9 +325,7 @@ class SteadySlip(Study):
                     no_fold(name, limits, found, self.table, self.max_cage_slip, free=balance.rolls_freely),
                 )
         if self.acceptable_slip is not None:
-            variables |= self._least_load(
-                assembly, instants, self.acceptable_slip, _CLOSE * assembly.scene.accuracy.tolerance
-            )
+            variables |= self._least_load(assembly, instants, self.acceptable_slip)
             kept, known = acceptable_reserve(balance, self.acceptable_slip)
             variables |= self.variables(acceptable_reserve=kept, acceptable_reserve_status=known)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
@@ -505,7 +501,7 @@ class SteadySlip(Study):
 
         return balance
 
-    def _least_load(self, assembly: Assembly, instants: int, slip: float, close: float = 0.0) -> dict[str, Any]:
+    def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
         """Return the least radial load of a slip, and what makers ask for."""
         bearing, last = assembly.with_resistance(), dict[float, TorqueBalance]()
 
@@ -516,12 +512,12 @@ class SteadySlip(Study):
             return last[load]
 
         begin, weight = assembly.scene.operation.radial_load, rollers_weight(assembly)
-        load, status, doubted = least_load(balance, begin, slip, close, weight)
+        load, status, slips = least_load(balance, begin, slip, weight)
         makers, statuses = asked_by_makers(assembly.scene)
         found = self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
         )
-        found["least_load"][2]["doubted"] = doubted
+        found["least_load"][2].update({"slips": list(slips)} if slips else {})
         return found
 
     def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
