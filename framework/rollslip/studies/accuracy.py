@@ -28,9 +28,11 @@ _RIVAL: Final = 0.7
 #: Differences around a maximum that are rounding, relative to it.
 _LEVEL: Final = 1e-9
 
-#: The least of some points falls with the order of a half at least, where all else is taken to fall with the second:
-#: of twice as many it is off by 0.75 / (1 - 2^-0.5) times as much.
-LEAST_OF_SOME: Final = 2.56
+#: Order with which errors are relied on to fall where slices and instants are doubled at once: on the whole it is the
+#: second, and by kinks less from some to twice as many.
+AT_ONCE: Final = 1.5
+#: The least of some points may fall with the order of a half: of twice as many it is off by so many times as much.
+LEAST_OF_SOME: Final = (1.0 - 2.0**-AT_ONCE) / (1.0 - 2.0**-0.5)
 
 #: How what is off ends that hangs on where rollers jump to another balance, which no run comes near at once.
 WHERE_JUMPED: Final = ", where rollers jump,"

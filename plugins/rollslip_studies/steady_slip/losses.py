@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.raceway import RINGS
+from rollslip.bearing.raceway import RINGS, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
-from rollslip.studies.accuracy import LEAST_OF_SOME
+from rollslip.studies.accuracy import AT_ONCE, LEAST_OF_SOME
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 _SMALL, _PLENTY = 1e-3, 1e3
 #: Relative steps of slips and loads by which an excess is differentiated.
 _STEP: Final = 1e-3
-#: What rollers that jump carry falls with the first order: 0.75 / 0.5 times as much is left.
-_OF_JUMPS: Final = 1.5
+#: What rollers that jump carry falls with the first order.
+_OF_JUMPS: Final = 2.0 * (1.0 - 2.0**-AT_ONCE)
 #: How many of these steps to either side torque and film are taken to be linear.
 _FAR: Final = 30.0
 
@@ -99,11 +99,13 @@ def numbers_off(
     dataset : Dataset
         The result.
     """
+    found = dict[str, float]()
     try:
         with np.errstate(all="ignore"):
-            found = dict(_off(balance, at_load, dataset))
+            for name, error in _off(balance, at_load, dataset):
+                found[name] = error
     except (DomainError, ConvergenceError):  # of a motion beside those that were asked for
-        return {}
+        pass
     return {name: error if error == error else math.inf for name, error in found.items()}
 
 
@@ -118,6 +120,9 @@ def _off(
         yield "reserve to slipping", _apart(own, acceptable_reserve(balance, acceptable)[0])
     if math.isfinite(float(dataset["largest_drag"])):
         yield from _largest(balance, dataset)
+    elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _PLENTY:
+        slip, own = (float(dataset[name]) for name in ("most_torque_slip", "most_torque"))
+        yield "reserve to skidding", _apart(own, float(balance.torques(np.array([slip]))[0]))
     if "least_load" not in dataset:
         return
     load = float(dataset["least_load"])
@@ -138,18 +143,22 @@ def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, fl
     found = []
     for motion in both:
         orbit = balance.orbit_of(motion)
-        films = [
-            contacts.slices.film_thickness.min() / contacts.slices.conditions.roughness
-            for contacts in balance.evaluated(orbit)
-            if contacts.total
-        ]
-        found.append((power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), min(films)))
+        film, of_some = min(_thinnest(contacts) for contacts in balance.evaluated(orbit) if contacts.total)
+        found.append((power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), film))
     shift = min(max(steps, -_FAR), _FAR)
     torque, film = (here + shift * (beside - here) for here, beside in zip(*found, strict=True))
     yield "friction torque", _apart(float(one["friction_torque"]), torque)
-    yield "film parameter", LEAST_OF_SOME * _apart(float(np.nanmin(one["film_parameter"])), film)
+    yield "film parameter", of_some * _apart(float(np.nanmin(one["film_parameter"])), film)
     if abs(slip) >= _SMALL:
         yield "cage slip", _STEP * abs(steps)
+
+
+def _thinnest(contacts: LoadedContacts) -> tuple[float, float]:
+    """Least film parameter of a contact, and how many times as far off it is where it is at its end, not its middle."""
+    at = int(contacts.slices.film_thickness.argmin())
+    heaviest = contacts.load[contacts.owner == contacts.owner[at]].max()
+    film = float(contacts.slices.film_thickness[at] / contacts.slices.conditions.roughness)
+    return film, 1.0 if contacts.load[at] == heaviest else LEAST_OF_SOME
 
 
 def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[str, float]]:
