@@ -81,8 +81,8 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is always
     held against one with the slices of the run: of two maxima of nearly the same height few slices may have another
     one for the largest. Slices and instants may err against each other, so at few slips, or for single values of the
-    result, twice as many of both are taken at once, with the models of a contact that were left out at few slips, and if
-    these agree others do. Of a study without curves nothing is known beyond its own estimate.
+    result, twice as many of both are taken at once, with the models of a contact that were left out at few slips, and
+    others where these agree. Of a study without curves nothing is known beyond its own estimate.
     """
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
     if resolution.instants is None or curved is None:
