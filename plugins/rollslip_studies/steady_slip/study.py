@@ -517,7 +517,8 @@ class SteadySlip(Study):
         found = self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
         )
-        found["least_load"][2].update({"slips": list(slips)} if slips else {})
+        if slips:  # a file gives one value back as that
+            found["least_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
         return found
 
     def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
