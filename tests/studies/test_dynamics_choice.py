@@ -1,6 +1,7 @@
 """What a plan chooses of friction, level and integrator is what the motion itself bears out."""
 
 import functools
+import json
 import math
 import re
 
@@ -19,6 +20,7 @@ from rollslip.errors import ConvergenceError
 from rollslip.planning.plan import plan
 from rollslip_studies.dynamics import choice as estimates
 from rollslip_studies.dynamics import cost as costs
+from rollslip_studies.dynamics import findings
 from rollslip_studies.dynamics.choice import adds_up, choose_motion
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
@@ -319,3 +321,28 @@ def test_an_interrupt_while_a_choice_is_tried_is_one(setting, monkeypatch):
     monkeypatch.setattr("rollslip_studies.motion.time_integration._Run._stretch", interrupted)
     with pytest.raises(KeyboardInterrupt):
         plan(scene, "dynamics")
+
+
+def test_motions_that_hit_their_pockets_claim_as_much_as_steps_let_them_come_apart():
+    """A run-up at level pocket, against another integrator at a tolerance of 1e-9; at one speed nothing is hit."""
+    changes = {
+        "bearing.rollers": 16,
+        "bearing.radial_clearance": "2 um",
+        "operation.inner_speed": "2340 rpm",
+        "operation.radial_load": "582 N",
+        "operation.temperature": "70 degC",
+        "accuracy": {"tolerance": 1e-3, "slices": 5},
+        "cage.drag": [{"model": "constant-torque", "size": 0.09, "transition": 1.0}],
+        "study.dynamics": NAMED
+        | {"friction": "constant", "level": "pocket", "integrator": "leapfrog", "duration": 2.8e-3, "points": 41}
+        | {"cage_slip": 0.02, "roller_slip": 0.02}
+        | {"history": {"inner_speed": {"shape": "run-up", "from": "1870 rpm", "to": "2340 rpm", "within": "1.4 ms"}}},
+    }
+    result = rollslip.run(evolve(SHIPPED, changes), "dynamics")
+    study = {"relative_tolerance": 1e-9, "integrator": "rk45"}
+    fine = evolve(evolve(SHIPPED, changes), {f"study.dynamics.{key}": value for key, value in study.items()})
+    true = rollslip.run(fine, "dynamics")
+    off = np.abs(result.cage_speed - true.cage_speed).max() / np.abs(true.cage_speed).max()
+    (row,) = [one for one in json.loads(result.attrs["accuracy"]) if one["result"] == "cage_speed"]
+    assert 1e-3 < float(off) < row["estimated"] < 10.0 * off
+    assert "more than the tolerance of 0.001, as motions with other steps" in findings.topics(result)["steps"][0]

@@ -167,6 +167,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         "events": _events(dataset),
         "film": [_films(dataset)],
         "cage": _cage(dataset),
+        "steps": _steps(dataset),
         "ledger": [_ledger(dataset)],
         "cost": [_cost(dataset)],
     }
@@ -375,6 +376,16 @@ def _cage(dataset: "xr.Dataset") -> list[str]:
     if "land_eccentricity" in dataset:
         said.append(f"largest eccentricity of the cage on its lands {float(dataset['land_eccentricity'].max()):.3g}")
     return said
+
+
+def _steps(dataset: "xr.Dataset") -> list[str]:
+    rows = json.loads(dataset.attrs.get("accuracy", "[]"))
+    return [
+        f"the cage speed may be off by {row['estimated']:.1e} of its largest at an instant, more than the tolerance of "
+        f"{row['tolerance']:g}, as motions with other steps come apart; raise accuracy.cage_speed"
+        for row in rows
+        if row["result"] == "cage_speed" and (row["estimated"] or 0.0) > row["tolerance"]
+    ]
 
 
 def _ledger(dataset: "xr.Dataset") -> str:

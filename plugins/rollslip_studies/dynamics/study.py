@@ -21,7 +21,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.bearing.resolution import Resolution, finest, refined
+from rollslip.bearing.resolution import Resolution, refined
 from rollslip.catalogue.registry import find, structure_model
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
@@ -35,7 +35,7 @@ from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip_studies.dynamics import heating, over_time
-from rollslip_studies.dynamics.choice import adds_up, choose_motion, with_few_slices
+from rollslip_studies.dynamics.choice import choose_motion
 from rollslip_studies.dynamics.cost import costs_of
 from rollslip_studies.dynamics.history.settings import History, HistorySettings
 from rollslip_studies.dynamics.history.time_functions import Course
@@ -45,6 +45,7 @@ from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, check
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
 from rollslip_studies.dynamics.outputs import OUTPUTS
+from rollslip_studies.dynamics.steps import step_tolerance
 from rollslip_studies.dynamics.termination import (
     explained,
     failed_by,
@@ -71,10 +72,8 @@ LEVELS: Final = {
 }
 #: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
-#: Shares of the tolerances that slices and instants may use, that tables may take, and that steps may take.
-_SHARE, _TABLES, _STEPS_SHARE = 0.5, 0.2, 0.2
-#: A usual tolerance of a step, and the time [s] of a short motion.
-_STEP, _SHORT = 1e-5, 5e-3
+#: Shares of the tolerances that slices and instants may use, and that tables may take.
+_SHARE, _TABLES = 0.5, 0.2
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
 _LEAST_TOLERANCE: Final = 2.3e-14
 
@@ -196,7 +195,7 @@ class Dynamics(Study):
         estimated = self._with_choice(estimates.with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
-        return self._with_steps(estimated, with_few_slices(assembly.at(estimated.resolution)))
+        return self._with_steps(estimated, assembly.at(estimated.resolution))
 
     def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Friction, level and integrator, where the scene does not name them."""
@@ -210,24 +209,14 @@ class Dynamics(Study):
             reasons={**choice.reasons, **over_time.reasons(self.course(assembly), settings, self.level)},
         )
 
-    def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
-        """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most, and fade."""
-        study, accuracy = self.evolved(history=None).at(estimated.resolution), few.scene.accuracy  # which may rest
-        moving = study.moving(few)
-        span = min(_SHORT, study.duration)
-        motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
-        rough, fine = (float(moving.split(found.y)["cage_speed"][-1]) for found in motions)
-        # a motion at level cage-set takes no longer than a look at how its errors fade
-        times = adds_up(study, few, span) if self._fades(study.level) else study.duration / span
-        error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * times
-        share = _STEPS_SHARE * accuracy.of("cage_speed")
-        # nobody has seen a step of more than the typical tolerance do well where a contact opens
-        least = finest(few.scene).integrator_tolerance or 0.0
-        tolerance = min(max(_STEP * share / max(error, 1e-300), least), _STEP)
+    def _with_steps(self, estimated: Estimated, assembly: Assembly) -> Estimated:
+        """Tolerance of a step, and what it leaves."""
+        study = self.at(estimated.resolution)
+        tolerance, left = step_tolerance(study, assembly, self._fades(study.level))
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, integrator_tolerance=tolerance),
-            errors={**estimated.errors, "steps": {"cage_speed": error * tolerance / _STEP}},
+            errors={**estimated.errors, "steps": {"cage_speed": left}},
         )
 
     def _fades(self, level: str) -> bool:
@@ -260,7 +249,8 @@ class Dynamics(Study):
             choice=f"relative tolerance {assembly.resolution.integrator_tolerance or 0.0:.1e}",
             resolution="every step",
             reason="two short motions of other tolerances tell what it leaves of the cage speed, "
-            + ("two cages that begin apart how long that lasts" if self._fades(self.level) else "which adds up"),
+            + ("two cages that begin apart how long that lasts" if self._fades(self.level) else "which adds up")
+            + ("" if self.level == "cage-set" else ", and finer ones how far motions come apart in an orbit"),
             errors=errors.get("steps", {}),
             seconds=costs.pop("motion", None) if "steps" in errors else None,
         )

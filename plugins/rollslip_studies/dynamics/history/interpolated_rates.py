@@ -22,6 +22,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble, conditions_read
 from rollslip.bearing.raceway import Array
+from rollslip.bearing.resolution import Resolution
 from rollslip.errors import ConvergenceError
 from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
@@ -123,7 +124,7 @@ class Stations:
 
     def __attrs_post_init__(self) -> None:
         of = self.speeds, self.top_speed, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
-        key = self.assembly.resolution, *of, self._friction_key
+        key = of_bearing(self.assembly), *of, self._friction_key
         object.__setattr__(self, "_errors", self.assembly.kept("errors between stations", key, dict))
 
     @property
@@ -223,7 +224,7 @@ class Stations:
 
     @property
     def _bearings(self) -> dict[Place, Assembly]:
-        return self.assembly.kept("stations", (self.assembly.resolution, self.axes, self.speeds), dict)
+        return self.assembly.kept("stations", (of_bearing(self.assembly), self.axes, self.speeds), dict)
 
     @property
     def bearings(self) -> int:
@@ -252,7 +253,7 @@ class Stations:
             *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
         )
         tolerance = self.friction.table_tolerance(bearing)
-        of = self.assembly.resolution, self.axes, self.speeds, self.top_speed, tolerance
+        of = of_bearing(self.assembly), self.axes, self.speeds, self.top_speed, tolerance
         made = partial(build_load_map, bearing, tolerance, self.top_speed, self._least_force)
         loads = self.assembly.kept("loads of stations", (*of, key), made)
         return carried_motion(bearing, self.friction, level=self.level, loads=loads)
@@ -274,6 +275,11 @@ def _weights(sixths: int) -> list[float]:
 def unit_of(name: str) -> str:
     """Return the SI unit of a load, a temperature or a speed by its name."""
     return "N" if name == "radial_load" else "K" if name.endswith("temperature") else "rad/s"
+
+
+def of_bearing(assembly: Assembly) -> Resolution:
+    """Return the resolution of a bearing without what its motions alone have of it, so that they share stations."""
+    return attrs.evolve(assembly.resolution, friction=None, level=None, integrator=None, integrator_tolerance=None)
 
 
 def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:

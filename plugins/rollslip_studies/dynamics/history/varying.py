@@ -17,7 +17,7 @@ from rollslip.rings import Rings
 from rollslip.structure import Location
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import MOST_AXES, Varying
-from rollslip_studies.dynamics.history.interpolated_rates import Axis, Stations, operated
+from rollslip_studies.dynamics.history.interpolated_rates import Axis, Stations, of_bearing, operated
 from rollslip_studies.dynamics.history.settings import History
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.history.time_functions import Course, constant
@@ -320,7 +320,7 @@ def _refuse_turning(assembly: Assembly, spans: Mapping[str, tuple[float, float]]
 
 def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     """The bearing at the values that stay the same, put together once."""
-    return assembly.kept("held", (assembly.resolution, *values.items()), lambda: operated(assembly, values))
+    return assembly.kept("held", (of_bearing(assembly), *values.items()), lambda: operated(assembly, values))
 
 
 def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]:
