@@ -19,6 +19,7 @@ from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.dynamics import history_findings, over_time
 from rollslip_studies.dynamics.account import DynamicsAccount
+from rollslip_studies.dynamics.history import interpolated_rates
 from rollslip_studies.dynamics.history.settings import OF_PARTS, HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
@@ -528,3 +529,22 @@ def test_the_passage_of_the_slip_of_running_away_is_an_event_and_can_end_the_run
     assert away.attrs["outcome"] == "stopped"
     last = float(away.cage_slip[-1])
     assert last == pytest.approx(float(away.runaway_slip_along[-1]), abs=1e-6)
+
+
+def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_is_conventional_and_that_is_told(
+    monkeypatch,
+):
+    """As where rates jump between two speeds: here since intervals are not halved, which leaves them off by 3 %."""
+    monkeypatch.setattr(interpolated_rates, "_DEEPEST", 0)
+    run_up = {"shape": "run-up", "from": "300 rpm", "within": "0.3 s"}
+    runs = {}
+    for friction in ("effective", "conventional"):
+        changes = {"study.dynamics.friction": friction, "study.dynamics.integrator": "rodas5p"}
+        runs[friction] = rollslip.run(scene(changes, inner_speed=run_up), "dynamics")
+    assert [one.attrs["friction"] for one in runs.values()] == ["conventional"] * 2
+    assert np.array_equal(*(one.cage_speed for one in runs.values()))
+    told = json.loads(runs["effective"].attrs["warnings"])
+    (said,) = [one for one in told if "study.dynamics.friction is 'conventional', not 'effective'" in one]
+    assert "effective friction cannot be tabulated along the history, as between speed " in said
+    assert "rates are still off by" in said
+    assert not any("as the scene names it" in one for one in json.loads(runs["conventional"].attrs["warnings"]))

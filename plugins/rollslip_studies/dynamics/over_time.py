@@ -9,7 +9,7 @@ import itertools
 import json
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
@@ -18,7 +18,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.raceway import Array
-from rollslip.errors import RollslipError
+from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.estimates import slices_and_instants
@@ -69,7 +69,7 @@ def left_open(history: History | None, named: Sequence[str], level: str) -> tupl
     return settings, [*named, *settings, *([] if within else ["integrator"])]
 
 
-def reasons(history: History | None, settings: Mapping[str, Any], level: str) -> dict[str, str]:
+def reasons(history: History | None, settings: Mapping[str, Any], level: str, given: Collection[str]) -> dict[str, str]:
     """Say why a history leaves no choice."""
     if history is None:
         return {}
@@ -80,7 +80,7 @@ def reasons(history: History | None, settings: Mapping[str, Any], level: str) ->
         "would take longer than they save",
     }
     fixed = settings.get("level", level) == "cage-set"
-    return {name: known[name] for name in (*(["integrator"] if fixed else []), *settings)}
+    return {name: known[name] for name in (*({"integrator"} - {*given} if fixed else ()), *settings)}
 
 
 @attrs.frozen(eq=False)
@@ -282,19 +282,30 @@ def cost(history: History | None, make: Callable[[], MovingBearing], study: Effe
     if history is None:
         return {}
     times = np.linspace(0.0, history.end, _LOOKS)
-
-    def through() -> None:
-        moving = make()
-        y = moving.initial()
-        for t in times:
-            moving.system(float(t), y)
-
-    through()
+    _through(history, make())
     along(study, make().assembly, history, times)
     begin = time.process_time()
-    through()
+    _through(history, make())
     along(study, make().assembly, history, times)
     return {"history": time.process_time() - begin}
+
+
+def without_tables(history: History | None, friction: str, make: Callable[[], MovingBearing]) -> str:
+    """Return why effective friction cannot be tabulated along a history of speeds; empty if it can, or need not."""
+    if history is None or friction != "effective" or not {"inner_speed", "outer_speed"} & {*history.varies}:
+        return ""
+    try:
+        _through(history, make())
+    except ConvergenceError as refused:
+        return f"effective friction cannot be tabulated along the history, as {refused}"
+    return ""
+
+
+def _through(history: History, moving: MovingBearing) -> None:
+    """Put together what a motion asks for along a history."""
+    y = moving.initial()
+    for t in np.linspace(0.0, history.end, _LOOKS):
+        moving.system(float(t), y)
 
 
 def told(dataset: "xr.Dataset") -> "xr.Dataset":

@@ -199,14 +199,18 @@ class Dynamics(Study):
 
     def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Friction, level and integrator, where the scene does not name them."""
-        named = [*assembly.scene.study.get(self.name, {})]
-        settings, named = over_time.left_open(self.course(assembly), named, self.level)
-        choice = choose_motion(self.evolved(**settings), assembly.at(estimated.resolution), named)
+        given, history = [*assembly.scene.study.get(self.name, {})], self.course(assembly)
+        settings, named = over_time.left_open(history, given, self.level)
+        reasons = over_time.reasons(history, settings, self.level, given)
+        at = assembly.at(estimated.resolution)
+        if why := over_time.without_tables(history, self.evolved(**settings).friction, lambda: self.moving(at)):
+            settings["friction"], reasons["friction"] = "conventional", why
+        choice = choose_motion(self.evolved(**settings), at, named)
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, **settings, **choice.settings),
             errors={**estimated.errors, **choice.errors},
-            reasons={**choice.reasons, **over_time.reasons(self.course(assembly), settings, self.level)},
+            reasons={**choice.reasons, **reasons},
         )
 
     def _with_steps(self, estimated: Estimated, assembly: Assembly) -> Estimated:
@@ -242,7 +246,7 @@ class Dynamics(Study):
 
         def why(setting: str) -> str:
             named = setting in assembly.scene.study.get(self.name, {})
-            return f"study.{self.name} names it" if named else estimated.reasons.get(setting, "default")
+            return estimated.reasons.get(setting, f"study.{self.name} names it" if named else "default")
 
         steps = Part(
             part="steps in time",
