@@ -6,7 +6,9 @@ import pytest
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
+from rollslip.results.account import account_of, answer
 from rollslip.results.accounts import account_of, answer
+from rollslip_studies.dynamics import over_time
 from rollslip_studies.dynamics.figures import motion_figures
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.surface_damage import over_motion
@@ -80,6 +82,52 @@ def test_a_measure_without_a_value_at_some_instants_says_so(motion, bearing):
     found, _ = over_motion.over_motion(bearing, stuck, lambda _: bearing)
     k = EVERY.index("pass-energy")
     assert "no pass ends" in found["worst_status"][k, 0]
+
+
+def test_the_worst_is_found_between_instants_of_even_steps(motion, bearing, monkeypatch):
+    spike = motion.copy(deep=True)
+    spike["sliding_speed"][:, 5] *= 3.0
+    spike["traction_force"][:, 5] *= 2.0
+    whole, _ = over_motion.over_motion(bearing, spike, lambda _: bearing)
+    monkeypatch.setattr(over_motion, "_INSTANTS", 3)
+    found, more = over_motion.over_motion(bearing, spike, lambda _: bearing)
+    heated = [k for k, name in enumerate(EVERY) if name in ("power-density", "pass-energy", "flash-temperature")]
+    assert found["worst_time"][heated] == pytest.approx(float(spike["time"][5]))
+    assert found["worst"].tolist() == whole["worst"].tolist()
+    assert more["measured_time"][1].size < 9
+
+
+def test_what_laminae_leave_of_the_worst_is_told(motion):
+    fine = assemble(rollslip.evolve(SCENE, {"accuracy.slices": 16}))
+    found, _ = over_motion.over_motion(fine, motion.isel(time=[-1]), lambda _: fine)
+    few = assemble(SCENE)
+    told, _ = over_motion.over_motion(few, motion.isel(time=[-1]), lambda _: few)
+    for k, i in np.ndindex(told["worst"].shape):
+        off = abs(told["worst"][k, i] / found["worst"][k, i] - 1.0)
+        said = told["worst_status"][k, i].partition("its laminae leave about ")[2]
+        assert said == (f"{100.0 * off:.2g} %" if off > 0.01 else "")
+    assert "its laminae leave about" in " ".join(told["worst_status"].ravel())
+
+
+def test_forces_that_are_spread_as_on_aligned_rollers_are_told_where_rollers_tilt(motion):
+    tilted = assemble(rollslip.evolve(SCENE, {"operation.misalignment": "1 mrad"}))
+    found, _ = over_motion.over_motion(tilted, motion, lambda _: tilted)
+    assert "stored instants, with forces as on aligned rollers, and these tilt" in found["worst_status"][0, 0]
+
+
+def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
+    """The factor C_S of grease falls exponentially with speed: at a fifth of it, the fifth root."""
+    changes = {"lubrication": {"supply": "grease"}, "models.damage": ["film-parameter"], "accuracy.slices": 4}
+    dynamics = {"duration": "20 ms", "points": 3, "friction": "conventional", "level": "cage-set"}
+    dynamics |= {
+        "history": {"inner_speed": {"shape": "run-up", "from": "300 rpm", "to": "1500 rpm", "within": "10 ms"}}
+    }
+    scene = rollslip.evolve(rollslip.load_scene("gearbox"), changes | {"study.dynamics": dynamics})
+    of = assemble(scene)
+    found = Dynamics.of(scene).run(of)
+    begin, end = (over_time.at_instant(of, found, k).models["film"].starvation for k in (0, -1))
+    assert end == of.models["film"].starvation < 0.95
+    assert begin == pytest.approx(end**0.2, rel=1e-12)
 
 
 @pytest.mark.slow

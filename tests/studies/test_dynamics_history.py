@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import attrs
 import numpy as np
@@ -463,6 +464,20 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
 )
 def test_words_say_when_an_operation_changes(values, said):
     assert history_findings._when(np.linspace(0.0, 1.0, 6), np.array(values, dtype=float)) == said
+
+
+def test_a_distance_that_few_stored_instants_know_badly_says_how_well(dropped):
+    """A sliding that decays within less than the time between two instants; its distance in closed form."""
+    t = np.linspace(0.0, 1.0, dropped.sizes["time"])
+    decay = 0.7 * (t[1] - t[0])
+    speeds = np.broadcast_to(np.exp(-t / decay)[:, None], dropped.sliding_speed.shape[1:])
+    short = dropped.copy(deep=True).assign_coords(time=t)
+    short["sliding_speed"][:] = speeds
+    off = float(np.trapezoid(speeds[:, 0], t)) / decay - 1.0
+    told = history_findings.sentences(short)
+    (within,) = re.findall(r"on the inner ring on average \(within (\d+) %, as few instants are stored\)", str(told))
+    assert 0.5 * off < float(within) / 100.0 < 2.0 * off
+    assert "as few instants are stored" not in str(history_findings.sentences(dropped))
 
 
 def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):

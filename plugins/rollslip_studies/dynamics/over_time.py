@@ -17,6 +17,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
+from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.structure import Location
@@ -350,7 +351,13 @@ def at_the_end(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
     return operated(assembly, now)
 
 
-def at_temperatures(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assembly:
-    """Return the bearing at the temperatures of a stored instant of a result, by its number."""
-    given = json.loads(dataset.attrs.get("history", "[]"))
-    return operated(assembly, {name: float(dataset[name][instant]) for name in given if name in TEMPERATURES})
+def at_instant(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assembly:
+    """Return the bearing at the temperatures of a stored instant of a result, by its number, its inlets fed as then."""
+    given = {name: float(dataset[name][instant]) for name in json.loads(dataset.attrs.get("history", "[]"))}
+    at = {name: value for name, value in given.items() if name in TEMPERATURES}
+    speeds = {name: given.get(name, getattr(assembly.scene.operation, name)) for name in ("inner_speed", "outer_speed")}
+    if speeds["inner_speed"] != speeds["outer_speed"] and any(
+        "starvation" in taken_from_scene(model) for model in assembly.models.values()
+    ):
+        at |= speeds
+    return operated(assembly, at)

@@ -348,7 +348,7 @@ class Dynamics(Study):
             If loads or friction cannot be tabulated.
         """
         dataset = over_time.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
-        damage, measures = over_motion(assembly, dataset, partial(over_time.at_temperatures, assembly, dataset))
+        damage, measures = over_motion(assembly, dataset, partial(over_time.at_instant, assembly, dataset))
         return dataset.assign_coords(measures).assign(self.variables(**damage))
 
     def _run(self, assembly: Assembly, kept: Keep) -> "xr.Dataset":

@@ -49,7 +49,8 @@ def over_motion(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Say what was found along a motion, by what it is about; nothing where nothing was measured."""
     if "measure" not in dataset.dims:
         return {}
-    seen = sorted({str(status) for status in dataset["worst_status"].to_numpy().ravel() if "found at" in str(status)})
+    told = [str(status).partition(";")[0] for status in dataset["worst_status"].to_numpy().ravel()]
+    seen = sorted({status for status in told if "found at" in status})
     more = [f"the worst values were {one}; between instants they may be worse" for one in seen[:1]]
     return {"damage": more} | {str(one["meaning"].item()): _measure(one) for one in measures(dataset)}
 
@@ -66,6 +67,7 @@ def _measure(one: "xr.Dataset") -> list[str]:
             beside = abs(float(on["worst_place"]))
             at += f" and {format_quantity(beside, 'm', 2)} from the middle of the roller" if beside > 0.0 else ""
             at += f", at t = {float(on['worst_time']):.3g} s" if "worst_time" in on else ""
+            at += on["worst_status"].item().partition("found at")[2].partition(";")[2]  # what is missing
             known.append(f"{told(value, unit)} on the {ring} ring, {at}")
     meaning = one["meaning"].item()
     when = f"at a cage slip of {100.0 * float(one['slip']):.3g} %" if "slip" in one else "along the motion"

@@ -3,13 +3,17 @@
 - A motion stores force, sliding and spin of every roller. At some of the stored instants each force is spread over the
   slices as over an aligned roller, the contacts are evaluated with the models of the scene at the temperatures of that
   instant, and measured. Friction is that of these models on every slice, whichever one moved the bearing.
-- Between the instants nothing is seen: a worst value is at least as bad as what is told.
+- Stored instants are those of even steps, and on either ring those at which forces, sliding and speeds alone let power
+  density, energy of a pass or flash be largest, or a film thinnest. Between them nothing is seen: a worst value is at
+  least as bad as what is told.
+- The worst contacts are measured again with more laminae. What that changes by more than the tolerance is told.
 """
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +22,16 @@ from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Output
-from rollslip.studies.surface_damage.model import DESCRIBED, OWN, Contacts, damage_of, described, named, values_of
+from rollslip.studies.surface_damage.model import (
+    DESCRIBED,
+    OWN,
+    Contacts,
+    DamageModel,
+    damage_of,
+    described,
+    named,
+    values_of,
+)
 from rollslip_studies.friction_curve.study import balanced_load
 
 if TYPE_CHECKING:
@@ -28,8 +41,8 @@ Numbers = NDArray[np.int_]
 
 __all__ = ["OVER_MOTION", "over_motion"]
 
-#: Stored instants that are measured at most.
-_INSTANTS: Final = 101
+#: Stored instants of even steps that are measured at most, and how many times as many laminae the worst contacts have.
+_INSTANTS, _FINER = 101, 4
 #: What is known of damage along a motion.
 OVER_MOTION: Final[Mapping[str, Output]] = MappingProxyType(
     {
@@ -54,7 +67,9 @@ def over_motion(
     if not measures:
         return {}, {}
     stored = dataset.sizes["time"]
-    instants = np.unique(np.linspace(0, stored - 1, min(stored, _INSTANTS)).round().astype(int))
+    instants = np.linspace(0, stored - 1, min(stored, _INSTANTS)).round().astype(int)
+    if stored > instants.size:
+        instants = np.union1d(instants, _suspects(assembly, dataset))
     shape = len(measures), len(RINGS)
     over, said = np.full((*shape, instants.size), np.nan), np.full(shape, "", dtype=object)
     found = np.full((4, *shape), np.nan)
@@ -83,10 +98,18 @@ def over_motion(
                     place = at.position[column[worst]]
                     found[:, k, i] = values[worst], times[instant], angles[instant, owner[worst]], place
     seen = f"{instants.size} of {stored} stored instants" if instants.size < stored else "all stored instants"
+    if assembly.scene.operation.misalignment != 0.0:
+        seen += ", with forces as on aligned rollers, and these tilt"
     for k, i in np.ndindex(*shape):
-        known = np.isfinite(over[k, i]).any()
-        where = f"found at {seen}" if known else f"no roller is loaded on the {RINGS[i]} ring at {seen}"
-        said[k, i] = where if not said[k, i] else f"{where}; at some: {said[k, i]}" if known else said[k, i]
+        if not np.isfinite(over[k, i]).any():
+            said[k, i] = said[k, i] or f"no roller is loaded on the {RINGS[i]} ring at {seen}"
+            continue
+        told = [f"found at {seen}", *([f"at some: {said[k, i]}"] if said[k, i] else [])]
+        instant = int(np.searchsorted(times, found[1, k, i]))
+        off = _by_laminae(there(instant), dataset.isel(time=instant, ring=i), i, measures[k], found[0, k, i])
+        if off > assembly.scene.accuracy.tolerance:
+            told.append(f"its laminae leave about {100.0 * off:.2g} %")
+        said[k, i] = "; ".join(told)
     names = ("worst", "worst_time", "worst_angle", "worst_place")
     return dict(zip(names, found, strict=True)) | described(measures) | {
         "worst_status": said.astype(np.str_),
@@ -97,16 +120,48 @@ def over_motion(
     }  # fmt: skip
 
 
+def _suspects(assembly: Assembly, dataset: "xr.Dataset") -> list[int]:
+    """Stored instants, by number, at which a measure may be worst on a ring."""
+    found = list[int]()
+    for i in range(len(RINGS)):
+        ring = dataset.isel(ring=i)
+        force, sliding, traction = (ring[n].to_numpy() for n in ("normal_force", "sliding_speed", "traction_force"))
+        rolling = _rolling(assembly, ring, i)
+        carries = (force > 0.0) & (rolling > 0.0) & np.isfinite(sliding)
+        power, slower = np.abs(traction * sliding), np.abs(np.abs(rolling) - 0.5 * np.abs(sliding))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            width = np.sqrt(force)
+            worse = power / width, power / slower, power / np.sqrt(slower * width), force**0.1 / rolling**0.7
+        for measure in worse:
+            if carries.any():
+                found.append(int(np.nanargmax(np.where(carries, measure, -np.inf))) // force.shape[1])
+    return found
+
+
+def _by_laminae(assembly: Assembly, now: "xr.Dataset", i: int, model: DamageModel, worst: float) -> float:
+    """How far the worst value of a measure on a ring is off that with more laminae, relative to that."""
+    slices = _FINER * assembly.slices if assembly.slices > 1 else 1
+    taken = _contacts(assembly.at(attrs.evolve(assembly.resolution, slices=slices)), now, i)
+    values = np.zeros(0) if taken is None else values_of(model, taken[0])
+    fine = float(values.max() if model.worst == "largest" else values.min()) if values.size else worst
+    return abs(worst / fine - 1.0) if fine else 0.0
+
+
+def _rolling(assembly: Assembly, of: "xr.Dataset", i: int) -> NDArray[np.float64]:
+    """Entrainment: the spin of a roller r w and sliding V give r w + V/2 on the inner, r w - V/2 on the outer ring."""
+    spin = assembly.kinematics.direction * assembly.kinematics.roller_radius * of["roller_speed"].to_numpy()
+    return np.asarray(spin + (0.5 - i) * of["sliding_speed"].to_numpy())
+
+
 def _contacts(
     assembly: Assembly, now: "xr.Dataset", i: int
 ) -> tuple[Contacts, NDArray[np.int_], NDArray[np.int_]] | None:
-    """Evaluated slices of the loaded rollers on a ring, with the roller and the place of each; None without any.
-
-    The spin of a roller r w and sliding V give the entrainment r w + V/2 on the inner, r w - V/2 on the outer ring.
-    """
-    force, sliding = now["normal_force"].to_numpy(), now["sliding_speed"].to_numpy()
-    spin = assembly.kinematics.direction * assembly.kinematics.roller_radius * now["roller_speed"].to_numpy()
-    rolling = spin + (0.5 - i) * sliding
+    """Evaluated slices of the loaded rollers on a ring, with the roller and the place of each; None without any."""
+    force, sliding, rolling = (
+        now["normal_force"].to_numpy(),
+        now["sliding_speed"].to_numpy(),
+        _rolling(assembly, now, i),
+    )
     carries = np.flatnonzero((force > 0.0) & (rolling > 0.0) & np.isfinite(sliding))
     if not carries.size:
         return None
