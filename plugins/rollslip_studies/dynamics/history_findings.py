@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 _TOLD_IN: Final = {"load_direction": "deg"}
 #: From which share of its speed without slip on it is told that a cage runs ahead.
 _AHEAD: Final = 1e-3
-#: Share of a distance that stored instants may leave untold.
+#: Share of a distance that stored instants may leave untold, and of a film that starvation may.
 _KNOWN: Final = 0.01
 _HEAT: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
@@ -184,6 +184,12 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
         else:
             more = "" if {first, last} == {low, high} else f", with {low} at least and {high} at most"
             said.append(f"{what} goes from {first} to {last} {_when(t, values)}{more}")
+    held, least = json.loads(dataset.attrs.get("starvation", "[1, 1]"))
+    if abs(least - held) > _KNOWN * least:
+        said.append(
+            f"inlets are starved all the way as at the largest speed, to {held:.3g} of full ones; at the least speed "
+            f"it would be {least:.3g}"
+        )
     distances, works = sliding_distance(dataset), frictional_work(dataset)
     for ring, distance in distances.items():
         far, most = (format_quantity(float(value), "m", 3) for value in (distance.mean(), distance.max()))

@@ -16,6 +16,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.cage import scene_values
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.raceway import Array
@@ -247,7 +248,22 @@ def with_history(
         "history_error": stations.error,
         "slip_status": "known while the cage's epicyclic speed is more than "
         f"{100 * STILL:g} % of its largest, to which slips refer",
+        "starvation": json.dumps(_starvation(moving, now)),
     }
+
+
+def _starvation(moving: VaryingMotion, now: Mapping[str, Array]) -> list[float]:
+    """Factors C_S by which the motion starves its inlets, and by which the least speed would; 1 where none does.
+
+    They are of one speed, the largest, unless friction is tabulated over speeds.
+    """
+    at, apart = moving.base.assembly, np.abs(now["inner_speed"] - now["outer_speed"])
+    starved = any("starvation" in taken_from_scene(model) for model in (*at.models.values(), *at.cage.named))
+    if not (starved and moving.stations.speeds_vary) or "speed" in [axis.name for axis in moving.stations.axes]:
+        return [1.0, 1.0]
+    slow = int(np.argmin(np.where(apart > 0.0, apart, np.inf)))
+    least = operated(at, {name: float(now[name][slow]) for name in ("inner_speed", "outer_speed")})
+    return [float(str(scene_values(one.scene, one.kinematics, one.lubricant)["starvation"])) for one in (at, least)]
 
 
 def parts(
