@@ -1,14 +1,20 @@
 """Study surface-damage: its sums against the losses of the bearing, where it is worst, and what it says."""
 
+import json
 import re
+from types import SimpleNamespace
 
+import attrs
 import numpy as np
 import pytest
 
 import promise_scenes
-from rollslip import evolve, get_model, load_scene, plan, sweep
+from rollslip import evolve, get_model, load_scene, plan, run, sweep
+from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
+from rollslip.planning.execution import execute
+from rollslip.results.account import account_of, answer
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
@@ -17,8 +23,10 @@ from rollslip.scene.interchange import read_foreign, write_foreign
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
 from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.steady_slip.evaluated import by_secant
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.surface_damage.figures import damage_figures
+from rollslip_studies.surface_damage.study import _counted, _worst_between
 from without_bands import run
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.02, "accuracy.slices": 6})
@@ -77,6 +85,89 @@ def test_what_friction_does_not_need_of_a_contact_is_measured():
     assert not plan(scene, "steady-slip").estimated["steady-slip"].resolution.light_contacts
     whole = run(evolve(scene, {"accuracy.tolerance": "exact", "accuracy.slices": 101}), "surface-damage")
     np.testing.assert_allclose(run(scene, "surface-damage").worst, whole.worst, rtol=0.02)
+
+
+def accuracy_of(result):
+    return {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
+
+
+WORST = ("worst sliding power density", "worst sliding energy of a pass")
+
+
+def coarse(k, **changes):
+    """A scene whose worst values few laminae miss by more than the tolerance."""
+    own = {"accuracy.tolerance": 1e-3, "models.damage": EVERY[:2], "study.surface-damage.cage_slip": 0.1}
+    return evolve(promise_scenes.scene(k, 350), {**own, "cage.drag": ["churning"], **changes})
+
+
+@pytest.mark.parametrize("k", [9, 41])  # a crowned roller, whose middle lies between two of few laminae
+def test_laminae_are_added_until_the_worst_is_within_the_tolerance(k):
+    made = plan(scene := coarse(k), "surface-damage")
+    few, found = made.estimated["surface-damage"].resolution, execute(made, "surface-damage")
+    taken = json.loads(found.attrs["resolution"])
+    assert taken["slices"] > few.slices
+    study, whole = made.studies["surface-damage"], attrs.evolve(few, slices=4 * taken["slices"] + 1, instants=25)
+    exact, before = study.run(assemble(scene, whole)), study.run(assemble(scene, few))
+    claimed = accuracy_of(found)
+    for n, name in enumerate(WORST):
+        assert float(abs(before.worst[n] / exact.worst[n] - 1.0).max()) > 4e-3
+        assert float(abs(found.worst[n] / exact.worst[n] - 1.0).max()) <= 1.05 * claimed[name] <= 1e-3
+    assert not any("worst" in text for text in json.loads(found.attrs["warnings"]))
+
+
+def test_a_worst_value_that_stays_off_is_told_with_the_number():
+    """Of 8 laminae that the scene fixes: the error that is told is that against 201, or up to 4/3 of it."""
+    found = run(coarse(41, **{"accuracy.slices": 8}), "surface-damage")
+    exact = run(coarse(41, **{"accuracy.slices": 201}), "surface-damage")
+    for n, name in enumerate(WORST):
+        off = float(abs(found.worst[n] / exact.worst[n] - 1.0).max())
+        assert 1.0 <= accuracy_of(found)[name] / off <= 4 / 3
+        (said,) = (text for text in json.loads(found.attrs["warnings"]) if text.startswith(name))
+        told = float(re.search(r"off by about (\S+), more than the tolerance of 0.001", said)[1])
+        assert told == pytest.approx(accuracy_of(found)[name], rel=0.05)
+        assert "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto" in said
+
+
+def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_leads():
+    assembly = plan(SCENE, "steady-slip").assemblies["steady-slip"]
+    balance, (steady, *_), _ = SteadySlip().steady(assembly)
+    model = get_model("damage", "power-density")
+
+    def worst(orbit):
+        return model.evaluate(Contacts.of(assembly, "inner", balance.evaluated(orbit)[0].slices)).max(keepdims=True)
+
+    exact = worst(balance.orbit_of(steady.motion))
+    for share in (None, steady.motion.share[0]):
+        for off in (0.004, -0.01):
+            found, at = by_secant(balance, (1.0 + off) * steady.slip, worst, share)
+            assert found == pytest.approx(abs(off), rel=0.03)
+            assert at == pytest.approx(exact, rel=1e-3)
+            assert abs(worst(balance.orbit((1.0 + off) * steady.slip)) / exact - 1.0) > 3e-3
+
+
+def test_a_lamina_that_hardly_touches_is_not_the_worst():
+    """A film that does not thicken as a contact is relieved lets friction grow without bound under its own pressure."""
+    made = plan(coarse(25), "surface-damage").assembly.with_resistance()
+    load = 1e6 * np.geomspace(1e-12, 1.0, 13)
+    contacts = Contacts.of(made, "outer", made.outer.evaluate(load, np.full(13, 3.1), np.full(13, 0.8)))
+    bare, counted = PassEnergy().evaluate(contacts), _counted(PassEnergy(), contacts)
+    assert bare[0] > 10.0 * bare[-1]
+    assert np.isnan(counted).tolist() == (load < 0.99).tolist()
+    assert np.nanargmax(counted) == 12
+
+
+@pytest.mark.parametrize("worst", ["largest", "smallest"])
+def test_between_laminae_the_worst_is_that_of_a_parabola(worst):
+    sign, x = (1.0 if worst == "largest" else -1.0), np.array([-2.0, -0.7, 0.4, 1.9])
+    values, model = sign * (5.0 - (x - 0.1) ** 2), SimpleNamespace(worst=worst)
+
+    def found(owner, values=values):
+        loaded = SimpleNamespace(owner=np.array(owner), column=np.arange(4))
+        return _worst_between(model, values, loaded, x)
+
+    assert found([0, 0, 0, 0]) == pytest.approx(sign * 5.0, rel=1e-12)
+    assert found([0, 0, 0, 1]) == values[2]  # at the end of a roller
+    assert found([0, 0, 0, 0], np.where(x > 0.0, values, np.nan)) == values[2]
 
 
 def test_a_tilted_roller_is_worst_towards_its_end():

@@ -122,7 +122,7 @@ def execute(
         plan = plan.again(study, finer)
     dataset = dataset.assign(law_outputs(running, unwatched, dataset))
     cost = {"estimated": plan.seconds_of(study), "actual": spent}
-    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items()}
+    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items() if found}
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),
         "accuracy": json.dumps(accuracy_rows(plan, study, judgement.total, "a posteriori")),

@@ -82,11 +82,17 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     held against one with the slices of the run: of two maxima of nearly the same height few slices may have another
     one for the largest. Slices and instants may err against each other, so at few slips, or for single values of the
     result, twice as many of both are taken at once, with the models of a contact that were left out at few slips, and
-    others where these agree. Of a study without curves nothing is known beyond its own estimate.
+    others where these agree. Of a study without curves the single values alone are judged, if it has any.
     """
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
-    if resolution.instants is None or curved is None:
+    if resolution.instants is None or (curved is None and type(study).witnessed is Study.witnessed):
         return Judgement(errors={})
+    if curved is None:
+        parts: dict[str, Errors] = {"slices": {}, "instants": {}} if assembly.slices > 1 else {"instants": {}}
+        single = partial(study.witnessed, dataset=dataset)
+        return (
+            Judgement(errors={}) if accuracy.exact else _at_once(Judgement(errors=parts), assembly, estimated, single)
+        )
     m, few = resolution.instants, few_slices(assembly)
     few = assembly if curved.followed or few.slices >= assembly.slices else few
     errors, orders = dict[str, Errors](), dict[str, float]()
@@ -130,30 +136,48 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     if over(1.0, total(errors)) and "slices" in errors and m > SOME:
         errors["slices"] = of_slices(min(m, FEW))
 
-    def moved_by(finer: Assembly) -> dict[str, float]:
+    def moved(finer: Assembly) -> Errors:
         found: Errors = study.witnessed(finer, dataset)
         if len(errors) > 1 and not curved.followed:
             probe, pair = Probe(partial(curved.curves, few), curved.slip_range), (assembly, finer)
             seen = (probe.measure(partial(curved.curves, at), (at.resolution.instants or m,))[0] for at in pair)
             found = {**difference(*seen), **found}
-        seen_orders = {name: min(max(order, _LEAST_ORDER), AT_ONCE) for name, order in orders.items()}
-        return {name: error / apart(1, 2, seen_orders.get(name, AT_ONCE)) for name, error in found.items()}
+        return found
+
+    return _at_once(Judgement(errors=errors, orders=orders), assembly, estimated, moved)
+
+
+def _at_once(
+    judgement: Judgement, assembly: Assembly, estimated: Estimated, moved: Callable[[Assembly], Errors]
+) -> Judgement:
+    """Return a judgement with what a bearing with twice as many slices and instants moves, and one with more of each.
+
+    These are looked at where both at once move more than the tolerance.
+    """
+    accuracy, resolution, m = assembly.scene.accuracy, estimated.resolution, estimated.resolution.instants or 1
+    orders = {name: min(max(order, _LEAST_ORDER), AT_ONCE) for name, order in judgement.orders.items()}
+
+    def moved_by(changed: Resolution) -> Errors:
+        found = moved(assembly.at(changed))
+        return {name: error / apart(1, 2, orders.get(name, AT_ONCE)) for name, error in found.items()}
+
+    def kept(of: Errors) -> bool:
+        return all(error <= accuracy.of(name) for name, error in of.items())
 
     more = max(2 * m + 1, _SOME_INSTANTS if resolution.slices < _SOME_SLICES else 0)
     twice = attrs.evolve(resolution, slices=max(_as_dense(resolution, 2), _SOME_SLICES), quadrature="gauss")
     whole = reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution)
     back: dict[str, Any] = {name: getattr(whole, name) for name in ("inlet_heating", "light_contacts")}
-    at_once = moved_by(assembly.at(attrs.evolve(twice, instants=more, **back)))
-    if not over(1.0, at_once):  # it may err as the run does by chance, others hardly do as well
-        other = attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **back)
-        moved = moved_by(assembly.at(other))
-        at_once = {name: max(error, at_once.get(name, 0.0)) for name, error in moved.items()}
+    at_once = moved_by(attrs.evolve(twice, instants=more, **back))
+    if kept(at_once):  # it may err as the run does by chance, others hardly do as well
+        other = moved_by(attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **back))
+        at_once = {name: max(error, at_once.get(name, 0.0)) for name, error in other.items()}
     each = {"slices": twice, "instants": attrs.evolve(resolution, instants=more)}
-    parts, taken = [*errors], attrs.evolve(resolution, **back)
+    parts, taken = [*judgement.errors], attrs.evolve(resolution, **back)
     if taken != resolution:
         each[LEFT_OUT], parts = taken, [*parts, LEFT_OUT]
-    alone = {part: moved_by(assembly.at(each[part])) for part in parts} if over(1.0, _without_jumps(at_once)) else {}
-    return Judgement(errors=errors, orders=orders, at_once=at_once, alone=alone)
+    alone = {} if kept(_without_jumps(at_once)) else {part: moved_by(each[part]) for part in parts}
+    return attrs.evolve(judgement, at_once=at_once, alone=alone)
 
 
 def slower(judgement: Judgement, slices: int, before: Judgement, fewer: int) -> Judgement:
@@ -212,7 +236,7 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     """
     accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
     off = {name: error for name, error in _without_jumps(judgement.total).items() if error > accuracy.of(name)}
-    if accuracy.exact or not off or study.curved(assembly) is not study:
+    if accuracy.exact or not off or study.curved(assembly) not in (None, study):
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
     if any(judgement.alone.get(LEFT_OUT, {}).get(name, 0.0) > _AIM * accuracy.of(name) for name in off):
@@ -236,7 +260,8 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
         times = min(max(1.0, at_once[part], *wanted), _MOST_TIMES)
         numbers_then[part] = max(min(math.ceil(times * numbers[part]), most[part]), numbers[part])
         share = numbers[part] / numbers_then[part]
-        left[part] = {name: error * share ** orders[name] for name, error in errors.items()}
+        if errors:
+            left[part] = {name: error * share ** orders[name] for name, error in errors.items()}
     if numbers_then == numbers or assembly.scene.bearing.rollers * math.prod(numbers_then.values()) > _MOST_SLICES:
         return None
     return attrs.evolve(

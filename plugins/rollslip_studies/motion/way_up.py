@@ -21,11 +21,10 @@ from typing import Final
 
 import attrs
 import numpy as np
-from rollslip.bearing.search import bracketed, secants, vertex
 
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.search import bracketed, vertex
+from rollslip.search import bracketed, secants, vertex
 from rollslip_studies.motion.spins import TWO, Motion, Motions, place_of, slip_of
 
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.

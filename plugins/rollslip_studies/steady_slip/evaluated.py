@@ -1,12 +1,13 @@
 """What other studies take of a steady slip: the resolution of its torques, and slices evaluated there."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
 
-from rollslip.bearing.raceway import RINGS
+from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.studies.answers import Estimated, Evaluated
 from rollslip.studies.study import Study
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
 
 #: Tolerance of the slip of the largest drag, where nothing depends on it.
 _ANY_SLIP: Final = 0.1
+#: Relative step of a slip by which an excess is differentiated, and how many of them to either side what goes with the
+#: slip is taken to be linear.
+STEP: Final = 1e-3
+_FAR: Final = 30.0
 
 
 def estimate_torques(study: Study, assembly: "Assembly", *, cheaper_laws: bool) -> Estimated:
@@ -38,6 +43,24 @@ def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> lis
             s = contacts.slices
             found.append(Evaluated(0, ring, s.load, s.rolling_speed, s.sliding_speed, contacts.force, contacts.places))
     return found
+
+
+def by_secant(
+    balance: "TorqueBalance", slip: float, of: "Callable[[Orbit], Array]", share: float | None = None
+) -> tuple[float, Array]:
+    """Return by how much a steady slip is off that of another balance, relative, and what goes with the slip there.
+
+    Both by one secant, from the motions on the way up or from that of a share of the slip at the first position.
+    """
+    slips = slip * np.array([1.0, 1.0 + STEP])
+    if share is None:
+        orbits = [balance.orbit(one) for one in slips.tolist()]
+    else:
+        orbits = [balance.orbit_of(each[0]) for each in balance.motions.at(slips, np.full(2, share))]
+    over, more = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
+    steps = over / (over - more) if more != over else math.inf
+    here, beside = (of(orbit) for orbit in orbits)
+    return STEP * abs(steps), here + min(max(steps, -_FAR), _FAR) * (beside - here)
 
 
 def loaded(assembly: "Assembly") -> "Assembly":

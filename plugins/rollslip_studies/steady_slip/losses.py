@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.raceway import RINGS, LoadedContacts
+from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip.studies.accuracy import AT_ONCE, LEAST_OF_SOME
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
+from rollslip_studies.steady_slip.evaluated import STEP, by_secant
 from rollslip_studies.steady_slip.minimum_load import most_left_over
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
 
@@ -26,12 +27,8 @@ if TYPE_CHECKING:
 
 #: Slip and reserve that an answer shows no digits of.
 _SMALL, _PLENTY = 1e-3, 1e3
-#: Relative steps of slips and loads by which an excess is differentiated.
-_STEP: Final = 1e-3
 #: What rollers that jump carry falls with the first order.
 _OF_JUMPS: Final = 2.0 * (1.0 - 2.0**-AT_ONCE)
-#: How many of these steps to either side torque and film are taken to be linear.
-_FAR: Final = 30.0
 
 
 def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -128,29 +125,26 @@ def _off(
     load = float(dataset["least_load"])
     if load > dataset.attrs.get("rollers_weight", 0.0):
         by = np.atleast_1d(dataset["least_load"].attrs["slips"]).tolist()
-        over, more = (most_left_over(at_load(one), by, acceptable)[1] for one in (load, (1.0 + _STEP) * load))
-        yield "minimum load", _STEP * abs(over / (more - over)) if more != over else math.inf
+        over, more = (most_left_over(at_load(one), by, acceptable)[1] for one in (load, (1.0 + STEP) * load))
+        yield "minimum load", STEP * abs(over / (more - over)) if more != over else math.inf
 
 
 def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, float]]:
     """What is off at a steady slip: the slip by one secant, friction torque and thinnest film where that leads."""
     slip, o = float(one["steady_slip"]), balance.assembly.scene.operation
     start = float(one["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
-    slips = slip * np.array([1.0, 1.0 + _STEP])
-    both = [each[0] for each in balance.motions.at(slips, np.full(2, start))]
-    over, more = (motion.torque + balance.drag(motion.slip) for motion in both)
-    steps = over / (over - more) if more != over else math.inf
-    found = []
-    for motion in both:
-        orbit = balance.orbit_of(motion)
-        film, of_some = min(_thinnest(contacts) for contacts in balance.evaluated(orbit) if contacts.total)
-        found.append((power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), film))
-    shift = min(max(steps, -_FAR), _FAR)
-    torque, film = (here + shift * (beside - here) for here, beside in zip(*found, strict=True))
+    times = 1.0
+
+    def of(orbit: Orbit) -> Array:
+        nonlocal times
+        film, times = min(_thinnest(contacts) for contacts in balance.evaluated(orbit) if contacts.total)
+        return np.array([power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), film])
+
+    off, (torque, film) = by_secant(balance, slip, of, start)
     yield "friction torque", _apart(float(one["friction_torque"]), torque)
-    yield "film parameter", of_some * _apart(float(np.nanmin(one["film_parameter"])), film)
+    yield "film parameter", times * _apart(float(np.nanmin(one["film_parameter"])), film)
     if abs(slip) >= _SMALL:
-        yield "cage slip", _STEP * abs(steps)
+        yield "cage slip", off
 
 
 def _thinnest(contacts: LoadedContacts) -> tuple[float, float]:

@@ -15,7 +15,6 @@ from typing import Any, Final
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from rollslip.bearing.search import bracketed, secants, vertex
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
@@ -24,7 +23,7 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import AT_REST, SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.values import Scene
-from rollslip.search import bracketed, secants
+from rollslip.search import bracketed, secants, vertex
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
