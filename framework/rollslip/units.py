@@ -295,7 +295,8 @@ def expectation(unit: str, number: str = "") -> str:
     name, example, _ = _QUANTITIES[known]
     if number and known != "1":
         example = f"{number} {example.partition(' ')[2]}"
-    return f"{name} is expected, such as {example if known == '1' else repr(example)}"
+    degrees = f" or '{number} deg'" if number and known == "rad" else ""
+    return f"{name} is expected, such as {example if known == '1' else repr(example)}{degrees}"
 
 
 def quantity(value: object, unit: str) -> float:
@@ -398,7 +399,8 @@ def no_unit(number: str, unit: str) -> str:
     told, plain = format_quantity(float(number), unit), f"{number} {unit}"
     size = "" if told == plain else f", which is {told}"
     usual = f"{number} {_QUANTITIES.get(unit, ('', plain))[1].partition(' ')[2]}"
-    either = repr(plain) if usual == plain else f"{usual!r} or {plain!r}"
+    degrees = [f"{number} deg"] if unit == "rad" else []
+    either = " or ".join(map(repr, dict.fromkeys((usual, *degrees, plain))))
     return f"{number} has no unit, here {what}: write {either}{size}"
 
 

@@ -67,6 +67,15 @@ def test_a_number_that_is_typed_for_a_quantity_with_a_unit_is_refused_with_what_
     assert told in " ".join(output.split())
 
 
+def test_an_angle_without_unit_may_be_meant_in_degrees() -> None:
+    code, output = said("plan", SCENE, "--set", "operation.misalignment=0.5")
+    assert code != 0
+    told = "0.5 has no unit, here an angle is expected: write '0.5 mrad' or '0.5 deg' or '0.5 rad', which is 500 mrad"
+    assert told in " ".join(output.split())
+    with pytest.raises(UnitError, match="'20' has no unit, here an angle is expected, such as '20 mrad' or '20 deg'"):
+        quantity("20", "rad")
+
+
 @pytest.mark.parametrize("over", ["operation.inner_speed=3000:6000:3", "operation.inner_speed=3000:6000"])
 def test_an_explorer_refuses_it_too(over: str) -> None:
     with pytest.raises(SceneError, match="3000 has no unit, here a rotational speed is expected"):
