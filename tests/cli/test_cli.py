@@ -372,6 +372,25 @@ def test_report_from_stored_results(tmp_path):
     assert "is not a netCDF file" in command("report", "no.nc", "--out", "s.html", cwd=tmp_path, code=2).stderr
 
 
+def test_a_report_is_written_beside_the_results_and_belongs_to_them(tmp_path, monkeypatch):
+    """It was written into the current folder; one that the manifest does not know would keep a run from its folder."""
+    one = ["run", "1032930-30C", "--study", "friction-curve", "--set", "accuracy.slices=5", "--no-plots"]
+    for out in ("o", "p"):
+        command(*one, "--out", f"r/{out}", cwd=tmp_path)
+    assert Path("r/o/report.html").as_posix() in command("report", "r/o", cwd=tmp_path).stdout
+    assert (tmp_path / "r/o/report.html").read_text().lower().startswith("<!doctype html>")
+    assert "exists" in command("report", "r/o/friction-curve.nc", cwd=tmp_path, code=2).stderr
+    command("report", "r/o/friction-curve.nc", "--overwrite", cwd=tmp_path)
+    assert not (tmp_path / "report.html").exists()
+    command(*one, "--out", "r/o", "--overwrite", cwd=tmp_path)  # the report belongs to what is replaced
+    assert not (tmp_path / "r/o/report.html").exists()
+    command("report", "r/o", "r/p", cwd=tmp_path)  # beside neither
+    assert (tmp_path / "report.html").exists()
+    monkeypatch.chdir(tmp_path)
+    both = [rollslip.open_result(f"r/{out}/friction-curve.nc") for out in ("o", "p")]
+    assert rollslip.report(*both, overwrite=True) == Path("report.html")
+
+
 @pytest.mark.parametrize(("slices", "tolerance"), [(201, 1e-4), pytest.param(401, 1e-5, marks=pytest.mark.slow)])
 def test_the_fine_result_agrees_with_the_default_one(slices, tolerance):
     """What the plan leaves out or coarsens stays below the tolerance of the scene."""

@@ -264,9 +264,9 @@ def plan(
 
 @click.command()
 @click.argument("results", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--out", default="report.html", show_default=True, type=click.Path(path_type=Path), help="File.")
+@click.option("--out", type=click.Path(path_type=Path), help="File; by default report.html beside the results.")
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a report.")
-def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
+def report(results: Sequence[Path], out: Path | None, overwrite: bool) -> None:
     """Write one HTML report from stored RESULTS: .nc files, or folders of them."""
     from rollslip.results.figures import report
 

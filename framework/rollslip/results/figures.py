@@ -16,7 +16,8 @@ from rollslip.errors import OutputError, RollslipError
 from rollslip.results.accounts import account_of, answer, telling
 from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
-from rollslip.results.dataset import open_result
+from rollslip.results.dataset import LAW, open_result, telling
+from rollslip.results.folder import take_in
 from rollslip.results.style import as_svg, save_figures, styled
 from rollslip.results.words import LAW, capital, warned
 from rollslip.units import as_written
@@ -144,15 +145,15 @@ def plot(result: "xr.Dataset") -> Figures:
     return figures
 
 
-def report(*results: "xr.Dataset | str | Path", out: str | Path = "report.html", overwrite: bool = False) -> Path:
+def report(*results: "xr.Dataset | str | Path", out: str | Path | None = None, overwrite: bool = False) -> Path:
     """Write one HTML report of results, as ``rollslip report`` does.
 
     Parameters
     ----------
     *results : xarray.Dataset, str or Path
         Results, files that hold one each, or folders of them; of a run each of its studies is told.
-    out : str or Path
-        The file.
+    out : str or Path, optional
+        The file; by default ``report.html`` beside results that stand in one folder, else in the current one.
     overwrite : bool
         Whether it may replace a report.
 
@@ -168,6 +169,9 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path = "report.html",
     """
     from rollslip.results.report import is_report, write_report
 
+    if out is None:
+        beside = {Path(one) if _is_folder(one) else Path(one).parent for one in results if isinstance(one, str | Path)}
+        out = (beside.pop() if len(beside) == 1 else Path()) / "report.html"
     out = Path(out)
     if out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
@@ -191,6 +195,7 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path = "report.html",
                 figures[name] = save_plots(dataset, own)
         with telling(*dict.fromkeys(places.values())):
             write_report(datasets, figures, out)
+    take_in(out)
     return out
 
 

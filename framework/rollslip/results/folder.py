@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Final
 
 from rollslip.errors import BusyError, OutputError
-from rollslip.files import blamed, whole
+from rollslip.files import blamed, whole, whole_file
 
-__all__ = ["MANIFEST", "results_folder"]
+__all__ = ["MANIFEST", "results_folder", "take_in"]
 
 MANIFEST: Final = "manifest.json"
 _LOCK: Final = ".lock"
@@ -60,6 +60,15 @@ def results_folder(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
         if lock is not None:
             with suppress(OSError):
                 lock.release()
+
+
+def take_in(path: Path) -> None:
+    """Put a file that was written beside results into their manifest, if they have one."""
+    with suppress(ValueError, KeyError, TypeError, FileNotFoundError):
+        told = json.loads((manifest := path.parent / MANIFEST).read_text(encoding="utf-8"))
+        told["sha256"][path.name] = _checksum(path)
+        with whole_file(manifest) as partial:
+            partial.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
 
 
 def _refuse(target: Path, overwrite: bool) -> None:
