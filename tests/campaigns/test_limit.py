@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+import promise_scenes
 import rollslip
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
@@ -244,6 +245,81 @@ def test_a_history_that_the_scene_does_not_have_is_told():
     over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN"}
     with pytest.raises(SceneError, match=r"the scene has nothing in study\.dynamics\.history\.radial_load"):
         LimitSettings(scene, over, "largest_cage_slip <= 5 %", study="dynamics").plan()
+
+
+def test_one_quantity_has_one_unit_in_one_answer(tmp_path, monkeypatch):
+    """That in which its range or its limit was given: N beside kN was told where values pass 1 kN."""
+    monkeypatch.chdir(tmp_path)
+    asked = ["limit", "1032930-70C", "--study", "friction-curve", "--set", "accuracy.tolerance=0.01"]
+    load = [*asked, "--over", "operation.radial_load=500N:5kN:5", "--keep", "half_width >= 0.1 mm", "--out", "load"]
+    told = CliRunner().invoke(cli, load, catch_exceptions=False).output
+    assert "operation.radial_load from 500 N to 5000 N" in told
+    assert "operation.radial_load [N]" in told
+    assert "half_width [mm]" in told
+    assert re.search(r"operation.radial_load = [\d.]+ N,", told), told
+    assert not re.search(r"\bkN\b|\d um", told)
+
+
+def test_a_limit_that_is_passed_by_a_jump_is_told_with_what_the_study_says_of_both_sides(bearing):
+    smooth = rollslip.limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
+    assert "jump" not in findings.topics(smooth)
+    kept, passed = float(smooth.edge_kept[0]), float(smooth.edge_passed[0])
+    beyond = smooth["searched"] >= passed
+    words = np.where(beyond, "at least: no skidding", "found")
+    jumped = smooth.assign(result=smooth["result"] + 1e-4 * beyond, result_status=("point", words))
+    (said,) = findings.topics(jumped)["jump"]
+    at = [f"{1e3 * x:.4g} mm, where half_width is" for x in (kept, passed)]
+    assert said.startswith(f"the limit is passed by a jump: between {at[0]} 60.")
+    assert re.search(rf"um, and {at[1]} 15\d\.\d um \(at least: no skidding\), no value is at it", said)
+    assert said in findings.sentences(jumped)
+
+
+def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
+    scene = rollslip.evolve(bearing, {"accuracy.tolerance": 0.01, "study.surface-damage.cage_slip": 0.1})
+    loads = {"operation.radial_load": "2 kN:8 kN:3"}
+
+    def limit(keep, *models):
+        one = rollslip.evolve(scene, {"models.damage": list(models)})
+        return rollslip.limit(one, loads, keep, study="surface-damage")
+
+    found = limit("worst <= 12 MW/m2", "power-density")
+    kept, passed = (
+        rollslip.run(
+            rollslip.evolve(scene, {"models.damage": ["power-density"], "operation.radial_load": float(at[0])}),
+            "surface-damage",
+        ).worst.max()
+        for at in (found.edge_kept, found.edge_passed)
+    )
+    assert kept < 12e6 * 1.01
+    assert 12e6 * 0.99 < passed < 1.03 * kept
+    heated = limit("worst <= 1.2 K", "flash-temperature")
+    assert re.search(r"worst <= 1.2 K is kept with .*, where the range begins, up to", findings.headline(heated))
+    for models, named in (((), "none"), (("power-density", "pass-energy"), "power-density, pass-energy")):
+        with pytest.raises(SceneError, match=f"one measure of damage, and models.damage names {named}; name the one"):
+            limit("worst <= 1 MW/m2", *models)
+
+
+def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told():
+    """Eight laminae, which torques need, leave the worst value of a crowned roller 4e-3 off; a run takes more."""
+    own = {"accuracy.tolerance": 1e-3, "models.damage": "power-density", "study.surface-damage.cage_slip": 0.1}
+    scene = rollslip.evolve(promise_scenes.scene(41, 350), {**own, "cage.drag": ["churning"]})
+    load = scene.operation.radial_load
+    over = {"operation.radial_load": f"{0.8 * load} N:{1.2 * load} N:3"}
+    kept = float(rollslip.run(scene, "surface-damage").worst.max())
+
+    def limit(**changes):
+        one = rollslip.evolve(scene, changes)
+        return rollslip.limit(one, over, f"worst <= {kept} W/m2", study="surface-damage", within=2e-3)
+
+    fine, few = limit(), limit(**{"accuracy.slices": 8})
+    at = [0.5 * float(one.edge_kept[0] + one.edge_passed[0]) / load for one in (fine, few)]
+    assert abs(at[0] - 1.0) < 3e-3 < 5e-3 < at[1] - 1.0
+    (chosen,) = json.loads(fine.attrs["resolutions"]).values()
+    assert chosen["slices"] > 2 * 8
+    assert not any(text.startswith("worst") for text in json.loads(fine.attrs["left"]))
+    said = json.loads(few.attrs["left"])[0]
+    words = "with the scene's own operation.radial_load or at an end of its range, more than the tolerance of 0.001"
+    assert re.match(rf"worst sliding power density is off by about [34]\.\de-03 {words}: the limit is off by", said)
 
 
 def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, monkeypatch):

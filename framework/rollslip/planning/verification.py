@@ -278,7 +278,8 @@ def _wanted_at_once(judgement: Judgement, tolerances: Errors) -> dict[str, float
     for name, tolerance in tolerances.items():
         left = {part: judgement.alone.get(part, {}).get(name, 0.0) for part in parts}
         for part, error in left.items():
-            rest = max(2.0 * _AIM * tolerance - sum(left.values()) + error, _AIM * tolerance)
+            others = sum(left[other] for other in parts if other != part)
+            rest = max(2.0 * _AIM * tolerance - others, _AIM * tolerance)
             wanted[part] = max(wanted[part], math.sqrt(error / rest))
         if max(wanted.values()) <= 1.0:
             wanted = dict.fromkeys(parts, math.sqrt(judgement.at_once.get(name, 0.0) / (2.0 * _AIM * tolerance)))

@@ -78,11 +78,14 @@ def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iter
     return written
 
 
-def in_people_s_unit(name: str, values: Iterable[float], unit: str) -> tuple[str, list[float | None]]:
-    """Return the unit in which people read the largest of some values, percent of shares, and them in it, or None."""
+def in_people_s_unit(name: str, values: Iterable[float], unit: str, given: str = "") -> tuple[str, list[float | None]]:
+    """Return the unit in which people read the largest of some values, percent of shares, and them in it, or None.
+
+    That in which they were given comes first.
+    """
     values = list(values)
-    shown = "%" if in_percent(name, unit) else ""
-    if unit != "1":
+    shown = "%" if in_percent(name, unit) else given if given != "1" else ""
+    if unit != "1" and not shown:
         shown = shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
     told = [float(f"{converted(x, unit, shown):.12g}") if math.isfinite(x) else None for x in values]
     return shown, told
@@ -119,7 +122,8 @@ def of_points(dataset: "xr.Dataset") -> Sheet:
             label = " ".join((str(one.attrs.get("key", name)), *labels))
             if whole.dtype.kind == "f":
                 si = str(one.attrs.get("units", "1"))
-                unit, values = in_people_s_unit(label.rpartition(".")[2], whole.ravel().tolist(), si)
+                given = str(one.attrs.get("given", ""))
+                unit, values = in_people_s_unit(label.rpartition(".")[2], whole.ravel().tolist(), si, given)
                 columns[f"{label} [{unit}]" if unit else label] = values
             else:
                 columns[label] = whole.ravel().tolist()

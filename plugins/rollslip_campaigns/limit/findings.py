@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
+from rollslip.results.words import in_percent
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["answer", "headline", "kept_spans", "record", "sentences", "topics"]
 
+#: Share of the span of all results, and times that of the values, by which two neighbours at a limit are apart where
+#: the result jumps.
+_JUMP, _STEEP = 0.1, 10.0
 #: Changes of the result below this share of its range are no change of its course.
 _FLAT: Final = 1e-6
 
@@ -24,8 +28,8 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Return what was found, by what it is about."""
     found = {"limit": [headline(dataset)]}
     others = {
-        "width": _unknown(dataset), "course": _course(dataset), "values missing": _without(dataset),
-        "points failed": _failed(dataset),
+        "width": _unknown(dataset), "jump": _jumps(dataset), "course": _course(dataset),
+        "values missing": _without(dataset), "points failed": _failed(dataset),
     }  # fmt: skip
     return found | {name: lines for name, lines in others.items() if lines}
 
@@ -117,7 +121,8 @@ def _nearest(dataset: "xr.Dataset") -> str:
     results = dataset["result"].to_numpy()
     if not np.isfinite(results).any():
         return ", and at none of them has the study a value"
-    k = int(np.nanargmin(np.abs(results - float(dataset.attrs["limit"]))))
+    size = np.abs(results) if in_percent(dataset.attrs["output"], dataset["result"].attrs["units"]) else results
+    k = int(np.nanargmin(np.abs(size - float(dataset.attrs["limit"]))))
     at = float(dataset["searched"][k])
     return f"; nearest to the limit is {_value(dataset, at)}, where {_result(dataset, at)}"
 
@@ -131,6 +136,23 @@ def _unknown(dataset: "xr.Dataset") -> list[str]:
         for k in range(dataset.sizes["edge"])
         if dataset["edge_unknown"][k]
     ]
+
+
+def _jumps(dataset: "xr.Dataset") -> list[str]:
+    """Say where the limit is passed by a jump, so that no value is at it, and what the study says of either side."""
+    values, results = dataset["searched"].to_numpy(), dataset["result"].to_numpy()
+    x, words, said = np.log(values) if dataset.attrs["logarithmic"] else values, dataset["result_status"].values, []
+    for ends in zip(dataset["edge_kept"].to_numpy(), dataset["edge_passed"].to_numpy(), strict=True):
+        a, b = np.searchsorted(values, sorted(ends)).tolist()
+        share = max(_JUMP, _STEEP * float(x[b] - x[a]) / float(np.ptp(x)))
+        if abs(results[b] - results[a]) > share * float(np.nanmax(results) - np.nanmin(results)):
+            told = [
+                f"{_value(dataset, float(values[k]))}, where {_result(dataset, float(values[k]))}"
+                + (f" ({words[k]})" if words[k] not in ("", "found") else "")
+                for k in (a, b)
+            ]
+            said.append(f"the limit is passed by a jump: between {told[0]}, and {told[1]}, no value is at it")
+    return said
 
 
 def _turns(dataset: "xr.Dataset") -> int:

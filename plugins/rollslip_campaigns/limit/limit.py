@@ -10,12 +10,15 @@
   says so where it does not go one way all along them.
 - Resolution and, of a motion, friction, level and integrator, where the scene leaves them open, are chosen once: for
   the scene and for both ends of the range, the finest of the three. All points share them, as their differences count.
+  But for motions these three are run as single runs are, again and finer until they keep their tolerance; what stays
+  off there is told.
 """
 
 import json
 import math
+import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,14 +28,15 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
-from rollslip.planning.plan import estimate
+from rollslip.planning.execution import execute
+from rollslip.planning.plan import estimate, plan
 from rollslip.results.dataset import about, save
 from rollslip.results.words import duration_range
 from rollslip.scene.changes import Quantity, evolve, unknown
-from rollslip.scene.values import Scene
+from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable
-from rollslip.studies.answers import Estimated
 from rollslip.studies.study import settings, study_class
+from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip.units import quantity as read_quantity
 from rollslip_campaigns.limit.search import (
@@ -67,6 +71,8 @@ _FACTOR: Final = 3.0
 _MOST: Final = 100_000
 #: Time of a point up to which one alone is computed in this process, which saves the start of others [s].
 _SOON: Final = 2.0
+#: What a run says of a result of which it cannot be told how far it is off.
+_UNKNOWN: Final = re.compile("how far (.+) is off cannot be determined")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -87,6 +93,8 @@ class Limit:
         Whether values are even in their logarithm.
     point_seconds : float
         Time that a point is estimated to take [s]; NaN where it is not known.
+    off : mapping of str to float
+        What results of the scene and of both ends are off by, relative, where that is more than the tolerance.
     """
 
     sweep: Sweep
@@ -95,6 +103,7 @@ class Limit:
     within: float
     logarithmic: bool
     point_seconds: float
+    off: Mapping[str, float]
 
     @property
     def unusual(self) -> tuple[str, ...]:
@@ -146,7 +155,7 @@ def plan_limit(asked: "LimitSettings") -> Limit:
     given, over, within = asked.given, read_overs(asked.over), _share(asked.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     name = study_with(base, asked.study, outputs_of(asked.keep))
-    requirement = read_requirement(asked.keep, study_class(name, base))
+    requirement = read_requirement(asked.keep, study_class(name, base), named_damage(base))
     if not 1e-6 <= within <= 0.5:
         raise SceneError([f"within: a share from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {asked.within}"])
     if len(over) != 1:
@@ -181,9 +190,11 @@ def plan_limit(asked: "LimitSettings") -> Limit:
     spacing = 2 ** max(0, math.ceil(math.log2(width / (count - 1))))
     if (size := (count - 1) * spacing + 1) > _MOST:
         raise SceneError([f"{key}: {size} values are more than {_MOST}; widen --within, or narrow the range"])
-    resolution, seconds = _resolution(base, name, [{}, {key: values[0]}, {key: values[-1]}])
+    ends: Sequence[dict[str, object]] = ({}, {key: values[0]}, {key: values[-1]})
+    resolution, seconds, off = _resolution(base, name, requirement.output, ends)
     axis = read_axis(quantity, f"{span}:{size}{ending}", sampled=False)
     assert isinstance(axis, Axis)
+    axis = attrs.evolve(axis, told_in=axis.given)
     sweep = attrs.evolve(
         rough,
         design=attrs.evolve(rough.design, axes=(axis,)),
@@ -198,6 +209,7 @@ def plan_limit(asked: "LimitSettings") -> Limit:
         within=within,
         logarithmic=logarithmic,
         point_seconds=seconds,
+        off=off,
     )
 
 
@@ -217,21 +229,39 @@ def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
     return ":".join(ends), int(count or _FIRST), logarithmic or wide
 
 
-def _resolution(scene: Scene, study: str, places: list[dict[str, object]]) -> tuple[Resolution | None, float]:
-    """Return the resolution of all points, None if nothing can be told, and the estimated time of one."""
-    found = list[tuple[Scene, Estimated]]()
+def _resolution(
+    scene: Scene, study: str, output: str, places: Sequence[dict[str, object]]
+) -> tuple[Resolution | None, float, dict[str, float]]:
+    """Return the resolution of all points, None if nothing can be told, the time of one, and what results are off by.
+
+    It is that with which a run of the scene and of both ends keeps its tolerance, as far as one can; a motion takes
+    what its plan chooses.
+    """
+    found, off = list[tuple[Scene, Resolution]](), dict[str, float]()
+    cls = study_class(study)
+    needed = {output, cls.outputs[output].status, *cls.judged.values()}
     for changes in places:
         try:
             at = evolve(scene, changes) if changes else scene
-            one = estimate(study_class(study).of(at), assemble(at), cheaper_laws=False)
+            if cls.in_time:
+                one = estimate(cls.of(at), assemble(at), cheaper_laws=False)
+                if not one.failed:
+                    found.append((at, one.resolution))
+                continue
+            made = plan(at, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
+            run = execute(made, study)
         except RollslipError:  # the point will say why
             continue
-        if not one.failed:
-            found.append((at, one))
+        found.append((at, Resolution(**json.loads(run.attrs["resolution"]))))
+        for row in json.loads(run.attrs["accuracy"]):
+            if (row["found"] or 0.0) > row["tolerance"] > EXACT:
+                off[row["result"]] = max(row["found"], off.get(row["result"], 0.0))
+        unknown = (_UNKNOWN.match(text) for text in json.loads(run.attrs["warnings"]))
+        off |= {one[1]: math.inf for one in unknown if one}
     if not found:
-        return None, math.nan
-    every = [one.resolution for _, one in found]
-    resolution = Resolution.finest_of(every, ("integrator", "friction", "level"))
+        return None, math.nan, off
+    alike = ("integrator", "friction", "level")
+    resolution = Resolution.finest_of([one for _, one in found], alike)
     seconds = list[float]()
     for at, _ in found:
         begin = time.process_time()
@@ -242,7 +272,7 @@ def _resolution(scene: Scene, study: str, places: list[dict[str, object]]) -> tu
         # maps of a motion, which a plan makes for its run, every point makes for itself, as was done here
         spent = time.process_time() - begin if study_class(study).in_time else 0.0
         seconds.append(max(cost, spent))
-    return resolution, max(seconds, default=math.nan)
+    return resolution, max(seconds, default=math.nan), off
 
 
 # The search ----------------------------------------------------------------------------------------------------------
@@ -301,6 +331,18 @@ def _result(made: Limit, arrays: Mapping[str, Any]) -> float:
     return made.requirement.worst(np.ravel(values).tolist())
 
 
+def _inexact(made: Limit) -> list[str]:
+    """Say which results stay off by more than the tolerance, and by how much."""
+    tolerance, where = made.sweep.scene.accuracy.of, f"with the scene's own {made.axis.key} or at an end of its range"
+    return [
+        f"{name.replace('_', ' ')} is off by about {error:.1e} {where}, more than the tolerance of "
+        f"{tolerance(name):g}: the limit is off by what this makes of it"
+        if math.isfinite(error)
+        else f"how far {name.replace('_', ' ')} is off {where} cannot be determined"
+        for name, error in made.off.items()
+    ]
+
+
 def _so_far(made: Limit, slacks: Mapping[int, float]) -> str:
     """Tell between which values the limit is passed as far as is known."""
     shown = made.axis.shown
@@ -333,9 +375,10 @@ def _dataset(made: Limit, points: Points, slacks: Mapping[int, float], failed: s
     edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in passages(slacks)]
     lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
     variables: dict[str, Any] = {
-        "searched": ("point", values[places], about(unit, quantity.doc) | {"key": made.axis.key}),
+        "searched": ("point", values[places],
+                     about(unit, quantity.doc) | {"key": made.axis.key, "given": made.axis.given}),
         "result": ("point", np.array([asked.worst(row.tolist()) for row in rows]),
-                   about(asked.unit, output.meaning) | {"key": asked.output}),
+                   about(asked.unit, output.meaning) | {"key": asked.output, "given": asked.given}),
         "keeps": ("point", np.array([slacks.get(k, math.nan) >= 0.0 for k in places], dtype=float),
                   about("1", "1 where the limit is kept")),
         "status": ("point", at["status"].to_numpy(), about("1", "how the point ended")),
@@ -348,6 +391,7 @@ def _dataset(made: Limit, points: Points, slacks: Mapping[int, float], failed: s
         "edge_unknown": ("edge", np.array(lost, dtype=float), about("1", "1 where a point between the two failed")),
     }  # fmt: skip
     told = {name: value for name, value in whole.attrs.items() if name not in ("axes", "sampling", "seed")}
+    told["left"] = json.dumps([*_inexact(made), *json.loads(told.get("left", "[]"))])
     return xr.Dataset(
         variables,
         attrs=told | {

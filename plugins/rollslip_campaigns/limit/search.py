@@ -19,6 +19,7 @@ from rollslip.errors import SceneError
 from rollslip.results.words import in_percent
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import Study
+from rollslip.studies.surface_damage.model import OWN, DamageModel
 from rollslip.units import UnitError, format_quantity, quantity, unit_given
 
 __all__ = ["Requirement", "next_places", "outputs_of", "passages", "read_requirement"]
@@ -74,8 +75,11 @@ def outputs_of(text: str) -> list[str]:
     return [] if (form := _FORM.fullmatch(text)) is None else [form[1]]
 
 
-def read_requirement(text: str, study: type[Study]) -> Requirement:
-    """Return the requirement that a text such as "largest_cage_slip <= 5 %" makes of the result of a study."""
+def read_requirement(text: str, study: type[Study], measures: Collection[DamageModel] = ()) -> Requirement:
+    """Return the requirement that a text such as "largest_cage_slip <= 5 %" makes of the result of a study.
+
+    What has a value for each of the ``measures`` of damage is in the unit of the one that there is.
+    """
     form = _FORM.fullmatch(text)
     if form is None:
         raise SceneError([f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"])
@@ -84,6 +88,14 @@ def read_requirement(text: str, study: type[Study]) -> Requirement:
     if name in {output.status for output in study.outputs.values()}:
         raise tells_in_words(name)
     unit = study.outputs[name].unit
+    if unit == OWN:
+        if len(measures) != 1:
+            named = ", ".join(one.name for one in measures) or "none"
+            raise SceneError(
+                [f"keep: {name} is of one measure of damage, and models.damage names {named}; name the one that counts"]
+            )
+        (measure,) = measures
+        unit = "K/1" if measure.difference else measure.unit
     try:
         limit = quantity(value, unit)
         if (share := in_percent(name, unit)) and not 0.0 <= limit <= 1.0:

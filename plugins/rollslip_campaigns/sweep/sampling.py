@@ -86,12 +86,16 @@ def label(value: object) -> str:
 
 @attrs.frozen(eq=False)
 class Axis:
-    """One key with the values that it takes one after the other; how a list was written, and the unit of a range."""
+    """One key with the values that it takes one after the other; how a list was written, and the unit of a range.
+
+    Values are told in ``told_in``, or in the unit that suits the size of each.
+    """
 
     quantity: Quantity
     values: tuple[object, ...]
     listed: tuple[object, ...] = ()
     given: str | None = None
+    told_in: str | None = None
 
     @property
     def key(self) -> str:
@@ -116,7 +120,7 @@ class Axis:
     def shown(self, value: object) -> str:
         """Return a value in words."""
         unit = self.quantity.unit
-        return format_quantity(value, unit) if unit and isinstance(value, float) else label(value)
+        return format_quantity(value, unit, given=self.told_in) if unit and isinstance(value, float) else label(value)
 
 
 def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribution:
@@ -276,11 +280,8 @@ class Design:
 
     def shown(self, number: int) -> str:
         """Return a point in words: "operation.radial_load = 500 N, models.traction = muraki"."""
-        parts = []
-        for key, value in self.changes(number).items():
-            quantity = next(varied for varied in (*(a.quantity for a in self.axes), *self.sampled) if varied.key == key)
-            parts.append(f"{key} = {Axis(quantity, ()).shown(value)}")
-        return ", ".join(parts)
+        axes = {axis.key: axis for axis in (*(Axis(one, ()) for one in self.sampled), *self.axes)}
+        return ", ".join(f"{key} = {axes[key].shown(value)}" for key, value in self.changes(number).items())
 
     @cached_property
     def facts(self) -> dict[str, Any]:
