@@ -9,15 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq, root
 
-from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan
+from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import SceneError
+from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.motion.spins import solve_orbits
 from rollslip_studies.motion.torque_balance import rollers
 from rollslip_studies.motion.train import Train
+from rollslip_studies.steady_slip.minimum_load import rollers_weight
 
 pytestmark = pytest.mark.quick
 
@@ -249,5 +252,39 @@ def test_the_plan_says_what_weight_leaves():
 def test_weight_is_refused_where_it_turns_or_moves_in_time():
     with pytest.raises(SceneError, match="turns round where a carrier does"):
         evolve(planet(), {"operation.gravity_direction": "0 deg"})
-    with pytest.raises(SceneError, match="know no weight of rollers but that of level planar"):
+    with pytest.raises(SceneError, match="know the weight of rollers at level 'planar' alone"):
         Dynamics(duration=1e-3).moving(assemble(slow(**{"operation.gravity_direction": "0 deg"})))
+
+
+def test_a_run_says_what_weight_leaves_out():
+    few = {"study.effective-friction": {"points": 5, "map_points": 0, "runaway_range": 0.0}}
+    scene = slow(**few)
+    share = f"{100.0 * assemble(scene).weight_share:.2g} % of what presses them"
+    assert run(scene, "effective-friction").attrs["warnings"].count(share) == 1
+    for other in (slow(**few, **{"operation.gravity_direction": "0 deg"}), evolve(SCENE, few)):
+        assert "weight of the rollers" not in run(other, "effective-friction").attrs["warnings"]
+
+
+def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own():
+    friction = FrictionSettings(name="constant", coefficient=0.05, transition=0.1)
+
+    def rates(direction, **own):
+        given = {} if direction is None else {"operation.gravity_direction": direction}
+        assembly = assemble(evolve(SCENE, {"accuracy.tolerance": 1e-6, "accuracy.slices": 5, **given}))
+        planar = planar_motion(assembly, PlanarSettings(inner_ring_mass=3.0, **own), friction)
+        return planar.system(0.0, planar.initial())
+
+    assert np.array_equal(rates("70 deg"), rates(None, gravity_direction=math.radians(70.0)))
+    assert np.array_equal(rates(None), rates("0 deg"))
+    assert np.array_equal(rates("70 deg", gravity_direction=0.0), rates(None))
+    assert not np.array_equal(rates("70 deg"), rates(None))
+    given = {"level": "planar", "duration": "1 ms", "planar": {"inner_ring_mass": "3 kg"}}
+    scene = slow(**{"study.dynamics": given})
+    assert Dynamics.of(scene).with_weight
+    assert "gravity of rollers" not in {part.part for part in plan(scene, "dynamics").parts}
+    Dynamics.of(scene).moving(assemble(evolve(scene, {"operation.gravity_direction": "90 deg"})))
+
+
+def test_a_minimum_load_knows_the_weight_that_the_scene_states():
+    assert rollers_weight(assemble(slow())) == pytest.approx(28.0 * 9.80665 * 7800.0 * math.pi / 4.0 * 0.015**3)
+    assert rollers_weight(assemble(slow(**{"operation.gravity_direction": "0 deg"}))) == 0.0

@@ -153,6 +153,13 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         outside, off = [], None
         found = [f"whether models are within their range of validity could not be checked: {refusal}"]
     found += implausible(plan.scene)
+    o, share = plan.scene.operation, assembly.weight_share
+    weighed = running.with_weight or not running.bearing_loads or (o.carrier, o.gravity_direction) != (None, None)
+    if share > accuracy.tolerance and not weighed:
+        found.append(
+            f"the weight of the rollers, {100.0 * share:.2g} % of what presses them on average, is left out: where it "
+            "points is not known; state operation.gravity_direction, 0 deg where the load is a weight itself"
+        )
     found += validity.corrections(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
     found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))

@@ -31,7 +31,7 @@ def part_as_dict(part: Part) -> dict[str, Any]:
     return attrs.asdict(part) | {"errors": errors}
 
 
-def of_bearing(assembly: Assembly) -> list[Part]:
+def of_bearing(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     """Return the lines of models, oil, clearance, rings and what pulls at the rollers."""
     scene, law = assembly.scene, assembly.lubricant.pressure_viscosity_law
     named = dict(scene.raw or {}).get("models", {})
@@ -49,7 +49,8 @@ def of_bearing(assembly: Assembly) -> list[Part]:
     if (mounted := scene.bearing.mounted) is not None:
         clearance = format_quantity(mounted.clearance, "m", 3)
         parts.append(Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted)))
-    return [*parts, rings(assembly), *_pulls(assembly)]
+    weighed = all(study.with_weight for study in studies.values())
+    return [*parts, rings(assembly), *_pulls(assembly, weighed)]
 
 
 def of_studies(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
@@ -157,14 +158,14 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
     )
 
 
-def _pulls(assembly: Assembly) -> list[Part]:
-    """Return what acts on all rollers in one direction."""
+def _pulls(assembly: Assembly, weighed: bool) -> list[Part]:
+    """Return what acts on all rollers in one direction, but for the weight that all studies have themselves."""
     o, share, tolerance = assembly.scene.operation, assembly.weight_share, assembly.scene.accuracy.tolerance
     direction = o.gravity_direction
     if (carrier := o.carrier) is not None:
         what, direction = "carrier", carrier.direction
         why = "the bearing turns about another axis; the cage's own weight there is its guide's, and left out"
-    elif share > tolerance or direction is not None:
+    elif (share > tolerance and not weighed) or direction is not None:
         weight = format_quantity(assembly.roller_mass * GRAVITY, "N", 2)
         what = "gravity of rollers"
         why = f"{weight} each, {100.0 * share:.2g} % of what presses a roller on average"

@@ -215,7 +215,7 @@ def plan(
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
     assemblies = {name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in estimated.items()}
-    parts = of_bearing(stated)
+    parts = of_bearing(stated, studies)
     for name, one in studies.items():
         assembly = stated.at(estimated[name].resolution)
         try:

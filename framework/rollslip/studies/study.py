@@ -90,6 +90,11 @@ class Study(estimates.Curved, abc.ABC):
     #: Rule of the conformance kit that the study breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
+    @property
+    def with_weight(self) -> bool:
+        """Whether the weight of rollers acts in it where no `gravity_direction` of the operation says so."""
+        return False
+
     @abc.abstractmethod
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the result at exactly the resolution of the bearing.

@@ -182,6 +182,11 @@ class Dynamics(Study):
             "integrator_tolerance": self.relative_tolerance,
         }
 
+    @property
+    def with_weight(self) -> bool:
+        """Whether it is at level planar, which has a key of its own for it."""
+        return self.level == "planar"
+
     def curved(self, assembly: Assembly) -> EffectiveFriction:
         """Return how the raceways' contacts are averaged, as the scene has it."""
         return EffectiveFriction.of(assembly.scene)
@@ -461,7 +466,7 @@ class Dynamics(Study):
         limit: Course | None = None,
     ) -> MovingBearing:
         """Return the bearing in motion along a history, in which ``limit`` is the slip that is watched."""
-        check_moves(assembly)
+        check_moves(assembly, self.level)
         friction = self._frictions(critical_slip)
         if history is not None:
             planar = self._of_planar(assembly) if self.level == "planar" else None
@@ -502,8 +507,7 @@ class Dynamics(Study):
         SceneError, PluginError
             If its parameters are wrong, or it is not there.
         """
-        problems: list[str] = []
-        where = Location(assembly.scene.origins, ("study", self.name, "integrator"))
+        problems, where = list[str](), Location(assembly.scene.origins, ("study", self.name, "integrator"))
         made = structure_model("integrator", self.integrator, where, problems)
         if problems or not isinstance(made, IntegratorModel):
             raise SceneError(problems)

@@ -139,8 +139,9 @@ def _maxima(balance: TorqueBalance, slips: Array, torques: Array, share: float) 
 
 
 def rollers_weight(assembly: Assembly) -> float:
-    """Return the weight of all rollers [N]."""
-    return GRAVITY * assembly.roller_mass * assembly.scene.bearing.rollers
+    """Return the weight of all rollers [N] that the balance of loads leaves out, 0 where the scene says how it acts."""
+    left_out = assembly.scene.operation.gravity_direction is None
+    return GRAVITY * assembly.roller_mass * assembly.scene.bearing.rollers * left_out
 
 
 def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:

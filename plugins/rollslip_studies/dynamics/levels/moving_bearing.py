@@ -31,18 +31,19 @@ def unknowns(level: str, assembly: Assembly) -> int:
     return head + 2 * shapes + roller * assembly.scene.bearing.rollers
 
 
-def check_moves(assembly: Assembly) -> None:
-    """Refuse a bearing that is known at steady slips alone."""
+def check_moves(assembly: Assembly, level: str) -> None:
+    """Refuse a bearing that is known at steady slips alone, or at another level."""
     operation, heavy = assembly.scene.operation, assembly.weight_share > assembly.scene.accuracy.tolerance
-    rollers = "know no weight of rollers but that of level planar, which has its own key; others"
+    steady, caged = "are known at steady slips alone", assembly.separator.coefficient is None
+    weighs = operation.gravity_direction is not None and heavy and level != "planar"
     for table, key, there, told in (
-        ("models", "separator", assembly.separator.coefficient is not None, "have a cage, rollers without one"),
-        ("operation", "carrier", operation.carrier is not None, "know no carrier, planets"),
-        ("operation", "gravity_direction", operation.gravity_direction is not None and heavy, rollers),
+        ("models", "separator", not caged, f"have a cage, rollers without one {steady}"),
+        ("operation", "carrier", operation.carrier is not None, f"know no carrier, planets {steady}"),
+        ("operation", "gravity_direction", weighs, "know the weight of rollers at level 'planar' alone"),
     ):
         if there:
             where = Location(assembly.scene.origins, (table, key))
-            raise SceneError([where.says(f"motions in time {told} are known at steady slips alone")])
+            raise SceneError([where.says(f"motions in time {told}")])
 
 
 @attrs.frozen(eq=False, kw_only=True)

@@ -88,10 +88,10 @@ class PlanarSettings:
     gravity: float = field(
         default=9.80665, unit="m/s2", doc="gravity", validator=non_negative, usual=(0, 200), possible=(0, 1e6)
     )
-    gravity_direction: float = field(
-        default=0.0,
+    gravity_direction: float | None = field(
+        default=None,
         unit="rad",
-        doc="direction of gravity, from that of the radial load",
+        doc="direction of gravity, from that of the radial load; by default operation.gravity_direction, or along it",
         usual=(-6.2832, 6.2832),
         possible=(-1e3, 1e3),
     )
@@ -176,9 +176,9 @@ class PlanarMotion(MovingBearing):
         """Return the state with these speeds [rad/s] in equilibrium under a load, as `initial` does."""
         k, b = self.assembly.kinematics, self.assembly.scene.bearing
         # the load and the weight of the ring together pull along one line
-        weight = self.settings.inner_ring_mass * self.settings.gravity
-        x = load * math.cos(direction) + weight * math.cos(self.settings.gravity_direction)
-        y = load * math.sin(direction) + weight * math.sin(self.settings.gravity_direction) * k.direction
+        weight, down = self.settings.inner_ring_mass * self.settings.gravity, self.settings.gravity_direction or 0.0
+        x = load * math.cos(direction) + weight * math.cos(down)
+        y = load * math.sin(direction) + weight * math.sin(down) * k.direction
         line = math.atan2(y, x)
         psi = angular_positions(b.rollers, 1)
         force = self.assembly.roller_mass * k.orbit_radius * (cage_speed * cage_speed)
@@ -187,6 +187,7 @@ class PlanarMotion(MovingBearing):
             psi=psi - line,
             radial_load=math.hypot(x, y),
             rings=None if self.bent is None else turned(self.bent.rings, line),
+            body_force=(0.0, 0.0),
         )
         held = solve_equilibrium(case, self.assembly.raceways)
         state = np.zeros(self.system.n)
@@ -286,7 +287,9 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         )
     of_raceways = raceway_friction(a, friction)
     contacts = tuple(Slices(b.rollers * a.slices, raceway.conditions) for raceway in a.raceways)
-    direction = k.direction
+    direction, down = k.direction, settings.gravity_direction
+    down = (o.gravity_direction or 0.0) if down is None else down
+    settings = attrs.evolve(settings, gravity_direction=down)
     oil = a.lubricant.at(o.temperature).viscosity
     roughness = a.inner.conditions.roughness
     guidance = ("roller", "inner", "outer").index(cage.guidance)
@@ -324,8 +327,8 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         cage_mass=cage.mass,
         cage_inertia=cage.inertia,
         unbalance=cage.unbalance,
-        gravity_x=settings.gravity * math.cos(settings.gravity_direction),
-        gravity_y=settings.gravity * math.sin(settings.gravity_direction) * direction,
+        gravity_x=settings.gravity * math.cos(down),
+        gravity_y=settings.gravity * math.sin(down) * direction,
         damping=settings.contact_damping,
         load=o.radial_load,
         direction=direction,
