@@ -204,7 +204,10 @@ class Mounting:
         possible=(-150, 150),
     )
     expansion: float = _expansion("of rings and rollers (B)", 12e-6)
-    growth: bool = field(default=True, doc="whether rings and shaft that turn widen by their centrifugal force")
+    growth: bool = field(
+        default=True,
+        doc="whether rings and shaft widen by their centrifugal force, the outer ring by the rollers' too",
+    )
     shaft_bore: float = _length("bore of a hollow shaft", (0, 2), (0, 50), 0.0, non_negative)
     housing_outside_diameter: float | None = _length(
         "outside diameter of the housing; by default it is thick",
@@ -287,6 +290,7 @@ class MountedClearance:
     #: Standard deviation of the clearance [m]: of class, seats and rings, each even over its tolerance.
     deviation: float
     assumed: tuple[str, ...] = ()  #: Keys of `Mounting` that nobody stated.
+    rigid: bool = True  #: Whether the outer ring is, so that what rollers widen it by stands here, not in its loads.
 
     @property
     def clearance(self) -> float:
@@ -364,6 +368,11 @@ class Bearing:
         listed = self.catalogue or Catalogue()
         bore = max(self.inner_raceway_diameter - self.roller_diameter, 0.5 * self.inner_raceway_diameter)
         return listed.bore or bore, listed.outside_diameter or self.outer_raceway_diameter + self.roller_diameter
+
+    @property
+    def width(self) -> float:
+        """Width of the rings [m]: listed, or estimated 1.8 times the length of the rollers (D), 1.87 of the 1032930."""
+        return (self.catalogue and self.catalogue.width) or 1.8 * self.roller_length
 
     def __attrs_post_init__(self) -> None:
         inner, outer = self.inner_raceway_diameter, self.outer_raceway_diameter

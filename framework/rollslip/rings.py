@@ -100,6 +100,8 @@ class RingModel(abc.ABC):
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]
+    #: Whether the ring changes its shape in the equilibrium; a rigid one widens with the clearance of the scene.
+    yields: ClassVar[bool] = True
     #: Rule of the conformance kit that the model breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 

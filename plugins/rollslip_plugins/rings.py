@@ -24,8 +24,6 @@ from rollslip_plugins.bibliography import BARBER_1978, TIMOSHENKO_1956, TIMOSHEN
 
 Floats = NDArray[np.float64]
 
-#: Width of a bearing over the length of its rollers (D): 1.87 of the 1032930.
-_WIDTH: Final = 1.8
 #: Where a shaft is solid or a housing thick: radius over that of the seat beyond which nothing changes.
 _FAR: Final = 1e3
 #: Radius over that of the raceway beyond which a housing's mass is not counted, see `mass_of_annulus`.
@@ -128,12 +126,6 @@ def numbers(bearing: Bearing, highest: int | None) -> list[int]:
     return [n for n in range((max(2, bearing.rollers // 2) if highest is None else highest) + 1) if n != 1]
 
 
-def width_of(bearing: Bearing) -> float:
-    """Return the width of a ring [m]: listed, or estimated from the rollers (D)."""
-    listed = None if bearing.catalogue is None else bearing.catalogue.width
-    return listed or _WIDTH * bearing.roller_length
-
-
 def _size(doc: str, **more: Any) -> Any:
     return parameter(
         default=None, unit="m", doc=doc, validator=attrs.validators.optional(positive), usual=(1e-3, 5),
@@ -185,6 +177,7 @@ class Rigid(RingModel):
     """
 
     name: ClassVar[str] = "rigid"
+    yields: ClassVar[bool] = False
     equation: ClassVar[str] = "w = 0"
     references: ClassVar[tuple[Reference, ...]] = (Reference(kind="remark", title="No law: the ring keeps its shape."),)
 
@@ -271,7 +264,7 @@ class Annulus(RingModel):
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return cosines and sines of the numbers n."""
-        layers, width = self.layers(bearing, ring), self.width or width_of(bearing)
+        layers, width = self.layers(bearing, ring), self.width or bearing.width
         m = bearing.mounting or Mounting()
         own = bearing.material_of(ring)
         other = (m.housing_material if ring == "outer" else m.shaft_material) or own
@@ -351,7 +344,7 @@ class Thin(RingModel):
         """Return cosines and sines of the numbers n; with a seat n = 1 is among them."""
         d, D = bearing.boundaries
         raceway, seat = (bearing.outer_raceway_diameter, D) if ring == "outer" else (bearing.inner_raceway_diameter, d)
-        h, width = self.thickness or abs(raceway - seat) / 2.0, self.width or width_of(bearing)
+        h, width = self.thickness or abs(raceway - seat) / 2.0, self.width or bearing.width
         R = raceway / 2.0 + (0.5 if ring == "outer" else -0.5) * h
         if h / 2.0 >= R:
             raise FieldError("thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m")

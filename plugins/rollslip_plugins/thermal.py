@@ -371,7 +371,7 @@ class Network(ThermalModel):
         }
         if b.mounted is not None:
             found["bearing.radial_clearance"] = operating(
-                b, (o.inner_speed, o.outer_speed), (inner, rollers, outer)
+                b, (o.inner_speed, o.outer_speed), (inner, rollers, outer), rigid=b.mounted.rigid
             ).clearance
         elif self.expansion > 0.0:
             found["bearing.radial_clearance"] = b.radial_clearance + self.expansion * (

@@ -41,7 +41,8 @@ def mounted(speeds=(0.0, 0.0), temperatures=None, bore=None, **mounting):
         "shaft_interference": 0.0, "housing_interference": 0.0, "temperature_difference": 0.0, "smoothing": 1.0,
     }  # fmt: skip
     given = {key: value for key, value in nothing.items() if key.replace("interference", "fit") not in mounting}
-    return operating(attrs.evolve(ring, mounting=Mounting(**given | mounting)), speeds, temperatures).clearance
+    ring = attrs.evolve(ring, mounting=Mounting(**given | mounting))
+    return operating(ring, speeds, temperatures, rigid=False).clearance
 
 
 # Elasticity ----------------------------------------------------------------------------------------------------------
@@ -134,7 +135,7 @@ def test_a_housing_of_aluminium_lets_go_of_its_ring_as_it_warms(kelvin):
 
 
 def test_a_scene_has_its_housing_at_its_temperature():
-    table = "name = 'NU2216'\n[bearing.mounting]\n{}\nhousing_expansion = '23.8e-6 1/K'\n"
+    table = "name = 'NU2216'\n[bearing.mounting]\n{}\ngrowth = false\nhousing_expansion = '23.8e-6 1/K'\n"
     table += "[bearing.mounting.housing_material]\nelastic_modulus = '70 GPa'"
     cold, warm = (
         evolve(scene(table.format("housing_interference = '50 um'")), {"operation.temperature": at}).bearing
@@ -185,16 +186,57 @@ def test_a_turning_outer_ring_widens_and_a_ring_in_play_is_not_pressed():
     assert mounted(housing_interference=4e-5) == pytest.approx(-4e-5 * 0.195 / 0.21, abs=1e-12)
 
 
+@pytest.mark.parametrize("housing", [STEEL, ALUMINIUM])
+@pytest.mark.parametrize("around", [0.22, 0.4])
+def test_rollers_widen_a_rigid_outer_ring_as_they_do_one_that_yields(housing, around):
+    sizes = {"roller_diameter": 15, "roller_length": 15, "inner_raceway_diameter": 165, "outer_raceway_diameter": 195}
+    plain = scene("\n".join(["rollers = 28", *(f"{key} = '{size} mm'" for key, size in sizes.items())]), "10000 rpm")
+    given = {
+        "catalogue": {"bore": "150 mm", "outside_diameter": "210 mm", "width": "28 mm"},
+        "mounting": {"initial_clearance": "200 um", "housing_interference": "50 um",
+                     "housing_outside_diameter": f"{around} m",
+                     "housing_material": {"elastic_modulus": f"{housing.elastic_modulus} Pa",
+                                          "poisson_ratio": housing.poisson_ratio}},
+    }  # fmt: skip
+    changes = {f"bearing.{key}": value for key, value in given.items()}
+    rigid = evolve(plain, changes | {"operation.outer_speed": "-900 rpm", "operation.radial_load": "0 N"})
+    hoop = evolve(rigid, {"models.outer_ring": {"model": "annulus", "harmonics": 0}})
+    wide = 2.0 * assemble(hoop).load_distribution(1).deflection[0, 0]
+    assert rigid.bearing.radial_clearance - hoop.bearing.radial_clearance == pytest.approx(wide, abs=2e-12)
+    assert 5e-7 < wide < 1e-5
+    named = evolve(rigid, {"models.outer_ring": "rigid"})
+    assert named.bearing.mounted == rigid.bearing.mounted
+
+
+def test_a_ring_in_play_widens_freely_until_its_seat_holds_it():
+    def wide(play, **more):
+        b = attrs.evolve(PLAIN, mounting=Mounting(housing_interference=-play, housing_outside_diameter=0.4, **more))
+        one, other = (operating(b, (1000.0, 0.0), rigid=rigid).clearance for rigid in (True, False))
+        return one - other
+
+    # Lame, a bare ring of 27 mm (D): rollers of the whole orbit, each of 20.7 g at 0.09 m and 458 rad/s
+    a, s, E, nu = 0.195, 0.21, STEEL.elastic_modulus, STEEL.poisson_ratio
+    cage = 1000.0 * 0.165 / 0.36
+    force = 28 * STEEL.density * math.pi / 4 * 0.015**3 * 0.09 * cage**2
+    pressure = force / (math.pi * a * 1.8 * 0.015)
+    free = pressure * a / E * ((s**2 + a**2) / (s**2 - a**2) + nu)
+    seat = pressure * s / E * 2 * a**2 / (s**2 - a**2)
+    assert wide(2e-5) == pytest.approx(free, abs=2e-12)
+    assert wide(0.0) < 0.4 * free
+    assert wide(0.5 * seat) == pytest.approx(0.5 * (free + wide(0.0)), abs=4e-12)
+    assert wide(2e-5, growth=False) == 0.0
+
+
 # The sum -------------------------------------------------------------------------------------------------------------
 
 
 def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc():
     bare = attrs.evolve(PLAIN, inner_raceway=Raceway(without_ring=True), mounting=Mounting(
         initial_clearance=5e-5, housing_interference=0.0, temperature_difference=0.0))  # fmt: skip
-    assert operating(bare, (0.0, 0.0)).clearance == pytest.approx(5e-5, abs=1e-12)
+    assert operating(bare, (0.0, 0.0), rigid=False).clearance == pytest.approx(5e-5, abs=1e-12)
     # (1 - nu) rho w^2 r^3/(4 E) of a solid disc, of radii
     grown = 2.0 * (1 - 0.3) * STEEL.density * 1000.0**2 * 0.0825**3 / (4.0 * STEEL.elastic_modulus)
-    assert operating(bare, (1000.0, 0.0)).clearance == pytest.approx(5e-5 - grown, abs=1e-12)
+    assert operating(bare, (1000.0, 0.0), rigid=False).clearance == pytest.approx(5e-5 - grown, abs=1e-12)
     assert operating(bare, (0.0, 0.0)).assumed == ()
     hollow = attrs.evolve(
         bare, mounting=attrs.evolve(bare.mounting, shaft_bore=PLAIN.boundaries[0])

@@ -6,12 +6,15 @@ G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + de
   them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `share`):
   d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel. Seats are fitted at 20 degC: a shaft or
   housing of another material tightens or loosens by what it expands more than its ring.
+- Growth is that of turning rings (`spun`), and of an outer ring by the rollers' centrifugal force (`_pushed`) if it is
+  rigid in the equilibrium. One that yields there widens by that force itself.
 - dT_i and dT_r are the temperatures of inner ring and rollers above that of the outer ring.
 - It is computed once, when a scene is read, and stands in ``bearing.radial_clearance``: every study reads it there. A
   thermal model asks `operating` for other temperatures, and gets the same answer for the same ones.
 - Seats that are out of round are not in it, nor what rings yield under load (`rollslip.rings`).
 """
 
+import contextlib
 import math
 from collections.abc import Mapping
 from typing import Any, Final
@@ -74,16 +77,35 @@ def spun(material: Material, speed: float, inside: float, outside: float) -> tup
     )
 
 
+def _pushed(bearing: Bearing, speeds: tuple[float, float], outside: float, held: float, gap: float) -> float:
+    """Return by how much rollers widen the outer raceway [m] by their centrifugal force at the epicyclic cage speed.
+
+    p of Z m R_m w_c^2 all round an annulus (Lame), of whose seat the share ``held`` acts once it has closed a gap.
+    """
+    inner, outer, steel = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter, bearing.material_of("outer")
+    cage = (inner * speeds[0] + outer * speeds[1]) / (inner + outer)
+    rollers = bearing.rollers * bearing.material.density * math.pi / 4.0 * bearing.roller_diameter**2
+    pressure = rollers * bearing.roller_length * (inner + outer) / 4.0 * cage * cage / (math.pi * outer * bearing.width)
+    strain = pressure / steel.elastic_modulus
+    if math.isinf(outside):
+        return strain * outer * (1.0 + steel.poisson_ratio)
+    wall = outside**2 - outer**2
+    seat = 2.0 * strain * outside * outer**2 / wall  # of a ring that nothing holds
+    free = (outside**2 + outer**2) / wall + steel.poisson_ratio
+    return strain * outer * free - held * max(seat - gap, 0.0)
+
+
 def operating(
     bearing: Bearing,
     speeds: tuple[float, float],
     temperatures: tuple[float, float, float] | None = None,
     temperature: float = _FITTED,
+    rigid: bool = True,
 ) -> MountedClearance:
     """Return the clearance in operation at speeds of inner and outer ring [rad/s].
 
     ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says,
-    from ``temperature`` of the outer ring.
+    from ``temperature`` of the outer ring. An outer ring that is not ``rigid`` in the equilibrium widens there.
     """
     m, (of_inner, of_outer) = bearing.mounting or Mounting(), map(bearing.material_of, ("inner", "outer"))
     shaft_steel, housing_steel = m.shaft_material or of_inner, m.housing_material or of_outer
@@ -127,7 +149,9 @@ def operating(
         left = fitted[0] - at_bore + spun(shaft_steel, speed, m.shaft_bore, bore)[1]
         return through[0] * max(left, 0.0) + grown
 
-    turned = spun(of_outer, speeds[1], outer, beyond)[0] - seated(speeds[0]) + seated(0.0) if m.growth else 0.0
+    grown = spun(of_outer, speeds[1], outer, beyond)[0] - seated(speeds[0]) + seated(0.0) if m.growth else 0.0
+    if m.growth and rigid:
+        grown += _pushed(bearing, speeds, around if bare["housing"] else outside, through[1], max(-fitted[1], 0.0))
     before = bearing.nominal_clearance if m.initial_clearance is None else m.initial_clearance
     scatters = zip(through, (of_shaft, of_housing), fitted, strict=True)
     return MountedClearance(
@@ -136,7 +160,7 @@ def operating(
             (shaft, -seated(0.0)),
             (housing, wider if bare["housing"] else -through[1] * max(fitted[1], 0.0)),
             (f"for {warm:.3g} K", -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers)),
-            ("for speed", turned),
+            ("for speed", grown),
             ("of deviation", m.clearance_deviation),
         ),
         deviation=math.hypot(
@@ -147,6 +171,7 @@ def operating(
             for part in ("shaft", "housing")
             if not bare[part] and getattr(m, f"{part}_fit") is None and getattr(m, f"{part}_interference") is None
         ),
+        rigid=rigid,
     )
 
 
@@ -242,12 +267,21 @@ def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: 
     rings = {"inner_ring_temperature", "outer_ring_temperature"} & raw["operation"].keys()
     warm = (o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature) if rings else None
     try:
-        mounted = operating(b, (o.inner_speed, o.outer_speed), warm, o.temperature)
+        mounted = operating(b, (o.inner_speed, o.outer_speed), warm, o.temperature, _rigid(scene.models.outer_ring))
         return attrs.evolve(b, radial_clearance=mounted.clearance, mounted=mounted)
     except FieldError as error:
         at = at if error.field == "radial_clearance" else at.at("mounting")
         problems.append(at.at(error.field).says(error.reason))
         return b
+
+
+def _rigid(choice: Any) -> bool:
+    """Whether a ring keeps its shape; one of a model that is not there is refused elsewhere."""
+    from rollslip.catalogue.discovery import get_class  # only a ring that is named needs a plugin
+
+    with contextlib.suppress(PluginError):
+        return choice is None or not get_class("ring", choice.name).yields
+    return True
 
 
 def unused(table: Mapping[str, Any]) -> list[str]:
