@@ -23,6 +23,7 @@ def sleeve(highest: int, outside: str = "230 mm") -> dict[str, object]:
 
 
 LOBES: dict[str, object] = {"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "2 um"}]}
+TURNING: dict[str, object] = {"bearing.inner_raceway.form": [{"lobes": 2, "amplitude": "2 um"}]}
 HOOP: dict[str, object] = {"models.inner_ring": {"model": "annulus", "harmonics": 0}}
 RINGS: dict[str, dict[str, object]] = {
     "rigid": {},
@@ -36,6 +37,7 @@ RINGS: dict[str, dict[str, object]] = {
     "bare thin ring, n up to 12": {"models.outer_ring": {"model": "thin", "harmonics": 12}},
     "rigid, three lobes": LOBES,
     "10 mm sleeve, n up to 4, three lobes": sleeve(4) | LOBES,
+    "rigid, two lobes of the inner ring, which turn": TURNING,
 }
 
 

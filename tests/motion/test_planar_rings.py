@@ -10,12 +10,14 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from plane_motion import TINY, Lagrange, motion, random_state, scene_of, yardstick
-from rollslip import evolve, run
+from rollslip import answer, evolve, run
+from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import solve_equilibrium
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip_kernels.motion.system import RefusedError
-from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER
+from rollslip_studies.dynamics.levels.planar import LEDGER, PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
 LIST = ("bearing.catalogue", {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028})
@@ -24,7 +26,10 @@ THIN = {
     "model": "thin", "seat_stiffness": "1e9 Pa", "harmonics": 3, "damping_ratio": 0.1,
     "forces": [{"angle": "30 deg", "radial": "2 kN", "tangential": "1 kN", "arm": "10 mm"}],
 }  # fmt: skip
+TURNING = ("bearing.inner_raceway.form", [{"lobes": 2, "amplitude": "6 um", "angle": "40 deg"}])
 OUTER = {"model": "annulus", "outside": "230 mm", "harmonics": 4}
+CONSTANT = FrictionSettings(name="constant", coefficient=0.05, transition=0.1)
+HOOP = {"model": "annulus", "outside": "230 mm", "harmonics": 0}
 INNER = {"model": "annulus", "bore": "20 mm", "harmonics": 2}
 
 
@@ -61,11 +66,20 @@ CASES = {
         {},
         3e-6,
     ),
-}
+    "constant, lobes of an inner ring that turns": (bent_scene(6, "inner", OUTER, more=(TURNING,)), {}, 3e-6),
+    "effective, lobes of rings that both turn, mirrored": (
+        bent_scene(
+            5, outer=HOOP, inner=INNER,
+            more=(LOBES, TURNING, ("operation.inner_speed", "-6371 rpm"), ("operation.outer_speed", "900 rpm")),
+        ),
+        {"gravity_direction": 1.0},
+        3e-6,
+    ),
+}  # fmt: skip
 
 
 class Bent(Lagrange):
-    """The same with shapes cos n psi and sin n psi of the rings, and waves of one raceway."""
+    """The same with shapes cos n psi and sin n psi of the rings, and waves of both raceways, which may turn."""
 
     def __init__(self, planar, kind):
         super().__init__(planar, kind)
@@ -83,24 +97,30 @@ class Bent(Lagrange):
             for (n, phase), M, K, P in zip(waves, ring.mass, ring.stiffness, ring.pushes, strict=True):
                 self.shapes.append((at, n, phase, M, K, 2 * zeta * np.sqrt(K * M), P))
         self.sense = self.k.direction
-        self.formed = 0 if self.wo != 0 else 1
+        speeds = np.array([self.wi, self.wo])
+        self.going = [k for k in (0, 1) if speeds[k] and any(ring == k + 1 for _, ring in rings.turns)]
+        self.angles, self.speeds = len(self.going), speeds[self.going]
 
     def coordinates(self, y):
         q, dq = super().coordinates(y)
         head, m = self.planar.parts(y)[0], len(self.shapes)
-        return np.concatenate((q, head[10 : 10 + m])), np.concatenate((dq, head[10 + m : 10 + 2 * m]))
+        q = np.concatenate((q, head[10 : 10 + m], head[10 + 2 * m :]))
+        return q, np.concatenate((dq, head[10 + m : 10 + 2 * m], self.speeds))
 
     def energy(self, q, dq):
-        own = sum(M * v * v for (_, _, _, M, *_), v in zip(self.shapes, dq[5 + 3 * self.Z :], strict=True))
-        return super().energy(q, dq) + 0.5 * own
+        own = [M for _, _, _, M, *_ in self.shapes] + [1.0] * self.angles  # of these any mass will do
+        return super().energy(q, dq) + 0.5 * np.sum(own * dq[5 + 3 * self.Z :] ** 2)
 
-    def heights(self, psi, amplitudes):
+    def heights(self, psi, of_rings):
         """How much gap the raceways take (2, Z): forms, and less what the rings yield."""
-        seen, found = self.sense * psi, [0 * psi, 0 * psi]
-        for (ring, n, phase, *_), q in zip(self.shapes, amplitudes, strict=True):
+        seen, found, m = self.sense * psi, [0 * psi, 0 * psi], len(self.shapes)
+        for (ring, n, phase, *_), q in zip(self.shapes, of_rings[:m], strict=True):
             found[ring] = found[ring] - q * np.cos(n * seen - phase)
-        for lobes, amplitude, angle in self.assembly.rings.waves:
-            found[self.formed] = found[self.formed] + amplitude * np.cos(lobes * (seen - angle))
+        gone = dict(zip(self.going, of_rings[m:], strict=True))
+        rings = self.assembly.rings
+        for (lobes, amplitude, angle), (_, ring) in zip(rings.waves, rings.turns, strict=True):
+            turned = self.sense * (psi - gone.get(ring - 1, 0.0))
+            found[ring - 1] = found[ring - 1] + amplitude * np.cos(lobes * (turned - angle))
         return np.array(found)
 
     def places(self, q):
@@ -127,10 +147,10 @@ def case(name):
 def moved(planar, seed):
     """A random state whose rings have yielded by microns and yield on."""
     y, rng = random_state(planar, seed), np.random.default_rng(seed)
-    head = planar.parts(y)[0]
-    m = (head.size - len(HEAD)) // 2
+    head, m = planar.parts(y)[0], planar.bent.shapes
     head[10 : 10 + m] += rng.normal(0.0, 3e-6, m)
-    head[10 + m :] = rng.normal(0.0, 0.02, m)
+    head[10 + m : 10 + 2 * m] = rng.normal(0.0, 0.02, m)
+    head[10 + 2 * m :] = rng.uniform(-9.0, 9.0, head.size - 10 - 2 * m)
     return y
 
 
@@ -191,7 +211,7 @@ def test_it_starts_at_rest_in_the_equilibrium_of_rings_that_yield(speed, heavy):
     given = {"inner_ring_mass": 40.0, "gravity_direction": 1.2} if heavy else {"gravity": 0.0}
     planar = motion(scene, coefficient=0.0, contact_damping=0.0, **given)
     y = planar.initial(cage_slip=1.0, roller_slip=1.0)
-    rates, m = planar.system.rates(0.0, y), len(planar.bent.names) // 2
+    rates, m = planar.system.rates(0.0, y), planar.bent.shapes
     head, rollers, _ = planar.parts(rates)
     forces = planar.planar.outputs([0.0], y[None])["normal_force"]
     lightest = min(ring.mass.min() for ring in planar.bent.of_both)
@@ -212,7 +232,7 @@ def test_a_motion_that_has_settled_is_the_equilibrium_of_the_same_rings():
     planar = motion(scene, coefficient=0.0, gravity=0.0, contact_damping=30.0)
     y, a = planar.initial(cage_slip=1.0, roller_slip=1.0), planar.assembly
     head, rollers, _ = planar.parts(y)
-    start, m = head.copy(), len(planar.bent.names) // 2
+    start, m = head.copy(), planar.bent.shapes
     head[10 : 10 + m] = 0.0
     system = planar.system
     found = solve_ivp(system, (0.0, 6e-3), y, method="LSODA", rtol=1e-9, atol=1e-9 * system.scale, jac=system.jacobian)
@@ -273,17 +293,124 @@ def test_a_matrix_with_a_mass_moves_as_the_ring_that_it_stands_for(tmp_path):
     assert forces[1] == pytest.approx(forces[0], abs=1e-5 * forces[0].max())
 
 
+# Forms that turn -----------------------------------------------------------------------------------------------------
+
+
+def test_a_form_whose_ring_has_stopped_is_a_form_that_stands_to_the_bit():
+    """Of a ring that turns at other times; its angle is one more unknown."""
+    scene = bent_scene(6, outer=OUTER, more=(LOBES,))
+    stands, stopped = (
+        planar_motion(assemble(scene), PlanarSettings(inner_ring_mass=3.0), CONSTANT, top_speeds)
+        for top_speeds in (None, (667.0, 10.0))
+    )
+    at = len(stands.names[0])
+    assert list(stopped.names[0])[at:] == ["outer_form_angle"]
+    for seed in range(3):
+        y = moved(stands, seed)
+        rates = stopped.system.rates(0.0, np.insert(y, at, 0.0))
+        assert rates[at] == 0.0
+        assert np.array_equal(np.delete(rates, at), stands.system.rates(0.0, y))
+
+
+def test_a_form_that_has_turned_is_one_that_begins_there():
+    """Rates at an angle of a form, whole cells of its spline, are those of a bearing whose form begins further on."""
+    more = ("operation.inner_speed", "500 rpm"), ("operation.outer_speed", "-900 rpm")
+    planar, further = (
+        motion(
+            bent_scene(
+                6,
+                outer=OUTER,
+                more=(
+                    *more,
+                    ("bearing.inner_raceway.form", [TURNING[1][0] | {"angle": f"{40 + by} deg"}]),
+                    ("bearing.outer_raceway.form", [LOBES[1][0] | {"angle": f"{20 - 2 * by} deg"}]),
+                ),
+            )
+        )
+        for by in (0, 45)
+    )
+    y = moved(planar, 5)
+    head = planar.parts(y)[0]
+    head[-2:] = np.radians([45.0, -90.0])
+    there = y.copy()
+    planar.parts(there)[0][-2:] = 0.0
+    expected = further.system.rates(0.0, there)
+    assert np.all(np.abs(planar.system.rates(0.0, y) - expected) <= 1e-9 * yardstick(planar, y, expected))
+
+
+def test_a_bearing_turned_by_a_pitch_with_its_form_and_its_load_is_the_same_with_other_numbers_of_rollers():
+    planar = motion(bent_scene(6, "inner", HOOP, more=(TURNING,)), gravity=0.0)
+    y, pitch = moved(planar, 2), 2 * np.pi / 6
+    expected = planar.system.rates(0.0, y)
+    turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
+
+    def renumbered(y):
+        found = y.copy()
+        head, rollers, _ = planar.parts(found)
+        for place in (0, 2, 4, 6):
+            head[place : place + 2] = turn @ head[place : place + 2]
+        rollers[:] = np.roll(rollers, 1, axis=0)
+        return found
+
+    # the cage, without unbalance, stands as before: the pocket ahead has the roller
+    there = renumbered(y)
+    planar.parts(there)[0][-1] += pitch
+    load = planar.planar.operation
+    load[2] = pitch
+    found = planar.system.rates(0.0, there)
+    planar.parts(there)[0][-1] -= pitch
+    without = planar.system.rates(0.0, there)
+    load[2] = 0.0
+    scale = yardstick(planar, y, expected)
+    assert np.all(np.abs(found - renumbered(expected)) <= 1e-9 * scale)
+    assert np.any(np.abs(without - renumbered(expected)) > 0.1 * scale)  # two lobes, six rollers
+
+
+def test_a_form_that_turns_slowly_goes_through_the_equilibria_of_forms_that_stand():
+    """What it lags behind, by damping, goes with its speed."""
+    outer = {"model": "annulus", "outside": "230 mm", "harmonics": 4, "damping_ratio": 0.7}
+    off = []
+    for speed in (8.0, 4.0):  # rad/s
+        more = LOBES, ("operation.inner_speed", 0.0), ("operation.outer_speed", speed)
+        scene = bent_scene(8, outer=outer, more=(*more, ("bearing.radial_clearance", "-10 um")))
+        planar = motion(scene, coefficient=0.0, gravity=0.0, contact_damping=30.0)
+        a, system = planar.assembly, planar.system
+        y = planar.initial(cage_slip=1.0, roller_slip=1.0)
+        there = (0.0, 0.1 / speed)
+        found = solve_ivp(system, there, y, method="LSODA", rtol=1e-9, atol=1e-9 * system.scale, jac=system.jacobian)
+        end = found.y[:, -1]
+        head, rollers, _ = planar.parts(end)
+        angle = planar.direction * float(head[-1])
+        assert abs(angle) == pytest.approx(0.1, rel=1e-9)
+        psi = head[9] + 2 * np.pi * np.arange(8) / 8 + rollers[:, 0] / a.kinematics.orbit_radius
+        (lobes, amplitude, at) = a.rings.waves[0]
+        case = attrs.evolve(
+            a.load_case(1),
+            psi=planar.direction * psi[None],
+            rings=attrs.evolve(a.rings, waves=((lobes, amplitude, at + angle),), turns=()),
+        )
+        held = solve_equilibrium(case, a.raceways)
+        forces = planar.planar.outputs([0.0], end[None])["normal_force"][0]
+        begun = planar.planar.outputs([0.0], y[None])["normal_force"][0]
+        largest = held.outer_force.max()
+        assert np.abs(held.outer_force[0] - begun[1]).max() > 0.1 * largest
+        off.append(np.abs(forces[1] - held.outer_force[0]).max() / largest)
+    assert off[0] < 2e-3
+    assert off[1] < 0.6 * off[0]
+
+
 # Energy --------------------------------------------------------------------------------------------------------------
 
 FACTOR = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9)  # Palmgren's law, Q = FACTOR d^(10/9) of a roller of 15 mm
 
 
 @functools.cache
-def plain(damped=True, rollers=7, lobes=True):
+def plain(damped=True, rollers=7, lobes=True, turning=False):
     """Straight rollers that nothing rubs, between rings that yield, in pockets that they never reach."""
     outer = {"model": "thin", "seat_stiffness": "5e8 Pa", "harmonics": 3, "damping_ratio": 0.05 if damped else 0.0}
     more = ("bearing.profile", "none"), ("bearing.radial_clearance", "-20 um"), ("models.contact", "palmgren")
     form = (("bearing.outer_raceway.form", [{"lobes": 2, "amplitude": "5 um", "angle": "40 deg"}]),) if lobes else ()
+    form += (TURNING,) if turning else ()
     inner = {"model": "annulus", "bore": "20 mm", "harmonics": 2, "damping_ratio": 0.05 if damped else 0.0}
     cage = ("pocket_clearance", 0.01), ("pocket_radial_clearance", 0.01)
     scene = bent_scene(rollers, outer=outer, inner=inner, more=(*more, *form), cage=cage)
@@ -304,7 +431,10 @@ class Plain:
         ratio = np.concatenate([np.full(r.mass.size, r.damping_ratio) for r in (rings.inner, rings.outer)])
         self.D = 2 * ratio * np.sqrt(self.mass * self.K)
         self.c, self.M, self.F = planar.settings.contact_damping, planar.settings.inner_ring_mass, 1037.0
-        self.form = rings.waves
+        self.forms = [
+            [wave for wave, (_, of) in zip(rings.waves, rings.turns, strict=True) if of == ring] for ring in (1, 2)
+        ]
+        self.speeds = k.inner_speed, 0.0
         self.n = 2 + self.K.size + 2 * self.Z
 
     def shapes(self, psi):
@@ -315,24 +445,31 @@ class Plain:
             B[ring, k], slope[ring, k] = (s, n * c) if sine else (c, -n * s)
         return B, slope
 
-    def contacts(self, u, v):
+    def contacts(self, t, u, v):
         """Approach and rate of both contacts, and what of it goes with psi."""
         m = self.K.size
         x, q, psi, rho = u[:2], u[2 : 2 + m], u[2 + m : 2 + m + self.Z], u[2 + m + self.Z :]
         vx, p, w, rise = v[:2], v[2 : 2 + m], v[2 + m : 2 + m + self.Z], v[2 + m + self.Z :]
         c, s = np.cos(psi), np.sin(psi)
         B, dB = self.shapes(psi)
-        f = sum(amp * np.cos(n * (psi - at)) for n, amp, at in self.form) + 0 * psi
-        df = sum(-n * amp * np.sin(n * (psi - at)) for n, amp, at in self.form) + 0 * psi
-        inner = x[0] * c + x[1] * s - self.half - rho - q @ B[0]
-        outer = rho + f - q @ B[1]
-        across = x[1] * c - x[0] * s - q @ dB[0], df - q @ dB[1]
-        rates = vx[0] * c + vx[1] * s - rise - p @ B[0] + across[0] * w, rise - p @ B[1] + across[1] * w
+        f, df, gone = np.zeros((2, self.Z)), np.zeros((2, self.Z)), np.zeros((2, self.Z))
+        for ring, (waves, speed) in enumerate(zip(self.forms, self.speeds, strict=True)):
+            for n, amplitude, at in waves:
+                f[ring] += amplitude * np.cos(n * (psi - at - speed * t))
+                df[ring] -= n * amplitude * np.sin(n * (psi - at - speed * t))
+            gone[ring] = speed * df[ring]
+        inner = x[0] * c + x[1] * s - self.half - rho + f[0] - q @ B[0]
+        outer = rho + f[1] - q @ B[1]
+        across = x[1] * c - x[0] * s + df[0] - q @ dB[0], df[1] - q @ dB[1]
+        rates = (
+            vx[0] * c + vx[1] * s - rise - p @ B[0] + across[0] * w - gone[0],
+            rise - p @ B[1] + across[1] * w - gone[1],
+        )
         return (inner, outer), rates, across, B, (c, s)
 
     def rates(self, t, z):
         u, v = z[: self.n], z[self.n :]
-        (inner, outer), rates, across, B, (c, s) = self.contacts(u, v)
+        (inner, outer), rates, across, B, (c, s) = self.contacts(t, u, v)
         forces = []
         for d, rate in ((inner, rates[0]), (outer, rates[1])):
             zeta = self.c * rate
@@ -356,7 +493,7 @@ class Plain:
     def energy(self, z):
         """Kinetic, elastic, and that of the load [J]."""
         u, v = z[: self.n], z[self.n :]
-        (inner, outer), *_ = self.contacts(u, v)
+        (inner, outer), *_ = self.contacts(0.0, u, v)
         m, Z = self.K.size, self.Z
         radius = self.R + u[2 + m + Z :]
         moving = self.M * v[:2] @ v[:2] + self.mass @ v[2 : 2 + m] ** 2
@@ -370,12 +507,13 @@ class Plain:
         m = self.K.size
         psi = head[9] + 2 * np.pi * np.arange(self.Z) / self.Z + rollers[:, 0] / self.R
         return np.concatenate((head[:2], head[10 : 10 + m], psi, rollers[:, 3],
-                               head[2:4], head[10 + m :], rollers[:, 1], rollers[:, 4]))  # fmt: skip
+                               head[2:4], head[10 + m : 10 + 2 * m], rollers[:, 1], rollers[:, 4]))  # fmt: skip
 
 
-def test_it_moves_as_own_equations_do_under_scipy():
+@pytest.mark.parametrize("turning", [False, True])
+def test_it_moves_as_own_equations_do_under_scipy(turning):
     """A third way to write it down, integrated by DOP853; ours by our Dormand and Prince, and by leapfrog's steps."""
-    planar = plain()
+    planar = plain(turning=turning)
     own, system, times = Plain(planar), planar.system, np.linspace(0.0, 6e-4, 7)
     y = planar.initial(0.3)
     head, rollers, _ = planar.parts(y)
@@ -502,8 +640,9 @@ def test_a_ring_that_yields_by_more_than_is_small_ends_a_motion_in_words():
 # Along a history -----------------------------------------------------------------------------------------------------
 
 
-def along(level="planar", history=(), **changes):
-    found = {"level": level, "duration": "2 ms", "points": 9, "history": dict(history)}
+def along(level="planar", history=(), friction="conventional", **changes):
+    found = {"level": level, "duration": "2 ms", "points": 9, "friction": friction}
+    found |= {"history": dict(history)} if history else {}
     found |= {"planar": {"inner_ring_mass": "5 kg"}} if level == "planar" else {}
     scene = evolve(bent_scene(28, "outer", **changes), {"accuracy.slices": 5, "study.dynamics": found})
     return run(scene, "dynamics")
@@ -527,11 +666,12 @@ TURNED = {"outer_speed": {"shape": "ramp", "to": "500 rpm", "within": "1 ms"}}
 @pytest.mark.parametrize("level", ["pocket", "planar"])
 def test_what_stands_and_turns_at_some_time_is_refused(level, tmp_path):
     cage = ("land_clearance", "0.3 mm"), ("land_width", "5 mm")
-    with pytest.raises(DomainError, match="the outer ring turns along the history, with the form of its raceway"):
-        along(level, TURNED, more=(LOBES,), cage=cage)
     np.savetxt(tmp_path / "C.csv", 1e-9 * np.eye(12), delimiter=",")
     matrix = {"model": "compliance", "file": str(tmp_path / "C.csv")}
     if level == "pocket":
+        said = "the outer ring turns along the history, with the form of its raceway; choose level 'planar'"
+        with pytest.raises(DomainError, match=said):
+            along(level, TURNED, more=(LOBES,), cage=cage)
         with pytest.raises(SceneError, match="a matrix stands in the line of load, but this ring turns"):
             along(level, TURNED, outer=matrix, cage=cage)
         way = {"load_direction": {"shape": "ramp", "to": "90 deg", "within": "2 ms"}}
@@ -542,6 +682,34 @@ def test_what_stands_and_turns_at_some_time_is_refused(level, tmp_path):
         fast = {"outer_speed": {"shape": "ramp", "to": "9000 rpm", "within": "1 ms"}}
         with pytest.raises(DomainError, match="the outer ring turns through its own shapes"):
             along(level, fast, outer=OUTER, cage=cage)
+
+
+def test_a_form_goes_round_with_the_speed_that_its_ring_has_along_a_history():
+    cage = ("land_clearance", "0.3 mm"), ("land_width", "5 mm")
+    way = {"inner_speed": {"shape": "ramp", "from": "3000 rpm", "to": "-1000 rpm", "within": "1.5 ms"}}
+    result = along(history=way, friction="constant", more=(TURNING, LOBES), cage=cage)
+    assert result.attrs["outcome"] == "finished"
+    assert "a form turns with its ring" in result.attrs["runaway_status"]
+    t, rpm = result.time.values, 2 * np.pi / 60
+    ramp = np.minimum(t, 1.5e-3)
+    angle = rpm * (3000 * ramp - 4000 * ramp**2 / 2 / 1.5e-3 - 1000 * (t - ramp))
+    assert result.form_angle[0].values == pytest.approx(angle, abs=1e-9)
+    assert not result.form_angle[1].any()
+    assert float(np.abs(result.energy_residual).max()) < 1e-6
+
+
+@pytest.mark.parametrize("friction", ["effective", "conventional"])
+def test_a_form_that_turns_is_planned_and_followed_and_leads_to_no_steady_slip(friction):
+    cage = ("land_clearance", "0.3 mm"), ("land_width", "5 mm")
+    result = along(friction=friction, more=(TURNING,), outer=HOOP, cage=cage)
+    assert result.attrs["outcome"] == "finished"
+    assert "a form turns with its ring" in result.attrs["runaway_status"]
+    assert "no estimates" not in result.attrs["plan"]
+    assert result.form_angle[0].values == pytest.approx(6371 * 2 * np.pi / 60 * result.time.values, rel=1e-9)
+    assert not answer(result).next
+    standing = along(friction=friction, more=(LOBES,), outer=HOOP, cage=cage)
+    assert "form_angle" not in standing
+    assert answer(standing).next
 
 
 def test_forces_come_from_the_table_where_a_form_presses_rollers_beyond_their_share_of_the_load():

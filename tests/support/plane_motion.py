@@ -37,8 +37,11 @@ def motion(scene, friction="constant", coefficient=0.05, transition=0.1, tabulat
 class Lagrange:
     """The same bearing written down once more: energy, velocities of points, and virtual work by complex steps.
 
-    q = ring x, y; cage x, y, phi; chi, theta, rho of every roller, psi = phi + 2 pi j/Z + chi.
+    q = ring x, y; cage x, y, phi; chi, theta, rho of every roller, psi = phi + 2 pi j/Z + chi; what rings yield, and
+    last ``angles`` whose speeds are given.
     """
+
+    angles = 0
 
     def __init__(self, planar, kind):
         self.planar, self.kind = planar, kind
@@ -199,7 +202,7 @@ class Lagrange:
     def rates(self, t, y):
         """Rates of all unknowns in the order of the system, by Lagrange's equations."""
         q, dq = self.coordinates(y)
-        n, Z = q.size, self.Z
+        n, Z, last = q.size, self.Z, q.size - self.angles
         unit, held = 1j * TINY * np.eye(n), self.cage
         places, speeds = self.places(q), self.slips(q, dq)
         d_places = np.array([self.places(q + u).imag / TINY for u in unit])  # (n, 4, Z)
@@ -252,7 +255,8 @@ class Lagrange:
         outer_ring_torque = ring_torque if self.cage.guidance == "outer" else 0.0
         inner_ring_torque = ring_torque if self.cage.guidance == "inner" else 0.0
         L = {
-            "work_rings": np.sum(slip_forces * drives) - inner_ring_torque * self.wi - outer_ring_torque * self.wo,
+            "work_rings": np.sum(slip_forces * drives) - inner_ring_torque * self.wi - outer_ring_torque * self.wo
+            - Q[last:] @ dq[last:],
             "work_load": load @ dq[0:2],
             "work_gravity": height @ dq,
             "work_drag": drag * dq[4],
@@ -277,8 +281,8 @@ class Lagrange:
         ai, ac, aw, alpha, sigma, rising = self.parts(acceleration)
         vi, vc, w, orbit, _, rise = self.parts(dq)
         block = np.stack((self.k.orbit_radius * (orbit - w), alpha, sigma, rise, rising), axis=-1)
-        shapes = dq[5 + 3 * Z :], acceleration[5 + 3 * Z :]
-        found = np.concatenate((vi, ai, vc, ac, [aw, w], *shapes, block.ravel(), [L[name] for name in LEDGER]))
+        of_rings = dq[5 + 3 * Z : last], acceleration[5 + 3 * Z : last], dq[last:]
+        found = np.concatenate((vi, ai, vc, ac, [aw, w], *of_rings, block.ravel(), [L[name] for name in LEDGER]))
         return found, acceleration
 
 
@@ -366,7 +370,7 @@ def yardstick(planar, y, rates):
     done = planar.planar.outputs([0.0], y[None])
     contact = done["normal_force"].max()
     pocket = max(np.abs(done["pocket_force"]).max(), np.abs(done["pocket_radial_force"]).max())
-    of_head, shapes = np.empty(head.size), (head.size - len(HEAD)) // 2
+    of_head, shapes = head.copy(), 0 if planar.bent is None else planar.bent.shapes
     of_head[[0, 1]], of_head[[4, 5]], of_head[9] = head[:2].max(), head[4:6].max(), head[9]
     of_head[[2, 3]] = max(head[2:4].max(), contact / planar.settings.inner_ring_mass)
     # a small force is the difference of displacements as large as the clearance, and no better known than that
@@ -376,7 +380,8 @@ def yardstick(planar, y, rates):
     of_head[8] = max(head[8], 1.0, pocket * planar.assembly.kinematics.orbit_radius / planar.assembly.cage.inertia)
     if shapes:
         lightest = min(ring.mass.min() for ring in planar.bent.of_both if ring.mass is not None)
-        of_head[len(HEAD) : -shapes] = head[len(HEAD) : -shapes].max()
-        of_head[-shapes:] = max(head[-shapes:].max(), contact / lightest)
+        places, speeds = slice(len(HEAD), len(HEAD) + shapes), slice(len(HEAD) + shapes, len(HEAD) + 2 * shapes)
+        of_head[places] = head[places].max()
+        of_head[speeds] = max(head[speeds].max(), contact / lightest)
     works = np.where([name.startswith("impulse") for name in LEDGER], ledger[12:].max(), ledger[:12].max())
     return np.concatenate((of_head, np.broadcast_to(rollers.max(axis=0), rollers.shape).ravel(), works))

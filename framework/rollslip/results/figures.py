@@ -16,7 +16,7 @@ from rollslip.errors import OutputError, RollslipError
 from rollslip.results.accounts import account_of, answer, telling
 from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
-from rollslip.results.dataset import LAW, open_result, telling
+from rollslip.results.dataset import open_result
 from rollslip.results.folder import take_in
 from rollslip.results.style import as_svg, save_figures, styled
 from rollslip.results.words import LAW, capital, warned

@@ -24,7 +24,7 @@ class Planar:
         scale: ArrayLike,
         forces: Sequence[tuple[float, ArrayLike]] | None = ...,
         resistances: Sequence[tuple[float, ArrayLike]] | None = ...,
-        rings: Sequence[tuple[Sequence[ArrayLike], ArrayLike | None]] | None = ...,
+        rings: Sequence[tuple[Sequence[ArrayLike], ArrayLike | None, bool]] | None = ...,
         critical_slip: float = ...,
         film_limit: float = ...,
         **numbers: float,

@@ -3,7 +3,7 @@
 Outer ring fixed, line of load psi = 0 until it turns, gravity in any direction.  e = (cos psi, sin psi),
 t = (-sin psi, cos psi)::
 
-    head     inner ring x_i, v_i (2 each) · cage x_c, v_c (2 each), speed w_c, angle phi_c
+    head     inner ring x_i, v_i (2 each) · cage x_c, v_c (2 each), speed w_c, angle phi_c · a of forms that turn
     roller   x from the centred cage's pocket, orbital speed w, absolute spin s, radial position rho (0 where a straight
              roller touches the outer ring), its speed v;  psi_j = phi_c + 2 pi j/Z + x_j/R_m, x' = R_m (w - w_c)
     energy   sum m/2 [v^2 + (R_m + rho)^2 w^2] + J/2 s^2  +  m_i/2 v_i^2  +  m_c/2 v_c^2 + U w_c (t_c.v_c) + I_c/2 w_c^2
@@ -18,7 +18,8 @@ forces come from the energy, and no force is written down twice::
 
     inner contact   approach d = x_i.e - G_r/2 - rho - P + h_i;  d' = v_i.e + (x_i.t) w - v + h_i'
     outer contact   approach d = rho - P + h_o;                  d' = v + h_o'
-                    h = f(psi) - sum q B(psi) of a ring with this form and these shapes;  h' = w dh/dpsi - sum q' B
+                    h = f(psi - a) - sum q B(psi) of a ring with this form and these shapes; a' = w_ring if its form
+                    turns with it, or a = 0;  h' = w dh/dpsi - a' df/dpsi - sum q' B
                     load per length w_e(d) g(c d'), g(z) = 1 + z or, parting, 1/(1 - z)   [after Hunt, Crossley 1975]
     inner traction  a1 = R_i (w_i - w) + v_i.t - (x_i.e) w;  a2 = r (s + w);  V = a1 - a2;  F V + F_R (a1 + a2)
     outer traction  a1 = R_o (w - w_o);                      a2 = r (s + w);  V = a2 - a1;  F V + F_R (a1 + a2)
@@ -35,7 +36,7 @@ forces come from the energy, and no force is written down twice::
   they are watched: after a step, since the trials of an explicit method may lie anywhere.
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
-- Rings yield and are out of round in a frame that stands. The radial motion of a raceway does not rub, and its slope,
+- Rings yield in a frame that stands, and are out of round in it or in their own. The radial motion of a raceway does not rub, and its slope,
   which counts in the torque on the rollers, is left out of the directions of friction.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
 - Cage accelerations are coupled by the unbalance: M^-1 is applied to what rollers add, so that sums stay sums.
@@ -133,7 +134,7 @@ cdef extern from "motion/planar_columns.h" nogil:
         const double *push
         double *place
         double *rate
-        size_t cells
+        size_t cells, angle
         double per_angle
         const double *form
 
@@ -179,6 +180,8 @@ cdef extern from "motion/planar_columns.h" nogil:
         double *wave_sin
         double **slope
         double *turning
+        double **passing
+        double *driven
         double cage_cos, cage_sin
         int touched
         size_t deepest
@@ -268,7 +271,7 @@ ctypedef struct planar_t:
     rs_plane c
     const rs_plane_loops *loops
     size_t slices
-    size_t heads           # unknowns before the rollers: HEAD, amplitudes of the shapes of both rings, their rates
+    size_t heads           # unknowns before the rollers: HEAD, amplitudes of all shapes, their rates, angles of forms
     double *on_shapes      # forces on them
     double ring_mass, cage_mass, cage_inertia, unbalance
     rs_pocket pocket
@@ -327,7 +330,7 @@ cdef inline void cage_acceleration(
 
 cdef inline size_t half_of(const planar_t *p) noexcept nogil:
     """Where the amplitudes of shapes end in the head, and their rates begin."""
-    return (HEAD + p.heads) // 2
+    return p.c.ring[INNER].speeds
 
 
 cdef inline int displacement(const double *head, planar_t *p) noexcept nogil:
@@ -802,13 +805,15 @@ cdef inline void of_land(
 
 
 cdef void own_shapes(const double *head, double *rates, double *row, const planar_t *p) noexcept nogil:
-    """Rates of the shapes without rollers, and what their damping takes, by row of head and ledger."""
+    """Rates of shapes without rollers and of angles, and what damping of shapes takes, by row of head and ledger."""
     cdef const rs_bent_ring *bent
     cdef size_t k
     cdef int ring
     cdef double q, v
     for ring in range(2):
         bent = &p.c.ring[ring]
+        if bent.angle:
+            rates[bent.angle] = p.c.outer_speed if ring else p.c.inner_speed
         for k in range(bent.shapes):
             q, v = head[bent.at + k], head[bent.speeds + k]
             rates[bent.at + k] = v
@@ -948,11 +953,11 @@ cdef class Planar:
         and where friction is that of every slice, it comes from the slices.
     resistances : sequence of two (step, values), optional
         Rolling resistance [N] at equal steps of sqrt(Q) [N^0.5], where friction is not conventional.
-    rings : sequence of two (shapes, coefficients), optional
+    rings : sequence of two (shapes, coefficients, turns), optional
         Of inner and outer ring. Shapes are (harmonics, mass, stiffness, damping, pushes): (m, N + 1) complex c of
         B(psi) = Re sum c_n exp(i n psi), and (m,) of each [kg, N/m, N s/m, N]. Coefficients of the form towards the
         rollers [m] are (cells, 4), of the powers of the place in one of equal cells from 0 to 2 pi; none: it is round.
-        Both are as the ring stands. By default rings are rigid and round.
+        Both are as the ring stands, unless the form turns with it. By default rings are rigid and round.
     critical_slip, film_limit : float
         Cage slip and smallest film parameter whose passing is an event; NaN for none.
     scale : array_like
@@ -1074,7 +1079,7 @@ cdef class Planar:
         cdef double[::1] numbers, form
         cdef double *room
         self.of_rings, p.heads = [], HEAD
-        for ring, (given, coefficients) in enumerate(rings):
+        for ring, (given, coefficients, _) in enumerate(rings):
             bent = &p.c.ring[ring]
             harmonics = np.array(given[0], dtype=complex, ndmin=2)
             m, waves = harmonics.shape[0], harmonics.shape[1]
@@ -1105,9 +1110,15 @@ cdef class Planar:
         for ring in range(2):
             p.c.ring[ring].speeds = p.c.ring[ring].at + shapes
         p.heads, p.c.most = HEAD + 2 * shapes, most
-        numbers = np.zeros((2 * most + 3) * Z + shapes)
+        for ring, (_, _, turns) in enumerate(rings):
+            if turns:   # kicked, as its rate may follow time
+                p.c.ring[ring].angle = p.heads
+                p.heads += 1
+        numbers = np.zeros((2 * most + 6) * Z + shapes)
         self.of_rings.append(numbers)
         room = &numbers[0]
+        p.c.passing[INNER], p.c.passing[OUTER], p.c.driven = room, room + Z, room + 2 * Z
+        room += 3 * Z
         p.c.slope[INNER], p.c.slope[OUTER], p.c.turning, p.c.wave_cos = room, room + Z, room + 2 * Z, room + 3 * Z
         p.c.wave_sin, p.on_shapes = p.c.wave_cos + most * Z, p.c.wave_cos + 2 * most * Z
 

@@ -36,6 +36,7 @@ typedef struct {
     const double *mass, *stiffness, *damping, *push;   /* [shapes] */
     double *place, *rate;         /* [2 (most + 1)] real and imaginary sum q c_n and that of the rates */
     size_t cells;                 /* 0: it is round */
+    size_t angle;                 /* where in the head it is by which the form has turned with its ring; 0: it stands */
     double per_angle;
     const double *form;           /* [cells x 4] */
 } rs_bent_ring;
@@ -64,6 +65,7 @@ typedef struct {
     size_t most;                         /* the highest n of both */
     double *wave_cos, *wave_sin;         /* [most x Z] of n psi, from n = 1 on */
     double *slope[2], *turning;          /* d gap/d psi by form and shapes [m]; torque by them [N m] */
+    double *passing[2], *driven;         /* rate [m/s] at which a form that turns opens a gap; its power [W] */
     double cage_cos, cage_sin;           /* of the cage's angle */
     int touched;                         /* whether the bars do anything */
     size_t deepest;                      /* the roller that was, when it was looked for last */

@@ -83,22 +83,32 @@ static void RS_SET(rs_plane_bent)(rs_plane *p, const double *head) {
                 }
             }
         }
-        if (ring->cells)
+        if (ring->cells) {
+            const double turned = ring->angle ? head[ring->angle] : 0.0;
+            const double speed = !ring->angle ? 0.0 : i ? p->outer_speed : p->inner_speed;
             for (size_t j = 0; j < Z; j++) {
-                double z, psi = head[CAGE_ANGLE] + p->pitch * (double)j + p->small[j];
+                double z, psi = head[CAGE_ANGLE] + p->pitch * (double)j + p->small[j] - turned;
                 const double *f = rs_form_cell(ring, psi, &z);
+                double own = (f[1] + z * (2.0 * f[2] + z * 3.0 * f[3])) * ring->per_angle;
                 gap[j] += f[0] + z * (f[1] + z * (f[2] + z * f[3]));
-                slope[j] += (f[1] + z * (2.0 * f[2] + z * 3.0 * f[3])) * ring->per_angle;
+                slope[j] += own;
+                p->passing[i][j] = own * speed;
+                rate[j] -= own * speed;
             }
+        }
         RS_EACH(j, Z) rate[j] += slope[j] * w[j];
     }
 }
 
-/* Torque on the rollers' orbits by what is sloped of the raceways. */
+/* Torque on the rollers' orbits by what is sloped of the raceways, and what of it turning forms do. */
 static void RS_SET(rs_plane_turning)(rs_plane *p) {
     rs_given Ni = p->force[0], No = p->force[1], si = p->slope[0], so = p->slope[1];
-    rs_column turning = p->turning;
-    RS_EACH(j, p->rollers) turning[j] = Ni[j] * si[j] + No[j] * so[j];
+    rs_given pi = p->passing[0], po = p->passing[1];
+    rs_column turning = p->turning, driven = p->driven;
+    RS_EACH(j, p->rollers) {
+        turning[j] = Ni[j] * si[j] + No[j] * so[j];
+        driven[j] = Ni[j] * pi[j] + No[j] * po[j];
+    }
 }
 
 /* Forces without damping of a ring by its table; 1 where a gap lies beyond it. */
@@ -235,7 +245,7 @@ static void RS_SET(rs_plane_rates)(rs_plane *p, const double *head) {
     rs_column lost_i = p->added[TO_LOST_INNER], lost_o = p->added[TO_LOST_OUTER], rolled = p->added[TO_LOST_ROLLING];
     rs_column damped = p->added[TO_LOST_DAMPING], turned = p->added[TO_IMPULSE_RINGS];
     rs_column weighed = p->added[TO_IMPULSE_GRAVITY];
-    rs_given turning = p->turning;
+    rs_given turning = p->turning, driven = p->driven;
     RS_EACH(j, n) {
         double along = x * c[j] + y * s[j], across = y * c[j] - x * s[j], radius = R + rho[j], per_radius = 1.0 / radius;
         double cage_along = cx * c[j] + cy * s[j], cage_across = cy * c[j] - cx * s[j];
@@ -255,7 +265,7 @@ static void RS_SET(rs_plane_rates)(rs_plane *p, const double *head) {
         double on_ring = Fi[j] + Si[j], on_outer = Fo[j] - So[j];
         rx[j] = on_ring * s[j] - Ni[j] * c[j];
         ry[j] = -on_ring * c[j] - Ni[j] * s[j];
-        rings[j] = drive_i * on_ring + drive_o * on_outer;
+        rings[j] = drive_i * on_ring + drive_o * on_outer - driven[j];
         turned[j] = Ri * on_ring + Ro * on_outer - turning[j];
         raceways[j] = -(Ei[j] * di[j] + Eo[j] * dn[j]);
         damped[j] = (Ni[j] - Ei[j]) * di[j] + (No[j] - Eo[j]) * dn[j];

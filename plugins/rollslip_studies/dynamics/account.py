@@ -7,7 +7,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer
 from rollslip_studies.dynamics import findings, history_findings
-from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import next_of_others
 from rollslip_studies.surface_damage import findings as damage
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class DynamicsAccount(Account):
         row = history_findings.row(dataset) if history_findings.along(dataset) else findings.row(dataset)
         cut = dataset.attrs["outcome"] in ("failed", "interrupted")
         faults = (findings.outcome(dataset).partition(": ")[2],) if cut else ()
-        return Answer(rows=(row, *damage.rows(dataset)), commands=NEXT_OF_OTHERS, faults=faults)
+        return Answer(rows=(row, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

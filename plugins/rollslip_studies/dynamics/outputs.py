@@ -68,6 +68,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         **_nodes("outer"),
         "ring_displacement": Output("direction time", "m", "displacement of the inner ring"),
         "ring_deflection": Output("shape time", "m", "amplitude of a shape in which a ring yields, from the rollers"),
+        "form_angle": Output("ring time", "rad", "angle by which the form of a raceway has turned with its ring"),
         "cage_displacement": Output("direction time", "m", "displacement of the cage"),
         "land_eccentricity": Output(
             "time", "1", "eccentricity of the cage on the land that guides it, in clearances"

@@ -191,9 +191,9 @@ def limit_of(study: EffectiveFriction, assembly: Assembly, history: History | No
 
 def away_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Runaway:
     """Where the cage runs away."""
-    away = study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
-    unasked = f"it was not looked where skidding begins: study.{study.name}.runaway_range is 0"
-    return Runaway(math.nan, math.nan, unasked) if away is None else away
+    rings, away = raceways.assembly.rings, study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
+    why = "a form turns with its ring" if rings and rings.turning else f"study.{study.name}.runaway_range is 0"
+    return Runaway(math.nan, math.nan, f"it was not looked where skidding begins: {why}") if away is None else away
 
 
 def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:

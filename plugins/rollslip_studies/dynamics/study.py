@@ -189,7 +189,8 @@ class Dynamics(Study):
 
     def curved(self, assembly: Assembly) -> EffectiveFriction:
         """Return how the raceways' contacts are averaged, as the scene has it."""
-        return EffectiveFriction.of(assembly.scene)
+        found, rings = EffectiveFriction.of(assembly.scene), assembly.rings
+        return attrs.evolve(found, runaway_range=0.0) if rings and rings.turning else found  # where no slip is steady
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
@@ -221,16 +222,16 @@ class Dynamics(Study):
     def _with_steps(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Tolerance of a step, and what it leaves."""
         study = self.at(estimated.resolution)
-        tolerance, left = step_tolerance(study, assembly, self._fades(study.level))
+        tolerance, left = step_tolerance(study, assembly, self._fades(study.level, assembly))
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, integrator_tolerance=tolerance),
             errors={**estimated.errors, "steps": {"cage_speed": left}},
         )
 
-    def _fades(self, level: str) -> bool:
+    def _fades(self, level: str, assembly: Assembly) -> bool:
         """Whether it is looked at how errors of the cage speed fade; else they add up over all of the duration."""
-        return not self.history and level != "cage-set"
+        return not self.history and level != "cage-set" and not (assembly.rings and assembly.rings.turning)
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
@@ -247,7 +248,8 @@ class Dynamics(Study):
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
         """Return steps, friction, level and integrator."""
-        errors, offer = estimated.errors, find("integrator", self.method(assembly).name)
+        errors, fades = estimated.errors, self._fades(self.level, assembly)
+        offer = find("integrator", self.method(assembly).name)
 
         def why(setting: str) -> str:
             named = setting in assembly.scene.study.get(self.name, {})
@@ -258,7 +260,7 @@ class Dynamics(Study):
             choice=f"relative tolerance {assembly.resolution.integrator_tolerance or 0.0:.1e}",
             resolution="every step",
             reason="two short motions of other tolerances tell what it leaves of the cage speed, "
-            + ("two cages that begin apart how long that lasts" if self._fades(self.level) else "which adds up")
+            + ("two cages that begin apart how long that lasts" if fades else "which adds up")
             + ("" if self.level == "cage-set" else ", and finer ones how far motions come apart in an orbit"),
             errors=errors.get("steps", {}),
             seconds=costs.pop("motion", None) if "steps" in errors else None,

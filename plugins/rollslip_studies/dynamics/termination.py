@@ -127,6 +127,9 @@ def stored(moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array
             known[f"{what.removeprefix('inner_')}_displacement"] = np.array([of[f"{what}_x"], of[f"{what}_y"]])
     if shapes := shapes_of(moving):
         known["ring_deflection"] = np.array([of[name] for name in shapes])
+    angles = [of.get(f"{ring}_form_angle") for ring in RINGS]
+    if any(angle is not None for angle in angles):
+        known["form_angle"] = sign * np.array([0.0 * cage if angle is None else angle for angle in angles])
     if "cage_x" in of and (clearance := a.cage.land_clearance) is not None:
         x, y = of["cage_x"], of["cage_y"]
         if a.cage.guidance == "inner":

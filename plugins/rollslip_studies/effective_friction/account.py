@@ -9,7 +9,7 @@ from rollslip.results.account import Account
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
-from rollslip_studies.steady_slip.account import LOAD_OF_OTHERS, NEXT_OF_OTHERS, reserve_row, slip_row
+from rollslip_studies.steady_slip.account import LOAD_OF_OTHERS, next_of_others, reserve_row, slip_row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,13 +56,13 @@ class EffectiveFrictionAccount(PlainAccount):
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return slip and reserve of drag, which a study of steady slips knows better."""
         if "steady_cage_slip" not in dataset:
-            return Answer(commands=NEXT_OF_OTHERS)
+            return Answer(commands=next_of_others(dataset))
         slip, status = dataset["steady_cage_slip"].item(), dataset["steady_status"].item()
         rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN), LOAD_OF_OTHERS]
         if "drag_reserve" in dataset:
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
             rows.append(reserve_row(*reserve, known=1, within=_WITHIN, slip=slip))
-        return Answer(rows=tuple(rows), assumed=assumed_of(dataset), commands=NEXT_OF_OTHERS)
+        return Answer(rows=tuple(rows), assumed=assumed_of(dataset), commands=next_of_others(dataset))
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

@@ -9,7 +9,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer
-from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import next_of_others
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +26,7 @@ class FrictionCurveAccount(PlainAccount):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the curves, and that another study knows the slip of the cage."""
-        return attrs.evolve(PlainAccount.answer(dataset), commands=NEXT_OF_OTHERS)
+        return attrs.evolve(PlainAccount.answer(dataset), commands=next_of_others(dataset))
 
     drawn = "rollslip_studies.friction_curve.figures:figures"
 

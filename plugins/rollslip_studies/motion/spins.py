@@ -544,7 +544,10 @@ def check_repeats(assembly: Assembly) -> None:
         if raceway is not None and raceway.form and speed != 0.0:
             where = Location(assembly.scene.origins, ("bearing", f"{ring}_raceway", "form"))
             told = "turns with its ring against the load, so that orbits of rollers do not repeat, as in a steady slip"
-            remedy = "effective friction alone, without skidding, is a mean over its turns"
+            remedy = (
+                "motions in time follow it at level 'planar', and effective friction alone, with runaway_range = 0, is "
+                "a mean over its turns"
+            )
             raise SceneError([where.says(f"{told}; {remedy}")])
 
 

@@ -6,7 +6,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import next_of_others
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,7 +26,7 @@ class RacewayFrictionAccount(Account):
         """Return the largest friction of each ring, and that another study knows the slip of the cage."""
         rows = [Row(key=f"largest_friction_{ring}", label=f"{ring} ring", value=most, text=f"{most:.4g}",
                     note="largest effective friction") for ring, most in _largest(dataset).items()]  # fmt: skip
-        return Answer(rows=tuple(rows), commands=NEXT_OF_OTHERS)
+        return Answer(rows=tuple(rows), commands=next_of_others(dataset))
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

@@ -18,7 +18,7 @@ from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD, WITH_LE
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOAD_OF_OTHERS", "NEXT", "NEXT_OF_OTHERS", "answer", "reserve_row", "slip_row"]
+__all__ = ["LOAD_OF_OTHERS", "NEXT", "answer", "next_of_others", "reserve_row", "slip_row"]
 
 #: Commands that help, by verdict; those of a load where one is known that may.
 NEXT: Final[dict[str, tuple[str, ...]]] = {
@@ -27,8 +27,6 @@ NEXT: Final[dict[str, tuple[str, ...]]] = {
     "SKIDS": ("rollslip uncertainty {scene}",),
     "UNKNOWN": ("rollslip uncertainty {scene}",),
 }
-#: And where only an estimate of the slip is known.
-NEXT_OF_OTHERS: Final = dict.fromkeys(NEXT, ("rollslip run {scene} --study steady-slip",))
 #: What they say of the load.
 LOAD_OF_OTHERS: Final = Row(key="minimum_load", label="minimum load", unit="N", text="not computed", known=-1,
                             note="--study steady-slip computes it")  # fmt: skip
@@ -49,6 +47,14 @@ def answer(dataset: "xr.Dataset") -> Answer:
     acceptable = float(dataset.attrs.get("acceptable_slip", ACCEPTABLE))
     rows = tuple(row for row in _rows(dataset, acceptable) if row is not None)
     return Answer(rows=rows, acceptable=acceptable, assumed=assumed_of(dataset), commands=_next(dataset, rows))
+
+
+def next_of_others(dataset: "xr.Dataset") -> dict[str, tuple[str, ...]]:
+    """Return commands by verdict where the steady slip is not known: none where a form turns, so that there is none."""
+    scene: dict[str, Any] = json.loads(dataset.attrs.get("scene_resolved", "{}"))
+    b, o = scene.get("bearing", {}), scene.get("operation", {})
+    turns = any(o.get(f"{ring}_speed") and (b.get(f"{ring}_raceway") or {}).get("form") for ring in ("inner", "outer"))
+    return {} if turns else dict.fromkeys(NEXT, ("rollslip run {scene} --study steady-slip",))
 
 
 def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, ...]]:

@@ -7,7 +7,7 @@ import attrs
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer
-from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import next_of_others
 from rollslip_studies.surface_damage import findings
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ class SurfaceDamageAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the slip, which another study knows better, and the worst of every measure."""
-        return attrs.evolve(findings.answer(dataset), commands=NEXT_OF_OTHERS)
+        return attrs.evolve(findings.answer(dataset), commands=next_of_others(dataset))
 
     topics = staticmethod(findings.topics)
 

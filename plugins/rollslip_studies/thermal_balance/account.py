@@ -8,7 +8,7 @@ import attrs
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer
-from rollslip_studies.steady_slip.account import NEXT_OF_OTHERS
+from rollslip_studies.steady_slip.account import next_of_others
 from rollslip_studies.thermal_balance import findings
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class ThermalBalanceAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return temperatures and slip in balance; the slip at those of the scene another study knows."""
-        return attrs.evolve(findings.answer(dataset), commands=NEXT_OF_OTHERS)
+        return attrs.evolve(findings.answer(dataset), commands=next_of_others(dataset))
 
     topics = staticmethod(findings.topics)
 

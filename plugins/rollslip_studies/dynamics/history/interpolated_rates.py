@@ -109,7 +109,7 @@ class Stations:
 
     assembly: Assembly  # the bearing as the scene states it
     speeds: tuple[float, float]  # speeds of inner and outer ring where they turn fastest against each other [rad/s]
-    top_speed: float  # largest speed of a ring [rad/s], up to which loads are worked out
+    top_speeds: tuple[float, float]  # largest speeds of inner and outer ring [rad/s]; loads are worked out up to either
     axes: tuple[Axis, ...]  # what varies
     friction: FrictionSettings  # friction of the raceways
     level: str  # level of the motion
@@ -123,7 +123,7 @@ class Stations:
     _errors: dict[tuple[int, int, int], float] = attrs.field(factory=dict, init=False, repr=False)
 
     def __attrs_post_init__(self) -> None:
-        of = self.speeds, self.top_speed, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
+        of = self.speeds, self.top_speeds, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
         key = of_bearing(self.assembly), *of, self._friction_key
         object.__setattr__(self, "_errors", self.assembly.kept("errors between stations", key, dict))
 
@@ -245,7 +245,7 @@ class Stations:
     def _put_together(self, place: Place) -> MovingBearing:
         bearing = self.bearing(place)
         if self.planar is not None:
-            return planar_motion(bearing, self.planar, self.friction)
+            return planar_motion(bearing, self.planar, self.friction, self.top_speeds)
         read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
         key = (
             *(value for axis, value in zip(self.axes, place, strict=True) if axis.unit != "K"),
@@ -253,8 +253,8 @@ class Stations:
             *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
         )
         tolerance = self.friction.table_tolerance(bearing)
-        of = of_bearing(self.assembly), self.axes, self.speeds, self.top_speed, tolerance
-        made = partial(build_load_map, bearing, tolerance, self.top_speed, self._least_force)
+        of = of_bearing(self.assembly), self.axes, self.speeds, self.top_speeds, tolerance
+        made = partial(build_load_map, bearing, tolerance, max(self.top_speeds), self._least_force)
         loads = self.assembly.kept("loads of stations", (*of, key), made)
         return carried_motion(bearing, self.friction, level=self.level, loads=loads)
 

@@ -21,7 +21,6 @@ from rollslip_studies.dynamics.history.interpolated_rates import Axis, Stations,
 from rollslip_studies.dynamics.history.settings import History
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.history.time_functions import Course, constant
-from rollslip_studies.dynamics.levels.bent_rings import refuse_unknown
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
@@ -206,7 +205,8 @@ def varying_motion(
             f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
             "make it 0, or leave load_direction out"
         )
-    _refuse_turning(assembly, spans, planar is not None)
+    top = max(map(abs, spans["inner_speed"])), max(map(abs, spans["outer_speed"]))
+    _refuse_turning(assembly, top, planar is not None)
     if "load_direction" in history.given and planar is None and assembly.rings is not None and _stands(assembly.rings):
         raise DomainError(
             "the load turns, and rings or raceways that are not alike all round stand; choose level 'planar', or leave "
@@ -232,7 +232,6 @@ def varying_motion(
             f"tables over {over} are more than {MOST_AXES} at once; keep some of them the same, or let "
             "operation.temperature stand for the parts"
         )
-    top = max(abs(end) for name in ("inner_speed", "outer_speed") for end in spans[name])
     held = {name: spans[name][0] for name in history.conditions if name not in history.varies}
     if read:
         held["radial_load"] = spans["radial_load"][1]
@@ -248,7 +247,7 @@ def varying_motion(
     stations = (Stations if path is None else PathStations)(
         assembly=steady,
         speeds=speeds,
-        top_speed=top,
+        top_speeds=top,
         axes=tuple(axes),
         friction=plain,
         level=level,
@@ -295,18 +294,17 @@ def _stands(rings: Rings) -> bool:
     )
 
 
-def _refuse_turning(assembly: Assembly, spans: Mapping[str, tuple[float, float]], planar: bool) -> None:
-    """Refuse what stands in the line of load and turns at some time, and what turns too fast in plane motion."""
+def _refuse_turning(assembly: Assembly, top_speeds: tuple[float, float], planar: bool) -> None:
+    """Refuse what stands in the line of load and turns at some time."""
     b, models = assembly.scene.bearing, assembly.scene.models
-    inner, outer = (max(map(abs, spans[f"{ring}_speed"])) for ring in RINGS)
-    for ring, speed in ((RINGS[0], inner), (RINGS[1], outer)):
+    for ring, speed in zip(RINGS, top_speeds, strict=True):
         if speed == 0.0:
             continue
         raceway, choice = getattr(b, f"{ring}_raceway"), getattr(models, f"{ring}_ring")
-        if raceway is not None and raceway.form:
+        if raceway is not None and raceway.form and not planar:
             raise DomainError(
-                f"the {ring} ring turns along the history, with the form of its raceway, and motions in time "
-                f"know no form that turns against the load; keep {ring}_speed at 0, or leave the form out"
+                f"the {ring} ring turns along the history, with the form of its raceway; choose level 'planar', which "
+                f"follows that, keep {ring}_speed at 0, or leave the form out"
             )
         if choice is not None:
             at = Location(assembly.scene.origins, ("models", f"{ring}_ring"))
@@ -314,8 +312,6 @@ def _refuse_turning(assembly: Assembly, spans: Mapping[str, tuple[float, float]]
                 structure_model("ring", {"model": choice.name, **choice.parameters}, at, []).shapes(b, ring, True)
             except FieldError as error:
                 raise SceneError([at.at(error.field).says(error.reason)]) from None
-    if planar and assembly.rings is not None:
-        refuse_unknown(assembly.rings, (inner, outer))
 
 
 def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:

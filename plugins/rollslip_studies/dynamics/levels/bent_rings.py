@@ -5,12 +5,14 @@
 - Shapes stand in the frame of the outer ring. Of a ring that turns through them that is right up to (n w/w_n)^2, by
   which the inertia of the material that passes softens a shape of n waves and natural frequency w_n; a hoop, n = 0, is
   not concerned. Beyond a tenth of the frequency it is refused.
-- A form is a periodic cubic spline: where a table has corners it is rounded over a cell.
+- A form is a periodic cubic spline: where a table has corners it is rounded over a cell. That of a ring that turns, at
+  some time of a history, goes round with it: its angle is a coordinate, whose rate is the speed of the ring.
 - Speeds that are negative are those of the mirror image, and so are shapes and forms.
 """
 
 import math
 from collections.abc import Mapping
+from itertools import compress
 from typing import Any, Final
 
 import attrs
@@ -20,7 +22,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import DomainError
 from rollslip.rings import Rings, RingShapes
-from rollslip_studies.motion.spins import check_repeats
 
 _FASTEST: Final = 0.1  # of a natural frequency, that of the waves in which a turning ring passes through a shape
 #: Cells of a form for each lobe, by which a spline is right to 1e-7, for each row of a table, and least and most.
@@ -36,16 +37,17 @@ def turned(rings: Rings, by: float, sense: int = 1) -> Rings:
 
     waves = tuple((lobes, amplitude, sense * angle - by) for lobes, amplitude, angle in rings.waves)
     tables = tuple((sense * angles - by, heights) for angles, heights in rings.tables)
-    return Rings(seen(rings.inner), seen(rings.outer), waves, tables)
+    standing = tuple((0, ring) for _, ring in rings.turns)
+    return Rings(seen(rings.inner), seen(rings.outer), waves, tables, turns=standing)
 
 
 @attrs.frozen(eq=False)
 class BentRings:
     """Rings of a bearing in plane motion that yield or are out of round, in the sense of positive speeds."""
 
-    rings: Rings
-    formed: int | None  # the raceway that is out of round, which stands: 0 the inner one, 1 the outer one
-    coefficients: Array | None = None  # of its form, cubic on equal cells of the angle, (cells, 4)
+    rings: Rings  # with forms as they are at the start
+    forms: tuple[Array | None, Array | None]  # of either raceway, cubic on equal cells of the angle, (cells, 4)
+    turns: tuple[bool, bool]  # whether that goes round with its ring
 
     @property
     def of_both(self) -> tuple[RingShapes, RingShapes]:
@@ -54,29 +56,33 @@ class BentRings:
 
     @property
     def names(self) -> Mapping[str, str]:
-        """Unknowns in the head -> their unit: amplitudes of all shapes, those of the inner ring first, and rates."""
+        """Unknowns in the head -> their unit: amplitudes of shapes, inner ring first, rates, and angles of forms."""
         shapes = [
             f"{ring}_ring_{_called(row, k)}"
             for ring, one in zip(RINGS, self.of_both, strict=True)
             for k, row in enumerate(one.harmonics)
         ]
-        return dict.fromkeys(shapes, "m") | dict.fromkeys([f"{name}_speed" for name in shapes], "m/s")
+        angles = [f"{ring}_form_angle" for ring in compress(RINGS, self.turns)]
+        speeds = [f"{name}_speed" for name in shapes]
+        return dict.fromkeys(shapes, "m") | dict.fromkeys(speeds, "m/s") | dict.fromkeys(angles, "rad")
 
     @property
-    def given(self) -> list[tuple[Any, Array | None]]:
+    def shapes(self) -> int:
+        """How many shapes both rings have."""
+        return self.rings.parity.size
+
+    @property
+    def given(self) -> list[tuple[Any, Array | None, bool]]:
         """What the compiled system takes of both."""
         return [
-            (
-                (ring.harmonics, _mass(ring), ring.stiffness, _damping(ring), ring.pushes),
-                self.coefficients if at == self.formed else None,
-            )
-            for at, ring in enumerate(self.of_both)
+            ((ring.harmonics, _mass(ring), ring.stiffness, _damping(ring), ring.pushes), form, turns)
+            for ring, form, turns in zip(self.of_both, self.forms, self.turns, strict=True)
         ]
 
     def shift(self, psi: Array, deflection: Array) -> Array:
-        """Return how far the outer raceway stands off its circle [m], (..., Z), by the amplitudes of all shapes."""
+        """Return how far the outer raceway stands off its circle at the start [m], (..., Z), by all amplitudes."""
         outer = self.rings.outer.at(psi) @ deflection[self.rings.inner.stiffness.size :]
-        return np.asarray(outer - (self.rings.form(psi) if self.formed == 1 else 0.0))
+        return np.asarray(outer - self.rings.formed(2).form(psi))
 
     def energy(self, shapes: Array, speeds: Array) -> Array:
         """Return kinetic and elastic energy of the shapes less the work of what pushes on them [J], (...)."""
@@ -101,8 +107,8 @@ class BentRings:
         return found
 
 
-def bent_rings(a: Assembly) -> BentRings | None:
-    """Return the rings of a bearing; None where both are rigid and round.
+def bent_rings(a: Assembly, speeds: tuple[float, float] | None = None) -> BentRings | None:
+    """Return the rings of a bearing, which turn at most at speeds [rad/s]; None where both are rigid and round.
 
     Raises
     ------
@@ -111,22 +117,13 @@ def bent_rings(a: Assembly) -> BentRings | None:
     """
     if a.rings is None:
         return None
-    check_repeats(a)
     o = a.scene.operation
-    refuse_unknown(a.rings, (o.inner_speed, o.outer_speed))
+    of_inner, of_outer = speeds or (o.inner_speed, o.outer_speed)
+    _refuse(RINGS[0], a.rings.inner, abs(of_inner))
+    _refuse(RINGS[1], a.rings.outer, abs(of_outer))
     rings = turned(a.rings, 0.0, a.kinematics.direction)
-    if not (rings.waves or rings.tables):
-        return BentRings(rings, None)
-    most = max((_PER_LOBE * lobes for lobes, _, _ in rings.waves), default=0)
-    most = max([most, *(_PER_ROW * angles.size for angles, _ in rings.tables)])
-    # forms that turn are refused: it is the ring that stands
-    return BentRings(rings, 0 if o.outer_speed != 0.0 else 1, _spline(rings, min(max(most, _LEAST), _MOST)))
-
-
-def refuse_unknown(rings: Rings, speeds: tuple[float, float]) -> None:
-    """Refuse rings that plane motion does not know, at the largest speeds of inner and outer ring [rad/s]."""
-    for ring, shapes, speed in zip(RINGS, (rings.inner, rings.outer), speeds, strict=True):
-        _refuse(ring, shapes, abs(speed))
+    inner, outer = _spline(rings.formed(1)), _spline(rings.formed(2))
+    return BentRings(rings, (inner, outer), (inner is not None and of_inner != 0, outer is not None and of_outer != 0))
 
 
 def _refuse(ring: str, shapes: RingShapes, speed: float) -> None:
@@ -169,9 +166,14 @@ def _damping(ring: RingShapes) -> Array:
     return 2.0 * ring.damping_ratio * np.sqrt(ring.stiffness * _mass(ring))
 
 
-def _spline(rings: Rings, cells: int) -> Array:
+def _spline(rings: Rings) -> Array | None:
     from scipy.interpolate import CubicSpline  # only a form needs it
 
+    if not (rings.waves or rings.tables):
+        return None
+    most = max((_PER_LOBE * lobes for lobes, _, _ in rings.waves), default=0)
+    most = max([most, *(_PER_ROW * angles.size for angles, _ in rings.tables)])
+    cells = min(max(most, _LEAST), _MOST)
     nodes = np.arange(cells + 1, dtype=float)
     heights = rings.form(2.0 * math.pi / cells * nodes)
     heights[-1] = heights[0]

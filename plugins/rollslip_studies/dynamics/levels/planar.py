@@ -8,7 +8,7 @@
   between nodes. Deeper than the table goes, and where friction looks at slices, forces come from the slices.
 - A profile that is the same to both ends tilts none, and anything else is refused.
 - A land's film carries and drags at once: a drag that describes it in another way is left out, not added.
-- Rings that yield and raceways out of round are those of `bent_rings`, in the frame of the outer ring.
+- Rings that yield and raceways out of round are those of `bent_rings`.
 - The start is the equilibrium of the bearing at the cage speed it starts with, so that rollers are at rest along the
   radius but for what friction, gravity and m w^2 rho leave, which is small against the contact forces.
 """
@@ -218,7 +218,7 @@ class PlanarMotion(MovingBearing):
         across = u["cage_vy"] * np.cos(u["cage_angle"]) - u["cage_vx"] * np.sin(u["cage_angle"])
         found = 0.5 * (moving.sum(axis=-1) + ring + held) + cage.unbalance * u["cage_speed"] * across
         if self.bent is not None:
-            shapes = self.parts(y)[0][..., len(HEAD) :]
+            shapes = self.parts(y)[0][..., len(HEAD) : len(HEAD) + 2 * self.bent.shapes]
             found = found + self.bent.energy(*np.split(shapes, 2, axis=-1))
         return np.asarray(found)
 
@@ -251,7 +251,12 @@ class PlanarMotion(MovingBearing):
         return error
 
 
-def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: FrictionSettings) -> PlanarMotion:
+def planar_motion(
+    assembly: Assembly,
+    settings: PlanarSettings,
+    friction: FrictionSettings,
+    top_speeds: tuple[float, float] | None = None,
+) -> PlanarMotion:
     """Build the plane motion of a bearing whose scene has a cage.
 
     Parameters
@@ -262,6 +267,8 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         Masses, damping and gravity.
     friction : FrictionSettings
         Which friction, what is watched, and whether forces may come from a table.
+    top_speeds : tuple of two floats, optional
+        Largest speeds of inner and outer ring [rad/s], if they are not those of the scene.
 
     Raises
     ------
@@ -279,7 +286,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
             f"plane motion knows no tilt, and operation.misalignment is {o.misalignment:g} rad; make it 0 or choose "
             "level 'pocket'"
         )
-    bent = bent_rings(a)
+    bent = bent_rings(a, top_speeds)
     if not np.allclose(a.drop, a.drop[::-1], rtol=1e-9, atol=1e-15):
         raise DomainError(
             "plane motion knows no tilt, and a roller whose profile differs to its two ends tilts; "
@@ -308,7 +315,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         [capsule for model, capsule in torques if not (guidance and _of_land(model))],
         b.rollers,
         guidance,
-        _scale(heaviest, cage, 0 if bent is None else len(bent.names) // 2),
+        _scale(heaviest, cage, bent),
         forces=[(table.deepest, table.coefficients) for table in forces],
         resistances=None if friction.name == "conventional" else _resistances(a, most),
         rings=None if bent is None else bent.given,
@@ -458,7 +465,7 @@ def _swing_frequency(a: Assembly, settings: PlanarSettings, bent: BentRings | No
     return math.sqrt((inner + outer) / a.roller_mass + others)
 
 
-def _scale(a: Assembly, cage: Cage, shapes: int) -> Array:
+def _scale(a: Assembly, cage: Cage, bent: BentRings | None) -> Array:
     """Typical magnitudes: deflections, what they are passed through in, the epicyclic speeds and their energies.
 
     Between its raceways a roller swings at some 20 kHz, hardly damped, by little: held to a tolerance of its own
@@ -478,5 +485,6 @@ def _scale(a: Assembly, cage: Cage, shapes: int) -> Array:
     roller = [play, orbit, spin, _SWING * length, _SWING * speed]
     energy = 0.5 * (cage.inertia + b.rollers * a.roller_mass * k.orbit_radius**2) * orbit**2
     ledger = [energy if unit == "J" else 2.0 * energy / orbit for unit in LEDGER.values()]
-    head += [_SWING * length] * shapes + [_SWING * speed] * shapes
+    of_rings = {"m": _SWING * length, "m/s": _SWING * speed, "rad": 1.0}
+    head += [of_rings[unit] for unit in ({} if bent is None else bent.names).values()]
     return np.array([*head, *roller * b.rollers, *ledger])

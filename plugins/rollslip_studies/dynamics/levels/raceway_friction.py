@@ -50,6 +50,8 @@ _FIRST_NODES, _MOST_NODES = (5, 17, 24), 300_000
 _GAIN, _VAIN = 0.9, 4
 #: Slices below which the chain costs no more than a table.
 _FEW: Final = 13
+#: Instants over which effective friction is a mean where forms turn: over sixteen times as many it differs by < 1e-4.
+_TURNS: Final = 64
 #: Random contacts at which a table is held against the slices.
 _PROBES: Final = 600
 #: Sliding speeds over the rolling speed among which that is chosen over which friction rises, by so many nodes.
@@ -202,17 +204,26 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
             inner, outer = (table.of(raceway) for table, raceway in zip(tables, (inner, outer), strict=True))
         return RacewayFriction(settings, (inner, outer), slices=slices, by_force=tables, way=way)
     tolerance = settings.table_tolerance(assembly)
-    loads = build_load_map(assembly, tolerance) if loads is None else loads
-    effective = tuple(_table(assembly, ring, loads, settings) for ring in (0, 1))
+    if loads is None and assembly.rings is not None and assembly.rings.turning:  # in plane motion
+        of = assembly.slices, assembly.resolution.quadrature, *(raceway.deflection for raceway in assembly.raceways)
+        held = assembly.kept("loads over turns", of, partial(assembly.load_distribution, _TURNS))
+        effective = tuple(
+            _table(assembly, ring, load.reshape(-1, assembly.slices), held, settings)
+            for ring, load in enumerate((held.inner_load, held.outer_load))
+        )
+    else:
+        loads = build_load_map(assembly, tolerance) if loads is None else loads
+        of_orbit = loads.loads(min(assembly.centrifugal_force, loads.top))
+        effective = tuple(_table(assembly, ring, of_orbit[ring], loads.orbits, settings) for ring in (0, 1))
     inner, outer = (table.raceway(rollers) for table in effective)
     return RacewayFriction(settings, (inner, outer), tables=effective)
 
 
-def _table(assembly: Assembly, ring: int, loads: LoadMap, settings: FrictionSettings) -> EffectiveTable:
-    """Return the effective friction of a ring at the epicyclic speed, made once for a bearing."""
-    raceway, load = assembly.raceways[ring], loads.loads(min(assembly.centrifugal_force, loads.top))[ring]
+def _table(assembly: Assembly, ring: int, load: Array, loads: object, settings: FrictionSettings) -> EffectiveTable:
+    """Return the effective friction of a ring at the epicyclic speed, made once for a bearing and its loads."""
+    raceway = assembly.raceways[ring]
     of = settings.table_tolerance(assembly), settings.effective_over == "slips", settings.between_nodes
-    key = ring, loads.orbits, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *of
+    key = ring, loads, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *of
     return assembly.kept("effective friction", key, lambda: effective_table(assembly, raceway, load, *of))
 
 
