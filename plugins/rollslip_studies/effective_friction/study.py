@@ -43,6 +43,7 @@ from rollslip_studies.effective_friction.raceways import (
     largest_change,
     regime_variables,
 )
+from rollslip_studies.motion.spins import check_repeats
 from rollslip_studies.motion.torque_balance import (
     Runaway,
     TorqueBalance,
@@ -426,7 +427,11 @@ class EffectiveFriction(Study):
         """Return where the cage runs away, up to the largest slip that is looked at; None if it is not looked for."""
         if not self.runaway_range:
             return None
-        return self._away(rollers(assembly, instants))
+        return self._away(self._rollers(assembly, instants))
+
+    def _rollers(self, assembly: Assembly, instants: int) -> TorqueBalance:
+        check_repeats(assembly, f"with study.{self.name}.runaway_range = 0")
+        return rollers(assembly, instants)
 
     def _away(self, balance: TorqueBalance) -> Runaway:
         return runaway(balance, self.runaway_range, f"study.{self.name}.runaway_range")
@@ -435,7 +440,7 @@ class EffectiveFriction(Study):
         """Variables of running away and of how the cage runs, none where neither is looked for."""
         if not self.runaway_range:
             return {}
-        balance = rollers(assembly, instants)
+        balance = self._rollers(assembly, instants)
         away = self._away(balance)
         found = self.variables(runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status))
         if outputs & _STEADY:

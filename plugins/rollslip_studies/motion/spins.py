@@ -534,8 +534,8 @@ def orbit_loads(
     return whole(inner), whole(outer)
 
 
-def check_repeats(assembly: Assembly) -> None:
-    """Refuse a bearing in which no orbit of a roller is like the one before."""
+def check_repeats(assembly: Assembly, without: str = "without skidding") -> None:
+    """Refuse a bearing whose orbits of rollers do not repeat; ``without`` says how effective friction does without."""
     if assembly.rings is None or not assembly.rings.turning:
         return
     o = assembly.scene.operation
@@ -545,8 +545,8 @@ def check_repeats(assembly: Assembly) -> None:
             where = Location(assembly.scene.origins, ("bearing", f"{ring}_raceway", "form"))
             told = "turns with its ring against the load, so that orbits of rollers do not repeat, as in a steady slip"
             remedy = (
-                "motions in time follow it at level 'planar', and effective friction alone, with runaway_range = 0, is "
-                "a mean over its turns"
+                f"motions in time follow it at level 'planar', and effective friction alone, {without}, is a mean over "
+                "its turns"
             )
             raise SceneError([where.says(f"{told}; {remedy}")])
 
