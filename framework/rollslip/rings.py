@@ -183,6 +183,18 @@ class Rings:
         return attrs.evolve(self, waves=waves, tables=tables, turns=())
 
     @property
+    def image(self) -> "Rings":
+        """The same rings in a mirror along the line of load."""
+
+        def seen(ring: RingShapes) -> RingShapes:
+            stops = None if ring.stops is None else attrs.evolve(ring.stops, angles=-ring.stops.angles)
+            return attrs.evolve(ring, harmonics=ring.harmonics.conj(), stops=stops)
+
+        waves = tuple((lobes, amplitude, -angle) for lobes, amplitude, angle in self.waves)
+        tables = tuple((-angles, heights) for angles, heights in self.tables)
+        return attrs.evolve(self, inner=seen(self.inner), outer=seen(self.outer), waves=waves, tables=tables)
+
+    @property
     def turning(self) -> bool:
         """Whether a form turns against the load."""
         return any(periods for periods, _ in self.turns)

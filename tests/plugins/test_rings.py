@@ -578,6 +578,50 @@ def test_orbits_that_do_not_repeat_are_refused_in_words(ring):
             Dynamics(duration=1e-3, level=level).moving(assemble(made))
 
 
+SEATED = {"model": "thin", "seat_stiffness": "1e9 Pa", "harmonics": 4}
+TEETH = {"forces": [{"angle": "30 deg", "radial": "2 kN", "tangential": "1 kN", "arm": "10 mm"}]}
+DENT = {"angles": ["0 deg", "40 deg", "90 deg", "200 deg"], "heights": ["9 um", "0 um", "2 um", "0 um"]}
+
+
+@pytest.mark.parametrize(("ring", "form"), [(TEETH, []), ({}, [DENT])], ids=["forces on teeth", "a table"])
+def test_a_bearing_that_runs_backwards_meets_its_rings_from_the_other_side(ring, form):
+    changes = {"models.outer_ring": {**SEATED, **ring}, "bearing.outer_raceway.form": form}
+    forwards, backwards = (
+        assemble(scene(**changes, **{"operation.inner_speed": speed})) for speed in ("3000 rpm", "-3000 rpm")
+    )
+    ahead, back = forwards.load_distribution(2), backwards.load_distribution(2)
+    # where it meets them at an angle along its orbit, the other one does at the opposite angle
+    opposite = -np.arange(ahead.psi.size) % ahead.psi.size
+    in_order = [one.inner_force.T.ravel() for one in (ahead, back)]
+    assert in_order[1] == pytest.approx(in_order[0][opposite], abs=1e-8 * in_order[0].max())
+    assert np.abs(in_order[1] - in_order[0]).max() > 0.02 * in_order[0].max()
+    told = [load_distribution(one.scene, 2) for one in (forwards, backwards)]
+    assert told[1].raceway_shape.values == pytest.approx(told[0].raceway_shape.values, abs=1e-13)
+    assert told[1].displacement.values == pytest.approx(told[0].displacement.values, abs=1e-14)
+    forces = [dict(zip(np.round(one.angle.values.ravel(), 9), one.normal_force[0].values.ravel(), strict=True))
+              for one in told]  # fmt: skip
+    assert forces[1] == pytest.approx(forces[0], abs=1e-8 * in_order[0].max())
+
+
+@pytest.mark.parametrize("study", ["steady-slip", "motion", "planar"])
+def test_a_mirrored_form_under_a_mirrored_rotation_gives_the_same_slip(study):
+    def slip(speed, angle):
+        made = scene(**{
+            "bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "8 um", "angle": angle}],
+            "bearing.radial_clearance": "5 um", "operation.inner_speed": speed, "accuracy.slices": 5,
+            "study.dynamics": {
+                "level": "planar" if study == "planar" else "cage-set", "duration": "4 ms", "points": 5,
+                "friction": "conventional", "integrator": "rk45", "planar": {"inner_ring_mass": "5 kg"},
+            },
+        })  # fmt: skip
+        result = run(made, "steady-slip" if study == "steady-slip" else "dynamics")
+        return float(result.steady_slip[0] if study == "steady-slip" else abs(result.roller_slip[-1]).mean())
+
+    ahead, back = slip("6371 rpm", "20 deg"), slip("-6371 rpm", "-20 deg")
+    assert back == pytest.approx(ahead, rel=1e-9)
+    assert abs(slip("-6371 rpm", "20 deg") - ahead) > 1e-5 * ahead
+
+
 def test_single_rollers_of_forms_that_do_not_mirror_themselves_are_told_apart():
     form = [{"lobes": 2, "amplitude": "20 um", "angle": "0.4 rad"}]
     made = assemble(scene(**{"bearing.outer_raceway.form": form}))

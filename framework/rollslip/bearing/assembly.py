@@ -422,7 +422,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         drop=drop,
         inner=inner,
         outer=outer,
-        rings=rings,
+        rings=rings.image if rings and kinematics.direction < 0.0 else rings,
         known_loads=loads,
         **models,
     )

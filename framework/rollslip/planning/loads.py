@@ -43,14 +43,14 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     assembly = assemble(scene if isinstance(scene, Scene) else load_scene(scene))
     loads = assembly.load_distribution(instants)
 
-    orbit, rings = np.radians(np.arange(361.0)), assembly.rings
-    shape = np.zeros((2, instants, orbit.size))
+    orbit, rings, sense = np.radians(np.arange(361.0)), assembly.rings, assembly.kinematics.direction
+    psi, shape = sense * loads.psi % (2.0 * np.pi), np.zeros((2, instants, orbit.size))
     if rings is not None:
         m = rings.inner.stiffness.size
-        shape[0] = -loads.deflection[:, :m] @ rings.inner.at(orbit).T
-        shape[1] = loads.deflection[:, m:] @ rings.outer.at(orbit).T
+        shape[0] = -loads.deflection[:, :m] @ rings.inner.at(sense * orbit).T
+        shape[1] = loads.deflection[:, m:] @ rings.outer.at(sense * orbit).T
         for k, outwards in enumerate((1.0, -1.0)):
-            shape[k] += outwards * rings.formed(k + 1).form(orbit)
+            shape[k] += outwards * rings.formed(k + 1).form(sense * orbit)
     contacts = ("ring", "instant", "roller")
     return xr.Dataset(
         {
@@ -62,7 +62,7 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
             ),
             "displacement": (
                 ("instant", "direction"),
-                loads.displacement,
+                loads.displacement * np.array([1.0, sense]),
                 about("m", "displacement of the inner ring"),
             ),
             "roller_tilt": (("instant", "roller"), loads.roller_tilt, about("rad", "tilt of the roller")),
@@ -76,7 +76,7 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
         coords={
             "ring": ("ring", np.array(["inner", "outer"]), about("1", "ring")),
             "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
-            "angle": (("instant", "roller"), loads.psi, about("rad", "position from the line of load")),
+            "angle": (("instant", "roller"), psi, about("rad", "position from the line of load")),
             "orbit_angle": ("orbit_angle", orbit, about("rad", "angle from the line of load")),
             "position": ("slice", loads.position, about("m", "position along the roller from its middle")),
         },

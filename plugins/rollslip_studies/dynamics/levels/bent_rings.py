@@ -7,7 +7,6 @@
   not concerned. Beyond a tenth of the frequency it is refused.
 - A form is a periodic cubic spline: where a table has corners it is rounded over a cell. That of a ring that turns, at
   some time of a history, goes round with it: its angle is a coordinate, whose rate is the speed of the ring.
-- Speeds that are negative are those of the mirror image, and so are shapes and forms.
 """
 
 import math
@@ -28,15 +27,14 @@ _FASTEST: Final = 0.1  # of a natural frequency, that of the waves in which a tu
 _PER_LOBE, _PER_ROW, _LEAST, _MOST = 128, 8, 256, 65536
 
 
-def turned(rings: Rings, by: float, sense: int = 1) -> Rings:
-    """Return rings seen from a line that is turned by an angle [rad], of the mirror image where ``sense`` is -1."""
+def turned(rings: Rings, by: float) -> Rings:
+    """Return rings, with forms as they are at the start, seen from a line that is turned by an angle [rad]."""
 
     def seen(ring: RingShapes) -> RingShapes:
-        harmonics = ring.harmonics if sense > 0 else ring.harmonics.conj()
-        return attrs.evolve(ring, harmonics=harmonics * np.exp(1j * by * np.arange(harmonics.shape[1])))
+        return attrs.evolve(ring, harmonics=ring.harmonics * np.exp(1j * by * np.arange(ring.harmonics.shape[1])))
 
-    waves = tuple((lobes, amplitude, sense * angle - by) for lobes, amplitude, angle in rings.waves)
-    tables = tuple((sense * angles - by, heights) for angles, heights in rings.tables)
+    waves = tuple((lobes, amplitude, angle - by) for lobes, amplitude, angle in rings.waves)
+    tables = tuple((angles - by, heights) for angles, heights in rings.tables)
     standing = tuple((0, ring) for _, ring in rings.turns)
     return Rings(seen(rings.inner), seen(rings.outer), waves, tables, turns=standing)
 
@@ -121,7 +119,7 @@ def bent_rings(a: Assembly, speeds: tuple[float, float] | None = None) -> BentRi
     of_inner, of_outer = speeds or (o.inner_speed, o.outer_speed)
     _refuse(RINGS[0], a.rings.inner, abs(of_inner))
     _refuse(RINGS[1], a.rings.outer, abs(of_outer))
-    rings = turned(a.rings, 0.0, a.kinematics.direction)
+    rings = turned(a.rings, 0.0)
     inner, outer = _spline(rings.formed(1)), _spline(rings.formed(2))
     return BentRings(rings, (inner, outer), (inner is not None and of_inner != 0, outer is not None and of_outer != 0))
 
