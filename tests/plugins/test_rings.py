@@ -791,6 +791,15 @@ def test_parts_of_a_form_preload_a_play_of_20_um_together(form, preloaded):
     assert any("runs preloaded" in said for said in implausible(formed)) == preloaded
 
 
+def test_a_uniform_preload_and_one_by_a_form_are_told_together_each_with_its_share():
+    tight, form = {"bearing.radial_clearance": "-20 um"}, {"bearing.outer_raceway.form": [WAVE]}
+    (said,), (alone,) = (implausible(scene(**tight, **more)) for more in (form, {}))
+    bare, held = (100.0 * one.share(2) for one in yielding(scene().bearing))
+    assert "of 20 um about" in said
+    assert f"and of 12 um by the form about {bare:.0f} % (bare rings) to {held:.0f} %" in said
+    assert said.partition(" and of ")[0] == alone.partition(" reach the rollers")[0]
+
+
 def test_a_preload_with_one_rigid_ring_is_told_with_what_the_other_leaves():
     tight = {"bearing.radial_clearance": "-20 um", "models.outer_ring": {"model": "annulus", "outside": "0.23 m"}}
     (said,) = implausible(scene(**tight))

@@ -81,34 +81,40 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
     for key in unused(raw.get("bearing", {})):
         yield where.at(key), "is not used: bearing.radial_clearance is stated, that in operation"
     b, mounted = scene.bearing, scene.bearing.mounted
-    preloads = [(where.at("mounting" if mounted else "radial_clearance"), -b.radial_clearance, 0)]
+    at, uniform = where.at("mounting" if mounted else "radial_clearance"), -b.radial_clearance
     rings = rings_of(
         scene, lambda choice, at: structure_model("ring", {"model": choice.name, **choice.parameters}, at, []), []
     )
     stated = {} if rings is None else rings.yielding
     if len(stated) == 2:
         return
+    parts = [(uniform, 0, "")] if uniform > 0.0 else []
     if rings is not None and (rings.waves or rings.tables):  # all parts together
         formed = next(ring for ring in ("outer", "inner") if getattr(getattr(b, f"{ring}_raceway"), "form", ()))
-        highest = float(rings.form(np.linspace(0.0, 2.0 * np.pi, 721)).max())
+        by_form = 2.0 * float(rings.form(np.linspace(0.0, 2.0 * np.pi, 721)).max()) + min(uniform, 0.0)
         lobes = max(rings.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))[0]  # a table is taken for an oval
-        preloads.append((where.at(f"{formed}_raceway"), 2.0 * highest - b.radial_clearance, lobes))
+        if by_form > 0.0:
+            at = at if parts else where.at(f"{formed}_raceway")
+            parts.append((by_form, lobes, " by the form" if parts else ""))
+    if not parts:
+        return
     rigid = [ring for ring in ("outer", "inner") if ring not in stated]
     here = "rings are" if len(rigid) == 2 else f"the {rigid[0]} ring is"
     keys = " and ".join(f"models.{ring}_ring" for ring in rigid)
-    for at, preload, lobes in preloads:
-        if preload > 0.0:
-            how = f": {mounted}" if mounted and not lobes else ""
-            told = "too large"
-            with contextlib.suppress(RollslipError):
-                bare, held = (100 * one.share(lobes) for one in yielding(b, lobes=lobes, stated=stated))
-                told += f": of {preload * 1e6:.3g} um about {bare:.0f} % (bare rings) to {held:.0f} % "
-                told += "(with the housing and shaft of bearing.mounting, or thick ones) reach the rollers"
-            yield (
-                at,
-                f"the bearing runs preloaded{how}; {here} rigid here, so that forces of rollers are {told}; give "
-                f"{keys}, or take a looser fit or class",
-            )
+    how = f": {mounted}" if mounted and uniform > 0.0 else ""
+    told, seated = "too large", " (with the housing and shaft of bearing.mounting, or thick ones)"
+    with contextlib.suppress(RollslipError):
+        shares = []
+        for preload, lobes, what in parts:
+            bare, held = (100 * one.share(lobes) for one in yielding(b, lobes=lobes, stated=stated))
+            shares.append(f"of {preload * 1e6:.3g} um{what} about {bare:.0f} % (bare rings) to {held:.0f} %{seated}")
+            seated = ""
+        told = f"too large: {' and '.join(shares)} reach the rollers"
+    yield (
+        at,
+        f"the bearing runs preloaded{how}; {here} rigid here, so that forces of rollers are {told}; give {keys}, or "
+        "take a looser fit or class",
+    )
 
 
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
