@@ -286,7 +286,7 @@ def test_cold_stress_rises_with_strain_rate(law, sigma, deborah, factor):
     assert law(sigma * factor, deborah, 0) >= law(sigma, deborah, 0) * (1 - ROUNDING)
 
 
-@pytest.mark.parametrize("law", EXACT, ids=name)
+@pytest.mark.parametrize("law", LAWS, ids=name)
 @given(deborah=deborahs, heating=heatings)
 def test_heated_stress_has_at_most_one_maximum(law, deborah, heating):
     stress = law(np.logspace(-8, 8, 300), deborah, heating)
