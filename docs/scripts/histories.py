@@ -12,7 +12,7 @@ from output import percent, save_figure, write_table
 
 from rollslip import evolve, limit, load_scene, run
 from rollslip_campaigns.limit.figures import over_searched
-from rollslip_studies.dynamics.history_figures import slip_along
+from rollslip_studies.dynamics.history.figures import slip_along
 from rollslip_studies.dynamics.history_findings import record
 from rollslip_studies.surface_damage.figures import over_time
 from rollslip_studies.thermal_balance.figures import course

@@ -319,7 +319,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     assert not any(text.startswith("worst") for text in json.loads(fine.attrs["left"]))
     said = json.loads(few.attrs["left"])[0]
     words = "with the scene's own operation.radial_load or at an end of its range, more than the tolerance of 0.001"
-    assert re.match(rf"worst sliding power density is off by about [34]\.\de-03 {words}: the limit is off by", said)
+    assert re.match(rf"worst sliding power density is off by about [45]\.\de-03 {words}: the limit is off by", said)
 
 
 def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, monkeypatch):

@@ -6,7 +6,6 @@ import pytest
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
-from rollslip.results.account import account_of, answer
 from rollslip.results.accounts import account_of, answer
 from rollslip_studies.dynamics import over_time
 from rollslip_studies.dynamics.figures import motion_figures

@@ -483,7 +483,7 @@ def test_a_distance_that_few_stored_instants_know_badly_says_how_well(dropped):
 def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
     given = {"inner_speed", "outer_speed", "load_direction", "temperature", *OF_PARTS}  # by other histories
     elsewhere = {"ring_displacement", "cage_displacement", "land_eccentricity", "pocket_force", "pocket_displacement"}
-    elsewhere |= {"ring_deflection"}
+    elsewhere |= {"ring_deflection", "form_angle"}
     others = {"course_temperature", "radial_clearance", *OVER_MOTION}  # of scenes with models of heat and damage
     curves = {f"{ring}_{what}" for ring in ("inner", "outer") for what in ("sliding", "friction")}
     single = {name for name, output in Dynamics.outputs.items() if output.attribute}

@@ -47,7 +47,7 @@ ELSEWHERE = {
                  "largest_cage_slip_time", "least_cage_slip", "least_cage_slip_time", "least_margin_to_runaway",
                  "least_margin_time", "time_beyond_runaway",
                  "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer",
-                 "ring_deflection", *OVER_MOTION},
+                 "ring_deflection", "form_angle", *OVER_MOTION},
     "steady-slip": {
         f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
         "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")},

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 import promise_scenes
-from rollslip import evolve, get_model, load_scene, plan, run, sweep
+from rollslip import evolve, get_model, load_scene, plan, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
 from rollslip.planning.execution import execute
-from rollslip.results.account import account_of, answer
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
@@ -116,12 +115,12 @@ def test_laminae_are_added_until_the_worst_is_within_the_tolerance(k):
 
 
 def test_a_worst_value_that_stays_off_is_told_with_the_number():
-    """Of 8 laminae that the scene fixes: the error that is told is that against 201, or up to 4/3 of it."""
+    """Of 8 laminae that the scene fixes: the error that is told is that against 201, or up to half more: orders of 1.5 are relied on."""
     found = run(coarse(41, **{"accuracy.slices": 8}), "surface-damage")
     exact = run(coarse(41, **{"accuracy.slices": 201}), "surface-damage")
     for n, name in enumerate(WORST):
         off = float(abs(found.worst[n] / exact.worst[n] - 1.0).max())
-        assert 1.0 <= accuracy_of(found)[name] / off <= 4 / 3
+        assert 1.0 <= accuracy_of(found)[name] / off <= 1.5
         (said,) = (text for text in json.loads(found.attrs["warnings"]) if text.startswith(name))
         told = float(re.search(r"off by about (\S+), more than the tolerance of 0.001", said)[1])
         assert told == pytest.approx(accuracy_of(found)[name], rel=0.05)

@@ -37,7 +37,8 @@ CAMPAIGNS = {
 SHARED = {
     "rollslip_studies.effective_friction.raceways", "rollslip_studies.effective_friction.study",
     "rollslip_studies.effective_friction.ring_figures",
-    "rollslip_studies.friction_curve.study", "rollslip_studies.raceway_friction.study",
+    "rollslip_studies.friction_curve.study", "rollslip_studies.raceway_friction.film_figures",
+    "rollslip_studies.raceway_friction.study",
     "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.evaluated",
     "rollslip_studies.steady_slip.minimum_load", "rollslip_studies.steady_slip.band",
     "rollslip_studies.steady_slip.account", "rollslip_studies.steady_slip.figures",

@@ -4,15 +4,14 @@
 - What is said in words stands above the curves, in room that is kept free for it, never on them.
 """
 
-import json
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.curves import Curve, Curves, curve_names, curves, digits, percent
+from rollslip.results.curves import Curve, Curves, curve_names, curves, percent
 from rollslip.results.style import MARKER, ONE_COLUMN, ROW, Sheet, axis_label, lay_out, light_to_dark
 
 if TYPE_CHECKING:
@@ -25,19 +24,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "draw_curve",
-    "film_limits",
-    "film_text",
     "finish",
     "new_figure",
     "plain_curves",
-    "shade_film",
     "write_beside",
 ]
 
 Array = NDArray[np.float64]
-
-#: Background where the thinnest film is no longer full.
-FILM_TINTS: Final = {"mixed": "0.93", "boundary": "0.84"}
 
 #: Where a label may stand, the best first: offset in points from what it belongs to, alignment.
 _PLACES: Final = tuple(
@@ -89,53 +82,6 @@ def new_figure() -> "tuple[Figure, Axes]":
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
     return figure, axes
-
-
-def film_limits(dataset: "xr.Dataset") -> dict[str, float]:
-    """Film parameters up to which a film is mixed or boundary, as its law of traction states them."""
-    limits: dict[str, float] = json.loads(dataset.attrs.get("film_limits", "{}"))
-    return limits
-
-
-def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
-    """Film parameter of a curve and, if it is one all along, the kind of film."""
-    finite = curve.film_parameter[np.isfinite(curve.film_parameter)]
-    if not finite.size:
-        return "Λ unknown"
-    ends = (finite.min(), finite.max())
-    low, high = (digits(end, 2) for end in ends)
-    kinds = {_kind(end, limits) for end in ends}
-    kind = f" ({kinds.pop()})" if limits and len(kinds) == 1 else ""
-    return f"Λ = {low if low == high else f'{low} to {high}'}{kind}"
-
-
-def _kind(film_parameter: float, limits: Mapping[str, float]) -> str:
-    below = [film for film, limit in limits.items() if film_parameter < limit]
-    return f"{min(below, key=limits.__getitem__)} film" if below else "full film"
-
-
-def shade_film(axes: "Axes", shown: Sequence[Curve], limits: Mapping[str, float]) -> "list[Artist]":
-    """Shade the slips at which the thinnest film is not full; return what goes into the legend."""
-    from matplotlib.patches import Patch
-
-    thinnest = np.min([curve.film_parameter for curve in shown], axis=0)
-    handles: list[Artist] = []
-    for film, limit in sorted(limits.items(), key=lambda item: -item[1]):
-        below = thinnest < limit
-        if np.any(below):
-            axes.fill_between(
-                100 * shown[0].slip,
-                0.0,
-                1.0,
-                where=below.tolist(),
-                transform=axes.get_xaxis_transform(),
-                color=FILM_TINTS[film],
-                linewidth=0.0,
-                zorder=0,
-            )
-            label = f"{film} film: smallest Λ < {limit:.3g}"
-            handles.append(Patch(facecolor=FILM_TINTS[film], label=label))
-    return handles
 
 
 def draw_curve(

@@ -17,7 +17,6 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import Kind, Template
@@ -29,6 +28,7 @@ from rollslip.structure import Location, structure
 from rollslip.studies import estimates, parts
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.timing import timed
+from rollslip.studies.validity import rolling_slices
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -289,7 +289,7 @@ class Study(estimates.Curved, abc.ABC):
         it rolls without slip, if its loads take part.
         """
         if self.curves_of is None:
-            return _rolling(assembly) if self.bearing_loads else []
+            return rolling_slices(assembly) if self.bearing_loads else []
         if type(self).evaluated is Study.evaluated:
             return []
         slips = dataset.sizes[self.curves_of.slip]
@@ -307,25 +307,11 @@ class Study(estimates.Curved, abc.ABC):
         By default all that the bearing loads where it rolls without slip, if its loads take part; else none. It has to
         cost little beside a run.
         """
-        return "without slip", _rolling(assembly) if self.bearing_loads else []
+        return "without slip", rolling_slices(assembly) if self.bearing_loads else []
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves."""
         raise NotImplementedError(f"study {self.name!r} has no curves to compare")
-
-
-def _rolling(assembly: Assembly) -> list[Evaluated]:
-    """Loaded slices of both rings at the first instant, where the bearing rolls without slip."""
-    loads, speeds = assembly.load_distribution(1), assembly.kinematics.surface_speeds(0.0, 0.0)
-    found = []
-    for raceway, load, rolling in (
-        (assembly.inner, loads.inner_load, speeds.inner_rolling),
-        (assembly.outer, loads.outer_load, speeds.outer_rolling),
-    ):
-        places = assembly.places(raceway.ring, loads.psi[0], np.arange(float(loads.psi.shape[1])))
-        one = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
-        found.append(Evaluated(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places))
-    return found
 
 
 def study_class(name: str, scene: Scene | None = None) -> type[Study]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import Chain
-from rollslip.bearing.raceway import Array
+from rollslip.bearing.raceway import Array, LoadedContacts
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, QUANTITIES
 from rollslip.catalogue.registry import get_class
 from rollslip.models import (
@@ -49,6 +49,7 @@ __all__ = [
     "outside",
     "quantity",
     "record",
+    "rolling_slices",
     "sentences",
     "told",
 ]
@@ -428,3 +429,17 @@ def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told
         "approximation": None if off is None else attrs.asdict(off),
         "told": [attrs.asdict(one) for one in said],
     }
+
+
+def rolling_slices(assembly: Assembly) -> list[Evaluated]:
+    """Return the loaded slices of both rings at the first instant, where the bearing rolls without slip."""
+    loads, speeds = assembly.load_distribution(1), assembly.kinematics.surface_speeds(0.0, 0.0)
+    found = []
+    for raceway, load, rolling in (
+        (assembly.inner, loads.inner_load, speeds.inner_rolling),
+        (assembly.outer, loads.outer_load, speeds.outer_rolling),
+    ):
+        places = assembly.places(raceway.ring, loads.psi[0], np.arange(float(loads.psi.shape[1])))
+        one = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
+        found.append(Evaluated(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places))
+    return found

@@ -36,7 +36,7 @@ from rollslip_studies.dynamics.findings import (
     unslipped_cage_speed,
     unslipped_roller_speed,
 )
-from rollslip_studies.dynamics.history_figures import phase, slip_along
+from rollslip_studies.dynamics.history.figures import phase, slip_along
 from rollslip_studies.surface_damage.figures import over_time
 from rollslip_studies.thermal_balance.figures import course
 

@@ -5,15 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.curve_figures import (
-    draw_curve,
-    film_limits,
-    film_text,
-    finish,
-    new_figure,
-    shade_film,
-    write_beside,
-)
+from rollslip.results.curve_figures import draw_curve, finish, new_figure, write_beside
 from rollslip.results.curves import curves, percent
 from rollslip.results.style import (
     DASHES,
@@ -26,6 +18,7 @@ from rollslip.results.style import (
     seamless,
 )
 from rollslip_studies.effective_friction.ring_figures import ring_figure
+from rollslip_studies.raceway_friction.film_figures import film_limits, film_text, shade_film
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollslip.results.curve_figures import draw_curve, film_limits, film_text, finish, new_figure, shade_film
+from rollslip.results.curve_figures import draw_curve, finish, new_figure
 from rollslip.results.curves import curves
 from rollslip.results.style import axis_label, light_to_dark
 from rollslip.units import format_quantity
+from rollslip_studies.raceway_friction.film_figures import film_limits, film_text, shade_film
 
 if TYPE_CHECKING:
     import xarray as xr

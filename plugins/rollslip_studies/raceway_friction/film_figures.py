@@ -1,0 +1,66 @@
+"""What figures of friction over slip say of the film: how thick it is, and where it is no longer full."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from rollslip.results.curves import Curve, digits
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
+__all__ = ["film_limits", "film_text", "shade_film"]
+
+#: Background where the thinnest film is no longer full.
+FILM_TINTS: Final = {"mixed": "0.93", "boundary": "0.84"}
+
+
+def film_limits(dataset: "xr.Dataset") -> dict[str, float]:
+    """Film parameters up to which a film is mixed or boundary, as its law of traction states them."""
+    limits: dict[str, float] = json.loads(dataset.attrs.get("film_limits", "{}"))
+    return limits
+
+
+def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
+    """Film parameter of a curve and, if it is one all along, the kind of film."""
+    finite = curve.film_parameter[np.isfinite(curve.film_parameter)]
+    if not finite.size:
+        return "Λ unknown"
+    ends = (finite.min(), finite.max())
+    low, high = (digits(end, 2) for end in ends)
+    kinds = {_kind(end, limits) for end in ends}
+    kind = f" ({kinds.pop()})" if limits and len(kinds) == 1 else ""
+    return f"Λ = {low if low == high else f'{low} to {high}'}{kind}"
+
+
+def _kind(film_parameter: float, limits: Mapping[str, float]) -> str:
+    below = [film for film, limit in limits.items() if film_parameter < limit]
+    return f"{min(below, key=limits.__getitem__)} film" if below else "full film"
+
+
+def shade_film(axes: "Axes", shown: Sequence[Curve], limits: Mapping[str, float]) -> "list[Artist]":
+    """Shade the slips at which the thinnest film is not full; return what goes into the legend."""
+    from matplotlib.patches import Patch
+
+    thinnest = np.min([curve.film_parameter for curve in shown], axis=0)
+    handles: list[Artist] = []
+    for film, limit in sorted(limits.items(), key=lambda item: -item[1]):
+        below = thinnest < limit
+        if np.any(below):
+            axes.fill_between(
+                100 * shown[0].slip,
+                0.0,
+                1.0,
+                where=below.tolist(),
+                transform=axes.get_xaxis_transform(),
+                color=FILM_TINTS[film],
+                linewidth=0.0,
+                zorder=0,
+            )
+            label = f"{film} film: smallest Λ < {limit:.3g}"
+            handles.append(Patch(facecolor=FILM_TINTS[film], label=label))
+    return handles
