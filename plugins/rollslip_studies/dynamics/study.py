@@ -35,7 +35,7 @@ from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip_studies.dynamics import heating, over_time
-from rollslip_studies.dynamics.choice import choose_motion
+from rollslip_studies.dynamics.choice import choose_motion, step_tolerance
 from rollslip_studies.dynamics.cost import costs_of
 from rollslip_studies.dynamics.history.settings import History, HistorySettings
 from rollslip_studies.dynamics.history.time_functions import Course
@@ -45,7 +45,6 @@ from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, check
 from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motion
 from rollslip_studies.dynamics.levels.raceway_friction import FRICTION, FrictionSettings
 from rollslip_studies.dynamics.outputs import OUTPUTS
-from rollslip_studies.dynamics.steps import step_tolerance
 from rollslip_studies.dynamics.termination import (
     explained,
     failed_by,

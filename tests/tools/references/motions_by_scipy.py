@@ -13,8 +13,8 @@
   and DOP853 differ by, or two runs of the study of which one watches for events, if that is more: how sensitive the
   motion is. It is added to a difference that is *kept* and taken from one that is *missed*; others are *sensitive*.
 - ``finer`` is the difference of the study's own integrator at a thousandth of its tolerance, where it is not kept.
-- None of 60 scenes is missed. Scenes 5, 41, 49, 57 and 59, all planar, are sensitive: LSODA and DOP853 come 3e-3 to 2.5e-2
-  apart there, and results claim 0.7 to 1.7 times what they are off. Where that is above the tolerance they say so.
+- None of 60 scenes is missed. Scenes 5, 41, 49, 57 and 59, all planar, are sensitive: LSODA and DOP853 come 3e-3 to
+  2.5e-2 apart there, and results claim 0.7 to 1.7 times what they are off. Above the tolerance they say so.
 
 A row is written as soon as it is known, and the script goes on where it was interrupted. A scene has 40 s at most.
 """
