@@ -563,3 +563,12 @@ def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_i
     assert "effective friction cannot be tabulated along the history, as between speed " in said
     assert "rates are still off by" in said
     assert not any("as the scene names it" in one for one in json.loads(runs["conventional"].attrs["warnings"]))
+
+
+def test_where_effective_friction_takes_too_many_bearings_along_a_history_friction_is_conventional(monkeypatch):
+    monkeypatch.setattr(over_time, "_MOST_BEARINGS", 3)
+    run_up = {"shape": "run-up", "from": "6000 rpm", "within": "0.3 s"}
+    made = rollslip.plan(scene({"study.dynamics.friction": "effective"}, inner_speed=run_up), "dynamics")
+    assert made.estimated["dynamics"].resolution.friction == "conventional"
+    (part,) = [part for part in made.parts if part.part == "friction of the raceways"]
+    assert "as more than 3 bearings would have to be put together for it" in part.reason

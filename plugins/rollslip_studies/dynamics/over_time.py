@@ -43,8 +43,9 @@ if TYPE_CHECKING:
 _GRID: Final = {0: 1, 1: 9, 2: 5, 3: 4, 4: 3}
 #: Instants between which the slip that is watched goes on a straight line.
 _INSTANTS: Final = 2001
-#: Instants at which a plan looks at the maps along a history.
-_LOOKS: Final = 257
+#: Instants at which a plan looks at the maps along a history, and bearings over an axis of speed from which on
+#: conventional friction takes far less time than effective friction.
+_LOOKS, _MOST_BEARINGS = 257, 100
 #: Least value over the largest from which on steps of a grid are equal; below, they are in proportion.
 _EVEN: Final = 0.5
 #: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
@@ -312,17 +313,20 @@ def without_tables(history: History | None, friction: str, make: Callable[[], Mo
     if history is None or friction != "effective" or not {"inner_speed", "outer_speed"} & {*history.varies}:
         return ""
     try:
-        _through(history, make())
+        _through(history, make(), _MOST_BEARINGS)
     except ConvergenceError as refused:
         return f"effective friction cannot be tabulated along the history, as {refused}"
     return ""
 
 
-def _through(history: History, moving: MovingBearing) -> None:
-    """Put together what a motion asks for along a history."""
-    y = moving.initial()
+def _through(history: History, moving: MovingBearing, most: float = math.inf) -> None:
+    """Put together what a motion asks for along a history, up to so many bearings an axis of speed."""
+    assert isinstance(moving, VaryingMotion)
+    y, most = moving.initial(), most * 4 ** max(len(moving.stations.axes) - 1, 0)
     for t in np.linspace(0.0, history.end, _LOOKS):
         moving.system(float(t), y)
+        if moving.stations.bearings > most:
+            raise ConvergenceError(f"more than {most:g} bearings would have to be put together for it")
 
 
 def told(dataset: "xr.Dataset") -> "xr.Dataset":
