@@ -61,6 +61,7 @@ class RingShapes:
     #: Of each shape [kg], (m,): kinetic energy sum M (dq/dt)^2/2. None where nobody knows; plane motion needs it.
     mass: Floats | None = None
     damping_ratio: float = 0.0  #: Of critical damping, the same for all shapes [1].
+    departs: tuple[str, ...] = ()  #: Keys of the model by which its seat is not that of ``bearing.mounting``.
 
     def __attrs_post_init__(self) -> None:
         m = self.stiffness.size

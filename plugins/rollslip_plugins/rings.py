@@ -271,7 +271,10 @@ class Annulus(RingModel):
         densities = (own.density, self.density or other.density)[: len(layers)]
         k = {n: 1.0 / compliance_of_annulus(n, layers, width) for n in numbers(bearing, self.harmonics)}
         mass = {n: mass_of_annulus(n, layers, width, densities) for n in k}
-        return modal(layers[0][0], k, mass, damping_ratio=self.damping_ratio)
+        seat = {"outside": m.housing_outside_diameter, "bore": m.shaft_bore,
+                "modulus": other.elastic_modulus, "poisson_ratio": other.poisson_ratio}  # fmt: skip
+        departs = tuple(key for key, of in seat.items() if getattr(self, key) not in (None, of))
+        return modal(layers[0][0], k, mass, damping_ratio=self.damping_ratio, departs=departs)
 
 
 @attrs.frozen(kw_only=True)

@@ -227,6 +227,22 @@ def test_a_ring_in_play_widens_freely_until_its_seat_holds_it():
     assert wide(2e-5, growth=False) == 0.0
 
 
+def test_a_housing_of_a_ring_that_the_clearance_does_not_know_is_told():
+    one = evolve(
+        scene(), {"models.outer_ring": {"model": "annulus", "outside": "200 mm"}, "models.inner_ring": "annulus"}
+    )
+    told = [text for text in implausible(one) if "is not as in bearing.mounting" in text]
+    assert len(told) == 1
+    assert "models.outer_ring.outside" in told[0]
+    of_both = {"model": "annulus", "bore": "40 mm", "modulus": "70 GPa"}
+    hollow = evolve(scene(), {"models.inner_ring": of_both, "bearing.mounting.shaft_bore": "40 mm"})
+    told = [text for text in implausible(hollow) if "is not as in bearing.mounting" in text]
+    assert ["models.inner_ring.modulus" in text for text in told] == [True]
+    known = evolve(one, {"bearing.mounting.housing_outside_diameter": "200 mm"})
+    assert implausible(known) == []
+    assert implausible(evolve(one, {"bearing.radial_clearance": "20 um"})) == []
+
+
 # The sum -------------------------------------------------------------------------------------------------------------
 
 

@@ -86,6 +86,10 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
         scene, lambda choice, at: structure_model("ring", {"model": choice.name, **choice.parameters}, at, []), []
     )
     stated = {} if rings is None else rings.yielding
+    for ring, shapes in stated.items() if mounted else ():
+        for key in shapes.departs:
+            told = "is not as in bearing.mounting, from which the clearance in operation follows; state it there alone"
+            yield Location(scene.origins).at("models").at(f"{ring}_ring").at(key), told
     if len(stated) == 2:
         return
     parts = [(uniform, 0, "")] if uniform > 0.0 else []

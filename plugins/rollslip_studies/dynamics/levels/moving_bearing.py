@@ -34,7 +34,8 @@ def unknowns(level: str, assembly: Assembly) -> int:
 def check_moves(assembly: Assembly, level: str) -> None:
     """Refuse a bearing that is known at steady slips alone, or at another level."""
     operation, heavy = assembly.scene.operation, assembly.weight_share > assembly.scene.accuracy.tolerance
-    steady, caged = "are known at steady slips alone", assembly.separator.coefficient is None
+    steady = "are known at steady slips alone, as a run that names no study tells"
+    caged = assembly.separator.coefficient is None
     weighs = operation.gravity_direction is not None and heavy and level != "planar"
     for table, key, there, told in (
         ("models", "separator", not caged, f"have a cage, rollers without one {steady}"),
