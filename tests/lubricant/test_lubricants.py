@@ -158,15 +158,6 @@ def test_what_an_oil_lacks_is_nan():
     assert bare.thermoviscosity == 0.0
 
 
-@every_oil
-def test_outside_its_range_an_oil_says_so(oil):
-    oil.at(oil.minimum_temperature)
-    oil.at(oil.maximum_temperature)
-    for T in (oil.minimum_temperature - 0.01, oil.maximum_temperature + 0.01, math.nan):
-        with pytest.raises(DomainError):
-            oil.at(T)
-
-
 def test_the_range_error_names_oil_temperature_range_and_remedy():
     with pytest.raises(DomainError) as caught:
         OILS["mil-prf-7808"].at(523.15)

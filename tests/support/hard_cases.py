@@ -1095,7 +1095,6 @@ def model_in_study(subject, verdict, study, forces):
 
 FREE_ROLLER = STUDIES[-1:]  # finds the spin of every roller at every slip
 NO_FORCE = dict.fromkeys(STUDIES[:2], "takes the normal force of its contact as given")
-NOT_RELATIVE = dict.fromkeys(STUDIES[:2], "has no cage slip")
 #: Error allowed 100 decades from one: the rounding of an exponent, 1.1e-16, times ln(1e100) = 230, some times over.
 FAR = 2e-13
 ENDS = (DENORMAL, 1e-310, 1e-300, 1e300, HUGE)
