@@ -706,6 +706,7 @@ def test_a_form_that_turns_is_planned_and_followed_and_leads_to_no_steady_slip(f
     assert result.attrs["outcome"] == "finished"
     assert "a form turns with its ring" in result.attrs["runaway_status"]
     assert "no estimates" not in result.attrs["plan"]
+    assert "153 unknowns" in result.attrs["plan"]  # 150, two of the hoop, and the angle
     assert result.form_angle[0].values == pytest.approx(6371 * 2 * np.pi / 60 * result.time.values, rel=1e-9)
     assert not answer(result).next
     standing = along(friction=friction, more=(LOBES,), outer=HOOP, cage=cage)

@@ -20,15 +20,19 @@ from rollslip_studies.motion.effective_table import table_records
 _LEANING: Final = 0.05
 #: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
 _SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
-#: Level -> number of unknowns of the head and of each roller, where rings are rigid.
+#: Level -> number of unknowns of the head and of each roller, where rings are rigid and round.
 _UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
 
 
 def unknowns(level: str, assembly: Assembly) -> int:
-    """Return how many unknowns a level has, without those of the ledger: two for each shape in which a ring yields."""
-    head, roller = _UNKNOWNS[level]
-    shapes = assembly.rings.parity.size if level == "planar" and assembly.rings is not None else 0
-    return head + 2 * shapes + roller * assembly.scene.bearing.rollers
+    """Return how many unknowns a level has, without those of the ledger.
+
+    They are two more for each shape in which a ring yields, and one for each ring whose form turns.
+    """
+    (head, roller), rings = _UNKNOWNS[level], assembly.rings
+    if level == "planar" and rings is not None:
+        head += 2 * rings.parity.size + len({ring for periods, ring in rings.turns if periods})
+    return head + roller * assembly.scene.bearing.rollers
 
 
 def check_moves(assembly: Assembly, level: str) -> None:
