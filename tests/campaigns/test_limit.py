@@ -263,6 +263,9 @@ def test_one_quantity_has_one_unit_in_one_answer(tmp_path, monkeypatch):
 def test_a_limit_that_is_passed_by_a_jump_is_told_with_what_the_study_says_of_both_sides(bearing):
     smooth = rollslip.limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
     assert "jump" not in findings.topics(smooth)
+    assert "jump" not in findings.topics(
+        rollslip.limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE | {"within": 0.3})
+    )
     kept, passed = float(smooth.edge_kept[0]), float(smooth.edge_passed[0])
     beyond = smooth["searched"] >= passed
     words = np.where(beyond, "at least: no skidding", "found")
