@@ -15,14 +15,30 @@ import signal
 import threading
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import suppress
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 import attrs
 
+from rollslip.catalogue.kinds import Kind, Template
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError
 from rollslip.fields import at_least, parameter, positive
 from rollslip.hookspecs import hookimpl
+
+#: The kind of engines. It stands with them, since the core sweeps nothing.
+ENGINE: Final = Kind(
+    name="engine",
+    hook="engines",
+    base=Engine,
+    template=Template(
+        summary="An engine of sweeps",
+        contents="the executor that computes the points",
+        use="rollslip sweep run 1032930-70C --over operation.radial_load=500N:5000N:5 --engine ${model}",
+        classes=("Engine", "Executor"),
+        needs=("attrs>=24.2",),
+    ),
+    rules="rollslip_plugins.engine_rules",
+)
 
 
 def _count() -> Any:

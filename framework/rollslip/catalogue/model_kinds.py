@@ -4,7 +4,6 @@ from typing import Any, Final
 
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.datasets import BearingData, FitData, SceneData, SurfaceData
-from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, PressureModel, TractionModel
@@ -66,16 +65,6 @@ DRAG: Final = Kind(
     template=Template(
         summary="A drag model", contents="the law", use=_PYTHON.format("drag"), classes=("DragModel",), needs=_ATTRS,
         compiled=True,
-    ),
-)  # fmt: skip
-ENGINE: Final = Kind(
-    name="engine", hook="engines", base=Engine,
-    template=Template(
-        summary="An engine of sweeps",
-        contents="the executor that computes the points",
-        use="rollslip sweep run 1032930-70C --over operation.radial_load=500N:5000N:5 --engine ${model}",
-        classes=("Engine", "Executor"),
-        needs=_ATTRS,
     ),
 )  # fmt: skip
 RING: Final = Kind(

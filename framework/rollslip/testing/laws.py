@@ -1,4 +1,4 @@
-"""What each kind has in common: contact, film, traction and drag, solvers, oils and engines; a function a rule.
+"""What each kind has in common: contact, film, traction and drag, and oils; a function a rule.
 
 - Each holds for every law of its kind that is known, over all magnitudes, and not only for those in the box.
 - Derivatives are compared with differences, orders and errors with solutions that are known in closed form.
@@ -6,7 +6,7 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -15,8 +15,7 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from rollslip.engine import Engine
-from rollslip.errors import DomainError, EngineError
+from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
@@ -526,43 +525,3 @@ def check_refuses_temperatures_outside_its_range(oil: Lubricant) -> None:
             refuse_unless(oil.name in str(error), f"the error at {T!r} K does not name the oil: {error}")
         else:
             raise Nonconformance(f"{T!r} K is taken: there is no error")
-
-
-# Engines -------------------------------------------------------------------------------------------------------------
-
-
-def _outcomes(engine: Engine, tasks: Sequence[tuple[Any, ...]]) -> list[Any]:
-    """Return what becomes of tasks, each a function and its arguments: a result, or the error."""
-    try:
-        executor = engine.executor()
-    except EngineError as error:
-        raise Inapplicable(f"it cannot be started here: {error}") from error
-    try:
-        refuse_unless(engine.workers(executor) >= 1, f"it says that {engine.workers(executor)} tasks run at once")
-        found: list[Any] = []
-        for future in [executor.submit(*task) for task in tasks]:
-            try:
-                found.append(future.result(timeout=120.0))
-            except Exception as error:
-                found.append(error)
-        return found
-    finally:
-        engine.end(executor, at_once=False)
-
-
-@rule(Engine)
-def check_gives_back_what_its_tasks_return(engine: Engine) -> None:
-    """Every task is computed once, and its result is that of the same task."""
-    found = _outcomes(engine, [(divmod, n, 7) for n in range(20)])
-    wanted = [divmod(n, 7) for n in range(20)]
-    refuse_unless(found == wanted, f"of divmod(n, 7) it gives {found[:4]} ..., not {wanted[:4]} ...")
-
-
-@rule(Engine)
-def check_hands_on_what_a_task_raises(engine: Engine) -> None:
-    """A sweep tells by the error of a task what was lost with it, and other tasks go on."""
-    found = _outcomes(engine, [(int, "1"), (int, "one"), (int, "2")])
-    refuse_unless(
-        isinstance(found[1], ValueError) and not engine.killed(found[1]) and (found[0], found[2]) == (1, 2),
-        f"of a task that raises a ValueError between two that do not, it gives {found!r}",
-    )
