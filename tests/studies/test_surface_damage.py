@@ -115,7 +115,7 @@ def test_laminae_are_added_until_the_worst_is_within_the_tolerance(k):
 
 
 def test_a_worst_value_that_stays_off_is_told_with_the_number():
-    """Of 8 laminae that the scene fixes: what is told is how far off 201 they are, or up to half more, by an order of 1.5."""
+    """Of 8 laminae that the scene fixes; told is how far off 201 they are, or up to half more, by an order of 1.5."""
     found = run(coarse(41, **{"accuracy.slices": 8}), "surface-damage")
     exact = run(coarse(41, **{"accuracy.slices": 201}), "surface-damage")
     for n, name in enumerate(WORST):
