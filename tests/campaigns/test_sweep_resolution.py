@@ -10,11 +10,12 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
-from rollslip.studies.outputs import evaluate
+from rollslip.studies.outputs import evaluate, named_outputs
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.point import compute, unpacked
 from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_studies.steady_slip.study import SteadySlip
 
 OVER = {"lubricant.pressure_viscosity_factor": "0.75:1.25"}
 
@@ -68,3 +69,8 @@ def test_samples_after_saltelli_exchange_one_dimension_at_a_time_and_begin_alike
     for k in range(3):
         assert np.array_equal(np.delete(blocks[:, 2 + k], k, axis=1), np.delete(blocks[:, 0], k, axis=1))
         assert np.array_equal(blocks[:, 2 + k, k], blocks[:, 1, k])
+
+
+def test_the_words_of_an_answer_are_taken_for_its_outputs():
+    asked = ("cage_slip", "minimum_load", "limit_drag_torque")
+    assert set(named_outputs(SteadySlip, asked)) >= {"steady_slip", "least_load", "largest_drag"}
