@@ -59,7 +59,12 @@ def followed_outputs(name: str) -> dict[str, Output]:
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "steady_slip": Output(
-            "steady", "1", "steady cage slip", status="status", default=True, also=("slip", "cage_slip", "steady_cage_slip")
+            "steady",
+            "1",
+            "steady cage slip",
+            status="status",
+            default=True,
+            also=("slip", "cage_slip", "steady_cage_slip"),
         ),
         "status": Output("", "1", "what was found"),
         "largest_drag": Output(
