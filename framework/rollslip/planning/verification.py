@@ -31,10 +31,12 @@ _LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
 _OF_JUMPS = 1.0
 #: Share of the tolerance below which an error needs no order to be believed.
 _CLEAR = 0.3
-#: How many times as dense slices a witness takes, whose error falls with the square.
+#: How many times as many slices a witness takes.
 _FINER_SLICES = 4
 #: Of how many slices and instants a witness of both has at least, where few cost little and may err alike.
 _SOME_SLICES, _SOME_INSTANTS = 40, 9
+#: Share of the tolerance below which what these tell is no agreement by chance.
+_BEYOND_CHANCE = 0.15
 #: How many times as many slips a witness goes along where a curve is followed from slip to slip.
 _DENSER = 3
 #: Slips on which a witness sees curves of which the result holds none.
@@ -69,7 +71,7 @@ class Judgement:
 def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.Dataset") -> Judgement:
     """Measure what slices and instants leave, by a witness that shares none of the choice's grounds.
 
-    Slices are held against some four times as dense, by Gauss's rule: where a contact ends between slices their error
+    Slices are held against four times as many, by Gauss's rule: where a contact ends between slices their error
     falls with the square only on the whole, and twice as many may err alike. That is done at few slips, and where
     the error is not clearly below its tolerance at those of the result, with the maxima that the study finds.
     Instants are held against 2 m + 1 others, of which only the one with a roller in the line of load is among the m
@@ -81,18 +83,19 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is always
     held against one with the slices of the run: of two maxima of nearly the same height few slices may have another
     one for the largest. Slices and instants may err against each other, so at few slips, or for single values of the
-    result, twice as many of both are taken at once, with the models of a contact that were left out at few slips, and
-    others where these agree. Of a study without curves the single values alone are judged, if it has any.
+    result, twice as many of both are taken at once, with the models of a contact that were left out at few slips.
+    These are points of Gauss's rule, pi/2 times as many: light loads reach only the middle of a roller, where they lie
+    as much farther apart than equal slices. Where they agree others follow, by the rule of the run and on other
+    instants, for single values. Of a study without curves the single values alone are judged, if it has any.
     """
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
     if resolution.instants is None or (curved is None and type(study).witnessed is Study.witnessed):
         return Judgement(errors={})
     if curved is None:
         parts: dict[str, Errors] = {"slices": {}, "instants": {}} if assembly.slices > 1 else {"instants": {}}
-        single = partial(study.witnessed, dataset=dataset)
-        return (
-            Judgement(errors={}) if accuracy.exact else _at_once(Judgement(errors=parts), assembly, estimated, single)
-        )
+        if accuracy.exact:
+            return Judgement(errors={})
+        return _at_once(Judgement(errors=parts), assembly, estimated, lambda finer, _: study.witnessed(finer, dataset))
     m, few = resolution.instants, few_slices(assembly)
     few = assembly if curved.followed or few.slices >= assembly.slices else few
     errors, orders = dict[str, Errors](), dict[str, float]()
@@ -101,13 +104,13 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
         return any(not error <= share * accuracy.of(name) for name, error in of.items())
 
     def of_slices(instants: int) -> Errors:
-        many = attrs.evolve(resolution, slices=_as_dense(resolution, _FINER_SLICES), quadrature="gauss")
+        many = attrs.evolve(resolution, slices=_FINER_SLICES * resolution.slices, quadrature="gauss")
         probe, both = Probe(partial(curved.curves, few), curved.slip_range), (assembly, assembly.at(many))
         moved: Errors = difference(*(probe.measure(partial(curved.curves, one), (instants,))[0] for one in both))
         if over(_CLEAR, moved):
             own, finer = (_seen(study, curved, one, instants) for one in both)
             moved = moved if own is None or finer is None else errors_between(curved.judged, own, finer)
-        return {name: error / apart(1, _FINER_SLICES) for name, error in moved.items()}
+        return {name: error / apart(1, _FINER_SLICES, AT_ONCE) for name, error in moved.items()}
 
     def of_instants(at: Assembly) -> Errors:
         off = _off(study, curved, at, dataset if at is assembly else None, m)
@@ -136,9 +139,9 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     if over(1.0, total(errors)) and "slices" in errors and m > SOME:
         errors["slices"] = of_slices(min(m, FEW))
 
-    def moved(finer: Assembly) -> Errors:
+    def moved(finer: Assembly, curves: bool) -> Errors:
         found: Errors = study.witnessed(finer, dataset)
-        if len(errors) > 1 and not curved.followed:
+        if curves and len(errors) > 1 and not curved.followed:
             probe, pair = Probe(partial(curved.curves, few), curved.slip_range), (assembly, finer)
             seen = (probe.measure(partial(curved.curves, at), (at.resolution.instants or m,))[0] for at in pair)
             found = {**difference(*seen), **found}
@@ -148,7 +151,7 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
 
 
 def _at_once(
-    judgement: Judgement, assembly: Assembly, estimated: Estimated, moved: Callable[[Assembly], Errors]
+    judgement: Judgement, assembly: Assembly, estimated: Estimated, moved: Callable[[Assembly, bool], Errors]
 ) -> Judgement:
     """Return a judgement with what a bearing with twice as many slices and instants moves, and one with more of each.
 
@@ -157,26 +160,28 @@ def _at_once(
     accuracy, resolution, m = assembly.scene.accuracy, estimated.resolution, estimated.resolution.instants or 1
     orders = {name: min(max(order, _LEAST_ORDER), AT_ONCE) for name, order in judgement.orders.items()}
 
-    def moved_by(changed: Resolution) -> Errors:
-        found = moved(assembly.at(changed))
+    def moved_by(changed: Resolution, *, curves: bool = True) -> Errors:
+        found = moved(assembly.at(changed), curves)
         return {name: error / apart(1, 2, orders.get(name, AT_ONCE)) for name, error in found.items()}
 
-    def kept(of: Errors) -> bool:
-        return all(error <= accuracy.of(name) for name, error in of.items())
+    def within(share: float, of: Errors) -> bool:
+        return all(error <= share * accuracy.of(name) for name, error in of.items())
 
     more = max(2 * m + 1, _SOME_INSTANTS if resolution.slices < _SOME_SLICES else 0)
-    twice = attrs.evolve(resolution, slices=max(_as_dense(resolution, 2), _SOME_SLICES), quadrature="gauss")
+    dense = math.ceil((2.0 if resolution.quadrature == "gauss" else math.pi) * resolution.slices)
+    twice = attrs.evolve(resolution, slices=max(dense, _SOME_SLICES), quadrature="gauss")
     whole = reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution)
     back: dict[str, Any] = {name: getattr(whole, name) for name in ("inlet_heating", "light_contacts")}
     at_once = moved_by(attrs.evolve(twice, instants=more, **back))
-    if kept(at_once):  # it may err as the run does by chance, others hardly do as well
-        other = moved_by(attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **back))
-        at_once = {name: max(error, at_once.get(name, 0.0)) for name, error in other.items()}
+    # they may err as the run does by chance, and others hardly do as well
+    if within(1.0, at_once) and not within(_BEYOND_CHANCE, at_once):
+        others = attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **back)
+        at_once |= {name: max(error, at_once.get(name, 0.0)) for name, error in moved_by(others, curves=False).items()}
     each = {"slices": twice, "instants": attrs.evolve(resolution, instants=more)}
     parts, taken = [*judgement.errors], attrs.evolve(resolution, **back)
     if taken != resolution:
         each[LEFT_OUT], parts = taken, [*parts, LEFT_OUT]
-    alone = {} if kept(_without_jumps(at_once)) else {part: moved_by(each[part]) for part in parts}
+    alone = {} if within(1.0, _without_jumps(at_once)) else {part: moved_by(each[part]) for part in parts}
     return attrs.evolve(judgement, at_once=at_once, alone=alone)
 
 
@@ -292,14 +297,6 @@ def _without_jumps(errors: Errors) -> Errors:
 
 def _numbers(of: Resolution) -> dict[str, int]:
     return {"slices": of.slices, "instants": of.instants or 1}
-
-
-def _as_dense(of: Resolution, times: int) -> int:
-    """Return how many slices of Gauss's rule are so many times as dense in the middle of a roller, all light ones bear.
-
-    There its points lie pi/2 times as far apart as equal ones.
-    """
-    return math.ceil(times * of.slices * (1.0 if of.quadrature == "gauss" else 0.5 * math.pi))
 
 
 def _order(few: int, many: int, before: float, after: float) -> float:

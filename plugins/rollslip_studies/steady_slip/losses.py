@@ -119,7 +119,9 @@ def _off(
         yield from _largest(balance, dataset)
     elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _PLENTY:
         slip, own = (float(dataset[name]) for name in ("most_torque_slip", "most_torque"))
-        yield "reserve to skidding", _apart(own, float(balance.torques(np.array([slip]))[0]))
+        # of several motions the one that is meant: a way up on all slices would take far longer
+        torques = [motion.torque for motion in balance.motions.at(np.array([slip]))[0]]
+        yield "reserve to skidding", _apart(own, min(torques, key=lambda one: abs(one - own)))
     if "least_load" not in dataset:
         return
     load = float(dataset["least_load"])
