@@ -172,7 +172,7 @@ def _at_once(
     twice = attrs.evolve(resolution, slices=max(dense, _SOME_SLICES), quadrature="gauss")
     whole = reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution)
     back: dict[str, Any] = {name: getattr(whole, name) for name in ("inlet_heating", "light_contacts")}
-    at_once = moved_by(attrs.evolve(twice, instants=more, **back))
+    at_once = {**moved_by(attrs.evolve(twice, instants=more, **back))}
     # they may err as the run does by chance, and others hardly do as well
     if within(1.0, at_once) and not within(_BEYOND_CHANCE, at_once):
         others = attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **back)
