@@ -56,7 +56,7 @@ def pytest_collection_finish():
     """Look for garbage seldom, and not among what was collected: a fifteenth of the time of all tests."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(200_000, 20, 20)
+    gc.set_threshold(50_000, 20, 20)
 
 
 def pytest_ignore_collect(collection_path, config):
