@@ -12,8 +12,9 @@
 - The train has play, so somewhere nothing is pushed: the least force is zero. That fixes all others. Where the gap is,
   between drag and drive, follows from that, and moves round with the load, not with the rollers.
 - Play lets loaded rollers run ahead, at the speed at which they roll, and all others wait for their turn: as many pass
-  each place, so on the loaded part of the orbit rollers are the further apart the faster they are, and the play is what
-  that takes. So the train is slower by play over the length of the loaded zone, whatever drags it: `slower_by_play`.
+  each place, so where they do rollers are the further apart the faster they are, and the play is what that takes. If
+  that is all of the loaded zone, the train is slower by play over its length, whatever drags it: `slower_by_play`. With
+  little play they catch up within the zone, and it is less.
 - M depends on forces that have gathered over many rollers, which the spin of one does not know. So motions and forces
   are found in turn, from no friction on. Where rollers only roll on the outer ring, M there takes traction that the
   train has to give: forces grow from one to the next by about 2 mu R_o/c, as in a belt round a pulley, and steps
@@ -69,7 +70,7 @@ class Train:
 
 
 def slower_by_play(play: float, inner: Array, orbit: float) -> float:
-    """Return by how much the play of a train [m] slows it, as a slip, to first order.
+    """Return by about how much at most the play of a train [m] slows it, as a slip.
 
     Of loads of the inner ring [N] at positions all round, (K,), on an orbit of some radius [m].
     """

@@ -124,13 +124,13 @@ def _steady(dataset: "xr.Dataset") -> list[str]:
 
 
 def _by_play(dataset: "xr.Dataset") -> list[str]:
-    """Say what the play of rollers without a cage adds, which is no sliding of the loaded ones."""
+    """Say what the play of rollers without a cage adds at most."""
     if math.isnan(slower := float(dataset.attrs.get("slower_by_play", math.nan))):
         return []
     play = format_quantity(float(dataset.attrs["train_play"]), "m", 2)
     return [
-        f"without a cage the play of {play} lets loaded rollers run ahead, and the set is slower by about another "
-        f"{_percent(slower)} than that slip, at which no loaded contact slides more"
+        f"without a cage loaded rollers run ahead until the play of {play} is used up; then they slide with the set, "
+        f"which is slower by up to about another {_percent(slower)} than that slip"
     ]
 
 
