@@ -166,25 +166,21 @@ def test_neighbours_bear_what_a_carrier_pulls_along_the_orbit(angle):
 
 def test_slips_are_those_of_rollers_integrated_in_time():
     """Of tests/tools/references/full_complement.py, led to rigid neighbours; the shares are those of the page."""
-    rows = rows_of(REFERENCES / "full_complement.csv")
-    slips, of = {}, ("bearing", "friction", "torque", "play")
-    for row in rows:  # by stiffness in the order of the script
-        slips.setdefault(tuple(row[key] for key in of), []).append(float(row["slip"]))
-    by_play = {tuple(row[key] for key in of): (float(row["steady"]), float(row["by_play"])) for row in rows}
-    assert {name for name, *_ in slips} == {"NCF2210V", "NCF3010V"}
     without = {}
-    for (name, friction, torque, play), found in slips.items():
-        (slip, unsure), (steady, slower) = full_complement.stiff(found), by_play[name, friction, torque, play]
-        if float(play) == 0.0:
-            known = full_complement.steady(name, float(friction), float(torque))
-            without[name, friction, torque] = slip, known
-            assert known == pytest.approx(steady, rel=1e-4)
-            assert abs(slip - known) <= unsure <= 0.005 * slip
-        else:
-            assert abs(slip - steady - slower) <= unsure + 0.07 * slip
+    for row in rows_of(REFERENCES / "full_complement.csv"):
+        (slip, unsure), steady = full_complement.stiff(row), float(row["steady"])
+        if float(row["play"]) > 0.0:
+            assert abs(slip - steady - float(row["by_play"])) <= unsure + 0.07 * slip
+            continue
+        case = row["bearing"], float(row["friction"]), float(row["torque"])
+        known = full_complement.steady(*case)
+        without[case] = slip, known
+        assert known == pytest.approx(steady, rel=1e-4)
+        assert abs(slip - known) <= unsure <= 0.005 * slip
+    assert {name for name, *_ in without} == {"NCF2210V", "NCF3010V"}
     for name, friction, torque in without:  # what friction adds
-        if torque == "0.5" and friction != "0.0":
-            (slip, known), (least, bare) = without[name, friction, torque], without[name, "0.0", torque]
+        if torque == 0.5 and friction > 0.0:
+            (slip, known), (least, bare) = without[name, friction, torque], without[name, 0.0, torque]
             assert slip - least == pytest.approx(known - bare, rel=5e-3)
 
 

@@ -37,6 +37,8 @@ TRACTION, HALF = 0.05, 0.5
 #: Stiffnesses between neighbours [N/m], damping over the critical one of two that swing, surface speed over which
 #: friction changes its sign [m/s].
 STIFFNESSES, DAMPING, SLOW = (1e6, 1e7, 3e7), 0.3, 1e-2
+#: Columns of their slips; steady slips stand beside them, and half of what turns of the stiffest ones differ by.
+SLIPS = tuple(f"slip_{stiffness:.0e}" for stiffness in STIFFNESSES)
 #: Angles at which loads are known, turns of the train, and after how many its speed is taken.
 INSTANTS, TURNS, FIRST = 18, 5, 2
 BEARINGS = "NCF2210V", "NCF3010V"
@@ -157,24 +159,25 @@ class Rollers:
 def rows_of(name, finer=1):
     """Return the rows of a bearing."""
     cases = [(*case, play, steady(name, *case)) for case in CASES for play in PLAYS]
-    for stiffness in STIFFNESSES:
-        begin, moving = time.process_time(), Rollers(name, cases, stiffness)
-        for case, by_play, *slips in zip(cases, moving.by_play(), *moving.slips(finer), strict=True):
-            numbers = (f"{one:.5g}" for one in (*slips, case[-1], by_play))
-            yield [name, *case[:-1], f"{stiffness:g}", *numbers]
-        print(name, stiffness, f"{time.process_time() - begin:.0f} s", flush=True)
+    begin, moving = time.process_time(), [Rollers(name, cases, stiffness) for stiffness in STIFFNESSES]
+    slips, scatters = zip(*(one.slips(finer) for one in moving), strict=True)
+    print(name, f"{time.process_time() - begin:.0f} s", flush=True)
+    return [
+        [name, *case[:-1], *(f"{one:.5g}" for one in (*found, case[-1], by_play)), f"{scatter:.1g}"]
+        for case, by_play, scatter, *found in zip(cases, moving[-1].by_play(), scatters[-1], *slips, strict=True)
+    ]
 
 
-def stiff(slips):
-    """Return the slip with rigid neighbours, by the two stiffest of three, and what it is from that by the others."""
-    (a, b, c), (soft, more, most) = slips, STIFFNESSES
+def stiff(row):
+    """Return the slip with rigid neighbours, by the two stiffest of three, and how far the others lead from it."""
+    (a, b, c), (soft, more, most) = (float(row[one]) for one in SLIPS), STIFFNESSES
     found, softer = c + (c - b) / (most / more - 1.0), b + (b - a) / (more / soft - 1.0)  # errors go with 1/stiffness
     return found, abs(found - softer)
 
 
 def main():
     rows = [row for name in BEARINGS for row in rows_of(name)]
-    head = ["bearing", "friction", "torque", "play", "stiffness", "slip", "scatter", "steady", "by_play"]
+    head = ["bearing", "friction", "torque", "play", *SLIPS, "steady", "by_play", "scatter"]
     with TABLE.open("w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([head, *rows])
 
