@@ -161,8 +161,9 @@ class MovingBearing(abc.ABC):
         """Return head (..., H), rollers (..., Z, B) and ledger (..., L) of states y (..., n), as views."""
         y = np.asarray(y)
         head, roller, _ = map(len, self.names)
-        behind = head + self.assembly.scene.bearing.rollers * roller
-        return y[..., :head], y[..., head:behind].reshape(*y.shape[:-1], -1, roller), y[..., behind:]
+        rollers = self.assembly.scene.bearing.rollers
+        behind = head + rollers * roller  # of no states, too
+        return y[..., :head], y[..., head:behind].reshape(*y.shape[:-1], rollers, roller), y[..., behind:]
 
     def split(self, y: Array) -> dict[str, Array]:
         """Return the unknowns of states (..., n) by name, (...) or, those of the rollers, (..., Z)."""
