@@ -36,8 +36,8 @@ forces come from the energy, and no force is written down twice::
   they are watched: after a step, since the trials of an explicit method may lie anywhere.
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
-- Rings yield in a frame that stands, and are out of round in it or in their own. The radial motion of a raceway does not rub, and its slope,
-  which counts in the torque on the rollers, is left out of the directions of friction.
+- Rings yield in a frame that stands, and are out of round in it or in their own. The radial motion of a raceway does
+  not rub, and its slope, which counts in the torque on the rollers, is left out of the directions of friction.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
 - Cage accelerations are coupled by the unbalance: M^-1 is applied to what rollers add, so that sums stay sums.
 - All rollers at once: the equations stand in planar_columns.h, a column for each unknown and each quantity. Rollers
