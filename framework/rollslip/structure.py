@@ -416,7 +416,8 @@ class SceneHashes:
                 text = self._known.get(name) if own else None
                 if text is None:
                     plain = _plain(value)
-                    text = f"{_canonical(key)}:{_canonical(plain)}{_contents(plain) if name != 'study' else ''}"
+                    files = "" if name in scene.digested_elsewhere else _contents(plain)
+                    text = f"{_canonical(key)}:{_canonical(plain)}{files}"
                 if own:
                     self._known[name] = text
                 texts.append(text)

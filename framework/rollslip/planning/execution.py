@@ -157,8 +157,8 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     weighed = running.with_weight or not running.bearing_loads or (o.carrier, o.gravity_direction) != (None, None)
     if share > accuracy.tolerance and not weighed:
         found.append(
-            f"the weight of the rollers, {100.0 * share:.2g} % of what presses them on average, is left out: where it "
-            "points is not known; state operation.gravity_direction, 0 deg where the load is a weight itself"
+            f"the weight of the rollers, {100.0 * share:.2g} % of what presses them on average, is left out, as "
+            "its direction is not stated; give operation.gravity_direction, 0 deg where the load is itself a weight"
         )
     found += validity.corrections(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)

@@ -37,6 +37,8 @@ _FINER_SLICES = 4
 _SOME_SLICES, _SOME_INSTANTS = 40, 9
 #: Share of the tolerance below which what these tell is no agreement by chance.
 _BEYOND_CHANCE = 0.15
+#: What is said of a result of which nobody can say how far it is off.
+UNDETERMINED = "how far {} is off cannot be determined"
 #: How many times as many slips a witness goes along where a curve is followed from slip to slip.
 _DENSER = 3
 #: Slips on which a witness sees curves of which the result holds none.
@@ -89,12 +91,11 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     instants, for single values. Of a study without curves the single values alone are judged, if it has any.
     """
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
-    if resolution.instants is None or (curved is None and type(study).witnessed is Study.witnessed):
+    unseen = curved is None and (accuracy.exact or type(study).witnessed is Study.witnessed)
+    if resolution.instants is None or unseen:
         return Judgement(errors={})
     if curved is None:
         parts: dict[str, Errors] = {"slices": {}, "instants": {}} if assembly.slices > 1 else {"instants": {}}
-        if accuracy.exact:
-            return Judgement(errors={})
         return _at_once(Judgement(errors=parts), assembly, estimated, lambda finer, _: study.witnessed(finer, dataset))
     m, few = resolution.instants, few_slices(assembly)
     few = assembly if curved.followed or few.slices >= assembly.slices else few
@@ -337,7 +338,7 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
             f"{name} is off by about {error:.1e}, more than the tolerance of {tolerance:g}, as positions and laminae "
             f"other than those of the run show{falls}"
             if math.isfinite(error)
-            else f"how far {name} is off cannot be determined: on other positions or laminae there is none"
+            else f"{UNDETERMINED.format(name)}: on other positions or laminae there is none"
         )
         ratio = max(error / tolerance, 2.0) if math.isfinite(error) else 10.0
         finer = 0.5 * tolerance * ratio ** (-2.0 / min(max(order, _LEAST_ORDER), _MOST_ORDER))

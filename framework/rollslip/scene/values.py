@@ -241,6 +241,9 @@ class Scene:
     messages about the tables that are read later.
     """
 
+    #: Tables whose files are not in its hash: a study has a digest of its own.
+    digested_elsewhere: ClassVar[frozenset[str]] = frozenset({"study"})
+
     title: str = field(default="", doc="one line about the scene")
     description: str = field(default="", doc="more about the scene, its sources for example")
     note: str = field(default="", doc="what has to be known before any of its results; told in their first lines")

@@ -151,7 +151,7 @@ def _jumps(dataset: "xr.Dataset") -> list[str]:
                 + (f" ({words[k]})" if words[k] not in ("", "found") else "")
                 for k in (a, b)
             ]
-            said.append(f"the limit is passed by a jump: between {told[0]}, and {told[1]}, no value is at it")
+            said.append(f"the result jumps across the limit between {told[0]}, and {told[1]}")
     return said
 
 

@@ -30,6 +30,7 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import estimate, plan
+from rollslip.planning.verification import UNDETERMINED
 from rollslip.results.dataset import about, save
 from rollslip.results.words import duration_range
 from rollslip.scene.changes import Quantity, evolve, unknown
@@ -71,8 +72,7 @@ _FACTOR: Final = 3.0
 _MOST: Final = 100_000
 #: Time of a point up to which one alone is computed in this process, which saves the start of others [s].
 _SOON: Final = 2.0
-#: What a run says of a result of which it cannot be told how far it is off.
-_UNKNOWN: Final = re.compile("how far (.+) is off cannot be determined")
+_UNKNOWN: Final = re.compile(UNDETERMINED.format("(.+)"))
 
 
 @attrs.frozen(eq=False, kw_only=True)

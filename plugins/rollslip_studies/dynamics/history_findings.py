@@ -187,8 +187,8 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     held, least = json.loads(dataset.attrs.get("starvation", "[1, 1]"))
     if abs(least - held) > _KNOWN * least:
         said.append(
-            f"inlets are starved all the way as at the largest speed, to {held:.3g} of full ones; at the least speed "
-            f"it would be {least:.3g}"
+            f"starvation is that of the largest speed throughout, a factor of {held:.3g} on the film; at the lowest "
+            f"speed it would be {least:.3g}"
         )
     distances, works = sliding_distance(dataset), frictional_work(dataset)
     for ring, distance in distances.items():

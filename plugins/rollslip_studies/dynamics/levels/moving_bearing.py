@@ -38,13 +38,17 @@ def unknowns(level: str, assembly: Assembly) -> int:
 def check_moves(assembly: Assembly, level: str) -> None:
     """Refuse a bearing that is known at steady slips alone, or at another level."""
     operation, heavy = assembly.scene.operation, assembly.weight_share > assembly.scene.accuracy.tolerance
-    steady = "are known at steady slips alone, as a run that names no study tells"
     caged = assembly.separator.coefficient is None
     weighs = operation.gravity_direction is not None and heavy and level != "planar"
     for table, key, there, told in (
-        ("models", "separator", not caged, f"have a cage, rollers without one {steady}"),
-        ("operation", "carrier", operation.carrier is not None, f"know no carrier, planets {steady}"),
-        ("operation", "gravity_direction", weighs, "know the weight of rollers at level 'planar' alone"),
+        ("models", "separator", not caged, "need a cage; for a full complement take the study of steady slips"),
+        (
+            "operation",
+            "carrier",
+            operation.carrier is not None,
+            "know no carrier; take the study of steady slips",
+        ),
+        ("operation", "gravity_direction", weighs, "take the weight of rollers at level 'planar' only; choose that"),
     ):
         if there:
             where = Location(assembly.scene.origins, (table, key))
