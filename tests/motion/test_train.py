@@ -129,7 +129,7 @@ def test_what_is_stated_of_a_cage_that_is_not_there_is_refused():
 
 @pytest.mark.parametrize("level", ["cage-set", "pocket", "planar"])
 def test_a_motion_in_time_without_a_cage_is_refused(level):
-    with pytest.raises(SceneError, match="rollers without one are known at steady slips"):
+    with pytest.raises(SceneError, match="need a cage; for a full complement take the study of steady slips"):
         Dynamics(level=level).moving(assemble(NONE))
 
 
