@@ -127,7 +127,7 @@ def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
     begin, end = (over_time.at_instant(of, found, k).models["film"].starvation for k in (0, -1))
     assert end == of.models["film"].starvation < 0.95
     assert begin == pytest.approx(end**0.2, rel=1e-12)
-    (said,) = [one for one in account_of(found).topics(found)["history"] if "starvation is that of the largest speed" in one]
+    (said,) = [one for one in account_of(found).topics(found)["history"] if "starvation is that" in one]
     assert said.endswith(f"a factor of {end:.3g} on the film; at the lowest speed it would be {begin:.3g}")
 
 
