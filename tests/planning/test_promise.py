@@ -15,7 +15,7 @@ import way_up_scenes
 from promise_scenes import STUDY, finer, judge, scene
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import Resolution
+from rollslip.bearing.resolution import BoundBrokenError, Resolution
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import Judgement, again, told, verify
@@ -189,6 +189,15 @@ def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
     assert actual < bound < 10.0 * actual
     said = f"film parameter, where rollers jump, is off by {bound:.1e} at most: it is that just"
     assert said in result.attrs["warnings"]
+
+
+def test_a_film_that_is_thin_at_the_minimum_load_takes_boundary_friction_back():
+    """At 3.5 N the films are full; at the 0.3 kN of an acceptable slip they are not, and the load is 8 % less."""
+    made = plan(way_up_scenes.wide(100_004), "steady-slip")
+    (left,) = made.estimated["steady-slip"].left_out
+    with pytest.raises(BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."):
+        made.studies["steady-slip"].only(made.assemblies["steady-slip"], frozenset({"least_load"}))
+    assert left.what == "boundary friction"
 
 
 def _hidden(k):

@@ -94,6 +94,7 @@ def least_load(
             at, over = most_left_over(balance(found), slips, slip)
             if abs(over) <= 4.0 * _FOUND * abs(drag):
                 break
+        balance(found).orbit(at)  # what the search asks is compiled: here what a plan left out is watched
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}", ()
     return found, "found" if at == slip else f"found; {WITH_LESS} {at:.2g} on", slips
