@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 import pytest
 
+from rollslip import run, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
 from rollslip.scene.changes import evolve
@@ -13,6 +14,7 @@ from rollslip.scene.reading import load_scene
 from rollslip.studies.outputs import evaluate, named_outputs
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.point import compute, unpacked
+from rollslip_campaigns.sweep.result import apart_from_run
 from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -50,6 +52,22 @@ class TestTheResolutionOfASweep:
     def test_the_resolution_counts_in_what_a_sweep_is(self):
         made = plan_sweep("1032930-70C", OVER, samples=128)
         assert attrs.evolve(made, resolutions=type(made.resolutions)()).hash != made.hash
+
+
+def test_a_point_that_a_run_contradicts_is_told_of(tmp_path):
+    over = {"operation.radial_load": ["0.9 kN", "1 kN", "1.1 kN"]}
+    of = {"study": "effective-friction", "output": ["critical_friction"]}
+    found = sweep("1032930-70C", over, out=tmp_path / "sweep", engine="serial", **of)
+    assert "off a run" not in found.attrs["warnings"]
+    own = run(evolve(load_scene("1032930-70C"), {"operation.radial_load": "1 kN"}), "effective-friction")
+    np.testing.assert_allclose(found["critical_friction"][1], own["critical_friction"], rtol=1e-3)
+    wrong = found.copy(deep=True)
+    wrong["critical_friction"][1] *= 1.03
+    (said,) = apart_from_run(plan_sweep("1032930-70C", over, **of), wrong)
+    assert said.startswith(
+        "at operation.radial_load = 1 kN critical_friction is 3.0e-02 off a run of the scene, more than"
+    )
+    assert "the others of 3 points were not run so" in said
 
 
 def test_lean_steady_slips_are_those_of_a_run():

@@ -24,7 +24,7 @@ from rollslip_campaigns.sweep.journal import (
     sessions,
     states,
 )
-from rollslip_campaigns.sweep.result import collect
+from rollslip_campaigns.sweep.result import apart_from_run, collect
 from rollslip_campaigns.sweep.run import Report, asked_engine, run_sweep
 from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
 
@@ -119,6 +119,9 @@ def finish(sweep: Sweep, folder: Path) -> "xr.Dataset":
     """Write the dataset of a sweep beside its journals, and return it."""
     with only_writer(folder, wait=60.0):
         dataset = collect(sweep, folder)
+        dataset.attrs["warnings"] = json.dumps(
+            [*json.loads(dataset.attrs["warnings"]), *apart_from_run(sweep, dataset)]
+        )
         save(dataset, folder / RESULT)
     return dataset
 

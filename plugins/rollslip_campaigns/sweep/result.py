@@ -6,6 +6,8 @@
 - ``status`` is that of the point; a study's own variable of this name is ``study_status``.
 - Whether laws are used for what they were made for is judged at a few points that have a result: the one in the middle
   and those that lie farthest apart. It costs some milliseconds a point, and what lies between them is not looked at.
+- The point in the middle is held against a run of its scene by a plan of its own, as ``rollslip run`` makes it; motions
+  in time are not, which take as long once more. What the two differ by beyond the tolerance is told.
 - A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
   differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
 """
@@ -20,14 +22,17 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import in_words
+from rollslip.errors import RollslipError, in_words
+from rollslip.planning.execution import execute
+from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import TOLD_BY, about
 from rollslip.results.words import counted
 from rollslip.scene.changes import evolve
 from rollslip.studies import validity
-from rollslip.studies.study import settings
+from rollslip.studies.accuracy import errors_between
+from rollslip.studies.study import settings, study_class
 from rollslip.units import unit_given
 from rollslip_campaigns.sweep.definition import OF_POINTS, Sweep
 from rollslip_campaigns.sweep.journal import STATUSES, check_owner, layouts, records
@@ -37,7 +42,7 @@ from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["collect", "origin_of_points"]
+__all__ = ["apart_from_run", "collect", "origin_of_points"]
 
 #: Points at which laws are judged beside the one in the middle, and those among which they are looked for.
 _CORNERS: Final = 8
@@ -87,6 +92,37 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
         coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
         coords |= {names[of.key]: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
     return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
+
+
+def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
+    """Return by how much the point in the middle differs from a run of its scene, where that is too much."""
+    done, cls = np.flatnonzero(dataset["status"].to_numpy().ravel() == "ok"), study_class(sweep.study)
+    if not done.size or cls.in_time:
+        return []
+    number = _corners(sweep.design, done)[0]
+    point = dataset.isel(dict(zip(sweep.dims, np.unravel_index(number, sweep.design.shape), strict=True)))
+    try:
+        made = plan(evolve(sweep.scene, sweep.design.changes(number)), sweep.study)
+        run = execute(made, sweep.study)
+    except RollslipError:  # what the point gave by doubling stands
+        return []
+    keys = {of: key for key, of in cls.judged.items()}
+    alike = [of for of in sweep.outputs if of in run and of in point and run[of].dtype.kind == "f"]
+    errors = {
+        of: error
+        for of in alike
+        if run[of].shape == point[of].shape
+        and (error := errors_between({keys.get(of, of): of}, point, run).get(keys.get(of, of), 0.0))
+        > made.scene.accuracy.of(keys.get(of, of))
+    }
+    if not errors:
+        return []
+    off = ", ".join(f"{of} is {error:.1e}" for of, error in errors.items())
+    return [
+        f"at {sweep.design.shown(number)} {off} off a run of the scene, more than the tolerance of "
+        f"{made.scene.accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far off: "
+        "lower accuracy.tolerance, or run the scene with the values of a point"
+    ]
 
 
 def _written(axis: Axis) -> dict[str, str]:

@@ -517,6 +517,7 @@ class SteadySlip(Study):
         found = self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
         )
+        found["least_load"][2]["floor"] = weight
         if slips:  # a file gives one value back as that
             found["least_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
         return found
