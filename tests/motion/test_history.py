@@ -217,7 +217,7 @@ def test_between_nodes_rates_are_those_of_a_bearing_put_together_there(name, raw
     for t in np.random.default_rng(7).uniform(0.0, 1.0, 12):
         value = float(way.courses[key].at(t))
         there = assemble(rollslip.evolve(SCENE, {f"operation.{key}": f"{value!r} {unit}"}), bearing.resolution)
-        direct = carried_motion(there, moving.stations.friction, level="cage-set")
+        direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
         rows = [[one.split(one.system(t, y)) for one in (moving, direct)] for y in states(direct)]
         for entry in ("impulse_inner", "impulse_outer", "impulse_drag"):
             blended, true = (np.array([float(row[k][entry]) for row in rows]) for k in (0, 1))
@@ -262,7 +262,7 @@ def test_two_axes_are_followed_together():
     now = {name: float(value) for name, value in way.at(0.37).items()}
     changes = {"operation.radial_load": f"{now['radial_load']!r} N", "operation.temperature": f"{now['temperature']} K"}
     there = assemble(rollslip.evolve(SCENE, changes), bearing.resolution)
-    direct = carried_motion(there, moving.stations.friction, level="cage-set")
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
     for y in states(direct):
         assert np.abs(moving.system(0.37, y) - direct.system(0.37, y))[1] < 1e-3 * np.abs(direct.system(0.37, y))[1]
 
@@ -276,7 +276,7 @@ def test_a_part_with_a_course_of_its_own_does_not_follow_the_temperature():
     assert len(now) == 2
     there = assemble(rollslip.evolve(SCENE, now), bearing.resolution)
     assert there.scene.operation.roller_temperature == there.scene.operation.temperature
-    direct = carried_motion(there, moving.stations.friction, level="cage-set")
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
     for y in states(direct):
         assert np.abs(moving.system(0.6, y) - direct.system(0.6, y))[1] < 1e-3 * np.abs(direct.system(0.6, y))[1]
 
@@ -310,7 +310,7 @@ def test_at_an_operation_that_does_not_change_the_rates_have_the_bits_of_the_ste
     assert not still.breaks
     for name in ("conventional", "effective", "constant"):
         moving = varying_motion(bearing, friction(name), still, level="cage-set")
-        steady = carried_motion(bearing, friction(name), level="cage-set")
+        steady = carried_motion(bearing, friction(name), level="cage-set", each=True)
         for y in states(steady):
             assert np.array_equal(moving.system(0.3, y), steady.system(0.3, y))
         assert np.array_equal(moving.initial(0.1, 0.2), steady.initial(0.1, 0.2))
@@ -381,7 +381,8 @@ def test_speeds_of_both_rings_reach_the_rates():
     way = history(BOTH)
     moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
     speeds = {f"operation.{name}": f"{float(way.courses[name].at(0.2))!r} rad/s" for name in BOTH}
-    direct = carried_motion(assemble(rollslip.evolve(SCENE, speeds)), moving.stations.friction, level="cage-set")
+    there = assemble(rollslip.evolve(SCENE, speeds))
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
     y = direct.initial(0.05, 0.06)
     np.testing.assert_allclose(moving.system(0.2, y), direct.system(0.2, y), rtol=2e-3, atol=0.1)
 
@@ -391,7 +392,7 @@ def test_between_nodes_outputs_are_those_of_a_bearing_put_together_there():
     moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
     load = float(way.courses["radial_load"].at(0.37))
     there = assemble(rollslip.evolve(SCENE, {"operation.radial_load": f"{load!r} N"}), moving.assembly.resolution)
-    direct = carried_motion(there, moving.stations.friction, level="cage-set")
+    direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
     y = direct.initial(0.05, 0.06)
     blended, true = (one.system.owner.outputs([0.37], [y]) for one in (moving, direct))
     assert "film_parameter" in true

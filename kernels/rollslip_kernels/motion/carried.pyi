@@ -19,6 +19,7 @@ class Carried:
         scale: ArrayLike,
         critical_slip: float = ...,
         film_limit: float = ...,
+        each: bool = ...,
     ) -> None: ...
     def system(self) -> object: ...
     @property

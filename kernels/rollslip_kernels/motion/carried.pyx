@@ -30,7 +30,8 @@ At level cage-set P is what carries the roller round at a steady speed, H = 0.
   come from coefficients of cubics, each roller's from the interval of centrifugal force that held it last; where
   friction asks for slices, as conventional friction does beyond its table, their loads are interpolated one by one.
   Rollers that no bar may touch are passed over.
-- The ledger records what the rates do, term by term; energy and angular momentum close to rounding of the rates.
+- The ledger records what the rates do, term by term; energy and angular momentum close to rounding of the rates. If
+  asked to, it goes on with what each roller does at each ring, work and distance: its works sum to the ledger's.
 """
 
 import numpy as np
@@ -50,7 +51,7 @@ from rollslip_raceway cimport (
     rs_held_damping, rs_held_friction, rs_held_off, rs_place_held, rs_raceway, rs_raceway_friction, rs_raceway_held,
     rs_thinnest,
 )
-from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
+from rollslip_system cimport RS_SHARES, rs_new_system, rs_shares, rs_system, rs_tells_nothing, rs_until
 
 from rollslip_kernels.motion.raceway import OUTPUTS, refusal
 
@@ -168,6 +169,7 @@ cdef struct carried_t:
     double epicyclic_speed, critical_slip, film_limit
     int refused
     size_t refused_roller
+    size_t shares  # of each roller, behind the ledger; 0 or RS_SHARES
     double *load   # [channels x Z x slices], where friction asks for slices
     # friction as it is held, since when; room [2 Z]
     rs_held held[RINGS]
@@ -418,17 +420,24 @@ cdef int _roller_rates(
 ) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
     cdef double one[ADDED]
-    cdef size_t j, k
+    cdef size_t j, k, row = ALL + p.shares, Z = p.c.rollers
     cdef int status = _columns(p, head, rollers)
     if status != 0:
         return status
     rs_carried_blocks(&p.c, rates)
-    memset(added, 0, p.c.rollers * ALL * sizeof(double))
-    for j in range(p.c.rollers):
+    memset(added, 0, Z * row * sizeof(double))
+    for j in range(Z):
         for k in range(<size_t>ADDED):
             one[k] = p.c.added[k][j]
-        _receive(p, one, added + j * ALL)
+        _receive(p, one, added + j * row)
+        if p.shares:
+            _shares(p, j, added + j * row + ALL)
     return 0
+
+
+cdef inline void _shares(const carried_t *p, size_t j, double *rates) noexcept nogil:
+    rs_shares(p.c.added[TO_LOST_INNER][j], p.c.added[TO_LOST_OUTER][j], p.c.sliding[j],
+              p.c.sliding[p.c.rollers + j], rates)
 
 
 cdef int _rates(double t, const double *y, double *rates, void *state) noexcept nogil:
@@ -458,6 +467,9 @@ cdef int _summed(carried_t *p, double t, const double *y, double *rates) noexcep
     rs_carried_blocks(&p.c, rates + HEAD)
     for k in range(<size_t>(ALL - HEAD)):
         rates[behind + k] = row[HEAD + k]
+    if p.shares:
+        for k in range(p.c.rollers):
+            _shares(p, k, rates + behind + ALL - HEAD + k * p.shares)
     return 0
 
 
@@ -549,6 +561,8 @@ cdef class Carried:
         Typical magnitudes of the unknowns.
     critical_slip, film_limit : float
         Watched values; NaN for none.
+    each : bool
+        Behind the ledger go work [J] and then distance [m] that each roller slid on inner and outer ring, (Z, 2, 2).
     """
 
     cdef carried_t p
@@ -558,9 +572,10 @@ cdef class Carried:
     cdef double[::1] scale, kicked, widths
 
     def __init__(self, bint pocket, bearing, loads, inner, outer, drags, cage, scale, double critical_slip=NAN,
-                 double film_limit=NAN):
+                 double film_limit=NAN, bint each=False):
         cdef carried_t *p = &self.p
-        cdef size_t Z = bearing["rollers"]
+        cdef size_t Z = bearing["rollers"], n
+        p.shares = RS_SHARES if each else 0
         p.c.pocket, p.c.rollers, p.c.block = pocket, Z, 3 if pocket else 1
         p.direction, p.epicyclic_speed = bearing["direction"], bearing["epicyclic_speed"]
         p.c.inner_radius, p.c.outer_radius = bearing["inner_radius"], bearing["outer_radius"]
@@ -597,9 +612,10 @@ cdef class Carried:
         p.n_drags = len(drags)
 
         self.scale = np.array(scale, dtype=float)
-        if <size_t>self.scale.shape[0] != ALL + Z * p.c.block:
-            raise ValueError(f"{ALL + Z * p.c.block} unknowns need as many scales, got {self.scale.shape[0]}")
-        self.kicked = np.ones(ALL + Z * p.c.block)
+        n = ALL + Z * (p.c.block + p.shares)
+        if <size_t>self.scale.shape[0] != n:
+            raise ValueError(f"{n} unknowns need as many scales, got {self.scale.shape[0]}")
+        self.kicked = np.ones(n)
         self.kicked[0] = 0.0
         if p.c.pocket:
             self.kicked[HEAD + 2:HEAD + 3 * Z:3] = 0.0
@@ -659,7 +675,7 @@ cdef class Carried:
         s.watched, s.watch = 1 if self.p.film_limit != self.p.film_limit else 2, _watch
         s.jacobian, s.scale, s.autonomous, s.state = NULL, &self.scale[0], not self.p.in_time, &self.p
         rs_tells_nothing(&s)
-        s.rates, s.kicked, s.drift = _rates, &self.kicked[0], _drift
+        s.rates, s.kicked, s.drift, s.shares = _rates, &self.kicked[0], _drift, self.p.shares
         if self.p.c.pocket:   # one roller against the cage
             s.contact_frequency = sqrt(self.p.cage.stiffness * (
                 1.0 / self.p.c.mass + self.p.c.orbit * self.p.c.orbit / self.p.cage_inertia))
@@ -706,8 +722,8 @@ cdef class Carried:
         cdef int status, ring
         cdef double spin
         cdef rs_bars bars
-        if <size_t>states.shape[1] != ALL + Z * self.p.c.block:
-            raise ValueError(f"states are of shape (m, {ALL + Z * self.p.c.block}), got {np.shape(y)}")
+        if states.shape[1] != self.scale.shape[0]:
+            raise ValueError(f"states are of shape (m, {self.scale.shape[0]}), got {np.shape(y)}")
         found = np.empty((len(OUTPUTS), states.shape[0], RINGS, Z))
         pockets = np.zeros((states.shape[0], Z))
         cdef double[:, :, :, ::1] to = found

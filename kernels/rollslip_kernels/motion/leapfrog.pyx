@@ -43,7 +43,7 @@ from libc.math cimport ceil, fabs, fmax, fmin, sqrt
 from libc.stddef cimport size_t
 from libc.string cimport memcpy, memset
 
-from rollslip_arrow cimport RS_NOT_FINITE, rs_differences, rs_finite, rs_raw
+from rollslip_arrow cimport RS_NOT_FINITE, rs_differences, rs_finite, rs_raw, rs_row
 from rollslip_kernels.motion.rosenbrock cimport DAMPED, STAGES, Stepper
 
 from rollslip_kernels.stages.simd import active
@@ -430,7 +430,7 @@ cdef class Leapfrog(Stepper):
         """Divide head and rollers by their largest magnitude, which is returned."""
         cdef double most = 0.0
         cdef size_t i
-        for i in range(self.n - self.c.ledger):
+        for i in range(self.c.head + self.c.rollers * self.c.block):
             most = fmax(most, fabs(x[i]) / self.c.scale[i])
         if most > 0.0:
             for i in range(self.n):
@@ -439,7 +439,7 @@ cdef class Leapfrog(Stepper):
 
     cdef void _by_speeds(self, const double *x, double *y) noexcept nogil:
         """What speeds x of head and rollers do to the rates y of speeds."""
-        cdef size_t H = self.c.head, B = self.c.block, Z = self.c.rollers, sums = H + self.c.ledger, j, i, b
+        cdef size_t H = self.c.head, B = self.c.block, Z = self.c.rollers, W = rs_row(self.c), j, i, b
         cdef const double *own
         cdef double *to
         memset(y, 0, self.n * sizeof(double))
@@ -450,7 +450,7 @@ cdef class Leapfrog(Stepper):
             own, to = x + H + j * B, y + H + j * B
             for i in range(H):
                 for b in range(B):
-                    y[i] += self.arrow.head_roller[(j * sums + i) * B + b] * own[b]
+                    y[i] += self.arrow.head_roller[(j * W + i) * B + b] * own[b]
             for i in range(B):
                 for b in range(H):
                     to[i] += self.arrow.roller_head[(j * B + i) * H + b] * x[b]

@@ -27,6 +27,7 @@ class Planar:
         rings: Sequence[tuple[Sequence[ArrayLike], ArrayLike | None, bool]] | None = ...,
         critical_slip: float = ...,
         film_limit: float = ...,
+        each: bool = ...,
         **numbers: float,
     ) -> None: ...
     def system(self, swing_frequency: float = ...) -> object: ...

@@ -68,7 +68,7 @@ from rollslip_raceway cimport (
     rs_held_damping, rs_held_off, rs_place_held, rs_raceway, rs_raceway_friction, rs_raceway_held,
     rs_thinnest,
 )
-from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
+from rollslip_system cimport RS_SHARES, rs_new_system, rs_shares, rs_system, rs_tells_nothing, rs_until
 
 from rollslip_kernels.chain import bound
 from rollslip_kernels.motion.raceway import OUTPUTS, refusal as raceway_refusal
@@ -272,6 +272,7 @@ ctypedef struct planar_t:
     const rs_plane_loops *loops
     size_t slices
     size_t heads           # unknowns before the rollers: HEAD, amplitudes of all shapes, their rates, angles of forms
+    size_t shares          # of each roller, behind the ledger; 0 or RS_SHARES
     double *on_shapes      # forces on them
     double ring_mass, cage_mass, cage_inertia, unbalance
     rs_pocket pocket
@@ -698,6 +699,12 @@ cdef inline void spread(const planar_t *p, const double *row, double *rates) noe
     memcpy(rates + p.heads, row + HEAD, LEDGER * sizeof(double))
 
 
+cdef inline void shares_of(const planar_t *p, size_t j, double *rates) noexcept nogil:
+    if p.shares:
+        rs_shares(p.c.added[TO_LOST_INNER][j], p.c.added[TO_LOST_OUTER][j], p.c.sliding[INNER][j],
+                  p.c.sliding[OUTER][j], rates)
+
+
 cdef int roller_columns(const double *head, const double *rollers, planar_t *p) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
     cdef int status = contacts(head, rollers, p, False, KEPT if p.still else EVALUATED)
@@ -716,18 +723,19 @@ cdef int roller_rates(
     cdef double row[ROW]
     cdef double *to
     cdef const rs_bent_ring *bent
-    cdef size_t j, k
+    cdef size_t j, k, width = p.heads + LEDGER + p.shares
     cdef int ring, status = roller_columns(head, rollers, p)
     if status != 0:
         return status
     rs_plane_blocks(&p.c, rates)
-    memset(added, 0, p.c.rollers * (p.heads + LEDGER) * sizeof(double))
+    memset(added, 0, p.c.rollers * width * sizeof(double))
     for j in range(p.c.rollers):
-        to = added + j * (p.heads + LEDGER)
+        to = added + j * width
         memset(row, 0, ROW * sizeof(double))
         rs_plane_one(&p.c, j, one)
         receive(p, c, s, one, row)
         spread(p, row, to)
+        shares_of(p, j, to + p.heads + LEDGER)
         for ring in range(2):
             bent = &p.c.ring[ring]
             if bent.shapes:
@@ -772,6 +780,8 @@ cdef int summed(double t, const double *y, double *rates, int land, planar_t *p)
     rs_plane_blocks(&p.c, rates + p.heads)
     for k in range(LEDGER):
         rates[behind + k] = row[HEAD + k]
+    for k in range(p.c.rollers):
+        shares_of(p, k, rates + behind + LEDGER + k * p.shares)
     return 0
 
 
@@ -962,6 +972,8 @@ cdef class Planar:
         Cage slip and smallest film parameter whose passing is an event; NaN for none.
     scale : array_like
         Typical magnitudes of the unknowns.
+    each : bool
+        Behind the ledger go work [J] and then distance [m] that each roller slid on inner and outer ring, (Z, 2, 2).
     **numbers
         The rest, by the names of `NUMBERS`.
     """
@@ -976,7 +988,7 @@ cdef class Planar:
 
     def __init__(
         self, raceways, deflections, contacts, drop, widths, drags, Py_ssize_t rollers, int guidance, scale,
-        forces=None, resistances=None, rings=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
+        forces=None, resistances=None, rings=None, double critical_slip=NAN, double film_limit=NAN, bint each=False, **numbers,
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k
@@ -1060,7 +1072,8 @@ cdef class Planar:
             p.load_of[ring] = room + 8 * Z
             room = rs_place_held(&p.held[ring], Z, room + (8 + n) * Z)
         p.room = room
-        self.n = p.heads + Z * BLOCK + LEDGER
+        p.shares = RS_SHARES if each else 0
+        self.n = p.heads + Z * (BLOCK + p.shares) + LEDGER
         self.scale = np.array(scale, dtype=float)
         if self.scale.shape[0] != <Py_ssize_t>self.n:
             raise ValueError(f"{self.scale.shape[0]} magnitudes for {self.n} unknowns")
@@ -1132,7 +1145,7 @@ cdef class Planar:
         s.watched, s.watch = 3, watch
         s.scale, s.autonomous, s.state = &self.scale[0], not self.p.in_time, &self.p
         rs_tells_nothing(&s)
-        s.rates, s.kicked, s.drift = all_rates, &self.kicked[0], drift
+        s.rates, s.kicked, s.drift, s.shares = all_rates, &self.kicked[0], drift, p.shares
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
         s.renew, s.held, s.still = renew, held, &self.p.still
         s.apart, s.go, s.clear = &self.p.apart, go, clear

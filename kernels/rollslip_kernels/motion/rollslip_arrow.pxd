@@ -34,16 +34,22 @@ cdef struct rs_factors:
 
 
 cdef inline size_t rs_unknowns(const rs_system *s) noexcept nogil:
-    return s.head + s.rollers * s.block + s.ledger
+    return s.head + s.rollers * (s.block + s.shares) + s.ledger
+
+
+cdef inline size_t rs_row(const rs_system *s) noexcept nogil:
+    """What a roller adds to the rates of head and ledger, and its shares."""
+    return s.head + s.ledger + s.shares
 
 
 cdef inline size_t rs_raw_size(const rs_system *s) noexcept nogil:
-    """Doubles of rates before they are summed: [own (H+L) | rollers' (Z B) | added (Z (H+L))]."""
-    return (s.head + s.ledger) * (1 + s.rollers) + s.rollers * s.block
+    """Doubles of rates before they are summed: [own (H+L) | rollers' (Z B) | added and shares (Z (H+L+S))]."""
+    return s.head + s.ledger + s.rollers * (s.block + rs_row(s))
 
 
 cdef inline size_t rs_arrow_size(const rs_system *s) noexcept nogil:
-    return (s.head + s.ledger) * (s.head + s.rollers * s.block) + s.rollers * s.block * (s.head + s.block)
+    return (s.head + s.ledger) * s.head + s.rollers * (
+        s.block * (rs_row(s) + s.head + s.block) + s.shares * s.head)
 
 
 cdef inline size_t rs_factors_size(const rs_system *s) noexcept nogil:
@@ -53,8 +59,9 @@ cdef inline size_t rs_factors_size(const rs_system *s) noexcept nogil:
 cdef inline void rs_place_arrow(const rs_system *s, double *memory, rs_arrow *arrow) noexcept nogil:
     arrow.head_head = memory
     arrow.head_roller = arrow.head_head + (s.head + s.ledger) * s.head
-    arrow.roller_head = arrow.head_roller + (s.head + s.ledger) * s.rollers * s.block
+    arrow.roller_head = arrow.head_roller + rs_row(s) * s.rollers * s.block
     arrow.roller_roller = arrow.roller_head + s.rollers * s.block * s.head
+    arrow.share_head = arrow.roller_roller + s.rollers * s.block * s.block
 
 
 cdef inline void rs_place_factors(const rs_system *s, double *memory, size_t *order, rs_factors *f) noexcept nogil:
@@ -95,18 +102,21 @@ cdef inline int rs_raw(const rs_system *s, double t, const double *y, double *ra
 
 cdef inline void rs_sum(const rs_system *s, const double *raw, double *rates) noexcept nogil:
     """f(t, y) from the parts in ``raw``."""
-    cdef size_t sums = s.head + s.ledger, own = s.rollers * s.block, i, _
+    cdef size_t sums = s.head + s.ledger, own = s.rollers * s.block, i, j
     cdef const double *added = raw + sums + own
     cdef double *ledger = rates + s.head + own
+    cdef double *shares = ledger + s.ledger
     memcpy(rates, raw, s.head * sizeof(double))
     memcpy(ledger, raw + s.head, s.ledger * sizeof(double))
     memcpy(rates + s.head, raw + sums, own * sizeof(double))
-    for _ in range(s.rollers):
+    for j in range(s.rollers):
         for i in range(s.head):
             rates[i] += added[i]
         for i in range(s.ledger):
             ledger[i] += added[s.head + i]
-        added += sums
+        for i in range(s.shares):
+            shares[j * s.shares + i] = added[sums + i]
+        added += rs_row(s)
 
 
 cdef inline int rs_rates(const rs_system *s, double t, const double *y, double *raw, double *rates) noexcept nogil:
@@ -155,7 +165,7 @@ cdef inline void rs_column(
     const double *minus, const double *plus, const rs_arrow *out
 ) noexcept nogil:
     """Fill the derivatives by one unknown from two evaluations, with it moved by ``low`` and by ``high``."""
-    cdef size_t sums = s.head + s.ledger, B = s.block, H = s.head, own = s.rollers * B, b, i, j
+    cdef size_t sums = s.head + s.ledger, B = s.block, H = s.head, own = s.rollers * B, W = rs_row(s), b, i, j
     cdef const double *added_minus = minus + sums + own
     cdef const double *added_plus = plus + sums + own
     cdef double width
@@ -167,7 +177,10 @@ cdef inline void rs_column(
             out.head_head[i * H + column] = (plus - sums)[i] - (minus - sums)[i]
         for j in range(s.rollers):
             for i in range(sums):
-                out.head_head[i * H + column] += added_plus[j * sums + i] - added_minus[j * sums + i]
+                out.head_head[i * H + column] += added_plus[j * W + i] - added_minus[j * W + i]
+            for i in range(sums, W):
+                out.share_head[(j * s.shares + i - sums) * H + column] = (
+                    added_plus[j * W + i] - added_minus[j * W + i]) / width
         for i in range(sums):
             out.head_head[i * H + column] /= width
         for i in range(own):
@@ -179,8 +192,8 @@ cdef inline void rs_column(
         width = rs_moved(s, y, i, high) - rs_moved(s, y, i, low)
         for i in range(B):
             out.roller_roller[(j * B + i) * B + b] = (plus[j * B + i] - minus[j * B + i]) / width
-        for i in range(sums):
-            out.head_roller[(j * sums + i) * B + b] = (added_plus[j * sums + i] - added_minus[j * sums + i]) / width
+        for i in range(W):
+            out.head_roller[(j * W + i) * B + b] = (added_plus[j * W + i] - added_minus[j * W + i]) / width
 
 
 cdef inline int rs_differences(
@@ -292,7 +305,7 @@ cdef inline void rs_lu_solve_one(const double *a, const size_t *order, size_t n,
 
 cdef inline int rs_factorise(const rs_system *s, const rs_arrow *arrow, double shift, rs_factors *f) noexcept nogil:
     """Factors of shift I - J; 1 if they do not exist."""
-    cdef size_t H = s.head, B = s.block, Z = s.rollers, sums = H + s.ledger, i, j, k, q
+    cdef size_t H = s.head, B = s.block, Z = s.rollers, W = rs_row(s), i, j, k, q
     cdef const double *row
     cdef double *block
     cdef double *reach
@@ -313,7 +326,7 @@ cdef inline int rs_factorise(const rs_system *s, const rs_arrow *arrow, double s
         if rs_lu(block, f.block_order + j * B, B):
             return 1
         rs_lu_solve(block, f.block_order + j * B, B, reach, H)
-        row = arrow.head_roller + j * sums * B
+        row = arrow.head_roller + j * W * B
         for i in range(H):
             for k in range(B):
                 v = row[i * B + k]
@@ -326,13 +339,14 @@ cdef inline int rs_factorise(const rs_system *s, const rs_arrow *arrow, double s
 
 cdef inline void rs_solve(const rs_system *s, const rs_arrow *arrow, rs_factors *f, double *x) noexcept nogil:
     """Solve (shift I - J) x = r; r [n] comes in x."""
-    cdef size_t H = s.head, B = s.block, Z = s.rollers, L = s.ledger, sums = H + L, i, j, k
+    cdef size_t H = s.head, B = s.block, Z = s.rollers, L = s.ledger, S = s.shares, W = rs_row(s), i, j, k
     cdef const double *row
     cdef double *own
     cdef double *ledger = x + H + Z * B
+    cdef double *shares = ledger + L
     cdef double v
     for j in range(Z):
-        own, row = x + H + j * B, arrow.head_roller + j * sums * B
+        own, row = x + H + j * B, arrow.head_roller + j * W * B
         rs_lu_solve_one(f.blocks + j * B * B, f.block_order + j * B, B, own)
         for i in range(H):
             for k in range(B):
@@ -346,7 +360,7 @@ cdef inline void rs_solve(const rs_system *s, const rs_arrow *arrow, rs_factors 
             v += arrow.head_head[(H + i) * H + k] * x[k]
         ledger[i] = v
     for j in range(Z):
-        own, row = x + H + j * B, arrow.head_roller + (j * sums + H) * B
+        own, row = x + H + j * B, arrow.head_roller + (j * W + H) * B
         for i in range(B):
             v = own[i]
             for k in range(H):
@@ -357,7 +371,15 @@ cdef inline void rs_solve(const rs_system *s, const rs_arrow *arrow, rs_factors 
             for k in range(B):
                 v += row[i * B + k] * own[k]
             ledger[i] = v
-        f.operations += B * H + L * B
+        row += L * B
+        for i in range(S):
+            v = shares[j * S + i]
+            for k in range(H):
+                v += arrow.share_head[(j * S + i) * H + k] * x[k]
+            for k in range(B):
+                v += row[i * B + k] * own[k]
+            shares[j * S + i] = v / f.shift
+        f.operations += B * H + L * B + S * (H + B + 1)
     for i in range(L):
         ledger[i] /= f.shift
     f.operations += L * H + L

@@ -1,12 +1,12 @@
 # An initial value problem of arrow shape, y' = f(t, y), as C sees it; capsule "rollslip.system.v1".
 #
-# - y = [head (H) | roller 0 (B) | ... | roller Z-1 (B) | ledger (L)]: nothing but the head and its own block influences
-#   a roller, and the ledger influences nothing.  So the Jacobian is an arrow, found by differences in H + B evaluations
+# - y = [head (H) | roller 0 (B) | ... | roller Z-1 (B) | ledger (L) | shares of roller 0 (S) | ...]: nothing but the
+#   head and its own block influences a roller and its shares, and ledger and shares influence nothing.  So the Jacobian is an arrow, found by differences in H + B evaluations
 #   of all rollers at once, whatever Z is, and solved with in work proportional to Z.
 # - Ours alone, unlike rollslip.h: both sides of it are always built together.
 # - The context of the capsule is a reference to the owner, which keeps ``state`` and ``scale`` alive and answers
 #   ``refusal()`` after a status k > 0.
-from libc.math cimport INFINITY
+from libc.math cimport INFINITY, fabs
 from libc.stdlib cimport malloc
 
 from rollslip_stage cimport rs_new_capsule
@@ -20,17 +20,18 @@ cdef extern from *:
     /* The derivatives that are not zero by the shape, each row by row (C order). */
     typedef struct {
         double *head_head;      /* [(H+L) x H]      head and ledger rates by head, what the rollers add included */
-        double *head_roller;    /* [Z x (H+L) x B]  what a roller adds, by its own unknowns */
+        double *head_roller;    /* [Z x (H+L+S) x B]  what a roller adds and its shares, by its own unknowns */
         double *roller_head;    /* [Z x B x H] */
         double *roller_roller;  /* [Z x B x B] */
+        double *share_head;     /* [Z x S x H] */
     } rs_arrow;
 
     /* Every function returns 0; -1: a Python error is set; k > 0: refused, the owner's refusal() tells what. All that
        comes in is finite; all of what goes out is written. Called without the GIL. */
     typedef struct {
-        size_t head, rollers, block, ledger;   /* n = head + rollers*block + ledger */
-        /* rates of the rollers' unknowns [Z x B], and what each adds to the rates of head and ledger [Z x (H+L)];
-           NULL, and never called, without rollers */
+        size_t head, rollers, block, ledger;   /* n = head + rollers*(block + shares) + ledger */
+        /* rates of the rollers' unknowns [Z x B], and what each adds to the rates of head and ledger and those of its
+           shares [Z x (H+L+S)]; NULL, and never called, without rollers */
         int (*roller_rates)(double t, const double *head, const double *rollers, double *rates, double *added,
                             void *state);
         /* the head's and ledger's own rates [H+L], to which those are added */
@@ -76,6 +77,8 @@ cdef extern from *:
         int *apart;
         int (*go)(double t, double h, size_t parts, double *y, void *state);
         int (*clear)(double h, void *state);
+        /* what is recorded of each roller, as the ledger is of all; 0 of systems that do not say */
+        size_t shares;
     } rs_system;
     #endif
     """
@@ -86,6 +89,7 @@ cdef extern from *:
         double *head_roller
         double *roller_head
         double *roller_roller
+        double *share_head
 
     ctypedef int (*rs_roller_rates)(double, const double *, const double *, double *, double *, void *) noexcept nogil
     ctypedef int (*rs_head_rates)(double, const double *, double *, void *) noexcept nogil
@@ -126,6 +130,7 @@ cdef extern from *:
         int *apart
         rs_go go
         rs_clear clear
+        size_t shares
 
 
 cdef inline void rs_tells_nothing(rs_system *s) noexcept nogil:
@@ -133,12 +138,23 @@ cdef inline void rs_tells_nothing(rs_system *s) noexcept nogil:
     s.contact_frequency = s.swing_frequency = 0.0
     s.until_contact, s.kicked, s.drift, s.rates = NULL, NULL, NULL, NULL
     s.renew, s.held, s.still, s.flight = NULL, NULL, NULL, NULL
-    s.apart, s.go, s.clear = NULL, NULL, NULL
+    s.apart, s.go, s.clear, s.shares = NULL, NULL, NULL, 0
 
 
 cdef inline double rs_until(double gap, double closing) noexcept nogil:
     """Time after which a gap is closed at a speed."""
     return 0.0 if gap <= 0.0 else gap / closing if closing > 0.0 else INFINITY
+
+
+cdef enum:
+    RS_SHARES = 4   # of a roller in a bearing: work of sliding at inner and outer ring, and distances slid there
+
+
+cdef inline void rs_shares(
+    double lost_inner, double lost_outer, double inner_sliding, double outer_sliding, double *rates
+) noexcept nogil:
+    """Rates of the shares of a roller."""
+    rates[0], rates[1], rates[2], rates[3] = lost_inner, lost_outer, fabs(inner_sliding), fabs(outer_sliding)
 
 
 cdef inline object rs_new_system(const rs_system *system, object owner):

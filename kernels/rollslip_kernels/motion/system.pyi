@@ -16,6 +16,7 @@ class System:
     rollers: int
     block: int
     ledger: int
+    shares: int
     watched: int
     evaluations: int
     def __init__(self, capsule: object) -> None: ...

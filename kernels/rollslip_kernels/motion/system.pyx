@@ -43,8 +43,8 @@ cdef class System:
 
     Attributes
     ----------
-    n, head, rollers, block, ledger, watched : int
-        Numbers of unknowns, n = head + rollers * block + ledger, and of watched values.
+    n, head, rollers, block, ledger, shares, watched : int
+        Numbers of unknowns, n = head + rollers * (block + shares) + ledger, and of watched values.
     scale : ndarray
         Typical magnitudes of the unknowns.
     evaluations : int
@@ -53,7 +53,7 @@ cdef class System:
 
     cdef const rs_system *c
     cdef readonly object capsule, owner
-    cdef readonly size_t n, head, rollers, block, ledger, watched, evaluations
+    cdef readonly size_t n, head, rollers, block, ledger, shares, watched, evaluations
 
     def __init__(self, capsule):
         if not PyCapsule_IsValid(capsule, ROLLSLIP_SYSTEM):
@@ -62,6 +62,7 @@ cdef class System:
         self.capsule, self.owner = capsule, <object>rs_capsule_context(capsule)  # which rs_new_system has set
         self.n, self.head, self.rollers = rs_unknowns(self.c), self.c.head, self.c.rollers
         self.block, self.ledger, self.watched = self.c.block, self.c.ledger, self.c.watched
+        self.shares = self.c.shares
 
     @property
     def frequencies(self):
@@ -137,19 +138,20 @@ cdef class System:
         cdef double[::1] given = self._unknowns(y), arrow = np.empty(1 + rs_arrow_size(self.c))
         cdef rs_arrow a
         self._arrow(t, given, arrow, central, &a)
-        H, Z, B, L = self.head, self.rollers, self.block, self.ledger
-        ends = np.cumsum([(H + L) * H, Z * (H + L) * B, Z * B * H, Z * B * B])
-        parts = np.split(np.asarray(arrow), ends)[:4]
-        head_head, head_roller, roller_head, roller_roller = (
-            part.reshape(shape)
-            for part, shape in zip(parts, [(H + L, H), (Z, H + L, B), (Z, B, H), (Z, B, B)], strict=True)
-        )
+        H, Z, B, L, S = self.head, self.rollers, self.block, self.ledger, self.shares
+        shapes = [(H + L, H), (Z, H + L + S, B), (Z, B, H), (Z, B, B), (Z, S, H)]
+        parts = np.split(np.asarray(arrow), np.cumsum([int(np.prod(shape)) for shape in shapes]))[:5]
+        head_head, head_roller, roller_head, roller_roller, share_head = (
+            part.reshape(shape) for part, shape in zip(parts, shapes, strict=True))
         dense = np.zeros((self.n, self.n))
-        receiving = np.r_[0:H, H + Z * B:self.n]
+        behind = H + Z * B + L
+        receiving = np.r_[0:H, H + Z * B:behind]
         dense[receiving, :H] = head_head
         for j in range(Z):
-            own = slice(H + j * B, H + (j + 1) * B)
-            dense[receiving, own] = head_roller[j]
+            own, share = slice(H + j * B, H + (j + 1) * B), slice(behind + j * S, behind + (j + 1) * S)
+            dense[receiving, own] = head_roller[j, :H + L]
+            dense[share, own] = head_roller[j, H + L:]
+            dense[share, :H] = share_head[j]
             dense[own, :H] = roller_head[j]
             dense[own, own] = roller_roller[j]
         return dense

@@ -20,7 +20,7 @@ from cpython.exc cimport PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport NAN, fabs, isnan, sqrt
 
-from rollslip_arrow cimport RS_RAISED
+from rollslip_arrow cimport RS_RAISED, rs_row, rs_unknowns
 from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system
 
 cdef enum:
@@ -60,7 +60,7 @@ cdef struct box_t:
 
 cdef struct varying_t:
     void *owner
-    size_t rollers, block, rates   # rates: of head and ledger
+    size_t rollers, block, rates, row   # rates: of head and ledger; row: also of the shares of a roller
     size_t axes
     int speed_axis        # axis that is |w_i - w_o| in place of a course; -1 for none
     int root_axis         # axis on which the root of its course counts; -1 for none
@@ -190,7 +190,7 @@ cdef int _roller_rates(
         if status != 0:
             return status
         _blend(v.weight[k], v.roller_rates, rates, v.rollers * v.block, k == 0)
-        _blend(v.weight[k], v.added, added, v.rollers * v.rates, k == 0)
+        _blend(v.weight[k], v.added, added, v.rollers * v.row, k == 0)
     return 0
 
 
@@ -226,7 +226,7 @@ cdef int _rates(double t, const double *y, double *rates, void *state) noexcept 
         status = s.rates(t, y, v.all_rates, s.state)
         if status != 0:
             return status
-        _blend(v.weight[k], v.all_rates, rates, v.rates + v.rollers * v.block, k == 0)
+        _blend(v.weight[k], v.all_rates, rates, rs_unknowns(s), k == 0)
     return 0
 
 
@@ -369,16 +369,16 @@ cdef class Varying:
         self.scale = np.array(scale, dtype=float)
         self._more([low for low, _ in ranges])
         s = v.stations[0].system
-        v.rollers, v.block, v.rates = s.rollers, s.block, s.head + s.ledger
+        v.rollers, v.block, v.rates, v.row = s.rollers, s.block, s.head + s.ledger, rs_row(s)
         v.watched = s.watched
         if not 1 <= v.watched <= MAX_WATCHED or v.cage_speed >= s.head:
             raise ValueError(f"{v.watched} watched values, cage speed at {v.cage_speed}: at most {MAX_WATCHED}, and it "
                              f"is in the head of {s.head}")
-        if <size_t>self.scale.shape[0] != v.rollers * v.block + v.rates:
-            raise ValueError(f"{v.rollers * v.block + v.rates} unknowns need as many scales, got {self.scale.shape[0]}")
-        room = np.zeros(v.rollers * (2 * v.block + v.rates) + 2 * v.rates)
+        if <size_t>self.scale.shape[0] != rs_unknowns(s):
+            raise ValueError(f"{rs_unknowns(s)} unknowns need as many scales, got {self.scale.shape[0]}")
+        room = np.zeros(v.rollers * (v.block + v.row) + v.rates + rs_unknowns(s))
         v.roller_rates, v.added = &room[0], &room[v.rollers * v.block]
-        v.head_rates = v.added + v.rollers * v.rates
+        v.head_rates = v.added + v.rollers * v.row
         v.all_rates = v.head_rates + v.rates
         self.kept.append(room)
 

@@ -1,8 +1,8 @@
 """What a motion along a history says: slip against that of running away, sliding and frictional work, from the dataset.
 
 - Slips are known while the rings turn; where they all but stand an instant has none, and takes no part here.
-- Distances and spans of time are sums over the stored instants (trapezoids, passages on straight lines between them);
-  work is that of the ledger, which the motion integrates, but roller by roller, where it is a sum over these instants.
+- Distances and work are integrals that the motion takes at every step, roller by roller; works sum to the ledger's.
+- Spans of time are sums over the stored instants, with passages on straight lines between them.
 """
 
 import json
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 _TOLD_IN: Final = {"load_direction": "deg"}
 #: From which share of its speed without slip on it is told that a cage runs ahead.
 _AHEAD: Final = 1e-3
-#: Share of a distance that stored instants may leave untold, and of a film that starvation may.
+#: Share of a film that starvation may leave untold.
 _KNOWN: Final = 0.01
 _HEAT: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
@@ -78,7 +78,7 @@ def time_beyond(dataset: "xr.Dataset") -> float:
 
 
 def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:
-    """Distance [m] that each roller slid on each ring: the time integral of |V| over the stored instants."""
+    """Distance [m] that each roller slid on each ring: the time integral of |V|."""
     distances = dataset["roller_sliding_distance"]
     return {str(ring): distances.sel(ring=ring).to_numpy() for ring in dataset["ring"].to_numpy()}
 
@@ -194,20 +194,8 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     for ring, distance in distances.items():
         far, most = (format_quantity(float(value), "m", 3) for value in (distance.mean(), distance.max()))
         work = format_quantity(works[ring], "J", 3) if ring in works else "work that is not known"
-        off = _off_by_instants(dataset, ring)
-        only = f" (within {100.0 * off:.0f} %, as few instants are stored)" if off > _KNOWN else ""
-        said.append(
-            f"a roller slid {far} on the {ring} ring on average{only}, {most} at most; friction took {work} there"
-        )
+        said.append(f"a roller slid {far} on the {ring} ring on average, {most} at most; friction took {work} there")
     return said
-
-
-def _off_by_instants(dataset: "xr.Dataset", ring: str) -> float:
-    """What the stored instants leave of the mean distance on a ring, by every other of them."""
-    times, speeds = dataset["time"].to_numpy(), np.abs(dataset["sliding_speed"].sel(ring=ring).to_numpy()).mean(axis=1)
-    some = np.union1d(np.arange(0, times.size, 2), times.size - 1)
-    whole, half = np.trapezoid(speeds, times), np.trapezoid(speeds[some], times[some])
-    return float(abs(half - whole) / (3.0 * whole)) if whole > 0.0 else 0.0
 
 
 def _when(t: Array, values: Array) -> str:

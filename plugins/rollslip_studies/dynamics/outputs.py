@@ -54,10 +54,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "runaway_drag_along": Output("time", "N m", "limit drag torque at that operation"),
         "critical_slip_along": Output("time", "1", "cage slip at largest traction of the inner ring at that operation"),
         "roller_sliding_distance": Output(
-            "ring roller", "m", "distance that a roller slides on a ring along a history, over the stored instants"
+            "ring roller", "m", "distance that a roller slides on a ring along a history, integrated at every step"
         ),
         "roller_frictional_work": Output(
-            "ring roller", "J", "work of a roller's sliding on a ring along a history, over the stored instants"
+            "ring roller", "J", "work of a roller's sliding on a ring along a history; all sum to the energy ledger's"
         ),
         "event_time": Output("event", "s", "time of the event"),
         "event_what": Output("event", "1", "what happened"),

@@ -220,25 +220,23 @@ def at_the_ends(study: EffectiveFriction, assembly: Assembly, history: History |
 
 
 def with_history(
-    study: EffectiveFriction, moving: Any, times: Array, sliding: Array, traction: Array
+    study: EffectiveFriction, moving: Any, times: Array, states: Array
 ) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Return what is stored of a history at instants: variables, and attributes; nothing of a motion without one.
-
-    ``sliding`` [m/s] and ``traction`` [N] are those of the contacts then, (rings, instants, rollers).
-    """
+    """Return what is stored of a history at instants: variables, and attributes; nothing of a motion without one."""
     if not isinstance(moving, VaryingMotion):
         return {}, {}
     history = moving.history
     way = along(study, moving.assembly, history, times)
     now = history.at(times)
     stations = moving.stations
+    works, distances = moving.of_each(states[-1])
     variables = {name: now[name] for name in history.given} | {
         "epicyclic_cage_speed": moving.direction * epicyclic(moving.assembly, history, times)[0],
         "runaway_slip_along": way.runaway_slip,
         "runaway_drag_along": way.runaway_drag,
         "critical_slip_along": way.critical_slip,
-        "roller_sliding_distance": np.asarray(np.trapezoid(np.abs(sliding), times, axis=1)),
-        "roller_frictional_work": np.asarray(np.trapezoid(traction * sliding, times, axis=1)),
+        "roller_sliding_distance": distances,
+        "roller_frictional_work": works,
     }
     return variables, {
         "history": json.dumps(history.given),

@@ -532,9 +532,7 @@ class Dynamics(Study):
         variables = self.variables(**stored(moving, found, outputs))
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip, works = variables["cage_slip"][1], moving.works(found.y)
-        at_instants, of_history = over_time.with_history(
-            self.curved(assembly), moving, t, variables["sliding_speed"][1], variables["traction_force"][1]
-        )
+        at_instants, of_history = over_time.with_history(self.curved(assembly), moving, t, found.y)
         variables |= self.variables(**at_instants)
         ended = found.outcome == "finished"  # else a longer run would end there too
         steady, steady_status = steady_slip_of(

@@ -245,7 +245,7 @@ class Stations:
     def _put_together(self, place: Place) -> MovingBearing:
         bearing = self.bearing(place)
         if self.planar is not None:
-            return planar_motion(bearing, self.planar, self.friction, self.top_speeds)
+            return planar_motion(bearing, self.planar, self.friction, self.top_speeds, each=True)
         read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
         key = (
             *(value for axis, value in zip(self.axes, place, strict=True) if axis.unit != "K"),
@@ -256,7 +256,7 @@ class Stations:
         of = of_bearing(self.assembly), self.axes, self.speeds, self.top_speeds, tolerance
         made = partial(build_load_map, bearing, tolerance, max(self.top_speeds), self._least_force)
         loads = self.assembly.kept("loads of stations", (*of, key), made)
-        return carried_motion(bearing, self.friction, level=self.level, loads=loads)
+        return carried_motion(bearing, self.friction, level=self.level, loads=loads, each=True)
 
 
 def _between(low: int, high: int, sixths: int) -> int:

@@ -19,7 +19,7 @@ from rollslip.units import format_quantity
 from rollslip_kernels.motion.carried import LEDGER, Carried
 from rollslip_kernels.motion.system import System
 from rollslip_studies.dynamics.levels.load_map import LoadMap, build_load_map, resistances
-from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact, ungoverned
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 
 _BLOCKS: Final = {
@@ -66,7 +66,8 @@ class CarriedMotion(MovingBearing):
     def state_at(self, cage_speed: float, roller_speed: float, load: float = 0.0, direction: float = 0.0) -> Array:
         """Return the state with these speeds [rad/s], rollers in the middle of their pockets whatever the load."""
         block = [roller_speed - cage_speed, cage_speed, 0.0][: len(_BLOCKS[self.level])]
-        return np.array([0.0, cage_speed, *block * self.assembly.scene.bearing.rollers, *[0.0] * len(LEDGER)])
+        moving = [0.0, cage_speed, *block * self.assembly.scene.bearing.rollers]
+        return np.array([*moving, *[0.0] * (self.system.n - len(moving))])
 
     def energy(self, y: Array) -> Array:
         """Return the kinetic energy of cage and rollers, and the elastic energy of the pockets [J], (...)."""
@@ -111,6 +112,7 @@ def carried_motion(
     level: str,
     loads: LoadMap | None = None,
     torques: Sequence[object] | None = None,
+    each: bool = False,
 ) -> CarriedMotion:
     """Build the motion of a bearing whose scene has a cage.
 
@@ -129,6 +131,8 @@ def carried_motion(
         Loads per slice that were built before.
     torques : sequence of capsules, optional
         Drags ``rs_drag``, by default those of the scene.
+    each : bool
+        Whether `MovingBearing.of_each` is known.
 
     Raises
     ------
@@ -168,9 +172,10 @@ def carried_motion(
         *of_raceways.capsules,
         cage.drags.capsules() if torques is None else torques,
         pocket_contact(assembly),
-        _scale(assembly, level),
+        np.append(_scale(assembly, level), ungoverned(assembly, each)),
         friction.critical_slip,
         friction.watched_film,
+        each,
     )
     system = System(carried.system())
     return CarriedMotion(

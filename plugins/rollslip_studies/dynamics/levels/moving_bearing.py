@@ -20,6 +20,8 @@ from rollslip_studies.motion.effective_table import table_records
 _LEANING: Final = 0.05
 #: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
 _SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
+#: Magnitude [J, m] of unknowns that no step is held to.
+_UNGOVERNED: Final = 1e15
 #: Level -> number of unknowns of the head and of each roller, where rings are rigid and round.
 _UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
 
@@ -182,6 +184,16 @@ class MovingBearing(abc.ABC):
         senses = {name: name.startswith("work_") - name.startswith("lost_") for name in self.names[2]}
         return {name: sense * recorded[name] for name, sense in senses.items() if sense}
 
+    def of_each(self, y: Array) -> tuple[Array, Array]:
+        """Return work [J] and distance [m] that each roller slid on inner and outer ring, (..., 2, Z) both.
+
+        They are integrated beside the ledger, whose losses at the rings are the sums of the works; known to a motion
+        that was made for it.
+        """
+        behind = self.parts(y)[2][..., len(self.names[2]) :]
+        each = np.moveaxis(behind.reshape(*behind.shape[:-1], -1, 2, 2), -3, -1)
+        return each[..., 0, :, :], each[..., 1, :, :]
+
     def impulse(self, y: Array) -> Array:
         """Return the angular momentum put in that the ledger recorded [N m s], (...)."""
         recorded = self.split(y)
@@ -219,6 +231,11 @@ class MovingBearing(abc.ABC):
         error = self.assembly.raceways[ring].chain.error(what, self.friction.slices[ring])
         error.add_note(f"in a contact with the {who} ring")
         return error
+
+
+def ungoverned(assembly: Assembly, each: bool) -> Array:
+    """Return the magnitudes of what each roller does, so large that they set no step: the ledger's sums do."""
+    return np.full(4 * assembly.scene.bearing.rollers if each else 0, _UNGOVERNED)
 
 
 def pocket_contact(assembly: Assembly) -> dict[str, float]:

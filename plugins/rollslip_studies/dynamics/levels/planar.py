@@ -32,7 +32,7 @@ from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
 from rollslip_studies.dynamics.levels.bent_rings import BentRings, bent_rings, turned
 from rollslip_studies.dynamics.levels.load_map import resistances
-from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact
+from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact, ungoverned
 from rollslip_studies.dynamics.levels.raceway_friction import DEEP, FrictionSettings, raceway_friction, usual_force
 from rollslip_studies.motion.effective_table import table_records
 
@@ -256,6 +256,8 @@ def planar_motion(
     settings: PlanarSettings,
     friction: FrictionSettings,
     top_speeds: tuple[float, float] | None = None,
+    *,
+    each: bool = False,
 ) -> PlanarMotion:
     """Build the plane motion of a bearing whose scene has a cage.
 
@@ -269,6 +271,8 @@ def planar_motion(
         Which friction, what is watched, and whether forces may come from a table.
     top_speeds : tuple of two floats, optional
         Largest speeds of inner and outer ring [rad/s], if they are not those of the scene.
+    each : bool
+        Whether `MovingBearing.of_each` is known.
 
     Raises
     ------
@@ -315,7 +319,8 @@ def planar_motion(
         [capsule for model, capsule in torques if not (guidance and _of_land(model))],
         b.rollers,
         guidance,
-        _scale(heaviest, cage, bent),
+        np.append(_scale(heaviest, cage, bent), ungoverned(a, each)),
+        each=each,
         forces=[(table.deepest, table.coefficients) for table in forces],
         resistances=None if friction.name == "conventional" else _resistances(a, most),
         rings=None if bent is None else bent.given,
