@@ -1,8 +1,10 @@
 """Measures of damage along a motion: the worst contact at each of some instants, and the worst of all.
 
 - A motion stores force, sliding and spin of every roller. At some of the stored instants each force is spread over the
-  slices as over an aligned roller, the contacts are evaluated with the models of the scene at the temperatures of that
-  instant, and measured. Friction is that of these models on every slice, whichever one moved the bearing.
+  slices, the contacts are evaluated with the models of the scene at the temperatures of that instant, and measured.
+  Friction is that of these models on every slice, whichever one moved the bearing.
+- Where rollers tilt, a force is spread as that of the roller at its place is in the equilibrium under the load of the
+  instant, which motions that know a tilt take their loads from; else as over an aligned roller.
 - Stored instants are those of even steps, and on either ring those at which forces, sliding and speeds alone let power
   density, energy of a pass or flash be largest, or a film thinnest. Between them nothing is seen: a worst value is at
   least as bad as what is told.
@@ -18,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.equilibrium import solve_equilibrium
 from rollslip.bearing.raceway import RINGS
-from rollslip.errors import DomainError
+from rollslip.errors import DomainError, RollslipError
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Output
 from rollslip.studies.surface_damage.model import (
@@ -75,10 +78,15 @@ def over_motion(
     found = np.full((4, *shape), np.nan)
     times, angles = dataset["time"].to_numpy(), dataset["orbit_angle"].to_numpy()
     for n, instant in enumerate(instants.tolist()):
-        at = there(instant)
+        at, now = there(instant), dataset.isel(time=instant)
+        try:
+            tilted = _tilted(at, now)
+        except RollslipError as error:
+            said[:] = str(error)
+            continue
         for i in range(len(RINGS)):
             try:
-                taken = _contacts(at, dataset.isel(time=instant, ring=i), i)
+                taken = _contacts(at, now.isel(ring=i), i, tilted)
             except DomainError as error:
                 said[:, i] = str(error)
                 continue
@@ -98,15 +106,13 @@ def over_motion(
                     place = at.position[column[worst]]
                     found[:, k, i] = values[worst], times[instant], angles[instant, owner[worst]], place
     seen = f"{instants.size} of {stored} stored instants" if instants.size < stored else "all stored instants"
-    if assembly.scene.operation.misalignment != 0.0:
-        seen += ", with forces as on aligned rollers, and these tilt"
     for k, i in np.ndindex(*shape):
         if not np.isfinite(over[k, i]).any():
             said[k, i] = said[k, i] or f"no roller is loaded on the {RINGS[i]} ring at {seen}"
             continue
         told = [f"found at {seen}", *([f"at some: {said[k, i]}"] if said[k, i] else [])]
         instant = int(np.searchsorted(times, found[1, k, i]))
-        off = _by_laminae(there(instant), dataset.isel(time=instant, ring=i), i, measures[k], found[0, k, i])
+        off = _by_laminae(there(instant), dataset.isel(time=instant), i, measures[k], found[0, k, i])
         if off > assembly.scene.accuracy.tolerance:
             told.append(f"its laminae leave about {100.0 * off:.2g} %")
         said[k, i] = "; ".join(told)
@@ -141,7 +147,8 @@ def _suspects(assembly: Assembly, dataset: "xr.Dataset") -> list[int]:
 def _by_laminae(assembly: Assembly, now: "xr.Dataset", i: int, model: DamageModel, worst: float) -> float:
     """How far the worst value of a measure on a ring is off that with more laminae, relative to that."""
     slices = _FINER * assembly.slices if assembly.slices > 1 else 1
-    taken = _contacts(assembly.at(attrs.evolve(assembly.resolution, slices=slices)), now, i)
+    fine_bearing = assembly.at(attrs.evolve(assembly.resolution, slices=slices))
+    taken = _contacts(fine_bearing, now.isel(ring=i), i, _tilted(fine_bearing, now))
     values = np.zeros(0) if taken is None else values_of(model, taken[0])
     fine = float(values.max() if model.worst == "largest" else values.min()) if values.size else worst
     return abs(worst / fine - 1.0) if fine else 0.0
@@ -153,8 +160,31 @@ def _rolling(assembly: Assembly, of: "xr.Dataset", i: int) -> NDArray[np.float64
     return np.asarray(spin + (0.5 - i) * of["sliding_speed"].to_numpy())
 
 
+def _tilted(assembly: Assembly, now: "xr.Dataset") -> NDArray[np.float64] | None:
+    """Loads per length [N/m] on both rings in equilibrium at an instant, (2, Z, n); None where no roller tilts."""
+    drop = assembly.drop
+    if assembly.scene.operation.misalignment == 0.0 and np.allclose(drop, drop[::-1], rtol=1e-9, atol=1e-15):
+        return None
+    turned = assembly.kinematics.direction * float(now["load_direction"]) if "load_direction" in now else 0.0
+    case = attrs.evolve(
+        assembly.load_case(1, assembly.centrifugal_force_at(float(now["cage_speed"]))),
+        psi=now["orbit_angle"].to_numpy()[None] - turned,
+        **{name: float(now[name]) for name in ("radial_load", "radial_clearance") if name in now},
+    )
+    held = solve_equilibrium(case, assembly.raceways)
+    return np.stack((held.inner_load[0], held.outer_load[0]))
+
+
+def _spread(assembly: Assembly, i: int, force: float, as_in: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    """Load per length [N/m] along a roller under a force [N], in proportion to a load or as along an aligned one."""
+    held = 0.0 if as_in is None else float(as_in @ assembly.widths)
+    if as_in is None or not held > 0.0:
+        return balanced_load(assembly, assembly.raceways[i], force)
+    return as_in * (force / held)
+
+
 def _contacts(
-    assembly: Assembly, now: "xr.Dataset", i: int
+    assembly: Assembly, now: "xr.Dataset", i: int, tilted: NDArray[np.float64] | None = None
 ) -> tuple[Contacts, NDArray[np.int_], NDArray[np.int_]] | None:
     """Evaluated slices of the loaded rollers on a ring, with the roller and the place of each; None without any."""
     force, sliding, rolling = (
@@ -166,7 +196,8 @@ def _contacts(
     if not carries.size:
         return None
     raceway = assembly.raceways[i]
-    load = np.array([balanced_load(assembly, raceway, float(force[j])) for j in carries])
+    along = [None if tilted is None else tilted[i, j] for j in carries]
+    load = np.array([_spread(assembly, i, float(force[j]), of) for j, of in zip(carries, along, strict=True)])
     row, column = np.nonzero(load > 0.0)
     owner = carries[row]
     slices = raceway.evaluate(load[row, column], rolling[owner], sliding[owner])
