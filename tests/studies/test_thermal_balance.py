@@ -462,6 +462,19 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     assert shown == pytest.approx(found.settled_temperature.sel(node="oil").values - 273.15)
 
 
+def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
+    """Also where nothing lasts, and where all of the first range is warmer."""
+    weak, cold = {"shaft_ambient": 0.05, "housing_ambient": 0.05}, {"oil_flow": 1.0, "oil_inlet_temperature": 160.0}
+    for parameters in ({"oil_flow": "15 g/s"}, {}, weak, cold):
+        scene = evolve(SCENE, {"models.thermal": network(**parameters)})
+        study = settings(scene, "thermal-balance")["thermal-balance"]
+        asked = {"settled_temperature", "settled_slip", "settled_status"}
+        whole, alone = (one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - asked)))
+        assert alone[sorted(asked)].equals(whole[sorted(asked)])
+        settles = whole.settled_status.item() == "found"
+        assert not settles or alone.evaluated_temperatures < 0.9 * whole.evaluated_temperatures
+
+
 def test_a_plan_says_which_studies_a_network_does_not_act_in():
     scene = evolve(load_scene("1032930-50C"), {"models.thermal": "network"})
     steady = plan(scene, "steady-slip")

@@ -245,10 +245,13 @@ class Heated:
         T, heat = self.followed(leading, guess)
         return float(self.model.inflows(T, heat)[0]), T
 
-    def curve(self, lowest: float, highest: float, points: int) -> tuple[Curve, dict[float, Array]]:
+    def curve(
+        self, lowest: float, highest: float, points: int, *, first: bool = False
+    ) -> tuple[Curve, dict[float, Array]]:
         """Return the excess heat over the range, and temperatures of all nodes by that of the leading one.
 
-        The range goes on to colder ones where more is carried away than is lost already at its lowest.
+        The range goes on to colder ones where more is carried away than is lost already at its lowest. ``first`` ends
+        it where the curve first falls past zero, so that its beginning is the same.
         """
         grid, guess = list(np.linspace(lowest, highest, points)), self.model.start(self.scene)
         known: dict[float, float] = {}
@@ -262,8 +265,11 @@ class Heated:
                 known[x], refused[x] = np.nan, refusal.state
             return x not in refused
 
-        for x in grid:
+        for k, x in enumerate(grid):
             look(x, _foreseen(x, places) if places else guess)
+            if first and k and known[x] < 0.0 and (known[grid[k - 1]] > 0.0 or known[grid[0]] < 0.0):
+                grid = grid[: k + 1]
+                break
         while known[grid[0]] < 0.0 and (colder := grid[0] - (grid[1] - grid[0])) >= _COLDEST:
             look(colder, _foreseen(colder, places))
             grid.insert(0, colder)
@@ -293,13 +299,11 @@ class Heated:
             value, places[at] = self.excess(at, _foreseen(at, places))
             return value
 
-        scale = float(np.nanmax(np.abs(curve.excess), initial=1.0))
         for k in range(len(x) - 2, 0, -1):
             left, here, right = values[k - 1 : k + 2]
             if not np.isfinite([left, here, right]).all() or (here > 0.0) != (left > 0.0) or (here > 0) != (right > 0):
                 continue
-            turns = abs(here) <= min(abs(left), abs(right)) and abs(here) < 0.2 * scale
-            if not turns:
+            if abs(here) > min(abs(left), abs(right)):
                 continue
             sign = 1.0 if here > 0.0 else -1.0
             try:

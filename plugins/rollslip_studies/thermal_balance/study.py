@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 #: follow, and for a course in time.
 _NEARBY: Final = 0.3
 _FOLLOWING, _COURSE = 4, 200
+#: What is known of a bearing that has settled before anything of warmer balances is.
+_OF_SETTLED: Final = frozenset({"settled_temperature", "settled_slip", "settled_status"})
 
 
 @attrs.frozen(kw_only=True)
@@ -144,7 +146,9 @@ class ThermalBalance(Study):
         return {"steady cage slip": Compared([[float(dataset["settled_slip"])]], status)}
 
     def without(self, outputs: frozenset[str]) -> "ThermalBalance":
-        """Return a study without the course in time where nobody asks for it."""
+        """Return a study without the course in time, or without all but the coldest balance that lasts."""
+        if outputs >= self.outputs.keys() - _OF_SETTLED:
+            return _Settled(**attrs.asdict(self) | {"duration": 0.0})
         return self.evolved(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
@@ -213,12 +217,19 @@ class ThermalBalance(Study):
             settled_status=status,
         ), _coordinates(tuple(ROLES.values()), [loss.source for loss in losses], ["outside"])
 
+    def _sought(self, heated: Heated, *, first: bool = False) -> tuple[Curve, dict[float, Any], list[Balance]]:
+        """Return the curve of excess heat, temperatures of all nodes along it, and its balances."""
+        model = heated.model
+        lowest = float(min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])]))
+        highest = max(self.highest_temperature, lowest + 1.0)
+        curve, places = heated.curve(lowest, highest, self.points, first=first)
+        found = (heated.balance(places[x]) for x in heated.zeros(curve, places))
+        return curve, places, [one for one in found if one is not None]
+
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
         model, scene = heated.model, heated.scene
         start = model.start(scene)
-        lowest = float(min([*start] if model.inlet is None else [*start, model.inlet[0]]))
-        curve, places = heated.curve(lowest, max(self.highest_temperature, lowest + 1.0), self.points)
-        balances = [one for x in heated.zeros(curve, places) if (one := heated.balance(places[x])) is not None]
+        curve, places, balances = self._sought(heated)
         sinks = list(model.carried_away(start))
         powers = [one.state.power for one in balances]
         sources = [loss.source for loss in powers[0].losses] if powers and powers[0] else []
@@ -314,6 +325,19 @@ class ThermalBalance(Study):
         else:
             status = "the bulk: warmer than that losses rise faster than what is carried away"
         return self.variables(heat_margin=-value, limit_temperature=at, inlet_limit=inlet, limit_status=status)
+
+
+@attrs.frozen(kw_only=True)
+class _Settled(ThermalBalance):
+    """The coldest balance that lasts: of the curve, all up to it is enough, where it has one."""
+
+    def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
+        settled = next((one for one in self._sought(heated, first=True)[-1] if one.stable), None)
+        if settled is None:
+            return super()._balances(heated)
+        return self.variables(
+            settled_temperature=settled.temperatures, settled_slip=settled.state.slip, settled_status="found"
+        ), _coordinates(heated.model.nodes, [], [])
 
 
 def _jumps(heated: Heated) -> str:
