@@ -25,6 +25,7 @@ from rollslip.scene.changes import evolve
 from rollslip.search import secants
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
 from rollslip_studies.motion.losses import PowerBalance, power_balance
+from rollslip_studies.steady_slip.evaluated import by_secant
 from rollslip_studies.steady_slip.study import SteadySlip
 
 __all__ = ["Balance", "Curve", "Heated", "State"]
@@ -147,11 +148,8 @@ class Heated:
 
     def _solved(self, changes: Mapping[str, float]) -> State:
         self.evaluations += 1
-        bounds = self.assembly.inner.chain.bounds
         try:
-            scene = evolve(self.scene, changes) if changes else self.scene
-            there = assemble(scene, self.assembly.resolution, like=self.assembly)
-            there = there.with_bounds(*bounds).with_resistance()
+            there = self._bearing(changes)
             if (beside := self._beside(there, changes)) is not None:
                 return beside
             balance, steady, status = self._study.steady(there)
@@ -165,6 +163,21 @@ class Heated:
             return State(np.nan, refusal=str(error).removeprefix("changes: "))
         except ConvergenceError as error:
             return State(np.nan, refusal=str(error), by_film=True, lost=True)
+
+    def _bearing(self, changes: Mapping[str, float]) -> Assembly:
+        scene = evolve(self.scene, changes) if changes else self.scene
+        there = assemble(scene, self.assembly.resolution, like=self.assembly)
+        return there.with_bounds(*self.assembly.inner.chain.bounds).with_resistance()
+
+    def off(self, temperatures: Array | None, slip: float, loss: float) -> tuple[float, float]:
+        """Return by how much a steady slip and a loss [W] are off that another resolution led to, relative.
+
+        At temperatures of the nodes [K], (n,), or at those of the scene.
+        """
+        changes = {} if temperatures is None else self.model.changes(temperatures, self.scene)
+        balance = self._study.balance(self._bearing(changes))
+        off, own = by_secant(balance, slip, lambda orbit: np.array(power_balance(balance, orbit).total))
+        return off, abs(loss / float(own) - 1.0)
 
     def _beside(self, there: Assembly, changes: Mapping[str, float]) -> State | None:
         """The state on the branch of one at nearly the same temperatures, by secants; None where they tell of none."""

@@ -15,12 +15,13 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.registry import get_model
+from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Compared, Estimated, Keep, Output
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.thermal_balance.model import ROLES, from_bearing, thermal_model
+from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, from_bearing, thermal_model
 from rollslip_studies.steady_slip.evaluated import estimate_torques
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 #: follow, and for a course in time.
 _NEARBY: Final = 0.3
 _FOLLOWING, _COURSE = 4, 200
+#: Slip below which an answer shows no digits of it.
+_SHOWN: Final = 1e-3
 #: What is known of a bearing that has settled before anything of warmer balances is.
 _OF_SETTLED: Final = frozenset({"settled_temperature", "settled_slip", "settled_status"})
 
@@ -111,6 +114,11 @@ class ThermalBalance(Study):
     def _steady(self) -> SteadySlip:
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
+    @staticmethod
+    def _model(assembly: Assembly) -> ThermalModel:
+        named = thermal_model(assembly.scene)
+        return (get_model("thermal", "given") if named is None else named).of(assembly)
+
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose slices, instants and laws as for the torques of a steady slip at the temperatures of the scene."""
         return estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
@@ -124,13 +132,12 @@ class ThermalBalance(Study):
         """Return the time [s] from that of steady slips: one if nothing follows, else some for each temperature."""
         from rollslip.studies.timing import timed
 
-        named = thermal_model(assembly.scene)
-        model = (get_model("thermal", "given") if named is None else named).of(assembly)
+        model = self._model(assembly)
         heated = Heated(assembly, model, self._steady)
-        heated.given()  # what all share is made with the first one
-        again = timed(Heated(assembly, model, self._steady).given, 1)
+        first = timed(heated.given, 1)  # with what all share
         if not model.nodes:
-            return {"run": again}
+            return {"run": first}
+        again = timed(Heated(assembly, model, self._steady).given, 1)
         start, n = model.start(assembly.scene), len(model.nodes)
         seconds = []
         for share in (0.0, 0.5):
@@ -151,6 +158,22 @@ class ThermalBalance(Study):
             return _Settled(**attrs.asdict(self) | {"duration": 0.0})
         return self.evolved(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
 
+    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
+        """Return by how much slip and losses of a bearing that has settled are off, at the temperatures of that.
+
+        The resolution is chosen at those of the scene. A slip that is shown without digits is left out.
+        """
+        settled = dataset["settled_slip"]
+        if not (slip := float(settled)) > 0.0:
+            return {}
+        model = self._model(finer)
+        temperatures = dataset["settled_temperature"].to_numpy() if model.nodes else None
+        try:
+            off, of_loss = Heated(finer, model, self._steady).off(temperatures, slip, settled.attrs["loss"])
+        except (SceneError, DomainError):
+            return {"power loss": np.inf}
+        return {"power loss": of_loss} | ({"cage slip": off} if slip >= _SHOWN else {})
+
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return all balances, the curve that they are the zeros of, and the limit.
 
@@ -170,8 +193,7 @@ class ThermalBalance(Study):
         SceneError
             If the cage or the thermal model is wrong, or heat has no way out.
         """
-        named = thermal_model(assembly.scene)
-        model = (get_model("thermal", "given") if named is None else named).of(assembly)
+        model = self._model(assembly)
         assembly.cage  # noqa: B018 - a wrong one is refused before anything is computed
         heated = Heated(assembly, model, self._steady)
         given = heated.given()
@@ -202,7 +224,7 @@ class ThermalBalance(Study):
         """Temperatures as they are given: one state, whose heat something outside carries away."""
         losses = () if given.power is None else given.power.losses
         total = np.nan if given.power is None else given.power.total
-        return self.variables(
+        variables = self.variables(
             temperature=temperatures[:, None],
             stable=np.zeros(1, np.int8),
             stability=np.array(["given: what holds the temperatures is outside of the scene"]),
@@ -212,10 +234,15 @@ class ThermalBalance(Study):
             carried_away=np.array([[total]]),
             balance_error=np.full(1, np.nan),
             status=(status := given.refusal or "the temperatures are given"),
-            settled_temperature=temperatures,
-            settled_slip=given.slip,
-            settled_status=status,
-        ), _coordinates(tuple(ROLES.values()), [loss.source for loss in losses], ["outside"])
+        )
+        coords = _coordinates(tuple(ROLES.values()), [loss.source for loss in losses], ["outside"])
+        return variables | self._settled(temperatures, given, status), coords
+
+    def _settled(self, temperatures: Any, state: State, status: str) -> dict[str, Any]:
+        """Return what a cold bearing settles at; with the slip the loss [W], by which that is judged."""
+        found = self.variables(settled_temperature=temperatures, settled_slip=state.slip, settled_status=status)
+        found["settled_slip"][-1]["loss"] = np.nan if state.power is None else state.power.total
+        return found
 
     def _sought(self, heated: Heated, *, first: bool = False) -> tuple[Curve, dict[float, Any], list[Balance]]:
         """Return the curve of excess heat, temperatures of all nodes along it, and its balances."""
@@ -252,13 +279,15 @@ class ThermalBalance(Study):
             else none * np.ones((len(sinks), 1)),
             balance_error=np.array([one.error for one in balances]) if balances else none,
             status=status,
-            settled_temperature=np.full(start.size, np.nan) if settled is None else settled.temperatures,
-            settled_slip=np.nan if settled is None else settled.state.slip,
-            settled_status="no balance lasts" if balances and settled is None else status,
             jumps=_jumps(heated),
             leading_temperature=curve.temperature,
             excess_heat=curve.excess,
         )
+        if settled is None:
+            status = "no balance lasts" if balances else status
+            variables |= self._settled(np.full(start.size, np.nan), State(np.nan), status)
+        else:
+            variables |= self._settled(settled.temperatures, settled.state, status)
         variables |= self._limit(heated, curve, places, balances)
         coords = _coordinates(model.nodes, sources, sinks)
         if self.duration > 0.0:
@@ -277,7 +306,9 @@ class ThermalBalance(Study):
         known = np.isfinite(curve.excess)
         node = heated.model.nodes[0]
         if not known.any():
-            return f"no balance: {curve.refusals[0].refusal}"
+            ends, first, last = curve.refusals[0], *(curve.temperature[[0, -1]] - 273.15)
+            said = f"no steady state is known from {first:.4g} to {last:.4g} degC of the {node}; with the coldest, "
+            return f"no balance: {'' if ends.by_film else said}{ends.refusal}"
         first, last = (int(np.flatnonzero(known)[k]) for k in (0, -1))
         if curve.excess[first] < 0.0:
             reason = f", where the data of the scene end: {curve.refusals[first - 1].refusal}" if first else ""
@@ -335,9 +366,7 @@ class _Settled(ThermalBalance):
         settled = next((one for one in self._sought(heated, first=True)[-1] if one.stable), None)
         if settled is None:
             return super()._balances(heated)
-        return self.variables(
-            settled_temperature=settled.temperatures, settled_slip=settled.state.slip, settled_status="found"
-        ), _coordinates(heated.model.nodes, [], [])
+        return self._settled(settled.temperatures, settled.state, "found"), _coordinates(heated.model.nodes, [], [])
 
 
 def _jumps(heated: Heated) -> str:
