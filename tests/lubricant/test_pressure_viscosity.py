@@ -130,6 +130,17 @@ def test_roelands_has_no_value_for_an_oil_thinner_than_its_pole(law):
         evaluated(law, thin, pressure=1e8)
 
 
+def test_a_viscosity_that_rises_with_temperature_is_refused_with_what_to_give():
+    """Roelands's law with one coefficient at all temperatures, z ln(1 + p/p0) > 1, where heat takes part."""
+    oil = {"name": "sae-30", "conductivity": 0.14, "eyring_stress": "5 MPa"}
+    hot = {"lubricant": oil, "operation.temperature": "108 degC", "operation.radial_load": "40 kN"}
+    scene = evolve(load_scene("1032930-70C"), hot | {"accuracy.slices": 8})
+    with pytest.raises(DomainError, match=r"film_thermoviscosity = -0.0\d+ 1/K at .* rise with temperature .* give "):
+        run(scene, "friction-curve")
+    given = evolve(scene, {"lubricant.pressure_thermoviscosity": "0.2 1/(GPa K)"})
+    assert np.isfinite(run(given, "friction-curve").friction).all()
+
+
 def test_local_pressures_of_any_shape():
     here = conditions(Barus(), 320.0)
     viscosity, fall = Barus().at(here, np.full((2, 3), 1e8))

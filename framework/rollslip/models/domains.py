@@ -33,6 +33,10 @@ POSITIVE: Final = (5e-324, sys.float_info.max)
 #: Range of a quantity that must not be negative.
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
+_RISES: Final = (  # what makes that happen
+    ", as the oil's viscosity would rise with temperature under that pressure: its pressure-viscosity coefficient has "
+    "to fall with temperature; give lubricant.pressure_thermoviscosity, such as '0.2 1/(GPa K)'"
+)
 
 
 def interval(limits: tuple[float, float] | None) -> str:
@@ -96,9 +100,8 @@ def refusal_text(law: str, domain: Domain, what: str, member: str, index: int, s
         return f"{law}: {member} = {in_unit(value, member)} is outside its domain ({allowed})"
     value = float(getattr(slices, member)[index])
     if value != value:
-        unit, meaning = COLUMNS[member]
-        remedy = "give it, or put a stage that fills it before this one"
-        if member in PLACES:
-            remedy = "what evaluates it takes rollers or slices together; give it, or take another study or level"
-        return f"{law}: slice {index} has no {member} ({meaning}, {unit}); {remedy}"
-    return f"{law}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed})"
+        apart = "what evaluates it takes rollers or slices together; give it, or take another study or level"
+        remedy = apart if member in PLACES else "give it, or put a stage that fills it before this one"
+        return f"{law}: slice {index} has no {member} ({COLUMNS[member][1]}, {COLUMNS[member][0]}); {remedy}"
+    why = _RISES if member == "film_thermoviscosity" and value < 0.0 else ""
+    return f"{law}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed}){why}"
