@@ -1,6 +1,6 @@
 """Limits, balances of heat and measures of damage against brute force, on random scenes; brute_force.csv.
 
-    python tests/tools/references/brute_force.py [LIMITS [BALANCES [DAMAGES]]]
+    python tests/tools/references/brute_force.py [LIMITS [BALANCES [DAMAGES [STEADY]]]]
 
 - *limit*: ten results over five quantities. What is kept is the result of a single run somewhere in the range, with a
   plan of its own and a tenth of the tolerance, so that the limit is known to be passed there: the two neighbours
@@ -10,15 +10,19 @@
   and the campaign, which found no passage, says that it may pass the limit unseen; where it found none and a value is
   within tolerance, the result is level.
 - *balance*: settled temperatures of study thermal-balance against the heat equations of its network, written anew here
-  and solved by damped substitution, with losses of single runs at temperatures that the scene gives, at a tenth of the
-  tolerance. Scenes of way_up_scenes.py. Allowed is the share of the rise above the surroundings that both tolerances
-  make together, as both are tolerances of friction.
-- *damage*: the largest value of each measure at a cage slip of 10 % against four times the slices and instants that
-  were taken, and twelve times the instants that were planned. *Told* is one that is off by more than the tolerance, but
-  not by more than a warning of the result says.
+  and solved by substitution with Anderson's acceleration (damped substitution alone leads to the same within 2e-5 K,
+  in scenes 0 to 5), with losses at temperatures that the scene gives: each with a steady slip sought for itself, at
+  the resolution that a tenth of the tolerance takes, nothing left out. Scenes of way_up_scenes.py. Allowed is the share
+  of the rise above the surroundings that both tolerances make together, as both are tolerances of friction.
+- *damage*: the largest value of each measure, or the least film parameter, on the ring where it is off most, at a cage
+  slip of 10 % against four times the slices and instants that were taken, and twelve times the instants that were
+  planned; *steady damage* at the steady slip that either has. *Told* is one that is off by more than the tolerance,
+  but not by more than a warning of the result says. Film parameter and the temperature after ISO are measured in scenes
+  41, 50 and 51 alone of the former, and in all of the latter.
 
-A row is written as soon as it is known, and the script goes on where it was interrupted. Every scene has at most
-20 s of the processor, one whose limit is searched or that is measured 120 s.
+A row is written as soon as it is known, and the script goes on where it was interrupted, up to so many scenes that are
+judged: two of damage (18, 39) are refused, as Roelands's law with a coefficient that does not fall with temperature
+lets the viscosity rise with it. A scene has as much time of the processor as SECONDS says.
 """
 
 import csv
@@ -29,12 +33,13 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from functools import cache
+from functools import cache, partial
+from itertools import count
 from pathlib import Path
 
 import attrs
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 sys.path.insert(0, str(Path(__file__).parent))
@@ -45,10 +50,10 @@ import promise_scenes
 import way_up_scenes
 from rollslip import evolve, limit, run
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import RollslipError
+from rollslip.errors import ConvergenceError, DomainError, RollslipError
 from rollslip.planning.execution import execute
-from rollslip.planning.plan import plan
-from rollslip.results.account import account_of
+from rollslip.planning.plan import estimate, plan
+from rollslip.results.accounts import account_of
 from rollslip.studies.study import study_class
 from rollslip.studies.surface_damage.model import OWN
 from rollslip.studies.thermal_balance.model import ROLES, thermal_model
@@ -79,10 +84,18 @@ VARIED = (
     ("bearing.radial_clearance", "m", 0.0, 10e-6),
     ("operation.temperature", "K", 0.0, 10.0),
 )
-#: Change between two substitutions at which temperatures are found [K], and how many there may be.
-STILL, MOST = 1e-4, 60
+#: What is asked of a bearing that warms up.
+SETTLED = {"settled_temperature", "settled_status"}
+#: How temperatures are substituted: until they change by no more [K], how often, the damping, and from how many before.
+MIXED = {"fatol": 2e-5, "maxiter": 60, "line_search": None, "jac_options": {"alpha": 0.6, "M": 6}}
 #: Time of the processor that a scene may take [s].
-SECONDS = {"limit": 120.0, "balance": 20.0, "damage": 120.0}
+SECONDS = {"limit": 600.0, "balance": 300.0, "damage": 120.0, "steady damage": 300.0}
+#: Scenes that are judged of each, and verdicts of one that is not.
+COUNTS, UNJUDGED = (50, 50, 50, 20), ("refused", "no slip", "no balance", "no reference", "too dear")
+#: Measures of damage; contact temperature and that after AGMA 925 are the sum that the one after ISO is.
+MEASURES = [
+    "power-density", "pass-energy", "flash-temperature", "film-parameter", {"model": "scuffing-iso", "fzg_stage": 12},
+]  # fmt: skip
 #: Links of the network: ends, or the one that the surroundings are beyond.
 LINKS = {
     "oil_inner_ring": "oil,inner ring", "oil_rollers": "oil,rollers", "oil_outer_ring": "oil,outer ring",
@@ -146,12 +159,13 @@ def limits(k):
 def balances(k):
     """Rows of a scene that warms up."""
     kind = way_up_scenes.catalogue if k % 2 else way_up_scenes.free
+    study = study_class("thermal-balance")
     flow = {"oil_flow": "20 g/s"} if k % 4 > 1 else {}
     scene = evolve(
         kind(FIRST + k, even=True),
         {"accuracy.tolerance": TOLERANCE, "models.thermal": {"model": "network", **flow}},
     )
-    found = run(scene, "thermal-balance")
+    found = execute(plan(scene, "thermal-balance", without=study.outputs.keys() - SETTLED), "thermal-balance")
     told, nodes = found.settled_temperature.values, found.node.values.tolist()
     if np.isnan(told).any():
         yield "temperatures", found.settled_status.item()[:100], "", "", "", "no balance"
@@ -168,11 +182,16 @@ def balances(k):
     fixed[0] += carried * model.oil_inlet_temperature
     against = {drag.name: drag.against for drag in made.cage.drags.torques}
 
+    def given(at):
+        known = dict(zip(nodes, at.tolist(), strict=True))
+        named = {key: known[part] for key, part in ROLES.items()}
+        return evolve(scene, named | {"models.thermal": "given", "accuracy.tolerance": 0.1 * TOLERANCE})
+
     def heat(at):
-        known, into = dict(zip(nodes, at.tolist(), strict=True)), dict.fromkeys(nodes, 0.0)
-        given = {key: known[part] for key, part in ROLES.items()}
-        given |= {"models.thermal": "given", "accuracy.tolerance": 0.1 * TOLERANCE}
-        losses = run(evolve(scene, given), "thermal-balance")
+        there = assemble(given(at), resolution)
+        losses, into = study.of(there.scene).run(there), dict.fromkeys(nodes, 0.0)
+        if np.isnan(losses.given_slip):
+            raise DomainError(losses.given_status.item())
         for source, power in zip(losses.source.values.tolist(), losses.loss.values[:, 0].tolist(), strict=True):
             name, _, raceway = source.partition(", ")
             if raceway:  # half of it warms the ring, half the rollers
@@ -185,49 +204,64 @@ def balances(k):
         return np.array([into[part] for part in nodes])
 
     at = model.start(scene)
-    for _ in range(MOST):
-        step = np.linalg.solve(matrix, fixed + heat(at)) - at
-        at = at + 0.6 * step
-        if float(np.abs(step).max()) <= STILL:
-            break
-    else:
-        yield "temperatures", "", "", "", "", "no reference"
-        return
+    for _ in range(2):  # once more with what a run takes where it settled
+        own = estimate(study.of(scene), assemble(given(at))).resolution
+        resolution = attrs.evolve(own, traction="named", boundary=True, inlet_heating=True, light_contacts=True)
+        with np.errstate(invalid="ignore"):  # SciPy divides by a step of nought where nothing is left to do
+            settled = root(lambda T: np.linalg.solve(matrix, fixed + heat(T)) - T, at, method="anderson", options=MIXED)
+        at = settled.x
+        if not settled.success:
+            yield "temperatures", "", "", "", "", "no reference"
+            return
     worst = int(np.argmax(np.abs(at - told)))
-    lasting = found.stable.values == 1
-    nearest = float(np.abs(found.temperature.values[:, lasting] - at[:, None]).max(axis=0).min())
     base = model.ambient_temperature if not carried else min(model.ambient_temperature, model.oil_inlet_temperature)
     off, allowed = abs(at[worst] - told[worst]), 1.1 * TOLERANCE * float(np.abs(at - base).max())
-    verdict = "kept" if off <= allowed else "another balance" if nearest <= allowed else "missed"
+    verdict = "kept" if off <= allowed else "missed"
+    if verdict == "missed":
+        every = run(scene, "thermal-balance")
+        lasting = every.temperature.values[:, every.stable.values == 1]
+        near = (np.abs(lasting - at[:, None]) <= allowed).all(axis=0).any()
+        verdict = "another balance" if near else verdict
     what = f"temperature of {nodes[worst]} [K]"
     yield what, f"{told[worst]:.5f}", f"{at[worst]:.5f}", f"{off:.1e}", f"{allowed:.1e}", verdict
 
 
-def damages(k):
-    """Rows of a scene whose surfaces are measured."""
-    changes = {"accuracy.tolerance": TOLERANCE, "cage.drag": ["churning"]}
-    measures = ["power-density", "pass-energy", "flash-temperature"]
-    changes |= {"models.damage": measures, "study.surface-damage.cage_slip": 0.1}
+def damages(k, slip=0.1):
+    """Rows of a scene whose surfaces are measured, at its own steady slip where none is given."""
+    changes = {"accuracy.tolerance": TOLERANCE, "cage.drag": ["churning"], "models.damage": MEASURES}
+    changes |= {} if slip is None else {"study.surface-damage.cage_slip": slip}
     scene = evolve(promise_scenes.scene(k, SEED), changes)
     made = plan(scene, "surface-damage")
     result = execute(made, "surface-damage")
+    if result.status.item() != "found":
+        yield "", result.status.item()[:100], "", "", "", "no slip"
+        return
     own = made.estimated["surface-damage"].resolution
     planned = own.instants
     taken, claimed = (json.loads(result.attrs[name]) for name in ("resolution", "accuracy"))
     claims = {row["result"]: row["found"] for row in claimed}
     own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
     most = max(taken["instants"], 3 * planned)
-    fine = finer(made.assembly, own, result.assign_attrs(instants=most))
-    exact = made.studies["surface-damage"].run(assemble(scene, fine))
-    for measure in measures:
-        told, reference = (float(one.worst.sel(measure=measure).max()) for one in (result, exact))
-        off, name = abs(told / reference - 1.0), f"worst {result.meaning.sel(measure=measure).item()}"
+
+    def finer_by(times):
+        fine = finer(made.assembly, own, result.assign_attrs(instants=most), times)
+        return made.studies["surface-damage"].run(assemble(scene, fine))
+
+    try:
+        exact = finer_by(4)
+    except ConvergenceError:  # thousands of laminae may find no equilibrium
+        exact = finer_by(3)
+    for measure in result.measure.values.tolist():
+        told, reference = (one.worst.sel(measure=measure).values for one in (result, exact))
+        apart = np.abs(told / reference - 1.0)
+        ring, name = int(np.nanargmax(apart)), f"worst {result.meaning.sel(measure=measure).item()}"
+        off = float(apart[ring])
         warned = any(text.startswith(f"{name} is off by") for text in json.loads(result.attrs["warnings"]))
         verdict = "kept" if off <= TOLERANCE else "told" if warned and off <= claims[name] else "silent"
-        yield measure, f"{told:.6g}", f"{reference:.6g}", f"{off:.1e}", f"{TOLERANCE:.0e}", verdict
+        yield measure, f"{told[ring]:.6g}", f"{reference[ring]:.6g}", f"{off:.1e}", f"{TOLERANCE:.0e}", verdict
 
 
-KINDS = {"limit": limits, "balance": balances, "damage": damages}
+KINDS = {"limit": limits, "balance": balances, "damage": damages, "steady damage": partial(damages, slip=None)}
 
 
 def rows(kind, k):
@@ -251,8 +285,11 @@ def main(*counts):
     """Judge the scenes that are not known yet and write the table."""
     path = Path(__file__).with_suffix(".csv")
     known = list(csv.reader(path.open(encoding="utf-8")))[1:] if path.exists() else []
-    for kind, count in zip(KINDS, counts or (50, 12, 50), strict=False):
-        for k in range(int(count)):
+    for kind, most in zip(KINDS, counts or COUNTS, strict=False):
+        for k in count():
+            judged = {one[1] for one in known if one[0] == kind and one[7] not in UNJUDGED}
+            if len(judged) >= int(most):
+                break
             if any(one[:2] == [kind, str(k)] for one in known):
                 continue
             known = sorted([*known, *rows(kind, k)], key=lambda one: ([*KINDS].index(one[0]), int(one[1])))
