@@ -271,6 +271,17 @@ def test_a_cage_that_is_driven_runs_faster_than_its_epicyclic_speed():
     assert reserve(balance, runaway(balance, 0.95, ""), at).factor == math.inf
 
 
+def test_a_cage_that_runs_ahead_against_drags_carries_what_drags_it_without_slip():
+    """Rollers drive the cage ahead, where oil drags it more than they carry once it lags: it does not skid."""
+    speeds = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "12000 rpm"}
+    assembly = bearing("gearbox", **speeds, **{"operation.radial_load": "1 N"})
+    balance, at = rollers(assembly, 4), runs(assembly)
+    most = max(balance.torque(slip) for slip in np.geomspace(1e-3, 0.95, 200))
+    assert (at.slip < -0.1, at.drag > most) == (True, True)
+    factor = reserve(balance, runaway(balance, 0.95, ""), at).factor
+    assert factor == pytest.approx(most / -balance.drag(0.0), rel=1e-3)
+
+
 @pytest.mark.parametrize("load", [2e4, 2.5e4, 3e4])
 def test_a_heavily_loaded_cage_of_little_drag_runs_at_its_epicyclic_speed_or_a_little_faster(load):
     """Resistance of the rolls brakes rollers or drives the cage: their torque at no slip changes sign with the load."""

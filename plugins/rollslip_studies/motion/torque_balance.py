@@ -394,15 +394,17 @@ def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float
 
     Where nothing runs away up to the end of the range, the most that the rollers carry is carried at least, and over
     the drags where the cage runs, or without slip where these are larger, it is a lower bound: drags that fall with
-    slip, as churning does, would let a cage that has slowed down look safe. With a balance it is 1 at least. Where the
-    cage has no balance, or runs beyond the slip of running away, it is less than 1: the torque at the most favourable
-    slip of the way over the drags there.
+    slip, as churning does, would let a cage that has slowed down look safe. With a balance it is 1 at least: a cage
+    that runs ahead has the drags without slip, by which it comes before it skids. Where the cage has no balance, or
+    runs beyond the slip of running away, it is less than 1: the torque at the most favourable slip of the way over the
+    drags there.
     """
     if runs.status == FOUND and not runs.slip > away.slip:  # NaN where there is no fold
-        if not runs.drag > 0.0:
-            return Reserve(math.inf, f"{AT_LEAST}: no torque drags the cage")
+        drag = -balance.drag(0.0) if runs.slip < 0.0 else runs.drag
+        if not drag > 0.0:
+            return Reserve(math.inf, f"{AT_LEAST}: no torque drags the cage{' without slip' * (runs.slip < 0.0)}")
         if not math.isnan(away.slip):
-            return Reserve(away.drag / runs.drag, FOUND)
+            return Reserve(away.drag / drag, FOUND)
         if math.isnan(away.most):
             return Reserve(math.nan, away.status)
         said = f"{AT_LEAST}: no skidding up to a slip of {balance.way(largest).end:.4g}"

@@ -11,6 +11,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
 from rollslip.results.words import AT_REST, force, force_unit, percent, plain, power, rounded_up, span, two
+from rollslip_studies.motion.torque_balance import DRIVEN
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.findings import doubted, has_steady
 from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD, WITH_LESS
@@ -78,7 +79,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     yield slip_row(dataset, found, status, known=_KNOWN, within=0.02)
     preload = bearing.get("radial_clearance", 0.0) < 0.0
     if "least_load" in dataset:
-        if found < -acceptable:
+        if found < -acceptable or DRIVEN in status:
             yield Row(key="minimum_load", label="minimum load", unit="N", text="not found", known=_KNOWN,
                       note="it is for a cage that lags")  # fmt: skip
         else:
@@ -128,7 +129,8 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
         return Row(**row, text="not found", note=status)
     least = status.startswith("at least")
     if math.isinf(reserve):
-        return Row(**row, text="no limit", note=_BRAKED if slip > _AHEAD else "no drag brakes the cage")
+        note = _BRAKED if slip > _AHEAD else f"no drag brakes the cage{' without slip' * (slip < -_AHEAD)}"
+        return Row(**row, text="no limit", note=note)
     band = (reserve, math.inf) if least else (reserve, reserve)
     return Row(**row, text=_times(reserve, least), band=band)
 
