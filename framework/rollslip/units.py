@@ -37,6 +37,7 @@ __all__ = [
     "check_unit",
     "converted",
     "evenly",
+    "expect_results",
     "expectation",
     "format_quantity",
     "likely",
@@ -277,6 +278,12 @@ def as_written(value: object) -> str:
         return "a whole number of more than 77 digits"
     text = repr(value) if isinstance(value, str) else str(value)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def expect_results(asks: str, *given: object) -> None:
+    """Refuse, for the function that asks, what is no result."""
+    if bad := [as_written(one) for one in given if not hasattr(one, "data_vars")]:
+        raise RollslipError(f"{asks}: a result is expected, as rollslip.run gives, not {bad[0]}; {asks}(run({bad[0]}))")
 
 
 @lru_cache

@@ -352,3 +352,17 @@ def test_what_is_no_model_is_a_mistake_of_the_scene(tmp_path, child):
     code, out, err = rollslip("plan", "1032930-70C", "--set", f"models.traction.boundary={child}", path=tmp_path)
     expected = "a traction model is expected: its name, or a table with model = 'NAME'"
     assert (code, out, err) == (2, "", f"changes: models.traction.boundary: {expected}\n")
+
+
+def test_a_scene_that_a_package_offers_too_is_said_to_be_of_both(tmp_path):
+    install(tmp_path, "rollslip-impostor", "", kind="scene", name="gearbox")
+    code, _, told = rollslip("plan", "gearbox", path=tmp_path)
+    assert (code, "packages rollslip and rollslip-impostor offer this name" in told) == (5, True)
+
+
+def test_a_model_that_leaves_the_program_is_named(tmp_path):
+    leaves = TRACTION.replace("        slices.friction[...] = ", "        raise SystemExit(3)\n        slices.x = ")
+    install(tmp_path, "rollslip-leaves", leaves)
+    run = ["run", "1032930-70C", "--study", "friction-curve", "--set", "models.traction=leaves", "--out"]
+    code, _, told = rollslip(*run, str(tmp_path / "out"), path=tmp_path)
+    assert (code, "sys.exit(3) raised by evaluate() of model 'leaves'; it comes from package" in told) == (5, True)

@@ -69,6 +69,21 @@ def test_a_scene_in_place_of_a_result_is_said():
         plot("1032930-70C")
 
 
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: evolve(PAPER, "operation.radial_load=3 kN"), "changes: values by key are expected"),
+        (lambda: load_scene({"bearing": {}}), "scene: a name or a path is expected, not a table"),
+        (lambda: run(PAPER, ["steady-slip"]), "study: the name of one is expected, .* not a list"),
+        (lambda: rollslip.answer("results"), r"answer: a result is expected, .* answer\(run\('results'\)\)"),
+        (lambda: rollslip.table(None), "table: a result is expected, .* not None"),
+    ],
+)
+def test_what_is_of_another_type_is_refused_in_words(call, said):
+    with pytest.raises(RollslipError, match=said):
+        call()
+
+
 def test_what_was_made_of_a_scene_can_be_sent_elsewhere():
     there = pickle.loads(pickle.dumps(assemble(PAPER)))
     one, other = (of.inner.evaluate(np.array([2e4]), 10.0, 0.5).friction for of in (there, assemble(PAPER)))

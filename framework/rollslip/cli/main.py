@@ -244,6 +244,9 @@ def _program(arguments: Sequence[str] | None) -> Any:
             code: Any = _run(arguments, came)
         except SystemExit as leaving:
             code = leaving.code
+            if (blamed := getattr(leaving, "__notes__", ())) and code not in range(128, 160):  # no signal, but a model
+                click.echo(f"sys.exit({code!r}) {'; '.join(blamed)}", err=True)
+                code = BAD_PLUGIN
         except KeyboardInterrupt:  # a second one, while the first was told
             code = INTERRUPTED
         # all has been said and written: what comes now comes too late, and would only end in Python's words

@@ -88,7 +88,8 @@ def new(file: Path, **given: str | None) -> None:
     click.echo(f"written to {path}: " + ", ".join(filter(None, (values[option] for option in MEANING))))
     if missing and not asking:
         click.echo(f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True)
-    click.echo(f"next: rollslip run {path} --report; what it will do: rollslip plan {path}")
+    scene = shlex.quote(str(path))
+    click.echo(f"next: rollslip run {scene} --report; what it will do: rollslip plan {scene}")
 
 
 def verdicts(_: object, __: object, given: Sequence[str]) -> list[str]:

@@ -21,6 +21,7 @@ from rollslip.results.curves import critical_rows, curves
 from rollslip.results.dataset import OTHERWISE, shown_short
 from rollslip.results.words import LOWER_BOUNDS, percent, places, single_values
 from rollslip.scene.reading import shipped_scenes
+from rollslip.units import expect_results
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,6 +129,7 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     >>> rollslip.answer(rollslip.run("gearbox", "steady-slip"))["cage_slip"].text
     '1.5 %'
     """
+    expect_results("answer", *results)
     if len(cases := {case for one in results if (case := case_of(one))}) > 1:
         raise SceneError([f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"])
     found = merged(

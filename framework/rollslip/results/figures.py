@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from rollslip.errors import OutputError, RollslipError
+from rollslip.errors import OutputError
 from rollslip.results.accounts import account_of, answer, telling
 from rollslip.results.answer import Answer, Note
 from rollslip.results.curves import Curves
@@ -20,7 +20,7 @@ from rollslip.results.dataset import open_result
 from rollslip.results.folder import take_in
 from rollslip.results.style import as_svg, save_figures, styled
 from rollslip.results.words import LAW, capital, warned
-from rollslip.units import as_written
+from rollslip.units import expect_results
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -135,9 +135,7 @@ def plot(result: "xr.Dataset") -> Figures:
     >>> figures["friction-curve"].axes[0].get_xlabel()
     'Slide–roll ratio $V/u$ [%]'
     """
-    if not isinstance(result, xr.Dataset):
-        given = as_written(result)
-        raise RollslipError(f"plot: a result is expected, as rollslip.run gives, not {given}; plot(run({given}))")
+    expect_results("plot", result)
     figures = Figures()
     with styled():
         for name, caption, figure in _drawn(result):

@@ -19,7 +19,7 @@ from rollslip.files import whole_file
 from rollslip.results.account import Sheet
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.words import in_percent
-from rollslip.units import converted, shown_unit
+from rollslip.units import converted, expect_results, shown_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,16 +52,16 @@ def table(*results: "xr.Dataset") -> "pd.DataFrame":
     """
     import pandas as pd  # which xarray brings
 
+    expect_results("table", *results)
     head, rows = sheet(*results)
     return pd.DataFrame(rows, columns=head)
 
 
 def sheet(*results: "xr.Dataset") -> Sheet:
     """Return head and rows of results, as `table` has them."""
-    (first, *_) = results
-    for own in account_of(first).sheets(first).values():
+    for own in account_of(results[0]).sheets(results[0]).values():
         return own
-    return of_points(first) if _has_points(first) else _of_answer(results)
+    return of_points(results[0]) if _has_points(results[0]) else _of_answer(results)
 
 
 def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iterable[str]) -> list[Path]:

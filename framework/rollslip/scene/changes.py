@@ -124,6 +124,9 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
         If a bearing or surface that it names is not there.
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    if not (isinstance(changes, Mapping) and all(isinstance(key, str) for key in changes)):
+        given = as_written(changes)
+        raise SceneError([f"changes: values by key are expected, {{'operation.radial_load': '3 kN'}}, not {given}"])
     raw: dict[str, Any] = dict(resolved(scene) if scene.raw is None else scene.raw)
     origins = dict(scene.origins)
     problems, changed = [], set[str]()

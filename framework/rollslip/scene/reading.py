@@ -9,11 +9,12 @@
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import attrs
 
-from rollslip.errors import PluginError, SceneError, in_words, nearest
+from rollslip.errors import PluginError, SceneError, UnknownNameError, in_words, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import in_operation
 from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
@@ -21,6 +22,7 @@ from rollslip.scene.plausibility import impossible_relations
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure, thawed
 from rollslip.toml import KeyPath, parse
+from rollslip.units import as_written
 
 __all__ = ["checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes"]
 
@@ -47,6 +49,8 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     PluginError
         If a bearing or surface that it names is not there.
     """
+    if not isinstance(name_or_path, str | os.PathLike):
+        raise SceneError([f"scene: a name or a path is expected, not {as_written(name_or_path)}"])
     path = Path(os.fspath(name_or_path))
     source = readable(os.fspath(name_or_path))
     if what := NO_SCENES.get(path.suffix.lower()):
@@ -56,6 +60,10 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         if source in shipped:
             return parse_scene(decoded(_of_package(source), source), source)
         if not source or not _exists(path):
+            from rollslip.catalogue.discovery import find
+
+            with suppress(UnknownNameError):  # of one that packages offer it tells what is in its way
+                find("scene", source)
             alike = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
             raise SceneError(
                 [f"{source!r}: no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"]

@@ -29,6 +29,7 @@ from rollslip.studies import estimates, parts
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.timing import timed
 from rollslip.studies.validity import rolling_slices
+from rollslip.units import as_written
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -329,6 +330,8 @@ def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
 
     A study that the scene does not mention runs with its defaults; so does the default study for a scene without any.
     """
+    if not isinstance(study, str | None):
+        raise SceneError([f"study: the name of one is expected, such as {DEFAULT_STUDY!r}, not {as_written(study)}"])
     problems, found = list[str](), dict[str, Study]()
     for name in [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]:
         try:
