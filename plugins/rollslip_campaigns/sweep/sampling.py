@@ -205,7 +205,7 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
             _checked(quantity, value, end, given)
         return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)
     if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MOST:
-        raise FieldError(key, f"{as_written(text)}: {as_written(count)} is no count of values, which are 2 or more")
+        raise FieldError(key, f"{as_written(text)}: {as_written(count)} is no count of values from 2 to {_MOST}")
     n = int(count)
     if logarithmic:
         between = [low * math.exp(k / (n - 1) * math.log(high / low)) for k in range(1, n - 1)]
