@@ -33,10 +33,7 @@ POSITIVE: Final = (5e-324, sys.float_info.max)
 #: Range of a quantity that must not be negative.
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
-_RISES: Final = (  # what makes that happen
-    ", as the oil's viscosity would rise with temperature under that pressure: its pressure-viscosity coefficient has "
-    "to fall with temperature; give lubricant.pressure_thermoviscosity, such as '0.2 1/(GPa K)'"
-)
+_RISES: Final = ", as viscosity would rise with temperature; give lubricant.pressure_thermoviscosity, '0.2 1/(GPa K)'"
 
 
 def interval(limits: tuple[float, float] | None) -> str:
@@ -80,8 +77,7 @@ def evaluate_arrays(model: Any, column: str, **members: "ArrayLike") -> "NDArray
     columns = {name: values for name, values in arrays.items() if name in COLUMNS} | filled
     conditions: dict[str, Any] = {name: values for name, values in arrays.items() if name in CONDITIONS}
     model.evaluate(Slices.of_columns(Conditions(**conditions), columns))
-    filled_column: NDArray[Any] = columns[column]
-    return filled_column
+    return np.asarray(columns[column])
 
 
 def refusal_text(law: str, domain: Domain, what: str, member: str, index: int, slices: "Slices") -> str:

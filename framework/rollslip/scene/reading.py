@@ -2,8 +2,7 @@
 
 - Where a value came from is kept in ``scene.origins``, so that tables which are read later (parameters of models,
   studies) and values changed by `rollslip.evolve` are reported with the right place.
-- Only the standard library and attrs are imported, the slower modules when an error needs them: a scene must be read
-  before a terminal feels slow.
+- Only the standard library and attrs are imported, slower modules when an error needs them: a terminal waits for this.
 - What names of bearing and surfaces stand for is filled in first (`rollslip.scene.named`).
 """
 
@@ -60,14 +59,11 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         if source in shipped:
             return parse_scene(decoded(_of_package(source), source), source)
         if not source or not _exists(path):
-            from rollslip.catalogue.discovery import find
-
             with suppress(UnknownNameError):  # of one that packages offer it tells what is in its way
-                find("scene", source)
+                _of_package(source)
             alike = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
-            raise SceneError(
-                [f"{source!r}: no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"]
-            )
+            said = f"no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"
+            raise SceneError([f"{source!r}: {said}"])
     try:
         read = content_of(path)
     except FileNotFoundError:
@@ -86,11 +82,10 @@ def _of_package(name: str) -> bytes:
 
     offer = find("scene", name)
     try:
-        text: bytes = load(offer).read()
+        return bytes(load(offer).read())
     except (ImportError, OSError) as error:
         blame = f"scene {name!r} of package {offer.package} {offer.version}: its file cannot be read"
         raise PluginError(f"{blame} ({in_words(error)}); repair or uninstall {offer.package}") from error
-    return text
 
 
 def _exists(path: Path) -> bool:
