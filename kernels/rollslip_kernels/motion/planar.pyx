@@ -988,7 +988,8 @@ cdef class Planar:
 
     def __init__(
         self, raceways, deflections, contacts, drop, widths, drags, Py_ssize_t rollers, int guidance, scale,
-        forces=None, resistances=None, rings=None, double critical_slip=NAN, double film_limit=NAN, bint each=False, **numbers,
+        forces=None, resistances=None, rings=None, double critical_slip=NAN, double film_limit=NAN, bint each=False,
+        **numbers,
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k

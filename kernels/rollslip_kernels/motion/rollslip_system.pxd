@@ -1,8 +1,9 @@
 # An initial value problem of arrow shape, y' = f(t, y), as C sees it; capsule "rollslip.system.v1".
 #
 # - y = [head (H) | roller 0 (B) | ... | roller Z-1 (B) | ledger (L) | shares of roller 0 (S) | ...]: nothing but the
-#   head and its own block influences a roller and its shares, and ledger and shares influence nothing.  So the Jacobian is an arrow, found by differences in H + B evaluations
-#   of all rollers at once, whatever Z is, and solved with in work proportional to Z.
+#   head and its own block influences a roller and its shares, and ledger and shares influence nothing.  So the Jacobian
+#   is an arrow, found by differences in H + B evaluations of all rollers at once, whatever Z is, and solved with in
+#   work proportional to Z.
 # - Ours alone, unlike rollslip.h: both sides of it are always built together.
 # - The context of the capsule is a reference to the owner, which keeps ``state`` and ``scale`` alive and answers
 #   ``refusal()`` after a status k > 0.

@@ -166,10 +166,11 @@ def _tilted(assembly: Assembly, now: "xr.Dataset") -> NDArray[np.float64] | None
     if assembly.scene.operation.misalignment == 0.0 and np.allclose(drop, drop[::-1], rtol=1e-9, atol=1e-15):
         return None
     turned = assembly.kinematics.direction * float(now["load_direction"]) if "load_direction" in now else 0.0
+    given: dict[str, Any] = {name: float(now[name]) for name in ("radial_load", "radial_clearance") if name in now}
     case = attrs.evolve(
         assembly.load_case(1, assembly.centrifugal_force_at(float(now["cage_speed"]))),
         psi=now["orbit_angle"].to_numpy()[None] - turned,
-        **{name: float(now[name]) for name in ("radial_load", "radial_clearance") if name in now},
+        **given,
     )
     held = solve_equilibrium(case, assembly.raceways)
     return np.stack((held.inner_load[0], held.outer_load[0]))
