@@ -54,7 +54,7 @@ class TestTheResolutionOfASweep:
         assert attrs.evolve(made, resolutions=type(made.resolutions)()).hash != made.hash
 
 
-def test_a_point_that_a_run_contradicts_is_told_of(tmp_path):
+def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
     over = {"operation.radial_load": ["0.9 kN", "1 kN", "1.1 kN"]}
     of = {"study": "effective-friction", "output": ["critical_friction"]}
     found = sweep("1032930-70C", over, out=tmp_path / "sweep", engine="serial", **of)
@@ -68,6 +68,14 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path):
         "at operation.radial_load = 1 kN critical_friction is 3.0e-02 off a run of the scene, more than"
     )
     assert "the others of 3 points were not run so" in said
+
+    def broken(*_):
+        raise ZeroDivisionError("a law of somebody")
+
+    monkeypatch.setattr("rollslip_campaigns.sweep.result.execute", broken)
+    (said,) = apart_from_run(plan_sweep("1032930-70C", over, **of), found)
+    assert said.startswith("how far points are off could not be checked at operation.radial_load = 1 kN")
+    assert "a law of somebody" in said
 
 
 def test_lean_steady_slips_are_those_of_a_run():
