@@ -33,7 +33,7 @@ POSITIVE: Final = (5e-324, sys.float_info.max)
 #: Range of a quantity that must not be negative.
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
-_RISES: Final = ", as viscosity would rise with temperature; give lubricant.pressure_thermoviscosity, '0.2 1/(GPa K)'"
+_RISES: Final = ", as viscosity would rise with temperature; give a larger lubricant.pressure_thermoviscosity"
 
 
 def interval(limits: tuple[float, float] | None) -> str:
