@@ -110,15 +110,15 @@ def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     keys = {of: key for key, of in cls.judged.items()}
     alike = [of for of in sweep.outputs if of in run and of in point and run[of].dtype.kind == "f"]
     errors = {
-        of: error
+        of: apart
         for of in alike
         if run[of].shape == point[of].shape
-        and (error := errors_between({keys.get(of, of): of}, point, run).get(keys.get(of, of), 0.0))
+        and (apart := errors_between({keys.get(of, of): of}, point, run).get(keys.get(of, of), 0.0))
         > made.scene.accuracy.of(keys.get(of, of))
     }
     if not errors:
         return []
-    off = ", ".join(f"{of} is {error:.1e}" for of, error in errors.items())
+    off = ", ".join(f"{of} is {apart:.1e}" for of, apart in errors.items())
     return [
         f"at {sweep.design.shown(number)} {off} off a run of the scene, more than the tolerance of "
         f"{made.scene.accuracy.tolerance:g}; the others of {done.size} points were not run so, and may be as far off: "
