@@ -170,7 +170,21 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
         )
         assert any(steady.slip < jump.slip and steady.slope > 0.0 for steady in less)
         beyond = jump.to if jump.to == jump.to else RANGE
-        assert not [steady for steady in more if steady.slip < 0.5 * (jump.high + beyond)]
+        assert not [steady for steady in more if steady.slip < 0.5 * (jump.around(1e-3)[1] + beyond)]
+
+
+@pytest.mark.parametrize("share", [1e-3, 1e-2, 5e-2])
+@pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19)])
+def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, share):
+    way = scenes.balance(getattr(scenes, kind)(number)).way()
+    for jump in way.jumps:
+        share = max(share, jump.error)
+        low, high = jump.around(share)
+        below, above = (1.0 - motion.torque / jump.drag for motion in way.at([low, high]))
+        assert abs(below - share) <= 0.2 * share + jump.error
+        assert above <= 1.2 * share + jump.error  # less where the way has a gap
+        inner = [1.0 - motion.torque / jump.drag for motion in way.path if low < motion.slip < high]
+        assert max(inner, default=0.0) <= share + jump.error
 
 
 @pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 9), ("catalogue", 19)])

@@ -16,7 +16,7 @@
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final
 
 import attrs
@@ -30,8 +30,8 @@ from rollslip_studies.motion.spins import TWO, Motion, Motions, place_of, slip_o
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
 _SMALLEST, _STEP = 1e-4, 0.25
 _CORNER: Final = _STEP / 512.0
-#: Share of a maximum that counts as the same drag, exactness of its height, margin for what lies between slips, and how
-#: often these are halved; slips among which a maximum is told.
+#: Share of a maximum that counts as the same drag, exactness of its height, margin for what lies between slips,
+#: and how often these are halved; slips among which a maximum is told.
 _CLOSE, _FOUND, _SAFETY, _ROUNDS, _MOST = 1e-3, 1e-6, 2.0, 14, 9
 #: Share by which the torque has to fall behind a maximum.
 _FALL: Final = 2.0 * _CLOSE
@@ -62,11 +62,10 @@ class Jump:
     slip: float
     drag: float
     to: float  # slip to which it jumps, NaN if none in the range carries the drag
-    #: low, high: Slips between which the torque is within a thousandth of the drag.
-    low: float
-    high: float
     error: float  # of the drag, relative: what slips, positions and loads of a roller leave
     corner: bool  # whether a motion of the rollers begins or ends there
+    #: Share of the drag -> slips between which the torque is within it.
+    around: Callable[[float], list[float]] = attrs.field(eq=False, repr=False)
 
     @property
     def away(self) -> bool:
@@ -269,24 +268,15 @@ class _Search:
 
     def jump(self, way: list[Motion], k: int) -> Jump | None:
         """The peak at motion k: a vertex of a polynomial, or a corner; None if more positions know no fall behind."""
-        place, drag, around = way[k].place, way[k].torque, way[max(k - 1, 0) : k + 2]
-        corner = len(around) < 3 or not (way[k].linked and way[k + 1].linked)
+        place, drag, beside = way[k].place, way[k].torque, way[max(k - 1, 0) : k + 2]
+        corner = len(beside) < 3 or not (way[k].linked and way[k + 1].linked)
         error = 1.0 if not corner else _beside(way, k) / drag
         if not corner:
-            place, drag, error = self._climbed(self.motions, list(around))
+            place, drag, error = self._climbed(self.motions, list(beside))
         on = next((j for j in range(k + 1, len(way)) if way[j].torque > drag), len(way))
         to = self._carried_again(way[on - 1], way[on], drag) if on < len(way) else math.nan
-        level, ends = (1.0 - _CLOSE) * drag, [place, place]
-        for side, step in enumerate((-1, 1)):
-            for j in range(k, -1 if step < 0 else len(way), step):
-                if way[j].torque < level:  # on a parabola through the peak
-                    if way[max(j, j - step)].linked:
-                        here = way[j - step]
-                        share = math.sqrt(max(here.torque - level, 0.0) / (here.torque - way[j].torque))
-                        ends[side] = here.place + share * (way[j].place - here.place)
-                    break
-                ends[side] = way[j].place
-        low, high = min(ends[0], place), max(ends[1], place)
+        few = place, drag
+        low, high = (place_of(slip) for slip in _around(way[:on], k, few, place, _CLOSE))
         error = max(error, way[k].error)
         dip = min(way[k + 1 : on], key=lambda motion: motion.torque)
         finer = self._corner(way, k) if corner else self._finer(way[k], place, 0.5 * (high - low), dip.place)
@@ -295,14 +285,15 @@ class _Search:
         else:
             at, torque, more = finer
             error = max(error, more) + abs(torque / drag - 1.0)
-            low, high, place, drag = low + at - place, high + at - place, at, torque
+            place, drag = at, torque
         # positions alone may have bent it down: a little, or by more where the finer torque rises on to the dip itself
         if dip.torque > (1.0 - _SHALLOW) * drag or place > dip.place - _CORNER:
             bottom = self._at_finer(dip)
             if bottom.sure and bottom.torque >= (1.0 - _FALL) * drag:
                 return None
         to = math.nan if math.isnan(to) else slip_of(to)
-        return Jump(slip_of(place), drag, to, slip_of(low), slip_of(high), error, corner)
+        around = partial(_around, way[:on], k, few, place)
+        return Jump(slip_of(place), drag, to, error, corner, around)
 
     def _carried_again(self, a: Motion, b: Motion, drag: float) -> float:
         """Place between two motions of the way at which a drag is carried again."""
@@ -381,6 +372,22 @@ class _Search:
 def _is_peak(way: list[Motion], k: int) -> bool:
     beside = (*way[max(k - 1, 0) : k], *way[k + 1 : k + 2])
     return way[k].torque >= max((motion.torque for motion in beside), default=0.0) and way[k].torque > 0.0
+
+
+def _around(way: list[Motion], k: int, peak: tuple[float, float], known: float, share: float) -> list[float]:
+    """Slips up to which the torque is within a share of a peak beside motion k, whose place is known to be another."""
+    (place, drag), most, ends = peak, math.sqrt(share), list[float]()
+    for step in (-1, 1):
+        end, below, j = place, 0.0, k if (way[k].place - place) * step > 0.0 else k + step
+        while 0 <= j < len(way):
+            lower = math.sqrt(max(1.0 - way[j].torque / drag, 0.0))  # straight over places on a parabola
+            if lower > most:
+                if j == k or way[max(j, j - step)].linked:
+                    end += (most - below) / (lower - below) * (way[j].place - end)
+                break
+            end, below, j = way[j].place, lower, j + step
+        ends.append(slip_of(end + known - place))
+    return ends
 
 
 def _bend(way: list[Motion], k: int) -> float:

@@ -267,8 +267,9 @@ def _jump(dataset: "xr.Dataset") -> str:
     if "jump_slip" not in dataset:
         return ""
     low, high, to = (float(dataset[name]) for name in ("largest_drag_low", "largest_drag_high", "jump_slip"))
-    said = f", or anywhere between {_percent(low)} and {_percent(high)}, where it is within a thousandth of that"
     error = float(dataset["largest_drag_error"])
+    close = _percent(float(dataset["largest_drag_low"].attrs.get("within", 1e-3)))  # results of before: a thousandth
+    said = f", or anywhere between {_percent(low)} and {_percent(high)}, where it is within {close} of that"
     said += f" (right to {_percent(error)})" if math.isfinite(error) else " (how exactly is not known)"
     if math.isnan(to):
         return f"{said}; nothing in the range carries more"

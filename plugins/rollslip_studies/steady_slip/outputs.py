@@ -80,8 +80,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "largest_drag_status": Output("", "1", "what was found of the limit drag torque"),
         "largest_drag_error": Output("", "1", "relative error left of it", status="largest_drag_status"),
-        "largest_drag_low": Output("", "1", "least slip within a thousandth of it", status="largest_drag_status"),
-        "largest_drag_high": Output("", "1", "largest slip within a thousandth of it", status="largest_drag_status"),
+        "largest_drag_low": Output("", "1", "least slip within the tolerance of it", status="largest_drag_status"),
+        "largest_drag_high": Output("", "1", "largest slip within the tolerance of it", status="largest_drag_status"),
         "jump_slip": Output(
             "",
             "1",

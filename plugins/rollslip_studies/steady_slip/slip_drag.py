@@ -27,14 +27,17 @@ def slip_drag(
     inside = max(slips or [math.inf]) <= range_ or (away is not None and away.slip <= range_)
     slip, torque = _curve(way, min(range_, way.end) if inside else way.end, points)
     most_slip, most = way.largest
+    errors = (balance.assembly.scene.accuracy.tolerance, 0.0 if away is None else away.error)
+    share = max(one for one in errors if math.isfinite(one))
+    low, high = (math.nan, math.nan) if away is None else away.around(share)
     values = {
         "driving_torque": torque,
         "drag_torque": np.array([-balance.drag(float(one)) for one in slip]),
         "largest_drag": math.nan if away is None else away.drag,
         "largest_drag_slip": math.nan if away is None else away.slip,
         "largest_drag_error": math.nan if away is None else away.error,
-        "largest_drag_low": math.nan if away is None else away.low,
-        "largest_drag_high": math.nan if away is None else away.high,
+        "largest_drag_low": low,
+        "largest_drag_high": high,
         "largest_drag_status": "found" if away else nowhere(way, f"{table}.max_cage_slip"),
         "jump_slip": math.nan if away is None else away.to,
         "most_torque": most,
@@ -52,7 +55,9 @@ def slip_drag(
     }
     known = ~np.isnan(torque)
     error = float(_left_out(slip[known], torque[known]).max() / (np.nanmax(np.abs(torque)) or 1.0)) / _EXACTER
-    return {name: OUTPUTS[name].variable(value) for name, value in values.items()}, coords, error
+    variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
+    variables["largest_drag_low"][2]["within"] = variables["largest_drag_high"][2]["within"] = share
+    return variables, coords, error
 
 
 def _curve(way: WayUp, end: float, points: int) -> tuple[Array, Array]:

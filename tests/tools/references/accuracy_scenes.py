@@ -12,10 +12,9 @@
   has no warning of that number, or of friction as a whole. A number that only one of both has is off without bound.
   What the answer shows no digits of is none: slips below 0.1 %, reserves above 1000, loads below the rollers' weight.
 
-All rows are of one code. Two are silent. In scene 141 a lamina at 0.1 N/m has a friction of 1500 by its laws, so that
-references scatter by 2e-3, once by 6e-2, with their slices. In scene 908 the slip of the largest drag is told as 0.104
-to 0.119, where the torque is within a thousandth of it, and is 0.1190 or 0.124 by references whose torque there differs
-by 1.6e-3: a flat maximum, known no better than its torque; an answer shows the drag, 4e-3 off, and not its slip.
+All rows are of one code, but 908: the slip of its largest drag, a flat maximum, was silent while it was told as slips
+within a thousandth of that drag, and not within the tolerance. One is silent: in scene 141 a lamina at 0.1 N/m has a
+friction of 1500 by its laws, so that references scatter by 2e-3, once by 6e-2, with their slices.
 
 A row is written as soon as it is known, and the script goes on where it was interrupted. Every scene has at most 60 s
 of the processor; those that are too dear were given 20 s. It takes an hour or more for a thousand.

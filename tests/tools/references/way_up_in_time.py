@@ -192,7 +192,8 @@ class InTime:
 def beyond_of(away):
     """Mean slip over which the cage has run away: midway to where it jumps to, or three times that of the maximum."""
     to = away.to if away.to == away.to else RANGE
-    return min(slip_of(0.5 * (place_of(away.high) + place_of(to))), 3.0 * away.high)
+    _, high = away.around(1e-3)
+    return min(slip_of(0.5 * (place_of(high) + place_of(to))), 3.0 * high)
 
 
 def above(away):
