@@ -77,6 +77,8 @@ def test_a_scene_in_place_of_a_result_is_said():
         (lambda: run(PAPER, ["steady-slip"]), "study: the name of one is expected, .* not a list"),
         (lambda: rollslip.answer("results"), r"answer: a result is expected, .* answer\(run\('results'\)\)"),
         (lambda: rollslip.table(None), "table: a result is expected, .* not None"),
+        (lambda: rollslip.info(5), "info: a result is expected, .* not 5"),
+        (lambda: rollslip.report(None), "report: a result is expected, .* not None"),
     ],
 )
 def test_what_is_of_another_type_is_refused_in_words(call, said):

@@ -134,8 +134,8 @@ def is_another(kind: str, name: str) -> str | None:
     if not (other := _said_by("other", kind, name)):
         return None
     begins = [one for _, family in families(kind) for one in family.names if folded(one).startswith(folded(name))]
-    meant = f"did you mean {' or '.join(map(repr, begins[:3]))}? " if begins else ""
-    return f"this is {other}; {meant}rollslip is for cylindrical roller bearings ('rollslip models {kind}' lists them)"
+    near = f"did you mean {' or '.join(map(repr, begins[:3]))}? " if begins else ""
+    return f"this is {other}; {near}rollslip is for cylindrical rollers in one row ('rollslip models {kind}' lists all)"
 
 
 def own_cage(designation: object) -> Any:

@@ -24,7 +24,7 @@ from rollslip.results.words import confidence, first_line, of_laws
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import scene_hash
-from rollslip.units import format_quantity
+from rollslip.units import expect_results, format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -294,6 +294,7 @@ def info(target: "Scene | xr.Dataset | str | Path | None" = None) -> Sections:
         return Sections(scene_info(target))
     if isinstance(target, str | Path):
         return Sections(result_info(Path(target)) if str(target).endswith(".nc") else scene_info(load_scene(target)))
+    expect_results("info", target)
     return Sections(_held(target))
 
 

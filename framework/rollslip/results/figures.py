@@ -170,8 +170,8 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path | None = None, o
     if out is None:
         beside = {Path(one) if _is_folder(one) else Path(one).parent for one in results if isinstance(one, str | Path)}
         out = (beside.pop() if len(beside) == 1 else Path()) / "report.html"
-    out = Path(out)
-    if out.exists() and not overwrite:
+    expect_results("report", *(one for one in results if not isinstance(one, str | Path)))
+    if (out := Path(out)).exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if out.exists() and not is_report(out):
         raise OutputError(f"{out}: is no report of rollslip, so it is not replaced; name another --out")
