@@ -1,10 +1,12 @@
 """How finely sweeps compute their points, and what of a study they compute."""
 
 import json
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
 import pytest
+import xarray as xr
 
 from rollslip import run, sweep
 from rollslip.bearing.assembly import assemble
@@ -76,6 +78,10 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
     (said,) = apart_from_run(plan_sweep("1032930-70C", over, **of), found)
     assert said.startswith("how far points are off could not be checked at operation.radial_load = 1 kN")
     assert "a law of somebody" in said
+
+
+def test_motions_in_time_are_not_made_again():
+    assert apart_from_run(SimpleNamespace(study="dynamics"), xr.Dataset({"status": ("point", ["ok"])})) == []
 
 
 def test_lean_steady_slips_are_those_of_a_run():

@@ -218,6 +218,10 @@ def test_branches_of_a_peaked_law_are_those_by_hand():
         assert "with more slip the rollers drive the cage less" in str(found.stability[1].item())
         assert float(found.largest_drag) == pytest.approx(most, rel=1e-6)
         assert float(found.largest_drag_slip) == pytest.approx(fold, rel=1e-3)
+        left = 1.0 - found.largest_drag_low.attrs["within"]
+        assert left == 1.0 - max(MASSLESS.accuracy.tolerance, float(found.largest_drag_error))
+        ends = fold * (1.0 - np.sqrt(1.0 - left**2)) / left, fold / left
+        np.testing.assert_allclose([found.largest_drag_low, found.largest_drag_high], ends, rtol=1e-3)
         assert (np.abs(found.multiplier) < 1.0).all()
     above = run(dragged(MASSLESS, brake(1.001 * most)), law, points=12)
     assert np.isnan(above.steady_slip).all()
