@@ -109,6 +109,15 @@ def test_all_balances_are_found_and_which_last():
     assert ends is None
 
 
+def test_a_curve_up_to_what_settles_first_is_the_beginning_of_the_whole():
+    heated = Made(OIL, {"oil": lambda T: 100.0 + 1500.0 / (1.0 + np.exp(-(T[0] - 340.0) / 5.0))})
+    whole, _ = heated.curve(290.0, 450.0, 12)
+    first, _ = heated.curve(290.0, 450.0, 12, first=True)
+    count = int(np.argmax(whole.excess < 0.0)) + 1
+    assert 1 < count < whole.excess.size
+    assert first.temperature.tolist() == whole.temperature[:count].tolist()
+
+
 def test_a_balance_lasts_where_disturbances_fade_however_slowly():
     assert [Balance(np.zeros(1), State(0.1), growth, 0.0).stable for growth in (-1e-9, 0.0, 1e-9)] == [
         True,
@@ -316,6 +325,19 @@ def test_given_temperatures_are_left_as_they_are_and_cost_one_steady_slip():
         f"to hold the temperatures of the scene {result.given_loss.item():.3g} W have to be carried away, at a cage "
         f"slip of {100 * result.given_slip.item():.3g} %; with models.thermal = 'network' they follow from the losses"
     ]
+
+
+def test_losses_and_slips_that_are_off_are_told_by_how_much():
+    study = settings(SCENE, "thermal-balance")["thermal-balance"]
+    bearing = assemble(SCENE)
+    found = study.run(bearing)
+    assert max(study.witnessed(bearing, found).values()) < 1e-4
+    found["settled_slip"].attrs["loss"] *= 1.02
+    assert study.witnessed(bearing, found)["power loss"] == pytest.approx(0.02, rel=1e-2)
+    found["settled_slip"] *= 1.001
+    assert study.witnessed(bearing, found)["cage slip"] == pytest.approx(0.001, rel=0.1)
+    found["settled_slip"] *= 1e-3
+    assert "cage slip" not in study.witnessed(bearing, found)
 
 
 def test_heat_without_a_way_out_is_refused_in_words():
