@@ -1,11 +1,14 @@
 """Commands that nobody means: each ends with words and an exit code, never in Python's."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from rollslip.cli import main
+from rollslip.cli.app import BAD_PLUGIN
 
 SCENE = "1032930-70C"
 LONG = "x" * 300
@@ -19,6 +22,17 @@ NAMES = [
     *("", ".", "/", "bad.nc", "table.csv", "latin.toml", "deep.toml", "big.toml", "null.toml", "folder.toml"),
     *("loop.toml", "dangling.toml", f"{LONG}.toml", LONG, "/dev/null", "nosuch"),
 ]
+#: A model that ends the process while it is asked.
+LEAVING = """
+import importlib
+command = importlib.import_module("rollslip.cli.main")
+def leaves(*_):
+    gone = SystemExit(3)
+    gone.add_note("in film 'thin' of package own")
+    raise gone
+command._run = leaves
+command.main()
+"""
 COMMANDS = [
     *([command, name] for command in ("run", "plan", "cite", "report", "fit") for name in NAMES),
     *(["info", name] for name in (*NAMES, "empty.nc", "text.nc", "nosuch.nc", "/proc/self/mem")),
@@ -111,3 +125,8 @@ def test_too_little_memory_is_said(
     with pytest.raises(SystemExit) as left:
         main(["plan", SCENE])
     assert (left.value.code, capsys.readouterr().err.count("memory is too short")) == (2, 1)
+
+
+def test_a_model_that_leaves_is_named():
+    done = subprocess.run([sys.executable, "-c", LEAVING], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (BAD_PLUGIN, "sys.exit(3) in film 'thin' of package own\n")

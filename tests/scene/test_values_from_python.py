@@ -73,6 +73,7 @@ def test_a_scene_in_place_of_a_result_is_said():
     ("call", "said"),
     [
         (lambda: evolve(PAPER, "operation.radial_load=3 kN"), "changes: values by key are expected"),
+        (lambda: evolve(PAPER, {5: 3000.0}), "changes: values by key are expected"),
         (lambda: load_scene({"bearing": {}}), "scene: a name or a path is expected, not a table"),
         (lambda: run(PAPER, ["steady-slip"]), "study: the name of one is expected, .* not a list"),
         (lambda: rollslip.answer("results"), r"answer: a result is expected, .* answer\(run\('results'\)\)"),

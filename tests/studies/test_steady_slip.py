@@ -30,9 +30,10 @@ from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
-from rollslip_studies.motion.torque_balance import TorqueBalance
+from rollslip_studies.motion.torque_balance import DRIVEN, TorqueBalance
 from rollslip_studies.motion.way_up import WayUp
 from rollslip_studies.steady_slip import findings
+from rollslip_studies.steady_slip.account import _rows
 from rollslip_studies.steady_slip.branches import follow
 from rollslip_studies.steady_slip.figures import steady_figures
 from rollslip_studies.steady_slip.findings import record, topics
@@ -494,6 +495,9 @@ def test_a_cage_that_its_land_drives_slips_the_other_way():
     assert found.stable.values.tolist() == [1]
     assert float(found.torque[0]) < 0.0
     assert any("drive it by" in text for text in topics(found)["steady slip"])
+    found["steady_slip"][:], found["stable"][:], found["status"] = np.nan, 0, ((), f"{DRIVEN}, at any speed")
+    found["least_load"], found["least_load_status"] = 0.0, "any load serves"
+    assert [row.text for row in _rows(found, 0.05) if row and row.key == "minimum_load"] == ["not found"]
 
 
 def test_a_maximum_beyond_the_curve_is_found_and_the_curve_stays_as_it_was_asked_for():
