@@ -156,7 +156,7 @@ def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
     ("arguments", "code", "says"),
     [
         (["--bearing", "NU2299"], 2, "no bearing is called 'NU2299'; did you mean 'NU22"),
-        (["--oil", "olive"], 2, "no lubricant is called 'olive'"),
+        (["--lubricant", "olive"], 2, "no lubricant is called 'olive'"),
         (["--speed", "3000"], 2, "speed: '3000' has no unit"),
         (["--load", "0N"], 2, "load: '0N' loads no roller; give more, such as '2 kN'"),
         (["--load", "3 rpm"], 2, "load: '3 rpm' is a rotational speed, here a force is expected"),

@@ -41,7 +41,12 @@ from rollslip.cli.app import (
     help="Such as NU2210 or 'NJ 312 ECP/C3'; rollslip models bearing lists all.",
 )
 @click.option(
-    "--oil", metavar="NAME", shell_complete=complete_models, help="Such as iso-vg-68; rollslip models oil lists all."
+    "--oil",
+    "--lubricant",
+    "oil",
+    metavar="NAME",
+    shell_complete=complete_models,
+    help="Such as iso-vg-68; rollslip models oil lists all.",
 )
 @click.option("--speed", metavar="SPEED", help="Of the inner ring, such as '1500 rpm'.")
 @click.option("--load", metavar="LOAD", help="Radial load, such as '2 kN'.")
