@@ -318,6 +318,7 @@ def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
         [sys.executable, "-c", "from rollslip.cli import main; main()", "run", "1032930-70C", "--out", "o",
          "--set", "accuracy.slices=4001", "--set", "study.effective-friction.closure=free-roller"],
         cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(how, signal.SIG_DFL),  # nohup lets children ignore SIGHUP
     )  # fmt: skip
     deadline = time.monotonic() + 60
     while not any(tmp_path.iterdir()):  # it has begun to write
