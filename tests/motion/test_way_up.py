@@ -19,7 +19,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Motion, place_of, slip_of
 from rollslip_studies.motion.torque_balance import RANGE, rollers, runaway, running
 from rollslip_studies.motion.way_up import _FALL as FALL
-from rollslip_studies.motion.way_up import _bend, _peaks, _rise, _trusted
+from rollslip_studies.motion.way_up import _around, _bend, _peaks, _rise, _trusted
 from tabled import REFERENCES, rows_of
 from without_bands import run
 
@@ -174,7 +174,7 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
 
 
 @pytest.mark.parametrize("share", [1e-3, 1e-2, 5e-2])
-@pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19)])
+@pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 9)])
 def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, share):
     way = scenes.balance(getattr(scenes, kind)(number)).way()
     for jump in way.jumps:
@@ -183,8 +183,17 @@ def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, share)
         below, above = (1.0 - motion.torque / jump.drag for motion in way.at([low, high]))
         assert abs(below - share) <= 0.2 * share + jump.error
         assert above <= 1.2 * share + jump.error  # less where the way has a gap
+        assert not high > jump.to
         inner = [1.0 - motion.torque / jump.drag for motion in way.path if low < motion.slip < high]
         assert max(inner, default=0.0) <= share + jump.error
+
+
+def test_slips_around_a_parabola_go_with_its_place():
+    places = np.linspace(-3.0, 1.0, 81)
+    way = [Motion(slip_of(x), 2.0 - 2.0 * (x + 1.2) ** 2, np.zeros(1), 0.0, True) for x in places]
+    k = int(np.argmax([motion.torque for motion in way]))
+    found = [place_of(slip) for slip in _around(way, k, (-1.2, 2.0), -1.1, 0.01)]
+    assert found == pytest.approx([-1.2, -1.0], abs=1e-9)
 
 
 @pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 9), ("catalogue", 19)])

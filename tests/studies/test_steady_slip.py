@@ -815,6 +815,7 @@ def test_the_least_load_of_a_slip_that_the_cage_does_not_hold_is_that_with_less_
     unstable = float(run(scene).steady_slip[1])
     found = run(scene, acceptable_slip=unstable)
     load = float(found.least_load)
+    assert found.least_load.attrs["floor"] == found.attrs["rollers_weight"]
     more, less = (run(evolve(scene, {"operation.radial_load": share * load})) for share in (1.003, 0.997))
     status = str(found.least_load_status.item())
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
