@@ -111,6 +111,7 @@ def test_a_folder_that_cannot_be_put_in_place_leaves_the_old_one(tmp_path, monke
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
 
 
+UNASKED = "scandir" if sys.version_info < (3, 13) else "listdir"  # by folders that list what they hold
 REFUSED = [errno.ENOSPC, errno.EROFS, errno.EXDEV, errno.ESTALE, errno.ENOTSUP, errno.EACCES, errno.ENOSYS]
 
 
@@ -130,7 +131,7 @@ class Refusing:
 
 
 @pytest.mark.parametrize("number", REFUSED)
-@pytest.mark.parametrize("name", ["replace", "mkdir", "chmod", "listdir"])
+@pytest.mark.parametrize("name", ["replace", "mkdir", "chmod", "listdir", "scandir"])
 def test_whatever_a_system_refuses_from_whenever_on_leaves_whole_results(number, name, tmp_path, monkeypatch):
     """As of network folders that rename or list nothing any more; the next run finds its way."""
     for first in itertools.count():
@@ -151,7 +152,7 @@ def test_whatever_a_system_refuses_from_whenever_on_leaves_whole_results(number,
         assert [path.name for path in target.parent.iterdir()] == ["o"]
         if not refusing.refused:
             break
-    assert first > 0
+    assert first > 0 or name == UNASKED
 
 
 def test_a_folder_of_another_device_leaves_nothing_beside_it(tmp_path, monkeypatch):

@@ -108,13 +108,13 @@ def _foreign(folder: Path) -> list[str]:
     return [name for name in names if name not in known or _checksum(folder / name) != known[name]]
 
 
-def _files(folder: Path) -> list[str]:
+def _files(folder: Path, but: str = _LOCK) -> list[str]:
     """Names of everything in a folder but of sub-folders that hold something, relative to it."""
     found = list[str]()
-    for path in sorted(folder.rglob("*")):
-        if path.is_symlink() or not path.is_dir() or not any(path.iterdir()):
-            found.append(path.relative_to(folder).as_posix())
-    return [name for name in found if name != _LOCK]
+    for path in sorted(folder.iterdir()):  # glob takes a folder that it may not list for an empty one
+        inside = [] if path.is_symlink() or not path.is_dir() else _files(path, "")
+        found += [f"{path.name}/{name}" for name in inside] or [path.name]
+    return [name for name in found if name != but]
 
 
 def _checksum(path: Path) -> str:
