@@ -177,6 +177,7 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
 @pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 9)])
 def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, share):
     way = scenes.balance(getattr(scenes, kind)(number)).way()
+    assert way.jumps
     for jump in way.jumps:
         share = max(share, jump.error)
         low, high = jump.around(share)

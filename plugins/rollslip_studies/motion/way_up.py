@@ -30,8 +30,8 @@ from rollslip_studies.motion.spins import TWO, Motion, Motions, place_of, slip_o
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
 _SMALLEST, _STEP = 1e-4, 0.25
 _CORNER: Final = _STEP / 512.0
-#: Share of a maximum that counts as the same drag, exactness of its height, margin for what lies between slips,
-#: and how often these are halved; slips among which a maximum is told.
+#: Share of a maximum that counts as the same drag, exactness of its height, margin for what lies between slips, and how
+#: often these are halved; slips among which a maximum is told.
 _CLOSE, _FOUND, _SAFETY, _ROUNDS, _MOST = 1e-3, 1e-6, 2.0, 14, 9
 #: Share by which the torque has to fall behind a maximum.
 _FALL: Final = 2.0 * _CLOSE
