@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -55,12 +56,15 @@ def test_a_sweep_over_points_that_no_memory_holds_is_refused():
         plan_sweep(load_scene(SCENE), over={"study.effective-friction.points": [101, 10**10]})
 
 
-def test_nine_of_ten_runs_take_half_to_twice_what_was_foreseen():
-    """What `duration_range` says rests on the times of docs/scripts/plan_proof.py."""
-    rows = [row for row in rows_of(TABLES / "plan_proof.csv") if row["actual [s]"]]
-    ratios = [float(row["actual [s]"]) / float(row["estimated [s]"]) for row in rows]
-    assert len(ratios) == 200
-    assert sum(0.5 <= ratio <= 2.0 for ratio in ratios) >= 180
+def test_nine_of_ten_runs_take_half_to_three_times_what_was_foreseen():
+    """What `duration_range` says rests on the times of docs/scripts/plan_times.py."""
+    rows = rows_of(TABLES / "plan_times.csv")
+    assert len(rows) == 300
+    once = [float(row["spent [s]"]) / float(row["told [s]"]) for row in rows if row["run again"] == "no"]
+    again = [float(row["spent [s]"]) / float(row["told [s]"]) for row in rows if row["run again"] == "yes"]
+    assert len(once) >= 180
+    assert sum(0.5 <= ratio <= 3.0 for ratio in once) >= 0.9 * len(once)
+    assert np.median(again) > np.median(once)  # "longer if the check of a result asks for more"
 
 
 def test_what_takes_long_is_told_in_words():
@@ -68,10 +72,10 @@ def test_what_takes_long_is_told_in_words():
     assert foreseen(scene, {}, 0.5 * LONG, 0) == []
     (told,) = foreseen(scene, {}, 7200.0, 10**6)
     assert told.startswith(
-        "this will take 1 h 0 min to 4 h 0 min of the processor, 1.0e+06 laminae to evaluate; Ctrl-C"
+        "this will take 1 h 0 min to 6 h 0 min of the processor, 1.0e+06 laminae to evaluate; Ctrl-C"
     )
     (by_slices,) = foreseen(scene, {}, 0.0, 10**11)  # 20 ns each, whatever was estimated from small parts
-    assert "this will take 16 min 40 s to 1 h 6 min of the processor" in by_slices
+    assert "this will take 16 min 40 s to 1 h 40 min of the processor" in by_slices
 
 
 def test_a_tolerance_that_nothing_reaches_is_told():

@@ -2,6 +2,7 @@
 
 import json
 import math
+import time
 from types import SimpleNamespace
 
 import attrs
@@ -9,8 +10,9 @@ import pytest
 
 from rollslip import evolve, load_scene
 from rollslip import plan as planned
-from rollslip.planning import execution, verification
-from rollslip.planning.lines import part_as_dict
+from rollslip.bearing.resolution import Resolution
+from rollslip.planning import execution, lines, verification
+from rollslip.planning.lines import _CHECK, part_as_dict
 from rollslip.planning.verification import (
     Judgement,
     _of_order,
@@ -156,6 +158,46 @@ def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warn
     assert 0.0 < cost["actual"] < 60.0 < 1e6 <= cost["estimated"]
     said = [one for one in json.loads(first.attrs["warnings"]) if one.startswith("4 laminae leave a relative error")]
     assert bool(said) == warned
+
+
+def test_a_run_that_goes_on_finer_says_so_and_for_how_long(monkeypatch):
+    told, off = [], iter([2e-3, 1e-5])
+
+    def progress(text, share=math.nan, left=math.nan):
+        told.append((text, left))
+
+    monkeypatch.setattr(execution, "judge", lambda *_: Judgement(errors={"slices": {"friction": next(off)}}))
+    made = planned(evolve(SCENE, {"accuracy.slices": "auto"}), STUDY)
+    result = execution.execute(made, STUDY, progress=progress)
+    few = made.estimated[STUDY].resolution.slices
+    many = json.loads(result.attrs["resolution"])["slices"]
+    assert many > few
+    assert [text for text, _ in told] == [f"again, on {many} laminae"]
+    assert told[0][1] == pytest.approx(many / few * made.seconds_of(STUDY))
+
+
+def test_the_check_of_a_result_is_foreseen_and_spent(monkeypatch):
+    """A result that is not judged has none, and a motion is judged in a time that does not grow with it."""
+
+    def judging(*_):
+        begin = time.process_time()
+        while time.process_time() - begin < 0.2:
+            pass
+        return Judgement(errors={})
+
+    monkeypatch.setattr(execution, "judge", judging)
+    made = planned(SCENE, "effective-friction")
+    (check,) = (part for part in made.parts if part.part == "check of the result")
+    others = sum(part.seconds for part in made.parts if part.seconds) - check.seconds
+    assert check.study == "effective-friction"
+    assert check.seconds == pytest.approx(_CHECK[0] + _CHECK[1] * others)
+    cost = json.loads(execution.execute(made, "effective-friction").attrs["cost"])
+    assert cost["estimated"] == made.seconds_of("effective-friction")
+    assert cost["actual"] > 0.2
+    motion, one_load = (settings(SCENE, name)[name] for name in ("dynamics", "raceway-friction"))
+    at = made.assembly.at(Resolution(instants=4))
+    assert [part.seconds for part in lines.check(motion, at, {"motion": 60.0})] == [_CHECK[0]]
+    assert lines.check(one_load, at, {"run": 60.0}) == lines.check(motion, at, {}) == []
 
 
 def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
+import way_up_scenes
 from rollslip import plan
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
@@ -833,6 +834,17 @@ def test_below_the_weight_of_rollers_no_load_is_refused(monkeypatch):
     found = run(scene, acceptable_slip=unstable)
     assert float(found.least_load) == pytest.approx(1037.0, abs=1.0)
     assert str(found.least_load_status.item()) == "found"
+
+
+@pytest.mark.parametrize(("number", "ways"), [(100_010, 2.0), (100_024, 11.0)])
+def test_a_search_on_ways_up_for_a_least_load_is_foreseen(number, ways, monkeypatch):
+    """Where rollers have several motions at the acceptable slip each load that is tried takes a way up."""
+    monkeypatch.setattr(TorqueBalance, "seconds", lambda self: 1.0)
+    scene = way_up_scenes.wide(number)
+    assembly = assemble(scene).at(plan(scene, "steady-slip").estimated["steady-slip"].resolution)
+    study = SteadySlip.of(scene)
+    assert study.cost(assembly)["orbits"] == ways
+    assert study.evolved(acceptable_slip=None).cost(assembly)["orbits"] == 2.0
 
 
 def test_without_drag_no_load_is_needed():

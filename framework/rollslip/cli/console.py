@@ -115,7 +115,8 @@ def _print_size(plan: "Plan") -> None:
 
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
-        f"{plan.evaluations} laminae to evaluate in {duration_range(plan.seconds)}; planned in {plan.planning:.2g} s"
+        f"{plan.evaluations} laminae to evaluate in {duration_range(plan.seconds)}, longer if the check of a result "
+        f"asks for more; planned in {plan.planning:.2g} s"
     )
 
 

@@ -4,7 +4,7 @@ import importlib
 import json
 import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +14,9 @@ from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.progress import progress_in_notebook
+from rollslip.planning.progress import Shown, progress_in_notebook
 from rollslip.planning.provenance import run_origin
-from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, slower, told
+from rollslip.planning.verification import Judgement, accuracy_rows, again, in_words, judge, slower, told
 from rollslip.results.accounts import answer
 from rollslip.scene.values import Scene
 from rollslip.structure import scene_hash
@@ -81,7 +81,7 @@ def execute(
     study: str,
     *,
     kept: Path | None = None,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Shown | None = None,
     exactly: bool = False,
 ) -> "xr.Dataset":
     """Return the result of one study of a plan.
@@ -92,7 +92,7 @@ def execute(
     running = plan.studies[study]
     for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one
         importlib.import_module(library)
-    begin, processor = time.perf_counter(), time.process_time()
+    begin, processor, foreseen = time.perf_counter(), time.process_time(), plan.seconds_of(study)
     taken_back, first = list[str](), (Judgement(errors={}), 0)
     while True:
         assembly = plan.assemblies[study]
@@ -106,7 +106,6 @@ def execute(
             plan = plan.taking_back(study, broken.bound)
             continue
         evaluated = assembly.inner.chain.evaluated - before
-        spent = time.process_time() - processor
         estimated = plan.estimated[study]
         unwatched = plan.assembly.at(estimated.resolution)
         try:
@@ -120,19 +119,20 @@ def execute(
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)
         first = first if first[1] else (judgement, unwatched.slices)
         plan = plan.again(study, finer)
+        if progress is not None:
+            progress(f"again, on {in_words(finer.resolution)}", left=plan.seconds_of(study))
     dataset = dataset.assign(law_outputs(running, unwatched, dataset))
-    cost = {"estimated": plan.seconds_of(study), "actual": spent}
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items() if found}
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),
         "accuracy": json.dumps(accuracy_rows(plan, study, judgement.total, "a posteriori")),
-        "cost": json.dumps(cost),
         "taken_back": json.dumps(taken_back),
     }
     warned, judged = warnings(plan, study, dataset)
-    dataset.attrs["validity"] = json.dumps(judged)
-    said = [*told(plan, study, judgement), *warned]
-    dataset.attrs |= run_origin(plan, study, said, evaluated, time.perf_counter() - begin)
+    cost = {"estimated": foreseen, "actual": time.process_time() - processor}
+    dataset.attrs |= {"validity": json.dumps(judged), "cost": json.dumps(cost)}
+    said, passed = [*told(plan, study, judgement), *warned], time.perf_counter() - begin
+    dataset.attrs |= run_origin(plan, study, said, evaluated, passed)
     return dataset
 
 

@@ -17,12 +17,15 @@ from rollslip.studies.parts import rings
 from rollslip.studies.study import Study
 from rollslip.units import GRAVITY, format_quantity
 
-__all__ = ["LONG", "caged", "foreseen", "of_bearing", "of_studies", "own_cage", "part_as_dict"]
+__all__ = ["LONG", "caged", "check", "foreseen", "is_judged", "of_bearing", "of_studies", "own_cage", "part_as_dict"]
 
 #: Time that is told before it is spent [s].
 LONG: Final = 60.0
 #: Time of a slice at the least, all stages compiled [s].
 _SLICE: Final = 2e-8
+#: Time that it takes to see how far a result is off and to tell it, at the least [s] and relative to that of the study;
+#: docs/scripts/plan_times.py.
+_CHECK: Final = (0.03, 0.9)
 
 
 def part_as_dict(part: Part) -> dict[str, Any]:
@@ -56,6 +59,28 @@ def of_bearing(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
 def of_studies(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     """Return the lines of cage, heat and damage, which hang on what is asked."""
     return [*_cage(assembly, studies), *_heat(assembly.scene, studies), *_damage(assembly.scene, studies)]
+
+
+def is_judged(study: Study, assembly: Assembly) -> bool:
+    """Whether it is measured how far a result is off: curves, or numbers of an answer."""
+    numbers = type(study).witnessed is not Study.witnessed and not assembly.scene.accuracy.exact
+    return assembly.resolution.instants is not None and (numbers or study.curved(assembly) is not None)
+
+
+def check(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[Part]:
+    """Return the line of what follows a study whose costs are known, nothing where it is not judged."""
+    if not costs or not is_judged(study, assembly):
+        return []
+    least, times = _CHECK
+    own = study.curved(assembly) in (None, study)  # else judged by curves that take nothing of the time in motion
+    return [
+        Part(
+            part="check of the result",
+            choice="more laminae and positions, range of validity",
+            reason="tells how far the result is off; beyond its tolerance it runs again, which takes longer",
+            seconds=least + times * sum(costs.values()) * own,
+        )
+    ]
 
 
 def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:

@@ -24,7 +24,7 @@ from rollslip.bearing.cage import read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
 from rollslip.catalogue.packages import check_required
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
-from rollslip.planning.lines import caged, foreseen, of_bearing, of_studies, part_as_dict
+from rollslip.planning.lines import caged, check, foreseen, of_bearing, of_studies, part_as_dict
 from rollslip.results.words import LOWER_BOUNDS, duration_range
 from rollslip.scene.named import unknown_names
 from rollslip.scene.reading import load_scene
@@ -112,8 +112,7 @@ class Plan:
         ]
         own = (part for part in self.parts if part.study == study and part.part in before)
         lines += [attrs.evolve(part, seconds=before[part.part]) for part in own]
-        others = [part for part in self.parts if part.study != study]
-        return attrs.evolve(made, parts=(*others, *lines))
+        return attrs.evolve(made, parts=(*(part for part in self.parts if part.study != study), *lines))
 
     def lines(self) -> list[dict[str, str]]:
         """Return what people read of each part, by heading."""
@@ -222,7 +221,8 @@ def plan(
             costs = one.cost(assembly)
         except RollslipError:
             costs = {}
-        parts += [attrs.evolve(part, study=name) for part in one.parts(assembly, estimated[name], costs)]
+        lines = [*one.parts(assembly, estimated[name], costs), *check(one, assembly, costs)]
+        parts += [attrs.evolve(part, study=name) for part in lines]
     parts += of_studies(stated, studies)
     for part in parts:
         choice = part.choice if part.included else "left out"

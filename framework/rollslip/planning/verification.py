@@ -10,6 +10,7 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution, finest
+from rollslip.planning.lines import is_judged
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT
 from rollslip.studies.accuracy import AT_ONCE, WHERE_JUMPED, Errors, Probe, apart, difference, errors_between
@@ -90,14 +91,13 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     as much farther apart than equal slices. Where they agree others follow, by the rule of the run and on other
     instants, for single values. Of a study without curves the single values alone are judged, if it has any.
     """
-    curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
-    unseen = curved is None and (accuracy.exact or type(study).witnessed is Study.witnessed)
-    if resolution.instants is None or unseen:
+    if not is_judged(study, assembly):
         return Judgement(errors={})
+    curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
     if curved is None:
         parts: dict[str, Errors] = {"slices": {}, "instants": {}} if assembly.slices > 1 else {"instants": {}}
         return _at_once(Judgement(errors=parts), assembly, estimated, lambda finer, _: study.witnessed(finer, dataset))
-    m, few = resolution.instants, few_slices(assembly)
+    m, few = resolution.instants or 1, few_slices(assembly)
     few = assembly if curved.followed or few.slices >= assembly.slices else few
     errors, orders = dict[str, Errors](), dict[str, float]()
 
@@ -276,6 +276,12 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
         errors={**estimated.errors, **left},
         seen=f"{' and '.join(f'{numbers[part]} {part}' for part in judgement.errors)} were seen to leave {found}",
     )
+
+
+def in_words(resolution: Resolution) -> str:
+    """Return how finely something is evaluated."""
+    slices, positions = resolution.slices, resolution.instants or 1
+    return f"{slices} lamina{'e' * (slices != 1)}" + f" and {positions} roller positions" * (positions > 1)
 
 
 def _wanted_at_once(judgement: Judgement, tolerances: Errors) -> dict[str, float]:

@@ -262,16 +262,16 @@ def duration(seconds: float) -> str:
 
 
 def duration_range(seconds: float) -> str:
-    """Return half to twice an estimated time in words, where nine of ten runs end ("docs/tables/plan_proof.csv").
+    """Return half to three times a time in words, where nine of ten end that run once ("docs/tables/plan_times.csv").
 
     Examples
     --------
     >>> duration_range(0.44), duration_range(130.0), duration_range(0.0)
-    ('0.2 to 0.9 s', '1 min 5 s to 4 min 20 s', 'less than 0.01 s')
+    ('0.2 to 1 s', '1 min 5 s to 6 min 30 s', 'less than 0.01 s')
     """
     if seconds < 0.005:
         return "less than 0.01 s"
-    low, high = duration(0.5 * seconds), duration(2.0 * seconds)
+    low, high = duration(0.5 * seconds), duration(3.0 * seconds)
     return f"{low.removesuffix(' s')} to {high}" if high.count(" ") == low.count(" ") == 1 else f"{low} to {high}"
 
 

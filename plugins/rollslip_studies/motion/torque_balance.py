@@ -16,6 +16,7 @@
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
 
+import contextlib
 import math
 import time
 from functools import cached_property
@@ -151,6 +152,12 @@ class TorqueBalance:
                 raise
             return self.seconds(0.5 * largest)
         return loaded - begin + _ALL * (_RUBBED if self._rubbing else 1.0) * (time.process_time() - loaded)
+
+    def has_several(self, slip: float) -> bool:
+        """Whether rollers have several motions at a cage slip, so that the way up has to be known there."""
+        with contextlib.suppress(DomainError):
+            return not self.rolls_freely and len(self._few.at(np.array([slip]))[0]) > 1
+        return False
 
     @property
     def rolls_freely(self) -> bool:

@@ -72,8 +72,9 @@ _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 _TRIED: Final = 1e-3
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
 _SHARE, _TABLES = 0.5, 0.2
-#: Ways up that a run finds while it doubles instants, slips of one, and motions of the rollers of a followed branch.
-_WAYS, _SLIPS, _BRANCH = 2, 25, 350
+#: Ways up that a run finds while it doubles instants, slips of one, motions of the rollers of a followed branch, and
+#: ways up of a search for a least load at a slip where rollers have several motions.
+_WAYS, _SLIPS, _BRANCH, _LOADS = 2, 25, 350, 9
 #: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
 _CURVES: Final = 40
 #: What an acceptable slip gives.
@@ -224,7 +225,8 @@ class SteadySlip(Study):
         bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
         balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
         followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * _SLIPS)
-        costs = {"orbits": balance.seconds() * (_WAYS + followed)}
+        ways = self.acceptable_slip is not None and balance.has_several(self.acceptable_slip)
+        costs = {"orbits": balance.seconds() * (_WAYS + followed + ways * _LOADS)}
         if self.friction == "effective":
             costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
         return costs
