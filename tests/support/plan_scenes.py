@@ -85,7 +85,6 @@ class Verdict:
     actual: dict = attrs.Factory(dict)
     taken_back: tuple = ()
     planning: float = np.nan
-    estimated_seconds: float = np.nan
     seconds: float = np.nan
     finest_seconds: float = np.nan
 
@@ -117,7 +116,6 @@ def judge(one, reference=None):
         spent = time.process_time() - begin
     except RollslipError as error:
         return Verdict(one, refused=str(error))
-    cost = json.loads(result.attrs["cost"])
     return Verdict(
         one,
         resolution=json.loads(result.attrs["resolution"]),
@@ -125,7 +123,6 @@ def judge(one, reference=None):
         actual=errors_between(made.studies[STUDY].judged, result, fine),
         taken_back=tuple(json.loads(result.attrs["taken_back"])),
         planning=made.planning,
-        estimated_seconds=cost["estimated"],
-        seconds=cost["actual"],
+        seconds=json.loads(result.attrs["cost"])["actual"],
         finest_seconds=spent,
     )
