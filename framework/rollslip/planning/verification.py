@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-#: Slices of all rollers over an orbit with which a run is made again at most, some seconds with compiled laws; beyond,
-#: its error is told. A limit of time would let the answer depend on the machine.
+#: Slices of all rollers over an orbit with which a run is made again at most, some seconds of effective friction and up
+#: to a minute of steady slips with their check; beyond, its error is told. A limit of time would let the answer depend
+#: on the machine.
 _MOST_SLICES = 500_000
 #: How an error may fall with the number of instants: like n^-2 past the kinks of the loads, like n^-1 where rollers
 #: jump from one balance to another, and no order below the first is taken for convergence.
