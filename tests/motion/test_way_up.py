@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import Motion, place_of, slip_of
+from rollslip_studies.motion.spins import Motion, Motions, place_of, slip_of
 from rollslip_studies.motion.torque_balance import RANGE, rollers, runaway, running
 from rollslip_studies.motion.way_up import _FALL as FALL
 from rollslip_studies.motion.way_up import _around, _bend, _peaks, _rise, _trusted
@@ -51,6 +51,22 @@ def test_balances_do_not_depend_on_the_slips_that_were_asked_for_before(celsius)
     fine = np.geomspace(1e-3, 0.9, 121)
     many, few = one.torques(fine), one.torques(fine[::20])
     assert few == pytest.approx(many[::20], rel=1e-9)
+
+
+def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypatch):
+    """It is no end of the range that another setting would raise."""
+    at = Motions.at
+
+    def settled(self, slips, starts=None):
+        return [[attrs.evolve(one, sure=one.slip < 0.3) for one in each] for each in at(self, slips, starts)]
+
+    monkeypatch.setattr(Motions, "at", settled)
+    one = balance()
+    way = one.way()
+    assert 0.2 < way.end < 0.3
+    assert way.refusal == "the search for the motion of the rollers does not settle"
+    assert runaway(one, RANGE, "KEY").status.endswith(f"; beyond, {way.refusal}")
+    assert "KEY" not in runaway(one, RANGE, "KEY").status
 
 
 # A plain march -------------------------------------------------------------------------------------------------------

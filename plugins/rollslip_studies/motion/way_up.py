@@ -456,5 +456,7 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) 
             f"the search for the motion of the rollers did not settle at any cage slip up to {slips[-1]:.2%}, so there "
             "is no slip to report; it settles where more load is on the rollers: raise operation.radial_load"
         )
+    if way[-1].slip < slips[-1]:
+        refusal = "the search for the motion of the rollers does not settle"
     rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
     return WayUp(search, way, others, rest, refusal)
