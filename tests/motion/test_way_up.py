@@ -17,7 +17,7 @@ from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Motion, Motions, place_of, slip_of
-from rollslip_studies.motion.torque_balance import RANGE, rollers, runaway, running
+from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers, runaway, running
 from rollslip_studies.motion.way_up import _FALL as FALL
 from rollslip_studies.motion.way_up import _around, _bend, _peaks, _rise, _trusted
 from tabled import REFERENCES, rows_of
@@ -51,6 +51,24 @@ def test_balances_do_not_depend_on_the_slips_that_were_asked_for_before(celsius)
     fine = np.geomspace(1e-3, 0.9, 121)
     many, few = one.torques(fine), one.torques(fine[::20])
     assert few == pytest.approx(many[::20], rel=1e-9)
+
+
+def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settle():
+    """At 20 N and 4810 rpm rollers that begin with rolling on a ring hardly leave it in eight orbits."""
+    scene = scenes.wide(100_156)
+    made = assemble(scene)
+    few = made.at(attrs.evolve(made.resolution, slices=40, quadrature="gauss", instants=3)).with_resistance()
+    one = TorqueBalance(few, few.cage.drags, instants=3)
+    assert not any(motion.sure for motion in one.motions.at(np.array([0.77]))[0])
+    way = one.way()
+    assert way.end == RANGE
+    assert way.refusal == ""
+    assert all(motion.sure and motion.linked for motion in way.path[1:])
+    (jump,) = way.jumps
+    below = max((motion for motion in way.path if motion.slip < jump.slip), key=lambda motion: motion.slip)
+    again = one.motions.at(np.array([jump.slip]), below.share[:1])[0][0]
+    assert jump.error < 1e-3
+    assert again.torque == pytest.approx(jump.drag, rel=1.01 * jump.error)  # of more positions than these
 
 
 def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypatch):

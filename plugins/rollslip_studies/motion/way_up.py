@@ -224,8 +224,10 @@ class _Search:
         others = [motion for pair in pairs if len(pair) > 1 for motion in pair if motion.sure]
         while True:
             way = [pairs[0][0]]
-            for pair in pairs[1:]:
-                below = way[-1]
+            for k in range(1, n):
+                below, pair = way[-1], pairs[k]
+                if below.sure and not any(one.sure for one in pair):  # neither end settles, what is between them may
+                    pair = motions.at(np.array(slips[k : k + 1]), below.share[:1])[0]
                 way.append(motions.link(below, min(pair, key=lambda one: motions.apart(one.share, below.share))))
             two = [k for k in range(1, n) if len(pairs[k]) > 1]
             wrong = None
