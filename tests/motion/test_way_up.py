@@ -69,6 +69,10 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     again = one.motions.at(np.array([jump.slip]), below.share[:1])[0][0]
     assert jump.error < 1e-3
     assert again.torque == pytest.approx(jump.drag, rel=1.01 * jump.error)  # of more positions than these
+    slips, known = np.array([motion.slip for motion in way.path]), [motion.torque for motion in way.path]
+    assert any(len(each) == 1 and not each[0].sure for each in one.motions.at(slips))  # Newton's method leaves one
+    assert one.torques(slips) == pytest.approx(known, rel=2e-3)  # one question, one answer
+    assert [one.torque(slip) for slip in slips[-14:].tolist()] == pytest.approx(known[-14:], rel=2e-3)
 
 
 def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypatch):

@@ -154,9 +154,9 @@ class TorqueBalance:
         return loaded - begin + _ALL * (_RUBBED if self._rubbing else 1.0) * (time.process_time() - loaded)
 
     def has_several(self, slip: float) -> bool:
-        """Whether rollers have several motions at a cage slip, so that the way up has to be known there."""
+        """Whether rollers have several motions at a cage slip, or none that settles, and the way up has to be known."""
         with contextlib.suppress(DomainError):
-            return not self.rolls_freely and len(self._few.at(np.array([slip]))[0]) > 1
+            return not self.rolls_freely and not _settled(self._few.at(np.array([slip]))[0])
         return False
 
     @property
@@ -208,8 +208,8 @@ class TorqueBalance:
         out, order, below = np.empty(cage_slips.size), np.argsort(cage_slips), None
         found = motions.at(cage_slips[order])
         for k, here in zip(order.tolist(), found, strict=True):
-            if len(here) > 1:
-                known = below or self._below(float(cage_slips[k]))
+            if not _settled(here):
+                known = below if below and below.sure else self._below(float(cage_slips[k]))
                 here = motions.at(cage_slips[k : k + 1], known.share[:1])[0]
             below = here[0]
             out[k] = below.torque
@@ -222,7 +222,7 @@ class TorqueBalance:
     def _on_way(self, slip: float) -> Motion:
         """The motion of the way up at a slip."""
         here = self.motions.at(np.array([slip]))[0]
-        return here[0] if len(here) == 1 else self.motions.at(np.array([slip]), self._below(slip).share[:1])[0][0]
+        return here[0] if _settled(here) else self.motions.at(np.array([slip]), self._below(slip).share[:1])[0][0]
 
     def orbit_of(self, motion: Motion) -> Orbit:
         """Return a motion on all slices, such as that of a steady slip, with the forces in it."""
@@ -330,6 +330,11 @@ class Running:
     slip: float
     drag: float
     status: str
+
+
+def _settled(here: list[Motion]) -> bool:
+    """Whether rollers that begin from either end come to one motion."""
+    return len(here) == 1 and here[0].sure
 
 
 def runaway(balance: TorqueBalance, largest: float, allow: str) -> Runaway:
