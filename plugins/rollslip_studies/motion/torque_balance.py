@@ -209,7 +209,7 @@ class TorqueBalance:
         found = motions.at(cage_slips[order])
         for k, here in zip(order.tolist(), found, strict=True):
             if not _settled(here):
-                known = below if below and below.sure else self._below(float(cage_slips[k]))
+                known = below or self._below(float(cage_slips[k]))
                 here = motions.at(cage_slips[k : k + 1], known.share[:1])[0]
             below = here[0]
             out[k] = below.torque
