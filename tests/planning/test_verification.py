@@ -172,7 +172,7 @@ def test_a_run_that_goes_on_finer_says_so_and_for_how_long(monkeypatch):
     few = made.estimated[STUDY].resolution.slices
     many = json.loads(result.attrs["resolution"])["slices"]
     assert many > few
-    assert [text for text, _ in told] == [f"again, on {many} laminae"]
+    assert [text for text, _ in told] == [f"again, on {many} laminae of a roller"]
     assert told[0][1] == pytest.approx(many / few * made.seconds_of(STUDY))
 
 

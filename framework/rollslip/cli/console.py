@@ -80,6 +80,7 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 def print_short_plan(plan: "Plan") -> None:
     """Print the plan in a few lines: cautions, of each study how finely and at what cost, and what is out."""
+    from rollslip.planning.lines import how_finely
     from rollslip.results.words import duration_range
 
     for caution in plan.cautions:
@@ -91,13 +92,11 @@ def print_short_plan(plan: "Plan") -> None:
         for part in own:
             for name, error in part.errors.items():
                 errors[name] = errors.get(name, 0.0) + error
-        fine = f"{resolution.slices} lamina{'e' * (resolution.slices != 1)} of a roller"
-        fine += f", {resolution.instants} roller positions within a pitch" if (resolution.instants or 1) > 1 else ""
         told = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
         unknown = [name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)]
         left = f"; relative errors of about {told}" if told else ""
         left += f"; that of {' and '.join(unknown)} cannot be determined" if unknown else ""
-        click.echo(f"{study}: {fine}{left}; {duration_range(plan.seconds_of(study))}")
+        click.echo(f"{study}: {how_finely(resolution)}{left}; {duration_range(plan.seconds_of(study))}")
     if out := dict.fromkeys(part.part for part in plan.parts if not part.included):
         click.echo(f"left out: {', '.join(out)}")
     _print_size(plan)
@@ -111,12 +110,12 @@ def print_plan(plan: "Plan") -> None:
 
 
 def _print_size(plan: "Plan") -> None:
-    from rollslip.results.words import duration_range
+    from rollslip.planning.lines import time_in_words
 
+    time = time_in_words(plan.seconds, plan.studies.values(), plan.assembly)
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
-        f"{plan.evaluations} laminae to evaluate in {duration_range(plan.seconds)}, longer if the check of a result "
-        f"asks for more; planned in {plan.planning:.2g} s"
+        f"{plan.evaluations} laminae to evaluate in {time}; planned in {plan.planning:.2g} s"
     )
 
 

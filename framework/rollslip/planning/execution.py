@@ -12,11 +12,12 @@ import attrs
 
 from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.errors import ConvergenceError, RollslipError
+from rollslip.planning.lines import how_finely
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import Shown, progress_in_notebook
 from rollslip.planning.provenance import run_origin
-from rollslip.planning.verification import Judgement, accuracy_rows, again, in_words, judge, slower, told
+from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, slower, told
 from rollslip.results.accounts import answer
 from rollslip.scene.values import Scene
 from rollslip.structure import scene_hash
@@ -120,7 +121,7 @@ def execute(
         first = first if first[1] else (judgement, unwatched.slices)
         plan = plan.again(study, finer)
         if progress is not None:
-            progress(f"again, on {in_words(finer.resolution)}", left=plan.seconds_of(study))
+            progress(f"again, on {how_finely(finer.resolution)}", left=plan.seconds_of(study))
     dataset = dataset.assign(law_outputs(running, unwatched, dataset))
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items() if found}
     dataset.attrs |= {
@@ -128,12 +129,11 @@ def execute(
         "accuracy": json.dumps(accuracy_rows(plan, study, judgement.total, "a posteriori")),
         "taken_back": json.dumps(taken_back),
     }
-    warned, judged = warnings(plan, study, dataset)
+    said, judged = warnings(plan, study, dataset)
     cost = {"estimated": foreseen, "actual": time.process_time() - processor}
     dataset.attrs |= {"validity": json.dumps(judged), "cost": json.dumps(cost)}
-    said, passed = [*told(plan, study, judgement), *warned], time.perf_counter() - begin
-    dataset.attrs |= run_origin(plan, study, said, evaluated, passed)
-    return dataset
+    said = [*told(plan, study, judgement), *said]
+    return dataset.assign_attrs(run_origin(plan, study, said, evaluated, time.perf_counter() - begin))
 
 
 def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], dict[str, Any]]:

@@ -1,13 +1,14 @@
 """What a plan says: a line for each part of the bearing and its studies, and what somebody should know before a run."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 import attrs
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.cage import in_words, read_cage
+from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.registry import find
 from rollslip.models import FilmModel, PressureModel, SliceModel
 from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF, duration_range
@@ -17,7 +18,10 @@ from rollslip.studies.parts import rings
 from rollslip.studies.study import Study
 from rollslip.units import GRAVITY, format_quantity
 
-__all__ = ["LONG", "caged", "check", "foreseen", "is_judged", "of_bearing", "of_studies", "own_cage", "part_as_dict"]
+__all__ = [
+    "LONG", "caged", "check", "foreseen", "how_finely", "is_judged", "of_bearing", "of_studies", "own_cage",
+    "part_as_dict", "runs_again", "time_in_words",
+]  # fmt: skip
 
 #: Time that is told before it is spent [s].
 LONG: Final = 60.0
@@ -67,17 +71,36 @@ def is_judged(study: Study, assembly: Assembly) -> bool:
     return assembly.resolution.instants is not None and (numbers or study.curved(assembly) is not None)
 
 
+def runs_again(study: Study, assembly: Assembly) -> bool:
+    """Whether a result that is off by more than its tolerance is run again, finer: one that is judged by itself."""
+    return not assembly.scene.accuracy.exact and study.curved(assembly) in (None, study)
+
+
+def time_in_words(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
+    """Return how long studies take, and that it may be longer where one may run again."""
+    again = any(runs_again(study, assembly) for study in studies)
+    return duration_range(seconds) + ", longer if the check of a result asks for more" * again
+
+
+def how_finely(resolution: Resolution) -> str:
+    """Return of how many laminae and positions something is evaluated."""
+    slices, positions = resolution.slices, resolution.instants or 1
+    fine = f"{slices} lamina{'e' * (slices != 1)} of a roller"
+    return fine + f", {positions} roller positions within a pitch" * (positions > 1)
+
+
 def check(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[Part]:
     """Return the line of what follows a study whose costs are known, nothing where it is not judged."""
     if not costs or not is_judged(study, assembly):
         return []
     least, times = _CHECK
     own = study.curved(assembly) in (None, study)  # else judged by curves that take nothing of the time in motion
+    then = "; beyond its tolerance it runs again, which takes longer" * runs_again(study, assembly)
     return [
         Part(
             part="check of the result",
             choice="more laminae and positions, range of validity",
-            reason="tells how far the result is off; beyond its tolerance it runs again, which takes longer",
+            reason=f"tells how far the result is off{then}",
             seconds=least + times * sum(costs.values()) * own,
         )
     ]
@@ -92,8 +115,9 @@ def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
     return f"the cage is the bearing's own, {told}" if cage.separator.coefficient is None else f"cage: {told}"
 
 
-def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:
+def foreseen(assembly: Assembly, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:
     """Return in words what somebody should know before a plan is run; empty if there is nothing."""
+    scene = assembly.scene
     said = [
         f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05; nothing "
         f'finer is computed than with accuracy.{name} = "exact"'
@@ -112,8 +136,8 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
     seconds = max(seconds, _SLICE * evaluations)
     if seconds > LONG:
         said.append(
-            f"this will take {duration_range(seconds)} of the processor, {evaluations:.1e} laminae to evaluate; "
-            "Ctrl-C ends it, and rollslip plan says what the time goes to"
+            f"this will take {time_in_words(seconds, studies.values(), assembly)}; {evaluations:.1e} laminae to "
+            "evaluate; Ctrl-C ends it, and rollslip plan says what the time goes to"
         )
     return said
 

@@ -70,7 +70,7 @@ class Plan:
     @property
     def foreseen(self) -> list[str]:
         """What somebody should know before it is run, in words: that it takes long, or asks for what there is not."""
-        return foreseen(self.scene, self.studies, self.seconds, self.evaluations)
+        return foreseen(self.assembly, self.studies, self.seconds, self.evaluations)
 
     @property
     def cautions(self) -> list[str]:

@@ -10,7 +10,7 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.planning.lines import is_judged
+from rollslip.planning.lines import is_judged, runs_again
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT
 from rollslip.studies.accuracy import AT_ONCE, WHERE_JUMPED, Errors, Probe, apart, difference, errors_between
@@ -243,7 +243,7 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     """
     accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
     off = {name: error for name, error in _without_jumps(judgement.total).items() if error > accuracy.of(name)}
-    if accuracy.exact or not off or study.curved(assembly) not in (None, study):
+    if not off or not runs_again(study, assembly):
         return None
     found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
     if any(judgement.alone.get(LEFT_OUT, {}).get(name, 0.0) > _AIM * accuracy.of(name) for name in off):
@@ -277,12 +277,6 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
         errors={**estimated.errors, **left},
         seen=f"{' and '.join(f'{numbers[part]} {part}' for part in judgement.errors)} were seen to leave {found}",
     )
-
-
-def in_words(resolution: Resolution) -> str:
-    """Return how finely something is evaluated."""
-    slices, positions = resolution.slices, resolution.instants or 1
-    return f"{slices} lamina{'e' * (slices != 1)}" + f" and {positions} roller positions" * (positions > 1)
 
 
 def _wanted_at_once(judgement: Judgement, tolerances: Errors) -> dict[str, float]:

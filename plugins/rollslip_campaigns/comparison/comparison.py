@@ -84,7 +84,7 @@ class Comparison:
 
     @property
     def seconds(self) -> float:
-        """Estimated time [s]: every combination is run and checked, and evaluated again on the slices of one run."""
+        """Estimated time [s]: all are run, checked in about as long, and evaluated again on the slices of one run."""
         return 1.5 * sum(plan.seconds for plan in self.plans.values())
 
     @property

@@ -12,8 +12,8 @@
   has no warning of that number, or of friction as a whole. A number that only one of both has is off without bound.
   What the answer shows no digits of is none: slips below 0.1 %, reserves above 1000, loads below the rollers' weight.
 
-All rows are of one code, but 908 and eleven that take more than 20 s: kept of 23 that were given 60 s later. The slip
-of the largest drag of 908, a flat maximum, was silent while it was told as slips within a thousandth of that drag, and
+Rows are of one code, but 908, eleven kept ones of 23 that were given 60 s later, and those by 2 times. The slip of the
+largest drag of 908, a flat maximum, was silent while it was told as slips within a thousandth of that drag, and
 not within the tolerance. One is silent: in scene 141 a lamina at 0.1 N/m has a friction of 1500 by its laws, so that
 references scatter by 2e-3, once by 6e-2, with their slices.
 
