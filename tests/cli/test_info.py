@@ -36,9 +36,10 @@ def test_errors_of_parts_of_a_plan_are_summed(capsys):
     parts = [SimpleNamespace(study="s", part=name, included=True, errors={"friction": error}, seconds=1.0)
              for name, error in (("slices", 1e-4), ("instants", 3e-4))]  # fmt: skip
     estimated = {"s": SimpleNamespace(resolution=SimpleNamespace(slices=4, instants=2))}
+    exact = SimpleNamespace(scene=SimpleNamespace(accuracy=SimpleNamespace(exact=True)))
     console.print_short_plan(
-        SimpleNamespace(cautions=[], studies=["s"], parts=parts, estimated=estimated, seconds_of=lambda _: 2.0,
-                        degrees_of_freedom=3, evaluations=5, seconds=2.0, planning=0.1)
+        SimpleNamespace(cautions=[], studies={"s": None}, assembly=exact, parts=parts, estimated=estimated,
+                        seconds_of=lambda _: 2.0, degrees_of_freedom=3, evaluations=5, seconds=2.0, planning=0.1)
     )  # fmt: skip
     said = capsys.readouterr().out
     assert "s: 4 laminae of a roller, 2 roller positions within a pitch; relative errors of about " in said
