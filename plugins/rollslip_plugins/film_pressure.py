@@ -110,7 +110,7 @@ class LightContact(PressureModel):
     Symbols:
 
     - p: mean pressure in the film [Pa]
-    - b: half width over which it carries the load, w/(2 p) [m]
+    - b: half width over which it carries the load, w/(2 p), at most R [m]
     - b_H: half width after Hertz, sqrt(8 w R/(pi E')) [m]
     - p_H: largest Hertz pressure [Pa]
     - r: pressure over Hertz's: M/2 in a rigid contact, M to 0, and 1 in a heavy one [1]
@@ -121,7 +121,8 @@ class LightContact(PressureModel):
 
     Range: steady, isothermal, fully flooded line contacts of Barus's oil. Against numerical solutions at M from 0.05
     to 10 and L from 0 to 25 the fit is 3.3 % low to 3.8 % high, the interpolation 1.7 % low to 3.4 % high. Roelands's
-    oil has another r at L = 10: the same at M = 0.5, 2 to 5 % less at 1, 7 to 15 % less at 1.5 to 2. Viscosity,
+    oil has another r at L = 10: the same at M = 0.5, 2 to 5 % less at 1, 7 to 15 % less at 1.5 to 2. As M falls b_H/r
+    passes all bounds, and where that is R no parabola stands for the gap: b stays there, loads of some N/m. Viscosity,
     traction, the heat of the film, its partition and damage read this pressure and width; the film, the stiffness of
     the contact and hysteresis rest on the load and Hertz's width.
 
@@ -140,7 +141,8 @@ class LightContact(PressureModel):
 
     name: ClassVar[str] = "light-contact"
     equation: ClassVar[str] = (
-        "p = r w/(2 b_H), b = b_H/r, r = [1 + (M/2)^(-1/i)]^(-i), i = 0.651 - 0.02 L - 0.0027 L^2; a table from L = 12"
+        "p = w/(2 b), b = min(b_H/r, R), r = [1 + (M/2)^(-1/i)]^(-i), i = 0.651 - 0.02 L - 0.0027 L^2; "
+        "a table from L = 12"
     )
     references: ClassVar[tuple[Reference, ...]] = (MOES_1992, DOWSON_HIGGINSON_1966, MARTIN_1916, JOHNSON_1985)
     validity: ClassVar[tuple[Validity, ...]] = (
@@ -162,8 +164,9 @@ class LightContact(PressureModel):
         Hertz().evaluate(slices)
         M, L = moes_groups(slices)
         r = pressure_ratio(M, np.asarray(L))
-        slices.half_width[...] /= r
-        slices.pressure[...] *= r
+        wide = slices.half_width / r >= slices.conditions.radius
+        slices.half_width[...] = np.where(wide, slices.conditions.radius, slices.half_width / r)
+        slices.pressure[...] = np.where(wide, slices.load / (2 * slices.half_width), slices.pressure * r)
 
     def kernel(self) -> object:
         """Return the compiled form."""

@@ -20,7 +20,7 @@ RS_INLINE double PATH(within_one)(double x) {
 }
 
 /* p = r p_Hertz, b = b_Hertz/r, r = [1 + (M/2)^(-1/i)]^(-i) up to the last L of the fit, r = min(q M/2, 1) from the
- * first of the table on, with log2(q) linear in log2(M/2) and L; between the two log2(r) is linear in L */
+ * first of the table on, with log2(q) linear in log2(M/2) and L; between the two log2(r) is linear in L; b <= R */
 STAGE(light_contact, COL_load | COL_rolling_speed, COL_half_width | COL_pressure) {
     const light_params *q = (const light_params *)params;
     const double *load = s->load, *speed = s->rolling_speed;
@@ -82,9 +82,9 @@ STAGE(light_contact, COL_load | COL_rolling_speed, COL_half_width | COL_pressure
         }
     }
     EACH(i, n) {
-        double r = rs_exp2_falling(pressure[i]), b = sqrt(per_load * load[i]);
-        half_width[i] = b / r;
-        pressure[i] = b * per_width * r;
+        double r = rs_exp2_falling(pressure[i]), b = sqrt(per_load * load[i]), wide = b / r, R = s->radius;
+        half_width[i] = wide < R ? wide : R;
+        pressure[i] = wide < R ? b * per_width * r : load[i] * (0.5 / R);
     }
     return 0;
 }
