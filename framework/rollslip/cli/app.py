@@ -194,14 +194,14 @@ def results_options(
 # Scenes and results ---------------------------------------------------------------------------------------------------
 
 
-def scene_of(name: str, changes: Sequence[str], later: str = "") -> "Scene":
+def scene_of(name: str, changes: Sequence[str], later: str = "", over: Sequence[str] = ()) -> "Scene":
     """Return a scene by name or file, also of another program, with what --set changes.
 
     What such a file lacks, and what of it is not used, is told, and of what is unusual it is warned, but for what says
-    ``later``.
+    ``later`` and for keys of ``over``, KEY=VALUES.
     """
     from rollslip.planning.plausibility import implausible
-    from rollslip.scene.changes import evolve, parse_set
+    from rollslip.scene.changes import evolve, full_key, parse_set
     from rollslip.scene.formats import format_of
     from rollslip.scene.reading import load_scene
 
@@ -214,7 +214,8 @@ def scene_of(name: str, changes: Sequence[str], later: str = "") -> "Scene":
         for note in notes:
             click.echo(f"note: {note}", err=True)
     scene = evolve(scene, dict(map(parse_set, changes))) if changes else scene
-    warn(text for text in implausible(scene) if not later or later not in text)
+    moved = {full_key(one.partition("=")[0]) for one in over}
+    warn(text for text in implausible(scene, moved) if not later or later not in text)
     return scene
 
 

@@ -67,7 +67,8 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Callable[...
         first = settings[arguments[0].name]
         about = ", ".join(map(str, first)) if isinstance(first, tuple) else str(first)
         if issubclass(cls, OfScene):
-            settings["scene"] = scene_of(about, changes)
+            over = settings.get("over") or ()
+            settings["scene"] = scene_of(about, changes, over=(over,) if isinstance(over, str) else over)
         told = {name: value for name, value in settings.items() if value not in (None, ())}
         run(asked=cls(**told), about=about, **given)
 

@@ -5,7 +5,7 @@ Where a key takes many values, as in a sweep, that is said once for all of them.
 
 import contextlib
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,11 @@ from rollslip.units import as_written, unit_given
 __all__ = ["implausible", "implausible_along"]
 
 
-def implausible(scene: Scene) -> list[str]:
-    """Return what is unusual in a scene, with place, value and what was likely meant; most scenes have nothing."""
+def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
+    """Return what is unusual in a scene, with place, value and what was likely meant; most scenes have nothing.
+
+    What stands at keys that are ``moved`` is left to `implausible_along`.
+    """
     raw: Mapping[str, Any] = scene.raw if scene.raw is not None else resolved(scene)
     where = Location(scene.origins)
     found = [*unusual_values(Scene, raw, where)]
@@ -47,7 +50,7 @@ def implausible(scene: Scene) -> list[str]:
     if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
         found += [(at, text) for at, text in doubts(scene) if at.path not in told]
     found += _clearance(scene, raw, where.at("bearing"))
-    return [*dict.fromkeys(at.says(told) for at, told in found)]
+    return [*dict.fromkeys(at.says(told) for at, told in found if ".".join(map(str, at.path)) not in moved)]
 
 
 def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:

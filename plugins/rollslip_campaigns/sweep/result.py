@@ -29,7 +29,7 @@ from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import TOLD_BY, about
 from rollslip.results.words import counted
-from rollslip.scene.changes import evolve
+from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
 from rollslip.studies.accuracy import errors_between
 from rollslip.studies.study import settings, study_class
@@ -160,6 +160,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
 
 def origin_of_points(sweep: Sweep, warnings: Iterable[str], outside: Iterable[str], **facts: Any) -> dict[str, Any]:
     """Return facts as attributes of a campaign, with where its points come from; `outside` is said of their laws."""
+    moved = {*map(full_key, sweep.table.over)}
     return origin(
         **facts,
         **scene_told(sweep.scene, sweep.given),
@@ -169,7 +170,7 @@ def origin_of_points(sweep: Sweep, warnings: Iterable[str], outside: Iterable[st
         seed=sweep.table.seed,
         packages=sweep.facts["packages"],
         **citations_told(sweep.citations),
-        warnings=[*warnings, *implausible(sweep.given), *sweep.unusual, *outside],
+        warnings=[*warnings, *implausible(sweep.given, moved), *sweep.unusual, *outside],
     )
 
 
