@@ -20,6 +20,7 @@ from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import Judgement, again, told, verify
 from rollslip.studies.accuracy import WHERE_JUMPED, errors_between
+from tabled import REFERENCES, TABLES, rows_of
 
 #: Few large rollers on smooth raceways: each has two balances from a slip of 0.25 to 0.75, and jumps at its own slip.
 JUMPS = evolve(
@@ -143,6 +144,22 @@ def test_a_law_serves_in_place_of_another_on_all_rollers_and_far_below_the_maxim
     assert not found.refused
     assert found.resolution["traction"] == "named", "no closed form serves here"
     assert not found.silent, (found.tolerance, found.actual, found.resolution)
+
+
+def test_no_number_of_an_answer_is_off_in_silence():
+    """Of 1,000 random scenes; references and verdicts are those of tests/tools/references/accuracy_scenes.py."""
+    rows = rows_of(REFERENCES / "accuracy_scenes.csv")
+    assert [int(row["scene"]) for row in rows] == list(range(1000))
+    for row in rows:
+        if not (refused := row["verdict"] == "refused"):
+            off, may = float(row["off"]), max(float(row["tolerance"]), float(row["claimed"]))
+            assert row["verdict"] == "told" or off <= 1.01 * may, row
+        assert bool(row["number"]) != refused
+    told = rows_of(TABLES / "accuracy_scenes.csv")
+    assert [sum(int(one["scenes"]) for one in told), sum(int(one["refused in words"]) for one in told)] == [
+        1000, sum(row["verdict"] == "refused" for row in rows),
+    ]  # fmt: skip
+    assert [(one["off in silence"], one["not known"]) for one in told] == [("0", "0")] * 2
 
 
 #: Number of a scene of tests/tools/references/accuracy_scenes.py, and what few slips say nothing of.
