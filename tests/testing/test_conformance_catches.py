@@ -133,11 +133,11 @@ def test_what_ends_the_process_is_a_finding_and_the_other_checks_run(installed, 
 def test_a_model_that_hangs_in_every_check_is_given_up(installed):
     source = FATAL["hangs"][3].replace("if caller is not None and caller.f_code.co_name in", "if caller is not None or")
     installed("hangs", source)
-    findings = check_in_subprocess("film", "hangs", time_limit=2.0)
+    findings = check_in_subprocess("film", "hangs", time_limit=5.0)  # of which a busy machine may load for two
     assert [finding.status for finding in findings].count("failed") == 2
     rest = [finding for finding in findings if finding.status == "skipped"]
     assert len(rest) > 8
-    assert {finding.message for finding in rest} == {"not run: 2 checks did not end within 2 s"}
+    assert {finding.message for finding in rest} == {"not run: 2 checks did not end within 5 s"}
 
 
 def test_a_package_that_cannot_be_imported_is_a_finding(installed):
