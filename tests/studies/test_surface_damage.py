@@ -146,12 +146,12 @@ def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_l
 
 
 def test_a_lamina_that_hardly_touches_is_not_the_worst():
-    """A film that does not thicken as a contact is relieved lets friction grow without bound under its own pressure."""
+    """A film that does not thicken as a contact is relieved lets friction grow until it is as wide as its radius."""
     made = plan(coarse(25), "surface-damage").assembly.with_resistance()
     load = 1e6 * np.geomspace(1e-12, 1.0, 13)
     contacts = Contacts.of(made, "outer", made.outer.evaluate(load, np.full(13, 3.1), np.full(13, 0.8)))
     bare, counted = PassEnergy().evaluate(contacts), _counted(PassEnergy(), contacts)
-    assert bare[0] > 10.0 * bare[-1]
+    assert bare[0] > 10.0 * bare[-3]
     assert np.isnan(counted).tolist() == (load < 0.99).tolist()
     assert np.nanargmax(counted) == 12
 
