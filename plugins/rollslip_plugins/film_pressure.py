@@ -32,6 +32,8 @@ SOLVED: Final = (
     (0.154, 0.265, 0.331, 0.414, 0.682, 0.975, 1.21, 1.30, 1.36),
     (0.155, 0.275, 0.357, 0.519, 0.927, 1.19, 1.38, 1.44, 1.46),
 )
+#: How many times the film the gap has grown by where it carries nothing more.
+GAP: Final = 9.0
 #: Load from which down the contact is rigid: r = M/2.
 RIGID: Final = 0.1
 #: log2(M/2), and there log2(2 r/M).
@@ -110,19 +112,20 @@ class LightContact(PressureModel):
     Symbols:
 
     - p: mean pressure in the film [Pa]
-    - b: half width over which it carries the load, w/(2 p), at most R [m]
+    - b: half width over which it carries the load, w/(2 p) [m]
     - b_H: half width after Hertz, sqrt(8 w R/(pi E')) [m]
     - p_H: largest Hertz pressure [Pa]
     - r: pressure over Hertz's: M/2 in a rigid contact, M to 0, and 1 in a heavy one [1]
     - i: how slowly one becomes the other [1]
     - M: Moes load parameter w/(E' R)/sqrt(2 U) [1]
     - L: Moes lubricant parameter alpha E' (2 U)^(1/4) [1]
-    - U, w, R, E', eta0, u, alpha
+    - U, w, R, E', h, eta0, u, alpha
 
     Range: steady, isothermal, fully flooded line contacts of Barus's oil. Against numerical solutions at M from 0.05
     to 10 and L from 0 to 25 the fit is 3.3 % low to 3.8 % high, the interpolation 1.7 % low to 3.4 % high. Roelands's
-    oil has another r at L = 10: the same at M = 0.5, 2 to 5 % less at 1, 7 to 15 % less at 1.5 to 2. As M falls b_H/r
-    passes all bounds, and where that is R no parabola stands for the gap: b stays there, loads of some N/m. Viscosity,
+    oil has another r at L = 10: the same at M = 0.5, 2 to 5 % less at 1, 7 to 15 % less at 1.5 to 2. No film carries
+    beyond b_H + 3 sqrt(2 R h), where the gap is ten times as wide as h: less than b_H/r where a law of elastic films is
+    taken for contacts so light that it is several times too thin, never with those of rigid ones. Viscosity,
     traction, the heat of the film, its partition and damage read this pressure and width; the film, the stiffness of
     the contact and hysteresis rest on the load and Hertz's width.
 
@@ -133,7 +136,7 @@ class LightContact(PressureModel):
 
     >>> from rollslip import Conditions, Slices
     >>> oil = Conditions(radius=0.01, modulus=2e11, viscosity=0.01, pressure_viscosity=0.0)
-    >>> slices = Slices(1, oil, load=4e4, rolling_speed=20.0)
+    >>> slices = Slices(1, oil, load=4e4, rolling_speed=20.0, film_thickness=1e-6)
     >>> LightContact().evaluate(slices)
     >>> f"{slices.pressure[0] / 1e6:.2f} MPa"
     '146.70 MPa'
@@ -141,9 +144,11 @@ class LightContact(PressureModel):
 
     name: ClassVar[str] = "light-contact"
     equation: ClassVar[str] = (
-        "p = w/(2 b), b = min(b_H/r, R), r = [1 + (M/2)^(-1/i)]^(-i), i = 0.651 - 0.02 L - 0.0027 L^2; "
-        "a table from L = 12"
+        "p = w/(2 b), b = min[b_H/r, b_H + 3 sqrt(2 R h)], r = [1 + (M/2)^(-1/i)]^(-i), "
+        "i = 0.651 - 0.02 L - 0.0027 L^2; a table from L = 12"
     )
+    reads = PressureModel.reads | {"film_thickness"}
+    domain = MappingProxyType({**PressureModel.domain, "film_thickness": POSITIVE})
     references: ClassVar[tuple[Reference, ...]] = (MOES_1992, DOWSON_HIGGINSON_1966, MARTIN_1916, JOHNSON_1985)
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
@@ -164,9 +169,10 @@ class LightContact(PressureModel):
         Hertz().evaluate(slices)
         M, L = moes_groups(slices)
         r = pressure_ratio(M, np.asarray(L))
-        wide = slices.half_width / r >= slices.conditions.radius
-        slices.half_width[...] = np.where(wide, slices.conditions.radius, slices.half_width / r)
-        slices.pressure[...] = np.where(wide, slices.load / (2 * slices.half_width), slices.pressure * r)
+        most = slices.half_width + np.sqrt(2 * GAP * slices.conditions.radius * slices.film_thickness)
+        wide = slices.half_width / r >= most
+        slices.half_width[...] = np.where(wide, most, slices.half_width / r)
+        slices.pressure[...] = np.where(wide, slices.load / (2 * most), slices.pressure * r)
 
     def kernel(self) -> object:
         """Return the compiled form."""

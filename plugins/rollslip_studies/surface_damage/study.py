@@ -45,9 +45,6 @@ if TYPE_CHECKING:
 _TRIED, _ORBITS = 0.3, 30
 #: Parts of a resolution that change films and widths of contacts.
 _OF_CONTACTS: Final = ("inlet_heating", "light_contacts")
-#: Share of the largest load of a slice below which one does not count: a film that does not thicken as a contact is
-#: relieved lets friction under the film's own pressure grow without bound.
-_TOUCHES: Final = 1e-6
 #: What was found where everything was.
 _FOUND: Final = "found"
 
@@ -146,7 +143,7 @@ class SurfaceDamage(Study):
                 contacts = Contacts.of(finer, ring, loaded.slices)
                 for k, model in enumerate(measures):
                     if loaded.total and dataset["worst_status"].values[k, i] == _FOUND:
-                        found[k, i] = _worst_between(model, _counted(model, contacts), loaded, finer.position)
+                        found[k, i] = _worst_between(model, values_of(model, contacts), loaded, finer.position)
             return found
 
         off, at = dict[str, float](), None
@@ -259,17 +256,11 @@ class SurfaceDamage(Study):
         return xr.Dataset(variables, coords, attrs=self.attributes)
 
 
-def _counted(model: DamageModel, contacts: Contacts) -> Array:
-    """Return a measure of every slice, NaN where it hardly touches."""
-    load = contacts.slices.load
-    return np.where(load >= _TOUCHES * load.max(), values_of(model, contacts), np.nan)
-
-
 def _measured(
     model: DamageModel, contacts: Contacts, loaded: LoadedContacts, places: Array
 ) -> tuple[Array, float, int, Array]:
     """Return the worst value of each roller, NaN where it is not loaded, of all, its slice, and across that."""
-    values = _counted(model, contacts)
+    values = values_of(model, contacts)
     sign = 1.0 if model.worst == "largest" else -1.0
     along = np.full(loaded.rollers, np.nan)
     np.fmax.at(along, loaded.owner, sign * values)
