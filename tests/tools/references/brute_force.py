@@ -17,8 +17,7 @@
 - *damage*: the largest value of each measure, or the least film parameter, on the ring where it is off most, at a cage
   slip of 10 % against four times the slices and instants that were taken, and twelve times the instants that were
   planned; *steady damage* at the steady slip that either has. *Told* is one that is off by more than the tolerance,
-  but not by more than a warning of the result says. Film parameter and the temperature after ISO are measured in scenes
-  41, 50 and 51 alone of the former, and in all of the latter.
+  but not by more than a warning of the result says.
 
 A row is written as soon as it is known, and the script goes on where it was interrupted, up to so many scenes that are
 judged: two of damage (18, 39) are refused, as Roelands's law with a coefficient that does not fall with temperature
@@ -89,7 +88,7 @@ SETTLED = {"settled_temperature", "settled_status"}
 #: How temperatures are substituted: until they change by no more [K], how often, the damping, and from how many before.
 MIXED = {"fatol": 2e-5, "maxiter": 60, "line_search": None, "jac_options": {"alpha": 0.6, "M": 6}}
 #: Time of the processor that a scene may take [s].
-SECONDS = {"limit": 600.0, "balance": 300.0, "damage": 120.0, "steady damage": 300.0}
+SECONDS = {"limit": 600.0, "balance": 300.0, "damage": 240.0, "steady damage": 300.0}
 #: Scenes that are judged of each, and verdicts of one that is not.
 COUNTS, UNJUDGED = (50, 50, 50, 20), ("refused", "no slip", "no balance", "no reference", "too dear")
 #: Measures of damage; contact temperature and that after AGMA 925 are the sum that the one after ISO is.
