@@ -184,14 +184,13 @@ def test_what_few_slips_take_for_nothing_is_taken_back_where_it_moves_a_number(k
     assert found > 1e-3
 
 
-def test_errors_that_fall_with_the_root_of_laminae_are_not_taken_to_fall_with_the_square():
-    """Where the film is thin under light laminae their friction rises like the root of what relieves them."""
-    made = plan(_hidden(141), STUDY)
-    result = execute(made, STUDY, exactly=True)
+def test_laminae_that_hardly_touch_move_no_friction():
+    """Under a film that does not thicken as they are relieved: by a width without end, 412 laminae were 1e-3 off."""
+    result = execute(plan(_hidden(141), STUDY), STUDY)
+    assert result.attrs["slices"] < 100
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
-    actual = errors_between({"friction": "effective_friction"}, result, _finer(141, result))["friction"]
-    assert actual > 1.2e-3
-    assert rows["friction"] > actual
+    assert rows["friction"] < 1e-3
+    assert errors_between({"friction": "effective_friction"}, result, _finer(141, result))["friction"] < 1e-3
 
 
 def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
