@@ -125,7 +125,7 @@ class LightContact(PressureModel):
     to 10 and L from 0 to 25 the fit is 3.3 % low to 3.8 % high, the interpolation 1.7 % low to 3.4 % high. Roelands's
     oil has another r at L = 10: the same at M = 0.5, 2 to 5 % less at 1, 7 to 15 % less at 1.5 to 2. No film carries
     beyond b_H + 3 sqrt(2 R h), where the gap is ten times as wide as h: less than b_H/r where a law of elastic films is
-    taken for contacts so light that it is several times too thin, never with those of rigid ones. Viscosity,
+    taken for contacts so light that it is several times too thin; Moes's is five times as thick. Viscosity,
     traction, the heat of the film, its partition and damage read this pressure and width; the film, the stiffness of
     the contact and hysteresis rest on the load and Hertz's width.
 
