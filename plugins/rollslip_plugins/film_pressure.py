@@ -32,7 +32,8 @@ SOLVED: Final = (
     (0.154, 0.265, 0.331, 0.414, 0.682, 0.975, 1.21, 1.30, 1.36),
     (0.155, 0.275, 0.357, 0.519, 0.927, 1.19, 1.38, 1.44, 1.46),
 )
-#: How many times the film the gap has grown by where it carries nothing more.
+#: How many times the film the gap has grown by where it carries nothing more. A choice (D): 3 sqrt(2 R h) is 2.3 times
+#: the half width 1.3 sqrt(2 R h) of a rigid contact under its own film, 3 R sqrt(2 U)/M, so that none of these is cut.
 GAP: Final = 9.0
 #: Load from which down the contact is rigid: r = M/2.
 RIGID: Final = 0.1

@@ -28,7 +28,8 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
     double *half_width = s->half_width, *pressure = s->pressure, l[BLOCK], L[BLOCK], part[BLOCK];
     double per_load_parameter[BLOCK], power[BLOCK], inverse[BLOCK];
     double per_load = 8.0 * s->radius / (RS_PI * s->modulus), per_width = 0.5 / per_load;
-    double gaps = 18.0 * s->radius, Er = s->modulus * s->radius, per_speed = 2.0 * s->viscosity / Er, G = s->pressure_viscosity * s->modulus;
+    double Er = s->modulus * s->radius, per_speed = 2.0 * s->viscosity / Er, G = s->pressure_viscosity * s->modulus;
+    double gaps = 18.0 * s->radius;   /* (3 sqrt(2 R h))^2 over h */
     double last = q->last, p0 = q->power[0], p1 = q->power[1], p2 = q->power[2], most = 0.0, least = LARGEST;
     size_t n = WHOLE(s->n);
     uint64_t speeds = 0;

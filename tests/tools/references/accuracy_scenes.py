@@ -163,13 +163,14 @@ def judged(k, *, dear=False):
 
     try:
         worst, off, most, verdict = compared(one, result, held(FEW if dear else TIMES))
-        if dear and FEW_ERR * off <= 1.0:
+        by_few = dear and FEW_ERR * off <= 1.0
+        if by_few:
             off, verdict = FEW_ERR * off, f"{verdict}, by {FEW} times"
         elif dear:
             worst, off, most, verdict = compared(one, result, held(TIMES))
     except RollslipError as error:
         return [k, str(error)[:120], "", "", "", "", slices, own.instants, "no reference"]
-    if (CLOSE[0] <= off <= CLOSE[1] and "by" not in verdict) or verdict == "silent":
+    if not by_few and (CLOSE[0] <= off <= CLOSE[1] or verdict == "silent"):
         with contextlib.suppress(RollslipError, TooDearError):  # that of the first stands
             worst, off, most, verdict = compared(one, result, held(TWICE))
     what = described(one, name)
@@ -226,16 +227,10 @@ def row(k, *, dear=False):
 
 def summary(rows):
     """Rows of how many scenes of each study ended how, and the errors of those that have one, over the tolerance."""
-    heads = [
-        "study",
-        "scenes",
-        "refused in words",
-        "within the tolerance",
-        "off by no more than claimed",
-        "off, and told",
-    ]
-    heads += ["off in silence", "not known", "error over tolerance, median", "of nine in ten below"]
-    yield heads
+    heads = (
+        "study|scenes|refused in words|within the tolerance|off by no more than claimed|off, and told|off in silence"
+    )
+    yield f"{heads}|not known|error over tolerance, median|of nine in ten below".split("|")
     for parity, study in enumerate(("steady-slip", promise_scenes.STUDY)):
         of = [one for one in rows if int(one[0]) % 2 == parity]
         ends = Counter(one[8].partition(",")[0] for one in of)
