@@ -153,7 +153,7 @@ def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warn
     first, second = (execution.execute(made, STUDY, exactly=True) for _ in range(2))
     assert first.attrs["slices_error"] == left
     assert first.attrs["evaluations"] == second.attrs["evaluations"] > 0
-    doubled = attrs.evolve(made, parts=[attrs.evolve(one, seconds=1e6) for one in made.parts])
+    doubled = attrs.evolve(made, make_parts=lambda _: tuple(attrs.evolve(one, seconds=1e6) for one in made.parts))
     cost = json.loads(execution.execute(doubled, STUDY, exactly=True).attrs["cost"])
     assert 0.0 < cost["actual"] < 60.0 < 1e6 <= cost["estimated"]
     said = [one for one in json.loads(first.attrs["warnings"]) if one.startswith("4 laminae leave a relative error")]

@@ -156,7 +156,7 @@ def run(
 
     from rollslip.cli import console
     from rollslip.errors import ConvergenceError, DomainError, RollslipError
-    from rollslip.planning.execution import execute
+    from rollslip.planning.execution import execute, studies_of_slip
     from rollslip.planning.lines import own_cage
     from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified
@@ -191,7 +191,7 @@ def run(
                 break
         if failures and not datasets:
             raise next(iter(failures.values()))
-        for name in {row.by for row in answer(*datasets.values()).rows if row.key == "cage_slip" and row.by}:
+        for name in studies_of_slip(datasets.values()):
             datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
         for name, dataset in datasets.items():
             save(dataset, folder / f"{name}.nc")

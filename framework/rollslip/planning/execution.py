@@ -4,7 +4,8 @@ import importlib
 import json
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ from rollslip.planning.lines import how_finely
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import Shown, progress_in_notebook
-from rollslip.planning.provenance import run_origin
+from rollslip.planning.provenance import models_origin, run_origin
 from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, slower, told
 from rollslip.results.accounts import answer
 from rollslip.scene.values import Scene
@@ -65,16 +66,42 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
     """
     from rollslip.results.figures import Result
 
-    made, found = plan(scene, study), dict[str, "xr.Dataset"]()
-    for name in made.studies:
-        with progress_in_notebook(name, made.seconds_of(name)) as show:
-            found[name] = execute(made, name, progress=show)
-        if found[name].attrs.get("outcome") == "interrupted":
+    planned = plan(scene, study)
+    executed = dict[str, Executed]()
+    for name in planned.studies:
+        with progress_in_notebook(name, partial(planned.seconds_of, name)) as show:
+            executed[name] = compute(planned, name, progress=show)
+        if executed[name].dataset.attrs.get("outcome") == "interrupted":
             break
-    first = next(iter(found))
-    for name in {first, *(row.by for row in answer(*found.values()).rows if row.key == "cage_slip" and row.by)}:
-        found[name] = made.studies[name].with_bands(made.scene, found[name])
-    return Result.of(found)
+    return Result.of({name: one.dataset for name, one in executed.items()}, partial(_completed, executed))
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Executed:
+    """A study that ran: its result, and the plans by which it was computed."""
+
+    study: str
+    #: The plan before the run, whose cost was estimated.
+    planned: Plan
+    #: The plan with the resolution of the result.
+    plan: Plan
+    #: The result with its errors and its origin.
+    dataset: "xr.Dataset"
+    #: Processor time that it took [s].
+    processor_time: float
+
+    def documented(self) -> "xr.Dataset":
+        """Return the result with its plan, its validity notes and their record, and its estimated and actual cost."""
+        found, judged = warnings(self.plan, self.study, self.dataset)
+        known = json.loads(self.dataset.attrs["warnings"])
+        cost = {"estimated": self.planned.seconds_of(self.study), "actual": self.processor_time}
+        return self.dataset.assign_attrs(
+            models_origin(self.plan, self.study),
+            plan=json.dumps(self.plan.parts_of(self.study)),
+            warnings=json.dumps([*known, *found]),
+            validity=json.dumps(judged),
+            cost=json.dumps(cost),
+        )
 
 
 def execute(
@@ -85,15 +112,28 @@ def execute(
     progress: Shown | None = None,
     exactly: bool = False,
 ) -> "xr.Dataset":
-    """Return the result of one study of a plan.
+    """Return the result of one study of a plan, with all that its answer rests on but bands: see `compute`."""
+    return compute(plan, study, kept=kept, progress=progress, exactly=exactly).documented()
+
+
+def compute(
+    planned: Plan,
+    study: str,
+    *,
+    kept: Path | None = None,
+    progress: Shown | None = None,
+    exactly: bool = False,
+) -> Executed:
+    """Return the result of one study of a plan, with nothing that only a reader of its answer needs.
 
     What is seen afterwards to be off by more than its tolerance is run again with more slices and instants where it is
     soon done and would help (`rollslip.planning.verification.again`); the plan in the result says so.
     """
+    plan = planned
     running = plan.studies[study]
     for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one
         importlib.import_module(library)
-    begin, processor, foreseen = time.perf_counter(), time.process_time(), plan.seconds_of(study)
+    begin, processor = time.perf_counter(), time.process_time()
     taken_back, first = list[str](), (Judgement(errors={}), 0)
     while True:
         assembly = plan.assemblies[study]
@@ -129,11 +169,24 @@ def execute(
         "accuracy": json.dumps(accuracy_rows(plan, study, judgement.total, "a posteriori")),
         "taken_back": json.dumps(taken_back),
     }
-    said, judged = warnings(plan, study, dataset)
-    cost = {"estimated": foreseen, "actual": time.process_time() - processor}
-    dataset.attrs |= {"validity": json.dumps(judged), "cost": json.dumps(cost)}
-    said = [*told(plan, study, judgement), *said]
-    return dataset.assign_attrs(run_origin(plan, study, said, evaluated, time.perf_counter() - begin))
+    processor_time = time.process_time() - processor
+    told_errors = told(plan, study, judgement)
+    dataset.attrs |= run_origin(plan, told_errors, evaluated, time.perf_counter() - begin)
+    return Executed(study=study, planned=planned, plan=plan, dataset=dataset, processor_time=processor_time)
+
+
+def _completed(executed: Mapping[str, Executed]) -> dict[str, "xr.Dataset"]:
+    """Return documented results of studies, with the bands of those that an answer takes its slip from."""
+    found = {name: one.documented() for name, one in executed.items()}
+    first = next(iter(found))
+    for name in {first, *studies_of_slip(found.values())}:
+        found[name] = executed[name].plan.studies[name].with_bands(executed[name].plan.scene, found[name])
+    return found
+
+
+def studies_of_slip(results: "Iterable[xr.Dataset]") -> set[str]:
+    """Return the studies from which an answer to results takes the cage slip."""
+    return {row.by for row in answer(*results).rows if row.key == "cage_slip" and row.by}
 
 
 def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], dict[str, Any]]:

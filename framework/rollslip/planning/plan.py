@@ -12,8 +12,8 @@ work, after minutes.
 import logging
 import os
 import time
-from collections.abc import Collection, Mapping
-from functools import partial
+from collections.abc import Callable, Collection, Mapping
+from functools import cached_property, partial
 from html import escape
 from typing import Any, Final
 
@@ -49,10 +49,25 @@ class Plan:
     studies: dict[str, Study]
     assemblies: Mapping[str, Assembly]  #: Study -> its bearing, with a watch over what is left out.
     estimated: Mapping[str, Estimated]  #: Study -> its resolution, with estimated errors.
-    parts: tuple[Part, ...]
-    degrees_of_freedom: int
-    evaluations: int
-    planning: float
+    planning: float  #: Processor time that the plan took [s], without its lines.
+    #: Makes its lines when they are first asked for, with the time of each part, which is measured on small parts.
+    make_parts: "Callable[[Plan], tuple[Part, ...]]"
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Its lines: what is modelled and what is left out, with reasons and estimated costs."""
+        return self.make_parts(self)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Unknowns of the largest system that is solved."""
+        moving = [one for one in self.studies.values() if one.in_time] or list(self.studies.values())
+        return max(one.degrees_of_freedom(self.assembly) for one in moving)
+
+    @property
+    def evaluations(self) -> int:
+        """Slices to be evaluated, about."""
+        return sum(one.evaluations(self.assemblies[name]) for name, one in self.studies.items())
 
     def __repr__(self) -> str:
         named, studies = self.scene.source or self.scene.title, ", ".join(self.studies)
@@ -86,10 +101,16 @@ class Plan:
 
     def at(self, study: str, resolution: Resolution) -> "Plan":
         """Return the plan with another resolution for a study; what is left out under a bound stays so."""
-        estimated = attrs.evolve(self.estimated[study], resolution=resolution)
-        assembly = self.assemblies[study].at(resolution).with_bounds(*estimated.left_out)
+        return self._refined(study, attrs.evolve(self.estimated[study], resolution=resolution))
+
+    def _refined(self, study: str, estimated: Estimated, scaled: bool = False) -> "Plan":
+        """Return the plan with another choice for a study; its lines are those from before, or scaled to it."""
+        assembly = self.assemblies[study].at(estimated.resolution).with_bounds(*estimated.left_out)
         return attrs.evolve(
-            self, assemblies={**self.assemblies, study: assembly}, estimated={**self.estimated, study: estimated}
+            self,
+            assemblies={**self.assemblies, study: assembly},
+            estimated={**self.estimated, study: estimated},
+            make_parts=partial(_scaled_parts, self, study) if scaled else partial(_parts_before, self),
         )
 
     def taking_back(self, study: str, bound: LeftOut) -> "Plan":
@@ -97,22 +118,15 @@ class Plan:
         before = self.estimated[study]
         left_out = tuple(one for one in before.left_out if one is not bound)
         estimated = attrs.evolve(before, resolution=bound.taken_back(before.resolution), left_out=left_out)
-        return attrs.evolve(self, estimated={**self.estimated, study: estimated}).at(study, estimated.resolution)
+        return self._refined(study, estimated)
 
     def again(self, study: str, estimated: Estimated) -> "Plan":
         """Return the plan with another resolution for a study, which its lines tell; costs grow with its numbers."""
-        few, many = (
-            one.slices * (one.instants or 1) for one in (self.estimated[study].resolution, estimated.resolution)
-        )
-        before = {part.part: many / few * part.seconds for part in self.parts if part.study == study and part.seconds}
-        made = attrs.evolve(self, estimated={**self.estimated, study: estimated}).at(study, estimated.resolution)
-        lines = [
-            attrs.evolve(part, study=study, seconds=before.pop(part.part, None))
-            for part in made.studies[study].parts(self.assembly.at(estimated.resolution), estimated, {})
-        ]
-        own = (part for part in self.parts if part.study == study and part.part in before)
-        lines += [attrs.evolve(part, seconds=before[part.part]) for part in own]
-        return attrs.evolve(made, parts=(*(part for part in self.parts if part.study != study), *lines))
+        return self._refined(study, estimated, scaled=True)
+
+    def parts_of(self, study: str) -> list[dict[str, Any]]:
+        """Return the lines that concern a study, as plain values."""
+        return [part_as_dict(part) for part in self.parts if part.study in ("", study)]
 
     def lines(self) -> list[dict[str, str]]:
         """Return what people read of each part, by heading."""
@@ -214,31 +228,53 @@ def plan(
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
     assemblies = {name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in estimated.items()}
-    parts = of_bearing(stated, studies)
-    for name, one in studies.items():
-        assembly = stated.at(estimated[name].resolution)
-        try:
-            costs = one.cost(assembly)
-        except RollslipError:
-            costs = {}
-        lines = [*one.parts(assembly, estimated[name], costs), *check(one, assembly, costs)]
-        parts += [attrs.evolve(part, study=name) for part in lines]
-    parts += of_studies(stated, studies)
-    for part in parts:
-        choice = part.choice if part.included else "left out"
-        _log.info(": ".join(filter(None, (part.part, choice, part.reason))))
-    moving = [one for one in studies.values() if one.in_time] or list(studies.values())
     return Plan(
         scene=scene,
         assembly=stated,
         studies=studies,
         assemblies=assemblies,
         estimated=estimated,
-        parts=tuple(parts),
-        degrees_of_freedom=max(one.degrees_of_freedom(stated) for one in moving),
-        evaluations=sum(one.evaluations(assemblies[name]) for name, one in studies.items()),
+        make_parts=_parts,
         planning=time.process_time() - begin,
     )
+
+
+def _parts(plan: Plan) -> tuple[Part, ...]:
+    """Return the lines of a plan that was just made."""
+    stated, studies = plan.assembly, plan.studies
+    parts = of_bearing(stated, studies)
+    for name, one in studies.items():
+        assembly = stated.at(plan.estimated[name].resolution)
+        try:
+            costs = one.cost(assembly)
+        except RollslipError:
+            costs = {}
+        lines = [*one.parts(assembly, plan.estimated[name], costs), *check(one, assembly, costs)]
+        parts += [attrs.evolve(part, study=name) for part in lines]
+    parts += of_studies(stated, studies)
+    for part in parts:
+        choice = part.choice if part.included else "left out"
+        _log.info(": ".join(filter(None, (part.part, choice, part.reason))))
+    return tuple(parts)
+
+
+def _parts_before(before: Plan, _: Plan) -> tuple[Part, ...]:
+    """Return the lines that a plan had before its run."""
+    return before.parts
+
+
+def _scaled_parts(before: Plan, study: str, plan: Plan) -> tuple[Part, ...]:
+    """Return the lines of a plan with a finer resolution for a study; costs grow with its numbers."""
+    estimated = plan.estimated[study]
+    few, many = (one.slices * (one.instants or 1) for one in (before.estimated[study].resolution, estimated.resolution))
+    seconds = {part.part: many / few * part.seconds for part in before.parts if part.study == study and part.seconds}
+    lines = [
+        attrs.evolve(part, study=study, seconds=seconds.pop(part.part, None))
+        for part in plan.studies[study].parts(plan.assembly.at(estimated.resolution), estimated, {})
+    ]
+    own = (part for part in before.parts if part.study == study and part.part in seconds)
+    lines += [attrs.evolve(part, seconds=seconds[part.part]) for part in own]
+    return (*(part for part in before.parts if part.study != study), *lines)
 
 
 def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:

@@ -4,7 +4,7 @@ import importlib
 import math
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from html import escape
 from typing import Any, Protocol
@@ -50,13 +50,16 @@ class Watch:
 
 
 @contextmanager
-def progress_in_notebook(what: str, seconds: float = math.nan) -> Iterator[Shown]:
-    """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end."""
+def progress_in_notebook(what: str, seconds: Callable[[], float] = lambda: math.nan) -> Iterator[Shown]:
+    """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end.
+
+    Its estimated time [s] is a function, since an estimate takes time that nothing but a notebook needs.
+    """
     if "ipykernel" not in sys.modules:
         yield lambda text, share=math.nan, left=math.nan: None
         return
     page: Any = importlib.import_module("IPython.display")
-    watch, place = Watch(seconds), page.display(page.HTML(escape(what)), display_id=True)
+    watch, place = Watch(seconds()), page.display(page.HTML(escape(what)), display_id=True)
 
     def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
         watch.tell(share, left)

@@ -22,7 +22,7 @@ from rollslip.catalogue.discovery import load, named_data
 from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.fields import submodels
 from rollslip.models import SliceModel
-from rollslip.planning.lines import own_cage, part_as_dict
+from rollslip.planning.lines import own_cage
 from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
 from rollslip.results.dataset import CITED
@@ -40,6 +40,7 @@ __all__ = [
     "cited",
     "data_references",
     "lubricant_told",
+    "models_origin",
     "models_told",
     "origin",
     "packages_of",
@@ -51,35 +52,47 @@ __all__ = [
 
 
 def origin(**facts: Any) -> dict[str, Any]:
-    """Return facts as attributes of a dataset, and when it was made; structures become JSON text."""
-    told = {
+    """Return facts as attributes of a dataset, and when it was made."""
+    return as_attributes(**facts) | {"created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")}
+
+
+def as_attributes(**facts: Any) -> dict[str, Any]:
+    """Return facts as attributes of a dataset; structures become JSON text."""
+    return {
         name: fact if isinstance(fact, str | Number) else json.dumps(fact, default=dict) for name, fact in facts.items()
     }
-    return told | {"created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")}
 
 
-def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
-    """Return the attributes that say where the result of a study comes from."""
-    scene, assembly = plan.scene, plan.assemblies[study]
-    models = [pair for kind, model in plan.models for pair in ((kind, model), *submodels(model))]
-    offers = [*(find(kind, model.name) for kind, model in models), *named_data(scene.raw or {})]
+def run_origin(plan: Plan, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
+    """Return the attributes by which a result can be made again: its scene, the packages, and what it took."""
+    scene = plan.scene
     return origin(
         **scene_told(scene),
         description=scene.description,
         **({"note": scene.note} if scene.note else {}),
+        packages=packages_of(()),
+        warnings=warnings,
+        evaluations=evaluations,
+        wall_time=wall_time,
+    )
+
+
+def models_origin(plan: Plan, study: str) -> dict[str, Any]:
+    """Return the attributes that describe the models and data of a result of a study, and what to cite for them."""
+    scene, assembly = plan.scene, plan.assemblies[study]
+    models = [pair for kind, model in plan.models for pair in ((kind, model), *submodels(model))]
+    offers = [*(find(kind, model.name) for kind, model in models), *named_data(scene.raw or {})]
+    own = own_cage(scene, plan.studies)
+    return as_attributes(
         packages=packages_of(offers),
         models=models_told(plan.models),
         lubricant=lubricant_told(assembly.lubricant),
         **({"bound_below": 1} if "cage" in assembly.known_cage and assembly.cage.drags.bound_below else {}),
-        **({"own_cage": told} if (told := own_cage(scene, plan.studies)) else {}),
+        **({"own_cage": own} if own else {}),
         data=[data_told(offer) for offer in named_data(scene.raw or {}) if offer.kind != "lubricant"],
         film_limits=film_limits_told(assembly),
         conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},
-        plan=[part_as_dict(part) for part in plan.parts if part.study in ("", study)],
-        warnings=warnings,
         **citations_told(citations(plan)),
-        evaluations=evaluations,
-        wall_time=wall_time,
     )
 
 

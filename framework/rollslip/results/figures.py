@@ -5,10 +5,10 @@ Figures are drawn as the account of a study draws them.
 
 import base64
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -35,29 +35,50 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
     stored, as JSON where it is a structure.
     """
 
-    __slots__ = ("_held",)
+    __slots__ = ("_complete", "_held")
+    _complete: Callable[[], dict[str, xr.Dataset]]
+    _held: dict[str, xr.Dataset] | None
 
     @classmethod
-    def of(cls, results: Mapping[str, xr.Dataset]) -> "Result":
-        """Return the result of a run, given those of its studies."""
+    def of(cls, results: Mapping[str, xr.Dataset], complete: Callable[[], dict[str, xr.Dataset]]) -> "Result":
+        """Return the result of a run, given those of its studies, and what gives them with all that an answer needs.
+
+        Notes, bands and costs take as long as many a study, so they are computed when somebody asks for them.
+        """
         first = next(iter(results.values()))
         made = cls(first.data_vars, first.coords, first.attrs)
-        made._held = dict(results)
+        made._held = None
+        made._complete = complete
         return made
 
-    def _of_studies(self) -> dict[str, xr.Dataset]:
-        """Result of each study; what was computed from them is one of its own."""
-        return getattr(self, "_held", None) or {str(self.attrs.get("study", "result")): self}
+    @property
+    def is_of_run(self) -> bool:
+        """Whether it is what a run gave; what was computed from it is a dataset like any other."""
+        return hasattr(self, "_complete")
+
+    def complete(self) -> dict[str, xr.Dataset]:
+        """Return the result of each study, with notes and bands, which are computed and stored once."""
+        if not self.is_of_run:
+            return {str(self.attrs.get("study", "result")): self}
+        if self._held is None:
+            self._held = self._complete()
+            self.attrs.update(next(iter(self._held.values())).attrs)
+        return self._held
+
+    def to_netcdf(self, *args: Any, **options: Any) -> Any:
+        """Write it to a file as `xarray.Dataset.to_netcdf` does, with its notes and bands."""
+        self.complete()
+        return super().to_netcdf(*args, **options)
 
     @property
     def studies(self) -> xr.DataTree:
         """Every study that ran, by name."""
-        return xr.DataTree.from_dict(self._of_studies())
+        return xr.DataTree.from_dict(self.complete())
 
     @property
     def answer(self) -> Answer:
         """What has to be known first, of all studies."""
-        return answer(*self._of_studies().values())
+        return answer(*self.complete().values())
 
     @property
     def notes(self) -> tuple[Note, ...]:
@@ -67,25 +88,25 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a reader has to know, in sentences, each once; of laws the worst, of which `notes` has all."""
-        return tuple(warned(self._of_studies().values())[0])
+        return tuple(warned(self.complete().values())[0])
 
     @property
     def figures(self) -> "Figures":
         """Figures of all studies, by name."""
         drawn = Figures()
-        for one in map(plot, self._of_studies().values()):
+        for one in map(plot, self.complete().values()):
             drawn.update(one)
             drawn.captions |= one.captions
         return drawn
 
     def __repr__(self) -> str:
-        return f"{self.answer}\n\n{super().__repr__()}" if hasattr(self, "_held") else super().__repr__()
+        return f"{self.answer}\n\n{super().__repr__()}" if self.is_of_run else super().__repr__()
 
     def _repr_html_(self) -> str:
-        if not hasattr(self, "_held"):
+        if not self.is_of_run:
             return str(super()._repr_html_())
         tree = self.studies._repr_html_()  # type: ignore[no-untyped-call]
-        return f"{self.answer.html()}<details><summary>data of {', '.join(self._held)}</summary>{tree}</details>"
+        return f"{self.answer.html()}<details><summary>data of {', '.join(self.complete())}</summary>{tree}</details>"
 
 
 class Figures(dict[str, "Figure"]):
@@ -182,7 +203,7 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path | None = None, o
     for number, given in enumerate((one for several in stored_too for one in several), 1):
         one = given if isinstance(given, xr.Dataset) else open_result(given)
         stored, place = one is not given, str(given) if one is not given else f"result {number}"
-        for study, dataset in (one._of_studies() if isinstance(one, Result) else {one.attrs["study"]: one}).items():
+        for study, dataset in (one.complete() if isinstance(one, Result) else {one.attrs["study"]: one}).items():
             name = study if study not in datasets else place if stored else f"{study} of {place}"
             datasets[name], places[name] = dataset, place
     figures = {}

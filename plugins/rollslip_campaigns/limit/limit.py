@@ -28,7 +28,7 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
-from rollslip.planning.execution import execute
+from rollslip.planning.execution import compute
 from rollslip.planning.plan import estimate, plan
 from rollslip.planning.verification import UNDETERMINED
 from rollslip.results.dataset import about, save
@@ -249,7 +249,7 @@ def _resolution(
                     found.append((at, one.resolution))
                 continue
             made = plan(at, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
-            run = execute(made, study)
+            run = compute(made, study).dataset
         except RollslipError:  # the point will say why
             continue
         found.append((at, Resolution(**json.loads(run.attrs["resolution"]))))

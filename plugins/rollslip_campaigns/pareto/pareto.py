@@ -26,7 +26,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError, in_words
 from rollslip.planning.plan import Plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.provenance import origin, run_origin, together
+from rollslip.planning.provenance import models_origin, origin, run_origin, together
 from rollslip.results.dataset import about
 from rollslip.structure import scene_hash
 from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family
@@ -302,11 +302,11 @@ def _origin(
     warned += implausible(family.plan.scene)
     others = (_plan_of(family.plan, one) for one in family.choices if one.kind in ("modelling", "film"))
     plans = [family.plan, *filter(None, others)]
-    origins = [
-        run_origin(made, next(iter(family.studies)), warned, sum(r.evaluations for r in records), wall_time)
-        for made in plans
-    ]
+    first = next(iter(family.studies))
+    evaluations = sum(record.evaluations for record in records)
+    origins = [run_origin(made, warned, evaluations, wall_time) | models_origin(made, first) for made in plans]
     return origins[0] | origin(
+        plan=family.plan.parts_of(first),
         study="pareto",
         studies=list(family.studies),
         rounds=family.rounds,

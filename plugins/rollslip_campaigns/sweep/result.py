@@ -23,7 +23,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import in_words
-from rollslip.planning.execution import execute
+from rollslip.planning.execution import compute
 from rollslip.planning.plan import plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
@@ -103,7 +103,7 @@ def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     point = dataset.isel(dict(zip(sweep.dims, np.unravel_index(number, sweep.design.shape), strict=True)))
     try:
         made = plan(evolve(sweep.scene, sweep.design.changes(number)), sweep.study)
-        run = execute(made, sweep.study)
+        run = compute(made, sweep.study).dataset
     except Exception as error:  # somebody's law may raise anything; what was computed stands
         place = sweep.design.shown(number)
         return [f"how far points are off could not be checked at {place}, by a run of the scene: {in_words(error)}"]
