@@ -1,0 +1,102 @@
+"""A run does what it is asked for: notes, bands and alternatives are computed when an answer is asked for."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import rollslip
+import rollslip_studies.steady_slip.band as band
+from architecture import ROOT
+from rollslip.planning import execution
+from rollslip.planning.plan import Plan
+from rollslip.results.dataset import save
+from rollslip.studies import validity
+
+#: What a bare run may enter at most; both numbers only fall.
+MODULES = 68
+LINES = 2_750
+SCENE = "1032930-70C"
+STUDY = "effective-friction"
+
+
+def test_a_bare_run_enters_few_modules_and_lines():
+    # in a process of its own: a tracer of coverage, and what other tests have cached, would change the count
+    done = subprocess.run(
+        [sys.executable, str(ROOT / "tests/support/main_job.py")], capture_output=True, text=True, check=True
+    )
+    *rows, total = done.stdout.splitlines()
+    modules, _, lines, _ = total.split()
+    assert int(modules) <= MODULES, done.stdout
+    assert int(lines) <= LINES, done.stdout
+    assert any("rollslip_studies/motion/spins.py" in row for row in rows)  # it does see what runs
+
+
+@pytest.fixture
+def nothing_for_readers(monkeypatch):
+    """Let everything fail that only the reader of an answer needs."""
+
+    def refuse(name):
+        def called(*_, **__):
+            raise AssertionError(f"{name} was called though nobody asked for an answer")
+
+        return called
+
+    monkeypatch.setattr(band, "bands", refuse("bands"))
+    monkeypatch.setattr(band, "consequences", refuse("consequences"))
+    monkeypatch.setattr(validity, "judged", refuse("judged"))
+    monkeypatch.setattr(validity, "difference", refuse("difference"))
+    monkeypatch.setattr(execution, "warnings", refuse("warnings"))
+    monkeypatch.setattr(Plan, "parts", property(refuse("parts")))
+
+
+def test_a_run_computes_nothing_for_readers(nothing_for_readers):
+    result = rollslip.run(SCENE, STUDY)
+    assert 0.0 < float(result.steady_cage_slip) < 0.1
+    assert json.loads(result.attrs["warnings"]) == []
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda result, _: result.answer,
+        lambda result, _: result.notes,
+        lambda result, _: result.warnings,
+        lambda result, _: result.studies,
+        lambda result, _: repr(result),
+        lambda result, _: result._repr_html_(),
+        lambda result, _: rollslip.answer(result),
+        lambda result, _: rollslip.table(result),
+        lambda result, path: save(result, path / "result.nc"),
+        lambda result, path: result.to_netcdf(path / "result.nc", engine="h5netcdf"),
+    ],
+    ids=["answer", "notes", "warnings", "studies", "repr", "html", "rollslip.answer", "table", "save", "to_netcdf"],
+)
+def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(ask, tmp_path, monkeypatch):
+    calls = []
+    bands = band.bands
+    monkeypatch.setattr(band, "bands", lambda *given: calls.append(given) or bands(*given))
+    result = rollslip.run(SCENE, STUDY)
+    assert not calls
+    for _ in range(2):
+        ask(result, tmp_path)
+    assert len(calls) == 1
+    assert {"band", "consequences", "validity", "cost", "plan", "models", "citations"} <= result.attrs.keys()
+    assert json.loads(result.attrs["warnings"])
+
+
+LOADS = "operation.radial_load=1kN:2kN:2"
+CAMPAIGNS = {
+    "sweep": lambda scene, out: rollslip.sweep(scene, LOADS, study="steady-slip", engine="serial", out=out),
+    "samples": lambda scene, out: rollslip.uncertainty(scene, samples=2, engine="serial", out=out),
+    "search": lambda scene, out: rollslip.limit(
+        scene, "operation.radial_load=1kN:3kN:3", "steady_slip<2%", study="steady-slip", engine="serial", out=out
+    ),
+}
+
+
+@pytest.mark.parametrize("campaign", CAMPAIGNS)
+def test_points_of_campaigns_compute_nothing_for_readers(campaign, nothing_for_readers, tmp_path):
+    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 5})
+    assert CAMPAIGNS[campaign](scene, tmp_path / "out") is not None
