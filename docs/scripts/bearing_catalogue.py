@@ -8,7 +8,7 @@ The files are not part of the package. The first has a row for each bearing: ``d
 table was made of 156 bearings whose raceways (F of types NU and NJ, E of type N) are printed in catalogues of NSK and
 SKF: D = (E - F)/2 and d_m = (E + F)/2 are exact, number and effective length of the rollers follow from the static
 rating C0 by ISO 76 and the sizes of standard rollers. The second is that of
-``tests/tools/references/catalogue_ratings.py``, 162 static ratings that NKE prints. The scatter of Z L is that of all
+``tools/references/catalogue_ratings.py``, 162 static ratings that NKE prints. The scatter of Z L is that of all
 bearings of both.
 """
 
@@ -22,7 +22,7 @@ from output import write_table
 
 from rollslip_plugins.data.cylindrical import CATALOGUE, RULES, estimated
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "tools" / "references"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tools" / "references"))
 from catalogue_ratings import ratios
 
 DESIGNATION = re.compile(r"NU ?(10|22|23|2|3|4)(\d\d)( EC?P?)? \((NSK|SKF)\)")

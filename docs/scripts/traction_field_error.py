@@ -1,6 +1,6 @@
 """Write the tables and figures of docs/trust/traction_reference.rst: closed forms against the integrated field.
 
-- traction_field_reference.csv: the field against the method of lines of tests/tools/references/traction_field.py;
+- traction_field_reference.csv: the field against the method of lines of tools/references/traction_field.py;
 - traction_field_grid.csv: friction on one grid after the other;
 - traction_field_cases.csv: contacts of the paper's bearing, and their groups;
 - traction_field_parts.csv, traction_field.svg: what each simplification alone changes there, and the closed forms;
@@ -26,7 +26,7 @@ from rollslip_plugins.traction.field import GRIDS, OIL_HEAT_CAPACITY, solve_fiel
 #: The models that are compared with the field.
 MODELS = ("muraki", "maxwell-eyring", "eyring")
 STYLES = {"muraki": (BLUE, "-"), "maxwell-eyring": (ORANGE, "-"), "eyring": (GREEN, ":")}
-REFERENCE = Path(__file__).parents[2] / "tests" / "tools" / "references" / "traction_field.csv"
+REFERENCE = Path(__file__).parents[2] / "tools" / "references" / "traction_field.csv"
 ACCURACY = 1e-5
 
 # The method of lines -------------------------------------------------------------------------------------------------

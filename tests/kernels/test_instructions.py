@@ -1,6 +1,6 @@
 """The compiled stages stay vectorised: they take the instructions per slice that they took.
 
-Counted by valgrind against docs/tables/benchmark_instructions.csv, which ``python tests/tools/benchmarks --only
+Counted by valgrind against docs/tables/benchmark_instructions.csv, which ``python tools/benchmarks --only
 instructions --docs`` writes. The bound leaves room for other compilers and for small changes of a law. A loop that is
 no longer vectorised takes far more. Measured with GCC 12 for "v3": without -fno-math-errno and -fno-trapping-math
 stages took 1.6 to 4.6 times what the table has, with -fno-tree-vectorize 2.9 to 4.1 times. The baseline, two numbers

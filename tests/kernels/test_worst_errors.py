@@ -1,6 +1,6 @@
 """The worst error of every compiled law stays what it was, on the slices where a search has found it.
 
-tests/tools/references/worst_errors.py has searched them; exact values are those of fifty_digits.py, computed anew here.
+tools/references/worst_errors.py has searched them; exact values are those of fifty_digits.py, computed anew here.
 """
 
 import json

@@ -165,7 +165,7 @@ def test_neighbours_bear_what_a_carrier_pulls_along_the_orbit(angle):
 
 
 def test_slips_are_those_of_rollers_integrated_in_time():
-    """Of tests/tools/references/full_complement.py, led to rigid neighbours; the shares are those of the page."""
+    """Of tools/references/full_complement.py, led to rigid neighbours; the shares are those of the page."""
     without = {}
     for row in rows_of(REFERENCES / "full_complement.csv"):
         (slip, unsure), steady = full_complement.stiff(row), float(row["steady"])

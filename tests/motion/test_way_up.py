@@ -415,7 +415,7 @@ IN_TIME = [row for row in rows_of(REFERENCES / "way_up_in_time.csv") if row["agr
 
 @pytest.fixture
 def in_time(monkeypatch):
-    """tests/tools/references/way_up_in_time.py: cage and rollers against a drag that is raised."""
+    """tools/references/way_up_in_time.py: cage and rollers against a drag that is raised."""
     monkeypatch.syspath_prepend(REFERENCES)
     return __import__("way_up_in_time")
 

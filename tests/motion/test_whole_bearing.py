@@ -1,4 +1,4 @@
-"""Whole bearings over 20 ms against an independent program, tests/tools/references/whole_bearing_exudyn.py.
+"""Whole bearings over 20 ms against an independent program, tools/references/whole_bearing_exudyn.py.
 
 - At level pocket both describe the same motion: the tolerance is that of the loads' table.
 - At level planar the reference has the true geometry, and rollslip displacements that are small against the orbit: the

@@ -147,7 +147,7 @@ def test_a_law_serves_in_place_of_another_on_all_rollers_and_far_below_the_maxim
 
 
 def test_no_number_of_an_answer_is_off_in_silence():
-    """Of 1,000 random scenes; references and verdicts are those of tests/tools/references/accuracy_scenes.py."""
+    """Of 1,000 random scenes; references and verdicts are those of tools/references/accuracy_scenes.py."""
     rows = rows_of(REFERENCES / "accuracy_scenes.csv")
     assert [int(row["scene"]) for row in rows] == list(range(1000))
     for row in rows:
@@ -162,7 +162,7 @@ def test_no_number_of_an_answer_is_off_in_silence():
     assert [(one["off in silence"], one["not known"]) for one in told] == [("0", "0")] * 2
 
 
-#: Number of a scene of tests/tools/references/accuracy_scenes.py, and what few slips say nothing of.
+#: Number of a scene of tools/references/accuracy_scenes.py, and what few slips say nothing of.
 HIDDEN = {69: "critical_slip", 587: "film parameter"}
 
 

@@ -64,7 +64,7 @@ def share_of(model, film_parameter, pressure=4e8, modulus=STEEL, children=NOT_YE
 
 
 def test_the_asperity_integral_is_that_of_the_definition():
-    """Forty digits of the parabolic cylinder function and of the integral itself, see tests/tools/references."""
+    """Forty digits of the parabolic cylinder function and of the integral itself, see tools/references."""
     x = np.array([row["separation"] for row in WITH_INTEGRAL])
     np.testing.assert_allclose(asperity_integral(x), [row["integral"] for row in WITH_INTEGRAL], rtol=1e-14)
 

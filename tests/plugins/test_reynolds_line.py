@@ -38,7 +38,7 @@ def dimensional(M, L):
 
 @pytest.mark.parametrize("row", rows_of(REFERENCES / "reynolds_line.csv"), ids=lambda row: f"{row['M']}-{row['L']}")
 def test_films_are_those_of_finite_volumes(row):
-    """tests/tools/references/reynolds_line.py: fixed grid, complementarity, constant pressure in each cell."""
+    """tools/references/reynolds_line.py: fixed grid, complementarity, constant pressure in each cell."""
     contact = solve_line_contact(float(row["M"]), float(row["L"]), accuracy=2e-5)
     for place, name in zip(LOCATIONS, ("minimum", "central", "zero_gradient"), strict=True):
         # the inlets of both start at a finite distance, which is worth some 1e-6

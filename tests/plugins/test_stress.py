@@ -45,7 +45,7 @@ heatings = or_zero(decades(-6, 3))
 
 @pytest.fixture(scope="module")
 def reference():
-    path = Path(__file__).parents[1] / "tools" / "references" / "maxwell_eyring.csv"
+    path = Path(__file__).parents[2] / "tools" / "references" / "maxwell_eyring.csv"
     return np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
 
 

@@ -1,4 +1,4 @@
-"""Limits, balances of heat and worst values are those of brute force, tests/tools/references/brute_force.csv."""
+"""Limits, balances of heat and worst values are those of brute force, tools/references/brute_force.csv."""
 
 import csv
 from collections import Counter

@@ -3,7 +3,7 @@
 import csv
 from pathlib import Path
 
-REFERENCES = Path(__file__).parents[1] / "tools" / "references"
+REFERENCES = Path(__file__).parents[2] / "tools" / "references"
 TABLES = Path(__file__).parents[2] / "docs" / "tables"
 
 

@@ -1,6 +1,6 @@
 """Two whole bearings at levels pocket and planar over 20 ms, and what an independent program has of the same.
 
-For tests/motion/test_whole_bearing.py and docs/scripts/whole_bearing.py; tests/tools/references/whole_bearing_exudyn.py
+For tests/motion/test_whole_bearing.py and docs/scripts/whole_bearing.py; tools/references/whole_bearing_exudyn.py
 has the same numbers again.
 """
 

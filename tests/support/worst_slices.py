@@ -102,7 +102,7 @@ def main():
     if "--times" not in sys.argv:
         print(json.dumps({law: list(_filled(law, rows)) for law, rows in asked.items()}))
         return
-    sys.path.insert(0, str(HERE.parent / "tools" / "benchmarks"))
+    sys.path.insert(0, str(HERE.parents[1] / "tools" / "benchmarks"))
     from timing import interleaved
 
     n, calls = 1024, {}

@@ -7,7 +7,7 @@
  * - Infinities, zeros and denormal numbers are handled as in C99; a NaN in gives a NaN out, so rs_pow(NaN, 0) is NaN.
  * - Worst errors are measured against 40 digits in tests/kernels/test_vector_math.py and stand beside each function [ulp].
  * - The coefficients interpolate at Chebyshev's nodes; they are made by
- *   tests/tools/references/vector_math_coefficients.py. */
+ *   tools/references/vector_math_coefficients.py. */
 #ifndef ROLLSLIP_MATH_H
 #define ROLLSLIP_MATH_H
 #include <math.h>

@@ -8,7 +8,7 @@
  * - P >= 2 max(1, s)/D, so it holds for D <= max(1, s)/20, which is known beforehand.  Others take the general law.
  * - A start by two steps in single precision, good to 1e-5, then one Halley step in ln Z.
  * - Without elasticity, D = 0, S is Z, and what concerns the layer is left out: `elastic` is a constant where inlined.
- * - The coefficients and their errors come from tests/tools/references/near_stress.py. */
+ * - The coefficients and their errors come from tools/references/near_stress.py. */
 #ifndef LEAST_LAYERS
 #define LEAST_LAYERS 40.0
 #define LAYER_STEP 4e-5   /* of the start: the third power of a larger one would show */

@@ -8,7 +8,7 @@
  *   that its step has moved far take another one: rare, so gathered.
  * - The exact mean then has all its derivatives in closed form, and with its true curvature one step leaves 1e-6.
  * - A loop for each elementary function, as a longer one keeps the processor waiting for its own results.
- * - The coefficients and their errors come from tests/tools/references/near_stress.py. */
+ * - The coefficients and their errors come from tools/references/near_stress.py. */
 #ifndef NEAR_ERROR
 #define NEAR_ERROR 1e-6
 #define NEAR_SIGMA 1e8

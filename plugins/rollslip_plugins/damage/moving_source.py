@@ -24,7 +24,7 @@ __all__ = ["FAST", "largest_rise", "rise"]
 
 Array = NDArray[np.float64]
 
-#: Largest theta sqrt(Pe) of a fast surface, by mpmath (tests/tools/references/flash_temperature.py).
+#: Largest theta sqrt(Pe) of a fast surface, by mpmath (tools/references/flash_temperature.py).
 FAST: Final = 0.8730080546599797
 #: Nodes of the double exponential rule on each side of a place, and how far the rule goes towards its ends.
 _NODES, _REACH = 60, 3.3

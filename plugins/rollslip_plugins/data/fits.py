@@ -1,7 +1,7 @@
 """Fits of ISO 286 for shafts and housings of bearings of tolerance class Normal (ISO 492), as tables of the standards.
 
 - All numbers are those of the standards' tables, in micrometres. Up to 250 mm, and to 400 mm of N and P, they were held
-  against tables that makers print (A); the rest is recalled (B). ``tests/tools/references/iso_286.csv`` has what was
+  against tables that makers print (A); the rest is recalled (B). ``tools/references/iso_286.csv`` has what was
   read.
 - The deviations of holes follow from those of shafts by the standard's rule: with the opposite sign, and of K, M, N, P
   and R enlarged by Delta = IT(n) - IT(n-1) between 3 and 500 mm.

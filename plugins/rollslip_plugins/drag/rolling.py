@@ -40,7 +40,7 @@ def _compared(quantity: str, low: float, high: float) -> Validity:
         high=high,
         consequence="the resistance is not checked against a numerical solution; inside it is 0 to 36 % low",
         remedy="none in the box; take it for an estimate",
-        source="a numerical solution, isothermal, Barus: tests/tools/references/rolling_resistance.py",
+        source="a numerical solution, isothermal, Barus: tools/references/rolling_resistance.py",
     )
 
 

@@ -331,7 +331,7 @@ class ZhouHoeprich(_Blend):
 
 #: Location F_5/2 is 2^-53 of its value at zero.
 REACH: Final = 7.7723104337051744
-#: Chebyshev coefficients of ln[F_5/2(x) exp(x^2/2)] in 2 x/REACH - 1, after tests/tools/references/greenwood_tripp.py.
+#: Chebyshev coefficients of ln[F_5/2(x) exp(x^2/2)] in 2 x/REACH - 1, after tools/references/greenwood_tripp.py.
 SERIES: Final = (
     -4.332877676360168, -3.153691250538355, 0.5636860629144674, -0.10990650728988603, 0.019383784429685365,
     -0.0026594991476540145, 0.00015471702312757488, 5.4475209642094594e-05, -2.3720366764896174e-05,

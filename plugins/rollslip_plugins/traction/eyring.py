@@ -229,7 +229,7 @@ class MaxwellEyring(_EyringFluid):
 
     Examples
     --------
-    0.55129615215295 in fifty digits (tests/tools/references/maxwell_eyring.py).
+    0.55129615215295 in fifty digits (tools/references/maxwell_eyring.py).
 
     >>> f"{MaxwellEyring().dimensionless_stress(1.0, 1.0, 0.0):.12f}"
     '0.551296152153'

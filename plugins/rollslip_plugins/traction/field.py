@@ -491,7 +491,7 @@ class MaxwellEyringField(TractionModel):
     Examples
     --------
     An oil that neither pressure nor heat changes at sigma = D = 1: mu = 0.1 S with the S = 0.551296 of
-    ``maxwell-eyring`` in fifty digits (tests/tools/references/maxwell_eyring.py).
+    ``maxwell-eyring`` in fifty digits (tools/references/maxwell_eyring.py).
 
     >>> from rollslip import Conditions, Slices
     >>> oil = Conditions(viscosity=1.0, pressure_viscosity=0.0, thermoviscosity=0.0, pressure_thermoviscosity=0.0,

@@ -67,7 +67,7 @@ _OF_STEPS, _SHORT = 0.2, 5e-3
 _USUAL: Final = 1e-5
 #: Pieces of an orbit, and instants of each, in which it is looked how far steps let motions come apart, how much finer
 #: others are, evaluations of the rates after which there is no further piece, and how many times as far apart as those
-#: that were tried others may be, by the scenes of tests/tools/references/motions_by_scipy.csv.
+#: that were tried others may be, by the scenes of tools/references/motions_by_scipy.csv.
 _PIECES, _PIECE, _FINER, _MOST, _OTHERS = 8, 16, (4.0, 16.0), 200_000, 2.0
 
 

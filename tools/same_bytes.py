@@ -1,6 +1,6 @@
 """Record what the commands say and write, and hold two records against each other: for changes that change nothing.
 
-``python tests/tools/same_bytes.py record DIR`` runs small cases of the commands, each in a folder of its own, and keeps
+``python tools/same_bytes.py record DIR`` runs small cases of the commands, each in a folder of its own, and keeps
 in DIR what they print and write; ``... compare DIR DIR`` names what differs, line by line, and fails where anything
 does. Times, dates, versions and paths of a run are masked; of netCDF variables and attributes are compared. Beside
 the cases stand the help of every command, all figures of the gallery and the answers of ten scenes; a command that has
@@ -20,7 +20,7 @@ from pathlib import Path
 
 import click
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
 SCENE = "1032930-70C"
 LOADS = "operation.radial_load=2kN:6kN:3"

@@ -10,7 +10,7 @@ import math
 from pathlib import Path
 
 HERE = Path(__file__).parent
-DATA = HERE.parents[2] / "plugins" / "rollslip_plugins" / "data" / "measurements" / "film-limits"
+DATA = HERE.parents[1] / "plugins" / "rollslip_campaigns" / "measurement" / "sets" / "film-limits"
 RADIUS = 0.01
 STEEL = 210e9 / (1 - 0.3**2)
 STIFF = 2e12 / (1 - 0.3**2)
@@ -32,7 +32,7 @@ def rows_of(table):
 
 
 def written(name, note, rows):
-    lines = [f"# {note}", "# Written by tests/tools/references/film_limits.py.", ", ".join(COLUMNS)]
+    lines = [f"# {note}", "# Written by tools/references/film_limits.py.", ", ".join(COLUMNS)]
     lines += [", ".join(f"{value:.8g}" for value in (u, 40.0, w, 1e6 * h, 1e6 * h * error)) for u, w, h, error in rows]
     (DATA / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.integrate import ode
 from scipy.interpolate import CubicSpline
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 import way_up_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions

@@ -1,6 +1,6 @@
 """Short motions at all levels against SciPy's integrators, on random scenes; motions_by_scipy.csv.
 
-    python tests/tools/references/motions_by_scipy.py [SCENES [SECONDS]]
+    python tools/references/motions_by_scipy.py [SCENES [SECONDS]]
 
 - Bearings like the 1032930 with 6 to 19 rollers, 300 to 12,600 rpm, 0.3 to 10 kN, 40 to 110 degC, preload or clearance,
   and a cage that a torque brakes and that begins with 2 % of slip, and three frictions. Five laminae, which both sides

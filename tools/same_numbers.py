@@ -1,6 +1,6 @@
 """Record where curves of random bearings are largest or balanced, and hold two records against each other.
 
-``python tests/tools/same_numbers.py record FILE [SCENES]`` keeps of scenes of tests/support/way_up_scenes.py the
+``python tools/same_numbers.py record FILE [SCENES]`` keeps of scenes of tests/support/way_up_scenes.py the
 largest drag, where the cage runs away, steady slips, least loads, critical slips, what is said of each, and at how many
 slips rollers and friction were evaluated. ``... compare FILE FILE`` tells how far these moved and whose words differ.
 """
@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 import way_up_scenes as scenes
 from rollslip.bearing.assembly import assemble

@@ -1,6 +1,6 @@
 """Every compiled law on millions of inputs by each instruction set: how far apart they are; instruction_sets.csv.
 
-    python tests/tools/references/instruction_sets.py [INPUTS [ARM64]]
+    python tools/references/instruction_sets.py [INPUTS [ARM64]]
 
 Typical slices are varied over decades in load, approach, speeds and film, a block of 256 at a time, the same bits on
 every machine; a block that a law refuses by one set has to be refused by all. The sets run in processes of their own.
@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-SUPPORT = Path(__file__).parents[2] / "support"
+SUPPORT = Path(__file__).parents[2] / "tests" / "support"
 BLOCK, SEED = 256, 35
 HEADER = ["law", "inputs", "refused", "sets", "v3 and v4", "baseline apart", "arm64 and v3"]
 

@@ -1,6 +1,6 @@
 """Numbers of the answer at the default plan against a far finer one, on new random scenes; accuracy_scenes.csv.
 
-    python tests/tools/references/accuracy_scenes.py [SCENES [SECONDS [FIRST [again]]]]
+    python tools/references/accuracy_scenes.py [SCENES [SECONDS [FIRST [again]]]]
 
 - Even scenes ask where the cage runs (study steady-slip) in bearings of tests/support/way_up_scenes.py, at numbers that
   nothing else uses: 0.5 to 15,000 rpm, small and large, preloaded, tilted, with outer rings that turn. Odd ones ask for
@@ -36,7 +36,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 import promise_scenes
 import way_up_scenes
@@ -70,7 +70,7 @@ CLAIMS = {"largest drag": "largest_drag_error"}
 RESERVES = (("reserve to slipping", 0.0, 1e3), ("reserve to skidding", 0.0, 1e3))
 HEADER = ["scene", "what", "tolerance", "claimed", "number", "off", "slices", "instants", "verdict", "seconds"]
 DEAR, ENDS = "too dear", {"kept", "told", "silent"}
-SUMMARY = Path(__file__).parents[3] / "docs" / "tables" / "accuracy_scenes.csv"
+SUMMARY = Path(__file__).parents[2] / "docs" / "tables" / "accuracy_scenes.csv"
 #: Times as many of all in the first reference of dear scenes, the most that an error is over what these show of it,
 #: where it falls with the first order at least, and time of the processor for one [s].
 FEW, FEW_ERR, LONG = 2, 2.0, 900.0

@@ -12,7 +12,7 @@ import attrs
 
 from rollslip_kernels.stages import simd
 
-DOCS = Path(__file__).parents[3] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 VERSIONS = ("rollslip", "numpy", "scipy", "numba", "llvmlite", "jax", "jaxlib", "cython", "tribology")
 
 

@@ -1,6 +1,6 @@
 """Full complements in time, against their steady slips: full_complement.csv; some minutes of one processor.
 
-    python tests/tools/references/full_complement.py
+    python tools/references/full_complement.py
 
 Each roller has an orbit and a spin of its own. Neighbours push each other by springs with damping where they touch, and
 rub along the radius through their contact against the sum of their surface speeds; nothing else keeps them together.

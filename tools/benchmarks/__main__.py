@@ -1,4 +1,4 @@
-"""Run all benchmarks and write one report: ``python tests/tools/benchmarks [--quick] [--docs] [--out FILE]``.
+"""Run all benchmarks and write one report: ``python tools/benchmarks [--quick] [--docs] [--out FILE]``.
 
 Everything runs on one core, variants take turns within a process, and medians count. What a peer needs that is not
 there (``pip install -e .[bench]``) is said in the report. Times of other machines, or of this one while it does other
@@ -7,7 +7,7 @@ work, are not those of the documentation; ratios are, more or less.
 Numba with Intel's SVML needs an interpreter of its own::
 
     python -m venv svml && svml/bin/pip install numba==0.61.2 intel-cmplr-lib-rt
-    python tests/tools/benchmarks --svml-python svml/bin/python
+    python tools/benchmarks --svml-python svml/bin/python
 """
 
 import argparse
@@ -18,12 +18,12 @@ import time
 import traceback
 from pathlib import Path
 
-TESTS = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[2]
 
 
 def main():
     """Run what is asked for; the exit code is 1 if a part failed."""
-    parser = argparse.ArgumentParser(prog="python tests/tools/benchmarks", description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(prog="python tools/benchmarks", description=__doc__.partition("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer sizes and rounds: does all of it work?")
     parser.add_argument("--docs", action="store_true", help="write the tables of docs/theory/kernels.rst as well")
     parser.add_argument("--out", type=Path, default=Path("benchmark-results/report.md"), help="where the report goes")
@@ -33,7 +33,7 @@ def main():
 
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"  # read when NumPy is imported
     cores = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
-    sys.path.insert(1, str(TESTS / "support"))
+    sys.path.insert(1, str(ROOT / "tests" / "support"))
     import bench_calls
     import bench_chain
     import bench_growth
@@ -82,7 +82,7 @@ def main():
 
 def door():
     """Return what docs/scripts/door_cost.py measures: a stage of a third party, in the chain and by hand."""
-    script = TESTS.parent / "docs" / "scripts" / "door_cost.py"
+    script = ROOT / "docs" / "scripts" / "door_cost.py"
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
     return "A third party's compiled stage in the chain (docs/scripts/door_cost.py)", done.stdout
 

@@ -1,6 +1,6 @@
 """Search the slices on which compiled laws are farthest from 50 digits, and write them to worst_errors.csv.
 
-    python tests/tools/references/worst_errors.py
+    python tools/references/worst_errors.py
 
 - Slices are drawn from ranges that hold what bearings have and more (`worst_slices.RANGES`), then some thousandths
   around those found worst. The law in 50 digits (`fifty_digits`) gets the very floats that the stage got.
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from rollslip_kernels.stages import simd
 from worst_slices import by_set, drawn, error_of, laws, near

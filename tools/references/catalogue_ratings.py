@@ -4,7 +4,7 @@ The rollers of the catalogue are estimated; makers print what follows from their
 bearing, C0 = 44 (1 - D/d_m) Z L D (ISO 76; N, mm). The ratio of the two is the error of Z L D, where the pitch circle
 is known.
 
-    python tests/tools/references/catalogue_ratings.py [RATINGS.csv]
+    python tools/references/catalogue_ratings.py [RATINGS.csv]
 
 The file has a row for each bearing: ``designation``, ``series``, ``bore_code``, ``reinforced_E`` (True or False), and
 ``C0_kN`` as printed; lines that begin with # are comments. Without one ``catalogue_ratings.csv`` is read, single facts

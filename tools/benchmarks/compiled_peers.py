@@ -47,7 +47,7 @@ setup(
 def own_flags():
     """Return the compiler's flags of rollslip's kernels, as setup.py has them."""
     with mock.patch("setuptools.setup"):
-        return tuple(runpy.run_path(str(HERE.parents[2] / "setup.py"))["FLAGS"])
+        return tuple(runpy.run_path(str(HERE.parents[1] / "setup.py"))["FLAGS"])
 
 
 def build(folder):

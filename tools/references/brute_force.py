@@ -1,6 +1,6 @@
 """Limits, balances of heat and measures of damage against brute force, on random scenes; brute_force.csv.
 
-    python tests/tools/references/brute_force.py [LIMITS [BALANCES [DAMAGES [STEADY]]]]
+    python tools/references/brute_force.py [LIMITS [BALANCES [DAMAGES [STEADY]]]]
 
 - *limit*: ten results over five quantities. What is kept is the result of a single run somewhere in the range, with a
   plan of its own and a tenth of the tolerance, so that the limit is known to be passed there: the two neighbours
@@ -40,7 +40,7 @@ import attrs
 import numpy as np
 from scipy.optimize import brentq, root
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 sys.path.insert(0, str(Path(__file__).parent))
 
 from accuracy_scenes import TooDearError, finer, stop
