@@ -2,13 +2,13 @@
 
 import csv
 from collections import Counter
-from pathlib import Path
 
 import pytest
 
-FOLDER = Path(__file__).parents[1] / "tools/references"
+from tabled import REFERENCES
+
 #: Without scenes that are refused or take too long.
-TABLE = [one for one in csv.reader((FOLDER / "brute_force.csv").read_text("utf-8").splitlines()) if one[4]][1:]
+TABLE = [one for one in csv.reader((REFERENCES / "brute_force.csv").read_text("utf-8").splitlines()) if one[4]][1:]
 
 
 def test_no_limit_no_temperature_and_no_worst_value_is_missed():
@@ -24,7 +24,7 @@ def test_no_limit_no_temperature_and_no_worst_value_is_missed():
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "k"), [("limit", 8), ("balance", 2), ("damage", 41)])
 def test_a_scene_has_the_numbers_of_the_table(kind, k, monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
+    monkeypatch.syspath_prepend(REFERENCES)
     import brute_force
 
     for again, stored in zip(brute_force.rows(kind, k), [o for o in TABLE if o[:2] == [kind, str(k)]], strict=True):
