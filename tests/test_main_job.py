@@ -54,7 +54,7 @@ def nothing_for_readers(monkeypatch):
 def test_a_run_computes_nothing_for_readers(nothing_for_readers):
     result = rollslip.run(SCENE, STUDY)
     assert 0.0 < float(result.steady_cage_slip) < 0.1
-    assert json.loads(result.attrs["warnings"]) == []
+    assert result.sel(ring="inner").critical_status == "found"
 
 
 @pytest.mark.parametrize(
@@ -64,6 +64,7 @@ def test_a_run_computes_nothing_for_readers(nothing_for_readers):
         lambda result, _: result.notes,
         lambda result, _: result.warnings,
         lambda result, _: result.studies,
+        lambda result, _: result.attrs["models"],
         lambda result, _: repr(result),
         lambda result, _: result._repr_html_(),
         lambda result, _: rollslip.answer(result),
@@ -71,7 +72,7 @@ def test_a_run_computes_nothing_for_readers(nothing_for_readers):
         lambda result, path: save(result, path / "result.nc"),
         lambda result, path: result.to_netcdf(path / "result.nc", engine="h5netcdf"),
     ],
-    ids=["answer", "notes", "warnings", "studies", "repr", "html", "rollslip.answer", "table", "save", "to_netcdf"],
+    ids=["answer", "notes", "warnings", "studies", "attrs", "repr", "html", "rollslip.answer", "table", "save", "to_netcdf"],
 )
 def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(ask, tmp_path, monkeypatch):
     calls = []

@@ -281,12 +281,9 @@ def as_written(value: object) -> str:
 
 
 def expect_results(asks: str, *given: object) -> None:
-    """Refuse, for the function that asks, what is not a result; compute the notes and bands of a run's results."""
+    """Refuse, for the function that asks, what is no result."""
     if bad := [as_written(one) for one in given if not hasattr(one, "data_vars")]:
         raise RollslipError(f"{asks}: a result is expected, as rollslip.run gives, not {bad[0]}; {asks}(run({bad[0]}))")
-    for one in given:
-        if hasattr(type(one), "complete"):
-            one.complete()  # type: ignore[attr-defined]
 
 
 @lru_cache

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any, Final
 from rollslip.errors import OutputError
 from rollslip.files import readable, whole_file
 from rollslip.references import Citation, from_dict, once
-from rollslip.units import expect_results
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +72,6 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     OutputError
         If it cannot be written.
     """
-    expect_results("save", dataset)
     told = {key: readable(value) if isinstance(value, str) else value for key, value in dataset.attrs.items()}
     content = bytes(dataset.assign_attrs({**told, _MARK[0]: _MARK[1]}).to_netcdf(engine="h5netcdf"))
     with whole_file(path) as partial:

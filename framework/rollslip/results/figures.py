@@ -54,7 +54,11 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
     @property
     def is_of_run(self) -> bool:
         """Whether it is what a run gave; what was computed from it is a dataset like any other."""
-        return hasattr(self, "_complete")
+        try:  # not by hasattr, which looks for names among the attributes of a dataset, too
+            object.__getattribute__(self, "_complete")
+        except AttributeError:
+            return False
+        return True
 
     def complete(self) -> dict[str, xr.Dataset]:
         """Return the result of each study, with notes and bands, which are computed and stored once."""
@@ -62,13 +66,20 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
             return {str(self.attrs.get("study", "result")): self}
         if self._held is None:
             self._held = self._complete()
-            self.attrs.update(next(iter(self._held.values())).attrs)
+            self._attrs = dict(next(iter(self._held.values())).attrs)
         return self._held
 
-    def to_netcdf(self, *args: Any, **options: Any) -> Any:
-        """Write it to a file as `xarray.Dataset.to_netcdf` does, with its notes and bands."""
-        self.complete()
-        return super().to_netcdf(*args, **options)
+    @property
+    def attrs(self) -> dict[Any, Any]:
+        """All that is stored of the first study, with notes and bands."""
+        if self.is_of_run:
+            self.complete()
+        found: dict[Any, Any] = xr.Dataset.attrs.fget(self)  # type: ignore[attr-defined]
+        return found
+
+    @attrs.setter
+    def attrs(self, value: Mapping[Any, Any]) -> None:
+        self._attrs = dict(value)
 
     @property
     def studies(self) -> xr.DataTree:
