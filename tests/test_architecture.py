@@ -158,14 +158,9 @@ PLANTED = {
         ("studies/parts.py", "def late():\n    from rollslip.studies.study import Study"),
     ],
     "too_large": [
-        ("units.py", "\n" * 600),
+        ("units.py", "VALUE = 1\n" * 600),
         ("bearing/thirteenth.py", "VALUE = 1"),
         ("bearing/__init__.py", "def helper():\n    return 1"),
-    ],
-    "over_budget": [
-        ("bearing/cage.py", "\n" * 60),
-        ("scene/planted.toml", "\n" * 60),
-        ("plugins/rollslip_campaigns/planted.py", "\n" * 60),
     ],
     "named_studies": [
         ("planning/plan.py", 'SPECIAL = "steady-slip"'),
@@ -224,37 +219,6 @@ def test_a_planted_fault_is_caught(rule, place, line, tree):
             path.unlink()
         else:
             path.write_text(before, encoding="utf-8")
-
-
-FOLDER_BUDGETS = architecture.BUDGETS["framework"]["folders"]
-
-
-@pytest.mark.parametrize(
-    ("place", "change", "told"),
-    [
-        ("framework", {"most": 10**5}, "CHANGELOG.md does not say what 100,000 lines of framework are for"),
-        ("framework", {"most": 10_000}, "framework has"),
-        (
-            "framework",
-            {"folders": FOLDER_BUDGETS | {"cli": 9_000}},
-            "folders of framework",
-        ),
-        ("framework", {"folders": {"cli": 9_000, "attic": 50}}, "a budget of attic, which is not there"),
-        ("framework", {"folders": {"cli": 9_000}}, "there is no budget of bearing"),
-        ("kernels", {"most": 10_000}, "kernels has"),
-        ("tests", {"most": 10_000}, "tests has"),
-    ],
-)
-def test_a_wrong_budget_is_caught(place, change, told):
-    budgets = {**architecture.BUDGETS, place: architecture.BUDGETS[place] | change}
-    assert any(told in fault for fault in architecture.over_budget(budgets=budgets))
-
-
-def test_what_is_built_is_not_counted(tmp_path):
-    for name in ("law.py", "law.pyx", "law.c", "law.so", ".cache/law.py", "inner/law.h", "a.egg-info/law.txt"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text("one\ntwo\n")
-    assert architecture.counted(tmp_path) == {"shelf": 4, "inner": 2}
 
 
 def test_no_chain_of_imports_is_longer_than_it_was_made():
