@@ -10,6 +10,9 @@ from Cython.Build import cythonize
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
+sys.path.insert(0, str(Path(__file__).parent / "kernels"))
+from declarations import write_declarations
+
 HERE = "kernels/rollslip_kernels"
 # Without the two -fno-...-math flags the block loops do not vectorise; -ffast-math would break exp's rounding. Fused
 # multiply-adds stand in the source (RS_FMA) and are not left to the compiler, so that all sets that have them agree.
@@ -77,6 +80,7 @@ class BuildOnAllCores(build_ext):
                 "wraparound": False,
                 "cdivision": True,
                 "initializedcheck": CHECKED,
+                "annotation_typing": False,  # annotations are for the stubs
             },
             shared_utility_qualified_name=SHARED,
         )
@@ -114,6 +118,7 @@ KERNELS = (
 
 if __name__ == "__main__":  # where processes are not forked they read this file again
     declare_members()
+    write_declarations(Path(HERE))
     extensions = [kernel(name) for name in KERNELS]
     extensions.insert(1, Extension(SHARED, [], extra_compile_args=FLAGS + SYMBOLS))
     setup(ext_modules=extensions, cmdclass={"build_ext": BuildOnAllCores})

@@ -32,6 +32,9 @@ from rollslip_stage cimport rs_cut, rs_new_capsule, rs_new_model
 from rollslip_kernels.layout import COLUMNS, CONDITIONS, PLACES, layout
 from rollslip_kernels.slices import Conditions, Slices
 
+#: What was refused: what, stage, member, slice; see `Chain.run`.
+Refusal: TypeAlias = tuple[str, int, str, int]
+
 cdef extern from *:
     """
     #if defined(__GNUC__)
@@ -103,7 +106,10 @@ cdef class Chain:
     cdef tuple column_names, condition_names
     cdef public Py_ssize_t evaluated   # slices, by `run`, by what `bind` returned and by who says so
 
-    def __init__(self, stages, Py_ssize_t block=BLOCK):
+    def __init__(
+        self, stages: Iterable[tuple[object, Mapping[str, tuple[float, float]], Collection[str]]],
+        Py_ssize_t block=BLOCK,
+    ):
         cdef rs_model *given
         stages = tuple(stages)
         if len(stages) > MAX_STAGES:
@@ -139,10 +145,10 @@ cdef class Chain:
             self.chain.n_used = c + 1
 
     @property
-    def block(self):
+    def block(self) -> int:
         return self.chain.block
 
-    def run(self, slices, Py_ssize_t start=0, Py_ssize_t stop=-1):
+    def run(self, slices: Slices, Py_ssize_t start=0, Py_ssize_t stop=-1) -> Refusal | None:
         """Evaluate all stages in place, from slice ``start`` on to ``stop`` or the end.
 
         Return None when done, else (what, stage, member, slice). ``what`` is "input" (a value outside the stage's
@@ -179,7 +185,7 @@ cdef class Chain:
             refusal.slice += start
         return self._words(refusal)
 
-    def bind(self, slices, error):
+    def bind(self, slices: Slices, error: Callable[[Refusal, Slices], Exception]) -> Bound:
         """Return a callable that evaluates this table again; ``error`` makes an exception of a refusal and a table."""
         return Bound(self, slices, error)
 
@@ -191,7 +197,7 @@ cdef class Chain:
         self.chain.last.stage = -1
         return rs_new_model(_call_chain, &self.chain, sizeof(self.chain), self)
 
-    def refusal(self, stage):
+    def refusal(self, stage) -> Refusal | None:
         """Return what a capsule of `as_stage` refused last, as `run` does; None if nothing."""
         cdef const rs_model *model = <const rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL)
         if model.evaluate != _call_chain:
@@ -219,7 +225,7 @@ cdef class Bound:
     cdef object slices, table, conditions, error
     cdef rs_slices bound
 
-    def __init__(self, Chain chain not None, slices, error):
+    def __init__(self, Chain chain not None, slices: Slices, error: Callable[[Refusal, Slices], Exception]):
         self.chain, self.slices, self.error = chain, slices, error
         self._bind()
 
@@ -228,7 +234,7 @@ cdef class Bound:
         _bind(&self.bound, self.slices, self.chain.chain.placed >= 0)
         return 0
 
-    def __call__(self):
+    def __call__(self) -> None:
         cdef rs_slices table = self._table()
         refusal = self.chain._evaluate(&table, 0)
         if refusal is not None:
@@ -255,7 +261,7 @@ cdef struct job_t:
     refusal_t refusal
 
 
-def along(jobs):
+def along(jobs: Sequence[tuple[Bound, Array, Array, NDArray[np.intp], Array]]) -> list[tuple[Array, Array]]:
     """Evaluate tables at one row of speeds after the other, all of them in one go without the GIL.
 
     A job is (bound, rolling, sliding, owner, weight): a `Bound`, rolling and sliding speeds [m/s] (n, k) of the k
@@ -383,7 +389,7 @@ cdef int _rows(job_t *job, rs_slices *table, size_t first, size_t count) noexcep
     return 0
 
 
-def weighted(const double[::1] x, const double[::1] weight):
+def weighted(const double[::1] x, const double[::1] weight) -> float:
     """Return the sum of x by weight with the bits that `along` gives."""
     if x.shape[0] != weight.shape[0]:
         raise ValueError("values and weights must have one shape")
@@ -517,7 +523,7 @@ cdef int _call_chain(const rs_slices *s, const void *params) noexcept nogil:
     return <int>(chain.last.slice if chain.last.slice >= 0 else s.n) + 1
 
 
-def problem(capsule, bint placed=False):
+def problem(capsule, bint placed=False) -> str:
     """Return in words what keeps ``capsule`` from being used as a stage, or an empty string.
 
     ``placed`` says that it reads a column of PLACES: then it must have been built with them.
@@ -542,7 +548,7 @@ def problem(capsule, bint placed=False):
     return ""
 
 
-def python_stage(evaluate, writes):
+def python_stage(evaluate: Callable[[Slices], None], writes: Collection[str]):
     """Return a capsule that calls ``evaluate(slices)`` for its block, with the GIL.
 
     Only the columns in ``writes`` are writeable.
@@ -552,13 +558,13 @@ def python_stage(evaluate, writes):
     return rs_new_model(_call_python, &pointer, sizeof(pointer), callee)
 
 
-def runs_python(capsule):
+def runs_python(capsule) -> bool:
     """Return whether a stage calls Python: one of `python_stage`, or a chain, which may hold some."""
     cdef const rs_model *model = <const rs_model *>PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL)
     return model.evaluate == _call_python or model.evaluate == _call_chain
 
 
-def bound(slices):
+def bound(slices: Slices):
     """Return a capsule "rollslip.slices" of an ``rs_slices`` that points at the table of ``slices``."""
     cdef rs_slices *made = <rs_slices *>malloc(sizeof(rs_slices))
     if made == NULL:

@@ -45,7 +45,7 @@ cdef double TINY = 2.2250738585072014e-308
 cdef double LARGEST = 1.7976931348623157e308
 
 #: Rows that each table of `solve` must have at least.
-ROWS = SAMPLES
+ROWS: int = SAMPLES
 
 
 # Newton steps of a problem of two unknowns, kept from overshooting by the slope of the potential.  A step that went
@@ -103,10 +103,12 @@ cdef struct bearing_t:
     double least, scale   # scale of the residuals, at least and of this state
 
 
-def solve(stages, tables, const double[:, :, ::1] direction, const double[:, ::1] form, const double[::1] xi,
-          const double[::1] drop, const double[:, ::1] weights, double length, double clearance, double rise,
-          const double[::1] given, const double[::1] held, const double[:, ::1] stops, size_t outer,
-          const double[::1] centrifugal, double reach, dict found, const double[:, ::1] pull=None):
+def solve(
+    stages: Sequence[object], tables: Sequence[Slices], const double[:, :, ::1] direction, const double[:, ::1] form,
+    const double[::1] xi, const double[::1] drop, const double[:, ::1] weights, double length, double clearance,
+    double rise, const double[::1] given, const double[::1] held, const double[:, ::1] stops, size_t outer,
+    const double[::1] centrifugal, double reach, dict found: dict[str, Array], const double[:, ::1] pull=None,
+) -> Literal["", "inner", "outer", "range"]:
     """Fill ``found`` with the equilibrium at every instant; return "", or "inner", "outer" or "range" of a refusal.
 
     ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one

@@ -156,7 +156,9 @@ cdef room_t _room(double[::1] of, Py_ssize_t most, Py_ssize_t count) noexcept:
     return at
 
 
-def rules(const double[::1] load, const double[::1] weight, const Py_ssize_t[::1] begin, Py_ssize_t count):
+def rules(
+    const double[::1] load, const double[::1] weight, const Py_ssize_t[::1] begin, Py_ssize_t count
+) -> tuple[Array, Array]:
     """Return loads and weights of the Gauss rules of rows in the root of the load, ascending, (rows, count) each.
 
     Row k has the loads from begin[k] to begin[k + 1], and weights that are not negative. Nodes that it has no different
@@ -192,7 +194,7 @@ def rules(const double[::1] load, const double[::1] weight, const Py_ssize_t[::1
     return found, shares
 
 
-def row_rules(const double[:, ::1] load, const double[::1] width, Py_ssize_t count):
+def row_rules(const double[:, ::1] load, const double[::1] width, Py_ssize_t count) -> tuple[Array, Array]:
     """Return the same of rows of loads over slices of one set of widths, (rows, count) each.
 
     Of a row whose halves mirror each other one is gathered, and what differs from the row before by rounding alone has
@@ -233,7 +235,7 @@ def row_rules(const double[:, ::1] load, const double[::1] width, Py_ssize_t cou
     return found, shares
 
 
-def legendre(Py_ssize_t n):
+def legendre(Py_ssize_t n) -> tuple[Array, Array]:
     """Return nodes and weights of the rule of Gauss and Legendre over -1 to 1, (n,) each."""
     found, shares = np.empty(n), np.empty(n)
     cdef double[::1] nodes = found, weights = shares

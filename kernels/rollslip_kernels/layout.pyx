@@ -32,14 +32,14 @@ cdef dict _placed(const rs_member *members, int count):
 
 
 #: Condition -> (SI unit, meaning).
-CONDITIONS = _described(RS_CONDITIONS, RS_N_CONDITIONS)
+CONDITIONS: Final[Mapping[str, tuple[str, str]]] = _described(RS_CONDITIONS, RS_N_CONDITIONS)
 #: Column -> (SI unit, meaning).
-COLUMNS = _described(RS_COLUMNS, ROLLSLIP_N_COLUMNS)
+COLUMNS: Final[Mapping[str, tuple[str, str]]] = _described(RS_COLUMNS, ROLLSLIP_N_COLUMNS)
 #: Columns that are there only where a stage reads one of them.
-PLACES = tuple(COLUMNS)[ROLLSLIP_N_ALWAYS:]
+PLACES: Final[tuple[str, ...]] = tuple(COLUMNS)[ROLLSLIP_N_ALWAYS:]
 
 
-def layout():
+def layout() -> tuple[int, dict[str, int]]:
     """Return the size of ``rs_slices`` and the offset of every member, in their order."""
     offsets = _placed(RS_CONDITIONS, RS_N_CONDITIONS) | _placed(RS_COLUMNS, ROLLSLIP_N_COLUMNS)
     return sizeof(rs_slices), {"n": 0} | offsets

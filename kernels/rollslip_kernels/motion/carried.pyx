@@ -137,7 +137,7 @@ cdef enum:  # who refused
     DRAG
 
 #: Recorded unknowns, in order, with their unit.
-LEDGER = {
+LEDGER: dict[str, str] = {
     "work_rings": "J", "work_drag": "J",
     "lost_inner": "J", "lost_outer": "J", "lost_rolling": "J", "lost_pockets": "J",
     "impulse_inner": "N m s", "impulse_outer": "N m s", "impulse_drag": "N m s",
@@ -571,8 +571,12 @@ cdef class Carried:
     cdef object cell
     cdef double[::1] scale, kicked, widths
 
-    def __init__(self, bint pocket, bearing, loads, inner, outer, drags, cage, scale, double critical_slip=NAN,
-                 double film_limit=NAN, bint each=False):
+    def __init__(
+        self, bint pocket, bearing: Mapping[str, float],
+        loads: tuple[float, ArrayLike, Callable[[float], tuple[float, float, ArrayLike, ArrayLike]]], inner, outer,
+        drags: Sequence[object], cage: Mapping[str, float], scale: ArrayLike, double critical_slip=NAN,
+        double film_limit=NAN, bint each=False,
+    ):
         cdef carried_t *p = &self.p
         cdef size_t Z = bearing["rollers"], n
         p.shares = RS_SHARES if each else 0
@@ -684,7 +688,7 @@ cdef class Carried:
         return rs_new_system(&s, self)
 
     @property
-    def operation(self):
+    def operation(self) -> Array:
         """Speeds of inner and outer ring [rad/s] and direction of the load [rad], (3,), that the rates read.
 
         To be changed by who varies them.
@@ -692,11 +696,11 @@ cdef class Carried:
         return np.asarray(<double[:3]>&self.p.c.inner_speed)  # which the others follow
 
     @property
-    def contacts_evaluated(self):
+    def contacts_evaluated(self) -> int:
         """Slices evaluated so far; contacts, where friction is not conventional."""
         return self.p.raceway[INNER].evaluated + self.p.raceway[OUTER].evaluated
 
-    def refusal(self):
+    def refusal(self) -> tuple[str, Any] | None:
         """Return who refused an evaluation last, "inner", "outer", "loads" or "drag", and why; None if nobody.
 
         For a ring that is what ``Chain.run`` returns, for the loads the number of the roller, for a drag None.
@@ -710,7 +714,7 @@ cdef class Carried:
         ring = self.p.refused - RACEWAY_INNER
         return ("inner", "outer")[ring], refusal(self.kept[ring])
 
-    def outputs(self, t, y):
+    def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.
 
         ``normal_force``, ``traction_force`` [N], ``sliding_speed``, ``rolling_speed`` [m/s], ``film_parameter``
@@ -754,7 +758,7 @@ cdef class Carried:
                                   + p.c.outer_radius * (p.c.traction[Z + j] - p.c.force[3 * Z + j])) / p.c.orbit
         return dict(zip(OUTPUTS, found, strict=True)) | {"pocket_force": pockets}
 
-    def stored_energy(self, x):
+    def stored_energy(self, x: ArrayLike) -> Array:
         """Return the elastic energy [J] of pockets whose rollers are at ``x`` [m], of any shape."""
         cdef double[::1] at = np.array(x, dtype=float).ravel()
         energy = np.zeros(at.shape[0])

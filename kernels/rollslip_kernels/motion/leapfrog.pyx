@@ -122,8 +122,10 @@ cdef class Leapfrog(Stepper):
     cdef rs_kick kick
     cdef object ones
 
-    def __init__(self, capsule, double t0, y0, double t_bound, rtol=1e-3, atol=1e-6, double max_step=np.inf,
-                 first_step=None):
+    def __init__(
+        self, capsule, double t0, y0: ArrayLike, double t_bound, rtol: ArrayLike = 1e-3, atol: ArrayLike = 1e-6,
+        double max_step=np.inf, first_step: float | None = None,
+    ):
         super().__init__(capsule, t0, y0, t_bound, rtol, atol, max_step, first_step)
         self.held_memory = np.zeros(self.n)
         self.y_held = <double *><size_t>self.held_memory.ctypes.data
@@ -152,7 +154,7 @@ cdef class Leapfrog(Stepper):
 
     # State -----------------------------------------------------------------------------------------------------------
 
-    def restart(self, double t, y, double h=0.0):
+    def restart(self, double t, y: ArrayLike, double h=0.0) -> None:
         """Go on from another state, as if it were the start."""
         Stepper.restart(self, t, y, h)
         self.lag, self.apart, self.count, self.damping, self.implicit = 0.0, 0.0, 0, 0.0, False
@@ -164,7 +166,7 @@ cdef class Leapfrog(Stepper):
             self.h = self.rule
 
     @property
-    def state(self):
+    def state(self) -> Array:
         """All that the next steps depend on, as for the other methods, the rates of the step before, and where friction
         was evaluated that is held."""
         known = [1.0 if self.evaluated else 0.0, self.lag, <double>self.count]
@@ -176,7 +178,7 @@ cdef class Leapfrog(Stepper):
         return np.array([*memory, *rates, *(held if self.holds else ())])
 
     @state.setter
-    def state(self, values):
+    def state(self, values: ArrayLike):
         cdef double[::1] f, held
         values = np.array(values, dtype=float)
         before = 4 + self.c.watched + self.n
@@ -196,7 +198,7 @@ cdef class Leapfrog(Stepper):
             memcpy(self.y_held, &held[6], self.n * sizeof(double))
 
     @property
-    def told(self):
+    def told(self) -> dict[str, float]:
         """How long friction was held on average [s], and by what share of it it was off then, on average and at most.
         """
         if not self.renewals:

@@ -247,7 +247,7 @@ cdef enum:   # who refused an evaluation
     DISPLACED                     # + 1 for the cage, 2 for a shape
 
 #: Recorded unknowns, in order, with their unit; the work that elastic forces did is what is stored, negative.
-LEDGER_UNITS = {
+LEDGER_UNITS: Mapping[str, str] = {
     "work_rings": "J", "work_load": "J", "work_gravity": "J", "work_drag": "J",
     "work_raceway_elastic": "J", "work_cage_elastic": "J",
     "lost_inner": "J", "lost_outer": "J", "lost_rolling": "J", "lost_damping": "J", "lost_pockets": "J",
@@ -257,7 +257,7 @@ LEDGER_UNITS = {
 
 #: What `Planar` takes as plain numbers: lengths [m], speeds [rad/s], masses [kg], inertias [kg m2], unbalance [kg m],
 #: damping [s/m], load [N], stiffnesses [N/m]; films as they are used, see `planar_t`.
-NUMBERS = (
+NUMBERS: tuple[str, ...] = (
     "inner_radius", "outer_radius", "roller_radius", "orbit_radius", "half_clearance", "inner_speed",
     "outer_speed", "roller_mass", "roller_inertia", "ring_mass", "cage_mass", "cage_inertia", "unbalance", "gravity_x",
     "gravity_y", "damping", "load", "direction", "epicyclic_speed", "pocket_half_clearance",
@@ -987,9 +987,12 @@ cdef class Planar:
     cdef list of_rings
 
     def __init__(
-        self, raceways, deflections, contacts, drop, widths, drags, Py_ssize_t rollers, int guidance, scale,
-        forces=None, resistances=None, rings=None, double critical_slip=NAN, double film_limit=NAN, bint each=False,
-        **numbers,
+        self, raceways: Sequence[object], deflections: Sequence[Chain], contacts: Sequence[Slices], drop: ArrayLike,
+        widths: ArrayLike, drags: Sequence[object], Py_ssize_t rollers, int guidance, scale: ArrayLike,
+        forces: Sequence[tuple[float, ArrayLike]] | None = None,
+        resistances: Sequence[tuple[float, ArrayLike]] | None = None,
+        rings: Sequence[tuple[Sequence[ArrayLike], ArrayLike | None, bool]] | None = None,
+        double critical_slip=NAN, double film_limit=NAN, bint each=False, **numbers: float,
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k
@@ -1160,14 +1163,14 @@ cdef class Planar:
         return rs_new_system(&s, self)
 
     @property
-    def operation(self):
+    def operation(self) -> Array:
         """Speeds of inner and outer ring [rad/s], direction of the load [rad] and the load [N], (4,), as rates read it.
 
         To be changed by who varies them.
         """
         return np.asarray(<double[:4]>&self.p.c.inner_speed)  # which the others follow
 
-    def refusal(self):
+    def refusal(self) -> tuple[str, Refusal | None] | None:
         """Return who refused an evaluation last, and why; None if nobody.
 
         Who is "inner", "outer", "inner deflection", "outer deflection", "drag", "inner ring", "cage" or "shape of a
@@ -1188,7 +1191,7 @@ cdef class Planar:
         ring = who - FRICTION_REFUSED
         return ("inner", "outer")[ring], raceway_refusal(self.kept[0][ring])
 
-    def outputs(self, t, y):
+    def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.
 
         ``normal_force``, ``traction_force`` [N], ``sliding_speed``, ``rolling_speed`` [m/s], ``film_parameter``
@@ -1227,17 +1230,19 @@ cdef class Planar:
             "pocket_force": pockets[0], "pocket_radial_force": pockets[1]}
 
     @property
-    def contacts_evaluated(self):
+    def contacts_evaluated(self) -> int:
         """Slices, or contacts where friction is not conventional, whose friction was evaluated."""
         return self.p.raceway[INNER].evaluated + self.p.raceway[OUTER].evaluated
 
     @property
-    def deflections_evaluated(self):
+    def deflections_evaluated(self) -> int:
         """Slices whose deflection was evaluated."""
         return self.p.evaluated
 
 
-def land(double x, double y, double vx, double vy, double journal_speed, double bush_speed, **numbers):
+def land(
+    double x, double y, double vx, double vy, double journal_speed, double bush_speed, **numbers: float
+) -> tuple[float, float, float, float, float, float]:
     """Return force on the journal (x, y), torques on journal and bush, power stored and power lost of a land.
 
     ``numbers`` are those of `NUMBERS` that begin with land, without it.

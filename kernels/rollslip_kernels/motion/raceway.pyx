@@ -18,9 +18,9 @@ from rollslip_stage cimport rs_capsule_context, rs_new_capsule
 from rollslip_kernels.chain import bound
 
 #: Speed u_0 of the regularisation sqrt(u^2 + u_0^2) [m/s].
-REST_SPEED = RS_REST_SPEED
+REST_SPEED: float = RS_REST_SPEED
 #: What is told of the contacts of stored states: forces [N], speeds [m/s], smallest film parameter, resistance [N].
-OUTPUTS = (
+OUTPUTS: tuple[str, ...] = (
     "normal_force", "traction_force", "sliding_speed", "rolling_speed", "film_parameter", "rolling_resistance",
 )
 
@@ -34,8 +34,10 @@ def constant(Py_ssize_t rollers, double coefficient, double transition):
     return _new(&w, ())
 
 
-def effective(Py_ssize_t rollers, nodes, limits, double sliding_scale=0.0, double sliding_ratio=0.0,
-              row_limits=(0.0, 1.0), double rolling_scale=1.0):
+def effective(
+    Py_ssize_t rollers, nodes: ArrayLike, limits: Sequence[float], double sliding_scale=0.0, double sliding_ratio=0.0,
+    row_limits: Sequence[float] = (0.0, 1.0), double rolling_scale=1.0,
+):
     """Return a raceway with F = mu_e Q from a Hermite table.
 
     ``nodes`` holds, at equal steps of V/(|V| + V_s) between ``limits``, mu_e and its derivative times the step, (N, 2);
@@ -65,7 +67,10 @@ def _coefficients(nodes):
     return np.stack((value, slope, 3.0 * rise - 2.0 * slope - after, slope + after - 2.0 * rise), axis=1)
 
 
-def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists, position=None, double across=0.0):
+def conventional(
+    chain: Chain, slices: Slices, Py_ssize_t rollers, widths: ArrayLike, bint resists,
+    position: ArrayLike | None = None, double across=0.0,
+):
     """Return a raceway that runs a compiled chain on every loaded slice; ``resists`` if it fills the resistance.
 
     ``slices`` is the table to work in, with room for those of all rollers; ``widths`` are those of a roller's [m], and
@@ -90,8 +95,8 @@ def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists, positi
 
 
 def with_table(
-    raceway, values, double sliding_scale, double sliding_end, double root_scale, root_ends, double speed_scale,
-    speed_ends,
+    raceway, values: ArrayLike, double sliding_scale, double sliding_end, double root_scale,
+    root_ends: Sequence[float], double speed_scale, speed_ends: Sequence[float],
 ):
     """Return a conventional raceway that takes its friction from a table where its contacts lie within it.
 
@@ -120,7 +125,7 @@ def with_table(
     return _new(&w, (*<object>rs_capsule_context(raceway), flat))
 
 
-def table_friction(raceway, force, sliding, rolling):
+def table_friction(raceway, force: ArrayLike, sliding: ArrayLike, rolling: ArrayLike) -> Array | None:
     """Return traction and rolling resistance [N] by the table of a raceway; None where a contact lies outside."""
     cdef rs_raceway *w = <rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY)
     given_each = [np.broadcast_to(values, w.rollers) for values in (force, sliding, rolling)]
@@ -132,14 +137,16 @@ def table_friction(raceway, force, sliding, rolling):
     return out
 
 
-def refusal(raceway):
+def refusal(raceway) -> Refusal | None:
     """Return what the chain of a raceway refused last, as ``Chain.run`` does, or None."""
     PyCapsule_GetPointer(raceway, RS_RACEWAY)
     kept = <object>rs_capsule_context(raceway)
     return kept[0].refusal(kept[1]) if len(kept) > 1 else None
 
 
-def friction(raceway, load, force, sliding, rolling, resistance):
+def friction(
+    raceway, load: ArrayLike, force: ArrayLike, sliding: ArrayLike, rolling: ArrayLike, resistance: ArrayLike
+) -> tuple[Array, Array, Array, int]:
     """Return traction force, rolling resistance [N] and smallest film parameter of every roller, and the status.
 
     See ``rs_raceway_friction``; a pending Python error is raised.

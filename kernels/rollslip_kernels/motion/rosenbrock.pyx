@@ -58,7 +58,7 @@ cdef enum:
     EVENT = 3
     FAILED = 4
 
-REASONS = ("steps", "stop", "finished", "event", "failed")
+REASONS: tuple[str, ...] = ("steps", "stop", "finished", "event", "failed")
 
 cdef double GAMMA = 0.21193756319429014
 cdef double[STAGES] C = [0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1, 1, 1]
@@ -122,7 +122,7 @@ cdef double RETREAT = 0.25  # after a step that could not be computed
 cdef double IN_CONTACT = 0.4  # a step times the frequency of a contact: an impact takes 8 steps
 
 
-def tableau():
+def tableau() -> dict[str, Any]:
     """Return the figures of the method as they are used: gamma, a, C, c, d and the h of the continuous output."""
     a, coupling = np.zeros((STAGES, STAGES)), np.zeros((STAGES, STAGES))
     a[np.tril_indices(STAGES - 2, -1)] = A
@@ -132,7 +132,7 @@ def tableau():
     return {"gamma": GAMMA, "a": a, "C": coupling, "c": np.array(C), "d": np.array(D), "h": np.array(DENSE)}
 
 
-def explicit_tableau():
+def explicit_tableau() -> dict[str, Any]:
     """Return the figures of Dormand and Prince's method: a, c, the estimate of the error e and d of the output."""
     a = np.zeros((EXPLICIT_STAGES, EXPLICIT_STAGES))
     a[np.tril_indices(EXPLICIT_STAGES, -1)] = EXPLICIT
@@ -169,8 +169,10 @@ cdef class Stepper:
         Work so far. Evaluations of the rates include those for differences.
     """
 
-    def __init__(self, capsule, double t0, y0, double t_bound, rtol=1e-3, atol=1e-6, double max_step=math.inf,
-                 first_step=None):
+    def __init__(
+        self, capsule, double t0, y0: ArrayLike, double t_bound, rtol: ArrayLike = 1e-3, atol: ArrayLike = 1e-6,
+        double max_step=math.inf, first_step: float | None = None,
+    ):
         if not PyCapsule_IsValid(capsule, ROLLSLIP_SYSTEM):
             raise TypeError(f"a system is a capsule named {ROLLSLIP_SYSTEM.decode()!r}, got {capsule!r}")
         self.capsule, self.c = capsule, <const rs_system *>PyCapsule_GetPointer(capsule, ROLLSLIP_SYSTEM)
@@ -223,7 +225,7 @@ cdef class Stepper:
     # State -----------------------------------------------------------------------------------------------------------
 
     @property
-    def y(self):
+    def y(self) -> Array:
         return self._array(self.y_now)
 
     cdef object _array(self, const double *x):
@@ -231,7 +233,7 @@ cdef class Stepper:
         memcpy(<double *><size_t>array.ctypes.data, x, self.n * sizeof(double))
         return array
 
-    def restart(self, double t, y, double h=0.0):
+    def restart(self, double t, y: ArrayLike, double h=0.0) -> None:
         """Go on from another state, with a step of h (0: one is found), as if it were the start."""
         array = np.array(y, dtype=float)
         if array.shape != (self.n,) or not np.all(np.isfinite(array)):
@@ -250,7 +252,7 @@ cdef class Stepper:
         self.status, self.message = ("finished" if t == self.t_bound else "running"), ""
 
     @property
-    def state(self):
+    def state(self) -> Array:
         """All that the next steps depend on, as one array: t, h, memory of the step control, signs watched, and y.
 
         A solver of the same system and tolerances that is given it goes on bit by bit as this one would.
@@ -259,7 +261,7 @@ cdef class Stepper:
         return np.array([self.t, self.h, self.previous_step, self.previous_error, *signs, *self.y])
 
     @state.setter
-    def state(self, values):
+    def state(self, values: ArrayLike):
         values = np.asarray(values, dtype=float)
         size, w = 4 + self.c.watched + self.n, self.c.watched
         if values.shape != (size,) or not np.all(np.isfinite(values)):
@@ -271,11 +273,14 @@ cdef class Stepper:
 
     # Going on --------------------------------------------------------------------------------------------------------
 
-    def step(self):
+    def step(self) -> str:
         """Take one step; return why it ends, as `advance` does."""
         return self.advance(max_steps=1)[0]
 
-    def advance(self, t_stop=None, t_out=None, y_out=None, size_t max_steps=100_000):
+    def advance(
+        self, t_stop: float | None = None, t_out: ArrayLike | None = None, y_out: Array | None = None,
+        size_t max_steps=100_000,
+    ) -> tuple[str, int]:
         """Take steps, without Python between them.
 
         Parameters
@@ -335,7 +340,7 @@ cdef class Stepper:
             self.status = "finished"
         return REASONS[reason], written
 
-    def interpolate(self, double t):
+    def interpolate(self, double t) -> Array:
         """Return y at a time within the last step, from the continuous output."""
         if not self.direction * (t - self.t_old) >= 0 <= self.direction * (self.t - t):
             raise ValueError(f"t = {t:g} is not within the last step, {self.t_old:g} to {self.t:g}")
@@ -346,7 +351,7 @@ cdef class Stepper:
         return self._array(self.u)
 
     @property
-    def continuous(self):
+    def continuous(self) -> tuple[float, float, Array]:
         """Coefficients of the last step: t_old, its size with sign, and [5, n] of the powers 0 to 4 of (t - t_old)/h.
         """
         if not self.taken:

@@ -86,10 +86,14 @@ cdef double FORESEEN = 0.02     # and within which two will be one
 cdef double GOES_ON = 0.05      # mean change from row to row up to which what second order adds is about the same
 cdef double SLOWLY = 1e-2       # surface speed over which the friction of a pocket changes its sign [m/s]
 
+#: Of a chain: stage, table, load, force, width, first, resists; of a curve: nodes, limits, scale, force, resistance.
+Ring: TypeAlias = "tuple[object, Slices, Array, Array, Array, NDArray[np.intp], bool]"
+Curve: TypeAlias = "tuple[Array, tuple[float, float], float, Array, Array]"
+
 #: Step of the roller slip by which torques are differentiated.
-NUDGED = NUDGE
+NUDGED: float = NUDGE
 #: Surface speed over which friction against the spin changes its sign [m/s].
-SLIDES = SLOWLY
+SLIDES: float = SLOWLY
 
 cdef struct ring_t:
     rs_model chain
@@ -137,8 +141,11 @@ cdef class Spin:
     cdef Py_ssize_t[::1] active   # positions that are evaluated, and where their slips and torques stand
     cdef Py_ssize_t[::1] slot
 
-    def __init__(self, Py_ssize_t rollers, rings, radii, double rolling, double slow=0.0, double pocket=0.0,
-                 const double[::1] brakes=None):
+    def __init__(
+        self, Py_ssize_t rollers, rings: Sequence[Ring | Curve] | Callable[[Array], tuple[Array, Array]],
+        radii: tuple[float, float, float, float], double rolling, double slow=0.0, double pocket=0.0,
+        const double[::1] brakes=None,
+    ):
         cdef const double[::1] load, force, width
         cdef const Py_ssize_t[::1] first
         cdef const double[:, ::1] nodes, places
@@ -192,11 +199,11 @@ cdef class Spin:
                 ring.places, ring.loaded = &places[0, 0], n
 
     @property
-    def evaluated(self):
+    def evaluated(self) -> tuple[int, int]:
         """Slices evaluated so far, of inner and outer ring."""
         return self.rings[INNER].evaluated, self.rings[OUTER].evaluated
 
-    def at(self, const double[:] inner, const double[:] outer):
+    def at(self, const double[:] inner, const double[:] outer) -> None:
         """Set by how much the raceways are ahead of pure rolling at every position [m/s], (K,), without roller slip."""
         cdef Py_ssize_t k
         if not inner.shape[0] == outer.shape[0] == self.rollers:
@@ -204,7 +211,7 @@ cdef class Spin:
         for k in range(self.rollers):
             self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = inner[k], outer[k]
 
-    def torques(self, const double[::1] slip):
+    def torques(self, const double[::1] slip) -> tuple[Array, Array, str]:
         """Return the torques on the spin of a roller and, of one roller, on the cage [N m], (K,) each; and how."""
         cdef double[::1] spin = np.empty(self.rollers), cage = np.empty(self.rollers)
         cdef int ended
@@ -216,11 +223,13 @@ cdef class Spin:
         return np.asarray(spin), np.asarray(cage), how
 
     @property
-    def tractions(self):
+    def tractions(self) -> Array:
         """Tractions of inner and outer contact at the last evaluation of all positions, (2, K) [N]."""
         return np.array(self.work[2:4])
 
-    def on_cage(self, const double[::1] slip, const double[:, ::1] tractions, const double[:, ::1] resistances):
+    def on_cage(
+        self, const double[::1] slip, const double[:, ::1] tractions, const double[:, ::1] resistances
+    ) -> Array:
         """Return the torque of one roller on the cage [N m], (K,), from forces [N], (2, K)."""
         cdef double[::1] spin = np.empty(self.rollers), cage = np.empty(self.rollers)
         cdef Py_ssize_t k
@@ -232,7 +241,9 @@ cdef class Spin:
                 k, slip[k], tractions[0, k], tractions[1, k], resistances[0, k], resistances[1, k], &spin[k], &cage[k])
         return np.asarray(cage)
 
-    def balanced(self, const double[::1] low, const double[::1] high, guess=None):
+    def balanced(
+        self, const double[::1] low, const double[::1] high, guess: Array | None = None
+    ) -> tuple[Array, NDArray[np.bool_], str]:
         """Return where each torque rises through zero in its bracket, which were not found, and how it ended.
 
         ``low`` and ``high`` are below zero and above it, or the place itself twice; from a guess it is mostly the one
@@ -258,8 +269,10 @@ cdef class Spin:
         how = self._ended(ended)
         return place, lost.view(bool), how
 
-    def followed(self, const double[::1] leads, double rolls, const double[::1] slips, const double[:, ::1] ends,
-                 const double[:, ::1] known, const double[::1] near, const double[::1] slope):
+    def followed(
+        self, const double[::1] leads, double rolls, const double[::1] slips, const double[:, ::1] ends,
+        const double[:, ::1] known, const double[::1] near, const double[::1] slope,
+    ) -> tuple[Array, NDArray[np.bool_], Array, int, str]:
         """Return where torques balance at rows of cage slips, one after the other, and how it ended.
 
         It is looked for as a share of the roller slip of rolling on the outer ring, which is ``rolls`` times the cage
@@ -359,7 +372,7 @@ cdef class Spin:
         """The slip up to which a step may go, after those of one motion, the last one first."""
         return min(way[0] + GROWS * (way[0] - way[1]), FAR * way[0]) if even > 1 else FAR * way[0]
 
-    def periodic(self, const double[::1] guess, double inertia, double damping=0.0):
+    def periodic(self, const double[::1] guess, double inertia, double damping=0.0) -> tuple[Array, float, float, str]:
         """Return roller slips that repeat after an orbit, from a guess, Floquet's multiplier, what is left, and how.
 
         inertia d(S_r) + G = 0 with backward differences of second order round the positions; ``inertia`` is the torque
@@ -376,9 +389,11 @@ cdef class Spin:
         how = self._ended(ended)
         return np.asarray(slip), multiplier, left, how
 
-    def sent_round(self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
-                   const double[:, ::1] bracket, const double[::1] wide, const double[:, ::1] starts,
-                   Py_ssize_t orbits, double exact, known=None):
+    def sent_round(
+        self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
+        const double[:, ::1] bracket, const double[::1] wide, const double[:, ::1] starts,
+        Py_ssize_t orbits, double exact, known: Array | None = None,
+    ) -> tuple[Array, NDArray[np.bool_], Array, str]:
         """Return what rollers come to when they are sent round, row by row, whether two are one, and what is left.
 
         Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to go round. Of each ``inertia``
@@ -631,8 +646,10 @@ cdef class Spin:
                 return FOUND
         return LOST
 
-    def settled(self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
-                const double[:, ::1] guess, const double[::1] unit, double settles=SETTLED, bint as_guessed=False):
+    def settled(
+        self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
+        const double[:, ::1] guess, const double[::1] unit, double settles=SETTLED, bint as_guessed=False,
+    ) -> tuple[Array, Array, Array, NDArray[np.bool_], str]:
         """Return the roller slips of rows that repeat after an orbit, beside a guess (n, K); see `periodic`.
 
         Rows are as in `sent_round`, one roller each; ``unit`` (n,) is what their slips go with. Returned are slips

@@ -28,7 +28,9 @@ class RefusedError(ArithmeticError):
     compiled one. Any other exception ends the integration.
     """
 
-    def __init__(self, message, reason=None):
+    reason: Any
+
+    def __init__(self, message: str, reason: Any = None):
         super().__init__(message)
         self.reason = reason
 
@@ -65,21 +67,24 @@ cdef class System:
         self.shares = self.c.shares
 
     @property
-    def frequencies(self):
+    def frequencies(self) -> tuple[float, float]:
         """Angular frequencies [rad/s] of what touches and parts, and of what swings all the time; 0 if not told."""
         return self.c.contact_frequency, self.c.swing_frequency
 
-    def until_contact(self, double t, y):
+    def until_contact(self, double t, y: ArrayLike) -> float:
         """Return the time [s] after which something touches at the present speeds; 0 while something does."""
         cdef double[::1] given = self._unknowns(y)
         return self.c.until_contact(t, &given[0], self.c.state) if self.c.until_contact != NULL else np.inf
 
-    def flight(self, double t, y, rates, double most):
+    def flight(self, double t, y: ArrayLike, rates: ArrayLike, double most) -> float:
         """Return for how long nothing touches [s] if the rates stay what they are, at most ``most``; 0 if not told."""
         cdef double[::1] given = self._unknowns(y), going = self._unknowns(rates)
         return self.c.flight(t, &given[0], &going[0], most, self.c.state) if self.c.flight != NULL else 0.0
 
-    def held(self, since, at, double t, y, double half=0.0, before=None, bint apart=False):
+    def held(
+        self, double since, at: ArrayLike, double t, y: ArrayLike, double half=0.0, before: ArrayLike | None = None,
+        bint apart=False,
+    ) -> Array | None:
         """Return all rates at (t, y) with what is held as it is at (since, at); None where nothing is held.
 
         With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for; ``apart`` leaves out
@@ -100,7 +105,7 @@ cdef class System:
         self._check(status, t)
         return np.asarray(rates)[:self.n]
 
-    def go(self, double t, double h, size_t parts, y):
+    def go(self, double t, double h, size_t parts, y: ArrayLike) -> Array | None:
         """Return places after h, and speeds by what touches alone, gone through in parts of h; None if not told."""
         cdef double[::1] given = self._unknowns(y)
         if self.c.go == NULL:
@@ -109,16 +114,16 @@ cdef class System:
         return np.asarray(given)
 
     @property
-    def places(self):
+    def places(self) -> NDArray[np.bool_]:
         """Which unknowns are places, whose rates are sums of speeds; none where it is not told."""
         return np.zeros(self.n, bool) if self.c.kicked == NULL else np.asarray(
             <double[:self.n]><double *>self.c.kicked) == 0.0
 
     @property
-    def scale(self):
+    def scale(self) -> Array:
         return np.array(<double[:self.n]><double *>self.c.scale) if self.n else np.empty(0)
 
-    def rates(self, double t, y):
+    def rates(self, double t, y: ArrayLike) -> Array:
         """Return f(t, y)."""
         cdef double[::1] given = self._unknowns(y), rates = np.empty(1 + self.n)
         cdef double[::1] raw = np.empty(1 + rs_raw_size(self.c))
@@ -130,10 +135,10 @@ cdef class System:
             self._check(status, t)
         return np.asarray(rates)[:self.n]
 
-    def __call__(self, t, y):
+    def __call__(self, t: float, y: ArrayLike) -> Array:
         return self.rates(t, y)
 
-    def jacobian(self, double t, y, bint central=True):
+    def jacobian(self, double t, y: ArrayLike, bint central=True) -> Array:
         """Return df/dy as a dense array; by differences, central or one-sided, where the system does not give it."""
         cdef double[::1] given = self._unknowns(y), arrow = np.empty(1 + rs_arrow_size(self.c))
         cdef rs_arrow a
@@ -156,7 +161,7 @@ cdef class System:
             dense[own, own] = roller_roller[j]
         return dense
 
-    def solve(self, double t, y, double shift, right, bint central=True):
+    def solve(self, double t, y: ArrayLike, double shift, right: ArrayLike, bint central=True) -> tuple[Array, int]:
         """Return x of (shift I - df/dy) x = right, in work proportional to the number of rollers.
 
         Returns x and the number of multiplications. Raises `ArithmeticError` if a block or the head is singular.
@@ -176,7 +181,7 @@ cdef class System:
             rs_solve(self.c, &a, &factors, &x[0])
         return np.asarray(x), factors.operations
 
-    def watch(self, double t, y):
+    def watch(self, double t, y: ArrayLike) -> Array:
         """Return the values whose change of sign is an event."""
         cdef double[::1] given = self._unknowns(y), values = np.empty(self.watched)
         cdef int status = 0
@@ -186,7 +191,7 @@ cdef class System:
             self._check(status, t)
         return np.asarray(values)
 
-    def refusal(self):
+    def refusal(self) -> Any:
         """Return what the owner refused last, or None."""
         return self.owner.refusal()
 
@@ -247,9 +252,11 @@ cdef class _PythonSystem:
 
 
 def python_system(
-    head_rates, size_t head, *, roller_rates=None, size_t rollers=0, size_t block=0, size_t ledger=0,
-    scale=1.0, watch=None, size_t watched=0, jacobian=None, bint autonomous=False, places=None,
-    double swing_frequency=0.0,
+    head_rates: Callable[[float, Array], ArrayLike], size_t head, *,
+    roller_rates: Callable[[float, Array, Array], tuple[ArrayLike, ArrayLike]] | None = None, size_t rollers=0,
+    size_t block=0, size_t ledger=0, scale: ArrayLike = 1.0, watch: Callable[[float, Array], ArrayLike] | None = None,
+    size_t watched=0, jacobian: Callable[[float, Array], ArrayLike] | None = None, bint autonomous=False,
+    places: ArrayLike | None = None, double swing_frequency=0.0,
 ):
     """Return a system of Python functions, which are given copies of their arrays.
 

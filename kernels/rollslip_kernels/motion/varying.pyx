@@ -41,7 +41,7 @@ cdef enum:   # courses
     AXES                # the first axis
 
 #: Values at most that tables may depend on at once.
-MOST_AXES = MAX_AXES
+MOST_AXES: Final[int] = MAX_AXES
 
 
 cdef struct course_t:
@@ -335,9 +335,12 @@ cdef class Varying:
     cdef double[::1] scale
     cdef bint autonomous
 
-    def __init__(self, courses, ranges, around, *, int speed_axis=-1, int root_axis=-1,
-                 size_t cage_speed, double inner_share,
-                 double still=0.0, bint autonomous=False, scale):
+    def __init__(
+        self, courses: Sequence[tuple[ArrayLike, ArrayLike]], ranges: Sequence[tuple[float, float]],
+        around: Callable[[tuple[float, ...]], tuple[Sequence[Sequence[float]], Sequence[Any]]], *,
+        int speed_axis=-1, int root_axis=-1, size_t cage_speed, double inner_share, double still=0.0,
+        bint autonomous=False, scale: ArrayLike,
+    ):
         cdef varying_t *v = &self.v
         cdef const rs_system *s
         cdef double[::1] begin
@@ -443,7 +446,7 @@ cdef class Varying:
                 s.go, s.clear = _go, _clear
         return rs_new_system(&s, self)
 
-    def values(self, t):
+    def values(self, t: ArrayLike) -> Array:
         """Return the courses at times (m,), (courses, m)."""
         cdef double[::1] at = np.array(t, dtype=float, ndmin=1)
         found = np.empty((AXES + self.v.axes, at.shape[0]))
@@ -455,25 +458,25 @@ cdef class Varying:
         return found
 
     @property
-    def stations(self):
+    def stations(self) -> tuple[Any, ...]:
         """Owners of the systems so far."""
         return tuple(self.owners)
 
     @property
-    def contacts_evaluated(self):
+    def contacts_evaluated(self) -> int:
         """Slices evaluated so far by all stations; contacts, where friction is not conventional."""
         return sum(owner.contacts_evaluated for owner in self.owners)
 
     @property
-    def refused_by(self):
+    def refused_by(self) -> Any:
         """The station that refused an evaluation last."""
         return self.owners[self.v.refused]
 
-    def refusal(self):
+    def refusal(self) -> tuple[str, Any] | None:
         """Return who refused an evaluation last and why, as the station says it; None if nobody."""
         return self.refused_by.refusal()
 
-    def outputs(self, t, y):
+    def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:
         """Return what goes with stored states as `Carried.outputs` does, blended; None, if a station refused."""
         cdef size_t k
         times, states = np.array(t, dtype=float, ndmin=1), np.array(y, dtype=float, ndmin=2)
@@ -497,6 +500,6 @@ cdef class Varying:
                 found.setdefault(name, []).append(values)
         return {name: np.concatenate(rows) for name, rows in found.items()}
 
-    def stored_energy(self, x):
+    def stored_energy(self, x: ArrayLike) -> Array:
         """Return the elastic energy of pockets, as `Carried.stored_energy`."""
         return self.owners[0].stored_energy(x)

@@ -42,7 +42,7 @@ def exponential(boundary, hydrodynamic, double reach, double factor, double expo
     return _new(boundary, hydrodynamic, rs_active_blocks().exponential_share, (reach, factor, exponent))
 
 
-def greenwood_tripp(boundary, hydrodynamic, double reach, double coefficient, series):
+def greenwood_tripp(boundary, hydrodynamic, double reach, double coefficient, series: Sequence[float]):
     """Return the stage that blends two capsules by the pressure on asperities, 0 from ``reach`` on."""
     if len(series) != TERMS:
         raise ValueError(f"the series of the integral has {TERMS} terms, not {len(series)}")

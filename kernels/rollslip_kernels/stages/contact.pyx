@@ -9,7 +9,7 @@ def hertz_line():
     return rs_new_model(rs_active_blocks().hertz_line, NULL, 0, None)
 
 
-def light_contact(power, double last, knots, columns, rise):
+def light_contact(power: Any, double last, knots: Any, columns: Any, rise: Any):
     """Return the stage load, speed -> half width, mean pressure of the film.
 
     ``power`` holds the three coefficients of i over L, which serve up to ``last``; ``rise`` the logarithms to base 2 of

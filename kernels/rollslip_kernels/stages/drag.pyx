@@ -28,7 +28,7 @@ cdef enum:
     NO_SUCH_STATUS = -2   # a stage returned more than its number of slices; the chain says so
 
 
-def problem(capsule):
+def problem(capsule) -> str:
     """Return in words what keeps ``capsule`` from being used as a torque, or an empty string."""
     cdef const rs_drag *given
     if not PyCapsule_IsValid(capsule, ROLLSLIP_DRAG):
@@ -43,7 +43,7 @@ def problem(capsule):
     return ""
 
 
-def torque(capsule, double cage_speed, double inner_speed, double outer_speed, time=None):
+def torque(capsule, double cage_speed, double inner_speed, double outer_speed, time: float | None = None) -> float:
     """Return what the torque in ``capsule`` gives; an error of a Python function behind it is raised.
 
     At a ``time`` [s] it is what a motion in time calls.
@@ -132,7 +132,7 @@ def churning(double factor):
     return rs_new_drag(_churning, &factor, sizeof(factor), None)
 
 
-def python_drag(torque, bint in_time=False):
+def python_drag(torque: Callable[..., float], bint in_time=False):
     """Return a capsule that calls ``torque(cage_speed, inner_speed, outer_speed)`` with the GIL; NaN is its error.
 
     ``in_time``: motions in time give it the time as a fourth argument.
@@ -191,7 +191,7 @@ def hysteresis(double loss):
     return rs_new_model(rs_active_blocks().hysteresis, &loss, sizeof(loss), None)
 
 
-def total_resistance(capsules):
+def total_resistance(capsules: Iterable[object]):
     """Return the stage that adds what other stages, at most eight, put into the column of the resistance."""
     cdef stages_t q
     capsules = tuple(capsules)

@@ -6,6 +6,9 @@ from rollslip_abi cimport ROLLSLIP_MODEL, rs_model
 from rollslip_blocks cimport inlet_params, power_law, regime_laws, rs_active_blocks
 from rollslip_stage cimport rs_new_model
 
+#: Factor, and exponents of U, G and W.
+Law: TypeAlias = tuple[float, float, float, float]
+
 
 cdef power_law _power_law(given) except *:
     c, u, g, w = given
@@ -23,7 +26,7 @@ def moes():
     return rs_new_model(rs_active_blocks().moes_film, NULL, 0, None)
 
 
-def regime(ri, rp, ei, ep):
+def regime(ri: Law, rp: Law, ei: Law, ep: Law):
     """Return the stage that takes the formula of the regime the contact is in; each one as (c, u, g, w)."""
     cdef regime_laws q = regime_laws(_power_law(ri), _power_law(rp), _power_law(ei), _power_law(ep))
     return rs_new_model(rs_active_blocks().regime_film, &q, sizeof(q), None)

@@ -22,7 +22,7 @@ cdef dict TABLES = {
 }
 
 
-def available():
+def available() -> tuple[str, ...]:
     """Return the sets that this build and this machine have, the widest last.
 
     "v3" has AVX2, "v4" has AVX-512 (x86-64-v3 and -v4 of the System V ABI).
@@ -44,11 +44,11 @@ def _chosen():
 cdef str ACTIVE = _chosen()
 
 
-def active():
+def active() -> str:
     """Return the set whose stages run."""
     return ACTIVE
 
 
-def table(name=None):
+def table(name: str | None = None):
     """Return the capsule "rollslip.blocks" of a set, by default of the active one."""
     return TABLES[ACTIVE if name is None else name]

@@ -19,16 +19,16 @@ cdef object _map(rs_stress_law law, object strain_rate, object deborah, object h
     return result
 
 
-def muraki(strain_rate, deborah, heating):
+def muraki(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
     """Muraki's closed form with asinh."""
     return _map(rs_active_blocks().muraki_stress, strain_rate, deborah, heating)
 
 
-def maxwell_eyring(strain_rate, deborah, heating):
+def maxwell_eyring(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
     """Exact Maxwell-Eyring mean stress."""
     return _map(rs_active_blocks().maxwell_stress, strain_rate, deborah, heating)
 
 
-def eyring(strain_rate, deborah, heating):
+def eyring(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
     """Heated Eyring stress without elasticity."""
     return _map(rs_active_blocks().eyring_stress, strain_rate, deborah, heating)

@@ -25,62 +25,62 @@ cdef object _map(function_t function, x):
     return result
 
 
-def exp(x, simd=None):
+def exp(x: ArrayLike, simd: str | None = None) -> Array:
     """e^x."""
     return _map(_blocks(simd).exp, x)
 
 
-def exp2(x, simd=None):
+def exp2(x: ArrayLike, simd: str | None = None) -> Array:
     """2^x."""
     return _map(_blocks(simd).exp2, x)
 
 
-def expm1(x, simd=None):
+def expm1(x: ArrayLike, simd: str | None = None) -> Array:
     """e^x - 1."""
     return _map(_blocks(simd).expm1, x)
 
 
-def log(x, simd=None):
+def log(x: ArrayLike, simd: str | None = None) -> Array:
     """Natural logarithm."""
     return _map(_blocks(simd).log, x)
 
 
-def log2(x, simd=None):
+def log2(x: ArrayLike, simd: str | None = None) -> Array:
     """Logarithm to base 2."""
     return _map(_blocks(simd).log2, x)
 
 
-def log1p(x, simd=None):
+def log1p(x: ArrayLike, simd: str | None = None) -> Array:
     """Natural logarithm of 1 + x."""
     return _map(_blocks(simd).log1p, x)
 
 
-def asinh(x, simd=None):
+def asinh(x: ArrayLike, simd: str | None = None) -> Array:
     """Inverse hyperbolic sine."""
     return _map(_blocks(simd).asinh, x)
 
 
-def exp2_falling(x, simd=None):
+def exp2_falling(x: ArrayLike, simd: str | None = None) -> Array:
     """2^x for x <= 0, as 2^-1000 below -1000."""
     return _map(_blocks(simd).exp2_falling, x)
 
 
-def log2_plus_one(x, simd=None):
+def log2_plus_one(x: ArrayLike, simd: str | None = None) -> Array:
     """log2(1 + x) for 0 <= x <= 1, right to an absolute error."""
     return _map(_blocks(simd).log2_plus_one, x)
 
 
-def exp_normal(x, simd=None):
+def exp_normal(x: ArrayLike, simd: str | None = None) -> Array:
     """e^x for |x| <= 700."""
     return _map(_blocks(simd).exp_normal, x)
 
 
-def expm1_falling(x, simd=None):
+def expm1_falling(x: ArrayLike, simd: str | None = None) -> Array:
     """e^x - 1 for x <= 0."""
     return _map(_blocks(simd).expm1_falling, x)
 
 
-def pow(x, y, simd=None):
+def pow(x: ArrayLike, y: ArrayLike, simd: str | None = None) -> Array:
     """x^y for x >= 0, elementwise over two arrays of one shape."""
     cdef const double[::1] base = np.ascontiguousarray(x, dtype=np.float64).reshape(-1)
     cdef const double[::1] exponent = np.ascontiguousarray(y, dtype=np.float64).reshape(-1)

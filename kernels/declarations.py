@@ -1,0 +1,137 @@
+"""Write what other tools read of the kernels, from the sources that say it: stubs for type checkers from .pyx files.
+
+A stub has the public names of its module. Their types are the C types and annotations of the .pyx; what has neither is
+an object. A function without an annotation of its result returns a capsule.
+"""
+
+import re
+from pathlib import Path
+
+#: What annotations may name that the .pyx does not import, since they are kept as text: module -> names.
+NAMES = {
+    "collections.abc": ("Callable", "Collection", "Iterable", "Mapping", "Sequence"),
+    "typing": ("Any", "Final", "Literal", "TypeAlias"),
+    "numpy.typing": ("ArrayLike", "NDArray"),
+    "rollslip_kernels.chain": ("Chain", "Refusal"),
+    "rollslip_kernels.motion.rosenbrock": ("Stepper",),
+    "rollslip_kernels.slices": ("Slices",),
+}
+ARRAY = "Array: TypeAlias = NDArray[np.float64]"
+PYTHON = {"double": "float", "bint": "bool", "int": "int", "size_t": "int", "Py_ssize_t": "int", "object": "Any"}
+C_TYPE = r"(?:const )?\w+(?:\[[^]]*\])?"
+#: A class, a function or an annotated name, at the margin or within a class; texts are cut to their first line before.
+ITEM = re.compile(
+    r"^(?P<indent>(?: {4})?)(?:"
+    r"(?P<decorator>@\S+)"
+    r"|(?:cdef )?class (?P<cls>\w+)(?P<base>\(\w+\))?:"
+    r"|def (?P<name>\w+)\((?P<parameters>.*?)\)(?: -> (?P<returns>[^\n]+))?:"
+    r"|(?P<variable>\w+): (?P<type>[^=#\n]+?)(?P<value> = [^\n]+)?$"
+    r")(?:\n +(?P<text>\"\"\"[^\n]*\"\"\")$)?",
+    re.MULTILINE | re.DOTALL,
+)
+
+
+def python_type(c_type: str) -> str:
+    """Return what Python sees of a C type; a typed memoryview takes an array."""
+    if "[" in c_type:
+        return "NDArray[np.intp]" if "Py_ssize_t" in c_type else "Array"
+    return PYTHON.get(c_type, c_type)
+
+
+def parameter(text: str) -> str:
+    """Return a parameter of a Cython function as a stub has it."""
+    form = rf"(?:(?P<c>{C_TYPE}) )?(?P<name>\**\w*)(?: not None)?(?:: (?P<annotation>.+?))?(?P<default> ?= ?.+)?"
+    found = re.fullmatch(form, text)
+    assert found, f"no parameter: {text}"
+    if found["name"] in ("self", "*"):
+        return found["name"]
+    annotation = found["annotation"] or "object"
+    if found["c"] and not found["annotation"]:
+        annotation = python_type(found["c"])
+        if found["default"] == "=None":
+            annotation += " | None"
+    default = " = ..." if found["default"] else ""
+    return f"{found['name']}: {annotation}{default}"
+
+
+def parameters(text: str) -> str:
+    """Return the parameters of a Cython function, which commas outside brackets separate."""
+    depth, start, parts = 0, 0, []
+    text = " ".join(text.split()).rstrip(",") + ","
+    for k, character in enumerate(text):
+        if character in "([":
+            depth += 1
+        elif character in ")]":
+            depth -= 1
+        elif character == "," and depth == 0:
+            parts.append(text[start:k].strip())
+            start = k + 1
+    return ", ".join(parameter(part) for part in parts if part)
+
+
+def members(text: str) -> dict[str, list[str]]:
+    """Return what Cython classes show of their attributes: class -> lines of a stub."""
+    found = dict[str, list[str]]()
+    cls = ""
+    pattern = rf"^cdef class (\w+)|^    cdef (?:readonly|public) ({C_TYPE}) ([\w, ]*\w)"
+    for opened, c_type, names in re.findall(pattern, text, re.MULTILINE):
+        cls = opened or cls
+        lines = found.setdefault(cls, [])
+        lines += [f"    {name}: {python_type(c_type)}" for name in names.split(", ") if name]
+    return found
+
+
+def imports(code: str, own: str) -> list[str]:
+    """Return the imports of a stub for the names that its code has; ``own`` is the name of its module."""
+    lines = ["import numpy as np"]
+    for module, names in NAMES.items():
+        used = [name for name in names if re.search(rf"\b{name}\b", code)]
+        if used and not module.endswith(f".{own}"):
+            lines.append(f"from {module} import {', '.join(used)}")
+    return lines
+
+
+def stub(source: Path) -> str:
+    """Return the stub of a .pyx file."""
+    text = re.sub(r'"""(.*?)(?:\n.*?)?"""', r'"""\1"""', source.read_text(encoding="utf-8"), flags=re.DOTALL)
+    beside = source.with_suffix(".pxd")
+    attributes = members((beside.read_text(encoding="utf-8") if beside.exists() else "") + text)
+    lines = list[str]()
+    decorator = cls = ""
+    for item in ITEM.finditer(text):
+        indent = item["indent"]
+        name = item["cls"] or item["name"] or item["variable"] or ""
+        if not indent:
+            cls = item["cls"] or ""
+        body = f"{indent}    {item['text'] or '...'}"
+        if re.match("_[^_]", name) or re.match("_[^_]", cls) or (indent and not cls):
+            decorator = ""
+        elif item["decorator"]:
+            decorator = f"{indent}{item['decorator']}\n"
+        elif item["cls"]:
+            lines += ["", f"class {name}{item['base'] or ''}:", body]
+            lines += attributes.get(name, [])
+        elif item["name"]:
+            result = "None" if name == "__init__" or ".setter" in decorator else item["returns"] or "object"
+            space = "" if indent else "\n"
+            lines.append(f"{space}{decorator}{indent}def {name}({parameters(item['parameters'])}) -> {result}:")
+            lines.append(body)
+            decorator = ""
+        else:
+            value = item["value"] if item["type"] == "TypeAlias" else ""
+            lines.append(f"{indent}{name}: {item['type']}{value}")
+    code = "\n".join(line for line in lines if '"""' not in line)
+    head = [f"# Written by setup.py from {source.name}.", *imports(ARRAY + code, source.stem), "", ARRAY]
+    return "\n".join(head + lines) + "\n"
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file, unless it is there with this text: what depends on it is not built again."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def write_declarations(package: Path) -> None:
+    """Write the stubs of all modules of the kernels."""
+    for source in sorted(package.rglob("*.pyx")):
+        write(source.with_suffix(".pyi"), stub(source))
