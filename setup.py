@@ -25,22 +25,8 @@ CHECKED = os.environ.get("ROLLSLIP_BOUNDSCHECK") == "1"
 SHARED = "rollslip_kernels._memoryviews"
 
 
-def declare_members() -> None:
-    """Write the members of rs_slices where Cython reads them: it sees no macros."""
-    conditions, columns = (Path(HERE) / "include" / "rollslip.h").read_text().split("#define ROLLSLIP_COLUMNS(X)")
-    members = ["size_t n"]
-    members += [f"double {name}" for name in re.findall(r"^    X\((\w+),", conditions, re.M)]
-    members += [f"double *{name}" for name in re.findall(r"^    X\((\w+),", columns, re.M)]
-    path = Path(HERE) / "include" / "rollslip_abi.pxd"
-    text = path.read_text()
-    lines = "".join(f"        {member}\n" for member in members)
-    written = re.sub(r"(ctypedef struct rs_slices:\n)(?: {8}.*\n)+", rf"\g<1>{lines}", text)
-    if written != text:
-        path.write_text(written)
-
-
 def kernel(name: str) -> Extension:
-    shared = ["*.pxd", "include/*.*", "stages/table.h", "stages/rollslip_blocks.pxd"]
+    shared = ["*.pxd", "include/*.*", "stages/*.pxd", "stages/table.h"]
     if name == "stages/simd":  # which alone compiles the laws
         shared.append("stages/*.h")
     if name.startswith("motion/"):
@@ -117,7 +103,6 @@ KERNELS = (
 )
 
 if __name__ == "__main__":  # where processes are not forked they read this file again
-    declare_members()
     write_declarations(Path(HERE))
     extensions = [kernel(name) for name in KERNELS]
     extensions.insert(1, Extension(SHARED, [], extra_compile_args=FLAGS + SYMBOLS))

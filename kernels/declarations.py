@@ -1,11 +1,27 @@
-"""Write what other tools read of the kernels, from the sources that say it: stubs for type checkers from .pyx files.
+"""Write what other tools read of the kernels, from the sources that say it.
 
-A stub has the public names of its module. Their types are the C types and annotations of the .pyx; what has neither is
-an object. A function without an annotation of its result returns a capsule.
+- A stub for type checkers, .pyi, from each .pyx file, with the public names of the module. Their types are the C types
+  and annotations of the .pyx; what has neither is an object. A function without an annotation of its result returns a
+  capsule.
+- The form for Cython, .pxd, of the C headers below: their structures, enumerators, functions and constants. Cython sees
+  neither macros nor sizes of arrays, so that lists are written out, and arrays stand as pointers.
 """
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
+
+#: Headers that Cython reads: module of declarations -> header.
+HEADERS = {
+    "rollslip_abi": "include/rollslip.h",
+    "columns_h": "motion/columns.h",
+    "held_h": "motion/held.h",
+    "friction_table_h": "motion/friction_table.h",
+    "system_h": "motion/system.h",
+    "planar_columns_h": "motion/planar_columns.h",
+    "carried_columns_h": "motion/carried_columns.h",
+    "table_h": "stages/table.h",
+}
 
 #: What annotations may name that the .pyx does not import, since they are kept as text: module -> names.
 NAMES = {
@@ -125,6 +141,84 @@ def stub(source: Path) -> str:
     return "\n".join(head + lines) + "\n"
 
 
+def expanded(text: str) -> Iterator[str]:
+    """Yield the lines of a header without comments, with what macros of one name write out, such as lists X(name)."""
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL).replace("\\\n", " ")
+    macros = dict[str, tuple[str, str]]()
+    for line in re.sub(r'"[^"\n]*"', '""', text).splitlines():
+        define = re.match(r"#define (\w+)\((\w+)[^)]*\)(.*)", line)
+        if define:
+            macros[define[1]] = define[2], define[3]
+            continue
+        while call := re.search(rf"\b({'|'.join(macros) or '-'})\((\w+)[^()]*\)", line):
+            name, form = macros[call[1]]
+            line = line[: call.start()] + re.sub(rf"\b{name}\b", call[2], form) + line[call.end() :]
+        yield line
+
+
+def items(text: str) -> Iterator[str]:
+    """Yield what stands in C at the margin: definitions of types, and functions with their bodies."""
+    depth, start = 0, 0
+    for k, character in enumerate(text):
+        depth += (character == "{") - (character == "}")
+        if depth == 0 and character in ";}":
+            item = " ".join(text[start : k + 1].split())
+            if character == ";" or re.match(r"[^{;]*\) ?\{", item):
+                item = re.sub(r"\b(?:static|inline|__restrict|RS_[A-Z_]+) ", "", item)
+                yield item.replace("( ", "(").replace(" )", ")")
+                start = k + 1
+
+
+def member(text: str) -> list[str]:
+    """Return the members that a line of a C structure declares; an array is declared as a pointer."""
+    if "(" in text:
+        return [f"{text} noexcept nogil"]
+    found = re.fullmatch(r"((?:const )?\w+) (.*)", text)
+    assert found, f"no member: {text}"
+    names = [name.strip() for name in found[2].split(",")]
+    return [f"{found[1]} {'*' * name.count('[')}{name.partition('[')[0]}" for name in names]
+
+
+def declaration(item: str) -> list[str]:
+    """Return lines that declare a definition of C in Cython."""
+    if found := re.fullmatch(r"enum \{(.*)\};", item):
+        return ["enum:", *(f"    {name.split('=')[0].strip()}" for name in found[1].split(",") if name.strip())]
+    if found := re.fullmatch(r"typedef struct \{(.*)\} (\w+);", item):
+        lines = [text.strip() for text in found[1].split(";") if text.strip()]
+        return [f"ctypedef struct {found[2]}:", *(f"    {line}" for text in lines for line in member(text))]
+    if found := re.fullmatch(r"typedef (.*);", item):
+        return [f"ctypedef {found[1]}{' noexcept nogil' if '(' in found[1] else ''}"]
+    found = re.match(r"([^{=]+\)) ?\{", item)
+    return [found[1]] if found else []
+
+
+def constant(line: str) -> list[str]:
+    """Return lines that declare a macro that is a text or a number."""
+    found = re.match(r"#define (\w+) +(\"\"|[\d.]\S*)", line)
+    if not found:
+        return []
+    if found[2].isdigit():
+        return ["enum:", f"    {found[1]}"]
+    kind = "double " if found[2][0].isdigit() else "char *"
+    return [f"const {kind}{found[1]}"]
+
+
+def declarations(header: Path) -> str:
+    """Return the .pxd file that declares what a C header defines, and what the headers do that it includes."""
+    text = header.read_text(encoding="utf-8")
+    lines = list(expanded(text))
+    code = "\n".join(line for line in lines if not line.startswith("#"))
+    found = [*map(constant, lines), *map(declaration, items(code))]
+    written = [f"# Written by setup.py from {header.name}.", "from libc.stdint cimport uint32_t"]
+    for name in re.findall(r'#include "(?:\w+/)?(\w+\.h)"', text):
+        written += [f"from {module} cimport *" for module, place in HEADERS.items() if place.endswith(f"/{name}")]
+    place = header.name if header.parent.name == "include" else f"{header.parent.name}/{header.name}"
+    written += ["", f'cdef extern from "{place}" nogil:']
+    for block in dict.fromkeys(tuple(block) for block in found if block):
+        written += [f"    {line}" for line in block] + [""]
+    return "\n".join(written)
+
+
 def write(path: Path, text: str) -> None:
     """Write a file, unless it is there with this text: what depends on it is not built again."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
@@ -132,6 +226,9 @@ def write(path: Path, text: str) -> None:
 
 
 def write_declarations(package: Path) -> None:
-    """Write the stubs of all modules of the kernels."""
+    """Write the stubs of all modules of the kernels, and the forms for Cython of their headers."""
     for source in sorted(package.rglob("*.pyx")):
         write(source.with_suffix(".pyi"), stub(source))
+    for module, place in HEADERS.items():
+        header = package / place
+        write(header.with_name(f"{module}.pxd"), declarations(header))

@@ -26,6 +26,13 @@ def test_the_stubs_are_those_of_the_sources(declarations, source):
     assert source.with_suffix(".pyi").read_text(encoding="utf-8") == declarations.stub(source)
 
 
+def test_the_forms_of_the_headers_are_those_of_the_headers(declarations):
+    for module, place in declarations.HEADERS.items():
+        header = PACKAGE / place
+        written = header.with_name(f"{module}.pxd").read_text(encoding="utf-8")
+        assert written == declarations.declarations(header), module
+
+
 def functions_of(body):
     """Name -> parameters of functions, and of classes the same of their methods."""
     return {
@@ -147,6 +154,89 @@ def capsule(x: float = ...) -> object:
 def test_a_stub_has_types_from_c_and_from_annotations(declarations, tmp_path):
     (tmp_path / "sample.pyx").write_text(SAMPLE, encoding="utf-8")
     assert declarations.stub(tmp_path / "sample.pyx") == STUB
+
+
+HEADER = """/* Words { of a header. */
+#ifndef ROLLSLIP_SAMPLE
+#define ROLLSLIP_SAMPLE
+#include <stddef.h>
+#include "motion/held.h"
+#define NAME "a, b"   /* words */
+#define COUNT 3
+#define SMALL 1e-3
+#define INLINED static inline
+#define TWICE(x) ((x) + (x))
+enum { FIRST, SECOND = 4, LAST };   /* more */
+typedef const double *__restrict rs_given;
+typedef int (*rs_call)(const double *x, void *state);
+#define LIST(X) \\
+    X(one, "m", "its (meaning)") \\
+    X(two, "1", "another")
+#define MEMBER(name, unit, meaning) double name;
+#define BESIDE(name, unit, meaning) + 1
+typedef struct {
+    size_t n, count;   /* of both */
+    const double *x, *each[COUNT];
+    double grid[2][3], last;
+    int (*made)(
+        size_t n, const double *x);
+    LIST(MEMBER)
+} rs_sample;
+enum { MEMBERS = 0 LIST(BESIDE) };
+static const rs_sample SAMPLES[] = {{0, 0}, {1, 1}};
+static inline double *rs_found(
+    const rs_sample *s, rs_given x
+) {
+    for (size_t i = 0; i < s->n; i++) { if (x[i] > 0.0) return NULL; }
+    return NULL;
+}
+#endif
+"""
+
+FORM = """# Written by setup.py from sample.h.
+from libc.stdint cimport uint32_t
+from held_h cimport *
+
+cdef extern from "motion/sample.h" nogil:
+    const char *NAME
+
+    enum:
+        COUNT
+
+    const double SMALL
+
+    enum:
+        FIRST
+        SECOND
+        LAST
+
+    ctypedef const double *rs_given
+
+    ctypedef int (*rs_call)(const double *x, void *state) noexcept nogil
+
+    ctypedef struct rs_sample:
+        size_t n
+        size_t count
+        const double *x
+        const double **each
+        double **grid
+        double last
+        int (*made)(size_t n, const double *x) noexcept nogil
+        double one
+        double two
+
+    enum:
+        MEMBERS
+
+    double *rs_found(const rs_sample *s, rs_given x)
+"""
+
+
+def test_a_header_is_declared_with_its_lists_written_out_and_without_bodies(declarations, tmp_path):
+    (tmp_path / "motion").mkdir()
+    header = tmp_path / "motion" / "sample.h"
+    header.write_text(HEADER, encoding="utf-8")
+    assert declarations.declarations(header) == FORM
 
 
 def test_what_has_not_changed_is_not_written_again(declarations, tmp_path):

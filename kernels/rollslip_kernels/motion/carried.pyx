@@ -41,6 +41,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, NAN, fabs, fmin, isfinite, sqrt
 from libc.string cimport memcpy, memset
 
+from carried_columns_h cimport *
 from rollslip_abi cimport rs_drag
 from rollslip_arrow cimport RS_RAISED
 from rollslip_drag cimport rs_drag_of, rs_torque_then
@@ -76,58 +77,6 @@ cdef enum:  # ledger, behind the head
     IMPULSE_OUTER
     IMPULSE_DRAG
     ALL
-
-cdef extern from "motion/carried_columns.h" nogil:
-    enum:   # what a roller adds
-        TO_TORQUE
-        TO_WORK_RINGS
-        TO_LOST_INNER
-        TO_LOST_OUTER
-        TO_LOST_ROLLING
-        TO_LOST_POCKETS
-        TO_IMPULSE_INNER
-        TO_IMPULSE_OUTER
-        ADDED
-
-    ctypedef struct rs_carried:   # numbers of the bearing, and columns of the evaluation under way
-        size_t rollers, block
-        int pocket
-        double inner_radius, outer_radius, radius, orbit
-        double inner_speed, outer_speed, load_direction
-        double mass, spin_inertia
-        size_t positions, channels
-        double *spin
-        double *speed
-        double *at
-        double *spin_rate
-        double *speed_rate
-        double *at_rate
-        double *turns
-        double *pull
-        double *force
-        double *sliding
-        double *rolling
-        double *traction
-        double *push
-        double *moment
-        double *lost
-        double *force_then
-        double *force_rate
-        double **added
-
-    double rs_total(const double *x, size_t n)
-    void rs_carried_speeds(rs_carried *c, const double *head, const double *rollers)
-    void rs_carried_places(rs_carried *c, const double *head)
-    void rs_carried_forces(rs_carried *c, size_t j, const double *powers, double share)
-    void rs_carried_force_rates(rs_carried *c, size_t j, const double *powers, double share)
-    void rs_carried_held_forces(rs_carried *c, double since)
-    void rs_carried_implicit(
-        rs_carried *c, const rs_held *inner, const rs_held *outer, double half, const double *before)
-    double rs_carried_free(
-        rs_carried *c, const double *head, const double *rollers, const double *rates, const double *head_rates,
-        double reach, double most)
-    void rs_carried_rates(rs_carried *c, const double *head, double mu, double fading)
-    void rs_carried_blocks(const rs_carried *c, double *rates)
 
 cdef enum:  # who refused
     NOBODY

@@ -54,6 +54,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, M_PI, NAN, cos, fabs, fmax, fmin, sin, sqrt
 from libc.string cimport memcpy, memset
 
+from planar_columns_h cimport *
 from rollslip_abi cimport ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
 from rollslip_drag cimport rs_drag_of, rs_torque_then
 from rollslip_errors cimport rs_raise_pending
@@ -77,139 +78,6 @@ from rollslip_kernels.stages.simd import active
 cdef enum:
     INNER
     OUTER
-
-cdef extern from "motion/planar_columns.h" nogil:
-    enum:   # head, as it stands in y
-        RING_X
-        RING_Y
-        RING_VX
-        RING_VY
-        CAGE_X
-        CAGE_Y
-        CAGE_VX
-        CAGE_VY
-        CAGE_SPEED
-        CAGE_ANGLE
-        HEAD
-
-    enum:   # block of a roller
-        POSITION
-        ORBIT
-        SPIN
-        RADIAL
-        RISE
-        BLOCK
-
-    enum:   # what a roller adds
-        TO_RING_X
-        TO_RING_Y
-        TO_CAGE_X
-        TO_CAGE_Y
-        TO_CAGE_TORQUE
-        TO_WORK_RINGS
-        TO_WORK_GRAVITY
-        TO_WORK_RACEWAYS
-        TO_WORK_CAGE
-        TO_LOST_INNER
-        TO_LOST_OUTER
-        TO_LOST_ROLLING
-        TO_LOST_DAMPING
-        TO_LOST_POCKETS
-        TO_IMPULSE_RINGS
-        TO_IMPULSE_GRAVITY
-        ADDED
-
-    ctypedef struct rs_gap_table:
-        size_t cells
-        double per_root
-        const double *values
-
-    ctypedef struct rs_bent_ring:
-        size_t shapes, at, speeds, most
-        const double *re
-        const double *im
-        const double *mass
-        const double *stiffness
-        const double *damping
-        const double *push
-        double *place
-        double *rate
-        size_t cells, angle
-        double per_angle
-        const double *form
-
-    ctypedef struct rs_plane:   # numbers of the bearing, and columns of the evaluation under way
-        size_t rollers
-        double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance
-        double inner_speed, outer_speed, load_direction, load
-        double roller_mass, roller_inertia
-        double gravity_x, gravity_y
-        double damping
-        double lowest_drop
-        rs_gap_table *table
-        double pitch
-        double *pitch_cos
-        double *pitch_sin
-        double **unknown
-        double **rate_of
-        double *cosine
-        double *sine
-        double *small
-        double **gap
-        double **rate
-        double **elastic
-        double **force
-        double **sliding
-        double **rolling
-        double **traction
-        double **resistance
-        double *place
-        double *closing
-        double *height
-        double *rising
-        double *push
-        double *lift
-        double *moment
-        double *stored
-        double *lost
-        double **added
-        rs_bent_ring *ring
-        int bent
-        size_t most
-        double *wave_cos
-        double *wave_sin
-        double **slope
-        double *turning
-        double **passing
-        double *driven
-        double cage_cos, cage_sin
-        int touched
-        size_t deepest
-
-    ctypedef struct rs_plane_loops:
-        void (*angles)(rs_plane *p, const double *head, const double *rollers) noexcept nogil
-        void (*places)(rs_plane *p, const double *head, const double *rollers) noexcept nogil
-        int (*forces)(rs_plane *p, int ring) noexcept nogil
-        void (*damped)(rs_plane *p, int ring) noexcept nogil
-        void (*pockets)(
-            rs_plane *p, const double *head, double time, double reach, double radial_reach, int *touch) noexcept nogil
-        int (*clear)(const rs_plane *p, double time, double reach, double radial_reach) noexcept nogil
-        void (*tractions)(rs_plane *p, int ring, const rs_held *held, const double *sliding) noexcept nogil
-        void (*implicit)(
-            rs_plane *p, const double *head, const rs_held *inner, const rs_held *outer, double half,
-            const double *before) noexcept nogil
-        void (*rates)(rs_plane *p, const double *head) noexcept nogil
-        void (*totals)(const rs_plane *p, double *sums) noexcept nogil
-        void (*bent)(rs_plane *p, const double *head) noexcept nogil
-        void (*turning)(rs_plane *p) noexcept nogil
-
-    const rs_plane_loops *rs_plane_loops_of(int wider)
-    void rs_plane_one(const rs_plane *p, size_t j, double *sums)
-    void rs_turned(double by, double cosine, double sine, double *c, double *s)
-    void rs_plane_blocks(const rs_plane *p, double *rates)
-    double rs_plane_deepest(rs_plane *p, const rs_plane_loops *loops, const double *head, const double *rollers)
-    void rs_ring_forces(const rs_plane *p, int ring, double *forces)
-    void rs_ring_forces_of(const rs_plane *p, int ring, size_t j, double *forces)
 
 cdef enum:   # ledger, behind the head in what is added
     WORK_RINGS = HEAD

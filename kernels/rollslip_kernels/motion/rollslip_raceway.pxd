@@ -16,6 +16,8 @@
 from libc.math cimport M_PI, NAN, fabs, sin, sqrt
 from libc.string cimport memcpy, memset
 
+from friction_table_h cimport *
+from held_h cimport *
 from rollslip_abi cimport rs_model, rs_slices
 
 cdef enum:
@@ -43,42 +45,6 @@ ctypedef struct rs_friction_table:
     double rolling_scale   # u_s [m/s]
     double per_cell, before   # place v per_cell + before
     double per_row, before_row
-
-
-cdef extern from "motion/held.h" nogil:
-    ctypedef struct rs_held:
-        double *by_force
-        double *by_root
-        double *force_slope
-        double *root_slope
-        double *sliding
-        double *resistance
-        double *resistance_slope
-        int rooted, resists
-
-    void rs_held_friction(
-        const rs_held *h, size_t n, const double *force, const double *V, double *traction, double *resistance)
-    double rs_held_damping(
-        const rs_held *inner, const rs_held *outer, size_t n, const double *inner_force, const double *outer_force,
-        double m)
-    void rs_held_off(
-        size_t n, const double *held, const double *evaluated, const double *force, double *off, double *all)
-
-
-cdef extern from "motion/friction_table.h" nogil:
-    ctypedef struct rs_friction_box:
-        const double **values
-        int speeds, roots, half
-        double sliding_scale, per_sliding
-        double root_scale, first_root, per_root, last_root
-        double speed_scale, first_speed, per_speed
-
-    int rs_box_friction(
-        const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
-        double *traction, double *resistance)
-    int rs_box_held(
-        const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
-        double *traction, double *resistance, const rs_held *held)
 
 
 ctypedef struct rs_raceway:
