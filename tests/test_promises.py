@@ -2,8 +2,6 @@
 
 import importlib
 import re
-import subprocess
-import sys
 from importlib.metadata import distribution
 from pathlib import Path
 from typing import get_type_hints
@@ -56,11 +54,6 @@ PROMISED = {
     "rollslip.units": "UnitError as_written check_unit evenly expectation format_quantity quantity",
     "rollslip_kernels.slices": "COLUMNS CONDITIONS Conditions Slices",
 }
-#: Where the laws of pressure were, and their names.
-FORMER = "rollslip.pressure_viscosity"
-FORMERLY = "PressureViscosity from_oil with_law"
-#: Of these the laws have moved again, to the plugins.
-MOVED = "Barus POLE_PRESSURE POLE_VISCOSITY Roelands Yasutomi"
 
 
 @pytest.mark.parametrize(("module", "names"), PROMISED.items(), ids=PROMISED)
@@ -82,74 +75,6 @@ def test_types_of_every_public_function_are_known():
     returned = {value.__name__: get_type_hints(value)["return"] for value in functions if callable(value)}
     assert (returned["run"], returned["open_result"]) == (Result, xr.Dataset)
     assert {"answer", "info", "plan", "report", "table", "sweep", "new"} <= returned.keys()
-
-
-def test_the_former_path_of_the_laws_of_pressure_warns_once_and_leads_to_the_same():
-    sys.modules.pop(FORMER, None)
-    with pytest.warns(rollslip.RollslipDeprecationWarning, match=r"import rollslip\.lubricant\.pressure") as caught:
-        former = importlib.import_module(FORMER)
-    assert len(caught) == 1
-    now = importlib.import_module("rollslip.lubricant.pressure")
-    assert all(getattr(former, name) is getattr(now, name) for name in FORMERLY.split())
-
-
-def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
-    from rollslip.lubricant import pressure
-    from rollslip_plugins import pressure_viscosity as home
-
-    sys.modules.pop(FORMER, None)
-    with pytest.warns(rollslip.RollslipDeprecationWarning):
-        former = importlib.import_module(FORMER)
-    for name in MOVED.split():
-        for place in (pressure, former):
-            with pytest.warns(rollslip.RollslipDeprecationWarning, match=f"import {name} from rollslip_plugins"):
-                assert getattr(place, name) is getattr(home, name)
-    with pytest.raises(AttributeError, match="no attribute 'Cameron'"):
-        _ = pressure.Cameron
-
-
-@pytest.mark.parametrize(
-    ("former", "now"),
-    [
-        ("campaigns.sweep.run", "rollslip_campaigns.sweep.run"),
-        ("campaigns.explorer", "rollslip_campaigns.explorer"),
-        ("campaigns", "rollslip_campaigns"),
-        ("campaigns.sweep.distributions", "rollslip_studies.variation.distributions"),
-        ("campaigns.uncertainty.scatter", "rollslip_studies.variation.scatter"),
-        ("campaigns.uncertainty.band", "rollslip_studies.steady_slip.band"),
-        ("motion.history.settings", "rollslip_studies.dynamics.history.settings"),
-        ("measurement", "rollslip_campaigns.measurement"),
-        ("motion.way_up", "rollslip_studies.motion.way_up"),
-        ("motion.planar", "rollslip_studies.dynamics.levels.planar"),
-        ("studies.dynamics", "rollslip_studies.dynamics"),
-        ("studies.effective_friction.study", "rollslip_studies.effective_friction.study"),
-        ("studies.friction_curve.study", "rollslip_studies.friction_curve.study"),
-        ("studies.steady_slip.study", "rollslip_studies.steady_slip.study"),
-        ("studies.surface_damage.over_motion", "rollslip_studies.surface_damage.over_motion"),
-        ("studies.thermal_balance.balance", "rollslip_studies.thermal_balance.balance"),
-    ],
-)
-def test_the_former_path_of_a_study_or_campaign_warns_and_leads_to_the_same(former, now):
-    former = f"rollslip.{former}"
-    for name in [name for name in sys.modules if name.startswith(former.partition(".run")[0])]:
-        del sys.modules[name]
-    home = importlib.import_module(now)
-    with pytest.warns(rollslip.RollslipDeprecationWarning) as caught:
-        assert importlib.import_module(former) is home
-    assert str(caught[-1].message) == f"{former} is deprecated: import {now}"
-    assert home.__spec__.name == home.__name__ == now  # pickles and reloads of it go on
-
-
-@pytest.mark.parametrize("folder", ["campaigns", "studies", "studies.dynamics"])
-def test_what_never_was_there_is_not_under_the_former_path(folder):
-    with pytest.raises(ModuleNotFoundError, match=rf"{re.escape(folder)}\.nothing"):
-        importlib.import_module(f"rollslip.{folder}.nothing")
-
-
-@pytest.mark.parametrize("stays", ["steady_slip.torque", "surface_damage.model", "thermal_balance.model", "study"])
-def test_what_models_are_made_of_stays_without_a_warning(stays):
-    code = f"import rollslip.studies.{stays} as stays; assert stays.__name__ == 'rollslip.studies.{stays}'"
-    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 
 def test_every_hook_is_promised():

@@ -7,8 +7,6 @@ import importlib
 import logging
 from typing import TYPE_CHECKING, Any
 
-from rollslip.catalogue.former import find_former_paths
-
 if TYPE_CHECKING:
     from rollslip.bearing.chain import Chain as Chain
     from rollslip.catalogue.registry import available as available
@@ -73,8 +71,6 @@ _OF_DATASETS = {"answer", "info", "load_distribution", "open_result", "run", "ta
 #: Functions of campaigns that are promised; they are found as those of strangers are.
 _CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")
 __all__ = sorted((*_HOMES, *_CAMPAIGNS))
-
-find_former_paths()
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # who uses the library decides what becomes of its log
 

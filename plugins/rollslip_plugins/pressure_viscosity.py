@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 #: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
 POLE_VISCOSITY: Final = math.exp(-9.67)
 POLE_PRESSURE: Final = 1 / 5.1e-9
-#: Names that version 0.1 had in `rollslip.lubricant.pressure`, which hands them on.
-FORMERLY_OF_THE_FRAMEWORK: Final = ("Barus", "Roelands", "Yasutomi", "POLE_VISCOSITY", "POLE_PRESSURE")
 
 
 def _above_roelands(pressure: float) -> float:

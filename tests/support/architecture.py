@@ -19,8 +19,8 @@ ORDER = (
 )  # fmt: skip
 #: Roots whose modules stand in these folders.
 PLACES = ("framework/rollslip", "plugins/rollslip_studies", "plugins/rollslip_campaigns")
-#: The face of the package names everything, for types, and the finder of former paths the new homes.
-FACES = {"rollslip", "rollslip.catalogue.former"}
+#: The face of the package names everything, for types.
+FACE = "rollslip"
 #: Modules of a folder: as many names as a reader takes in at once.
 MOST_MODULES = 12
 #: Lines of code of a module, without docstrings, comments and blank lines: what is read in one sitting.
@@ -137,16 +137,16 @@ def wrong_way(root: Path = ROOT) -> list[str]:
     return [
         f"{module} imports {other}"
         for module, path in known.items()
-        if module not in FACES
+        if module != FACE
         for other in sorted(imports(path, known) & known.keys())
-        if other not in FACES and ORDER.index(folder(module)) < ORDER.index(folder(other))
+        if other != FACE and ORDER.index(folder(module)) < ORDER.index(folder(other))
     ]
 
 
 def graph(root: Path = ROOT) -> dict[str, set[str]]:
     """Return who imports whom; the faces of folders only hand names on."""
     known = modules(root)
-    inner = {name: path for name, path in known.items() if path.name != "__init__.py" and name not in FACES}
+    inner = {name: path for name, path in known.items() if path.name != "__init__.py" and name != FACE}
     return {name: (imports(path, known) & inner.keys()) - {name} for name, path in inner.items()}
 
 
@@ -187,7 +187,7 @@ def too_large(root: Path = ROOT) -> list[str]:
         if number > MOST_MODULES + 2 * (of == shelf)
     ]
     for module, path in known.items():
-        if path.name != "__init__.py" or module in FACES or folder(module) == "rollslip_campaigns":
+        if path.name != "__init__.py" or module == FACE or folder(module) == "rollslip_campaigns":
             continue  # campaigns say there what they offer
         tree = _tree(path.read_text(encoding="utf-8"))
         first, rest = (ast.get_docstring(tree) or "").strip(), tree.body[1:]
@@ -221,8 +221,8 @@ def named_studies(root: Path = ROOT) -> list[str]:
         for line, text in _texts(path):
             for name, homes in own.items():
                 if re.search(rf"(?<![\w-]){name}(?![\w-])", text) and module.rpartition(".")[0] not in homes:
-                    if module == "rollslip.catalogue.former" or (module == "rollslip.scene.values" and text == name):
-                        continue  # a path where modules were, and the default
+                    if module == "rollslip.scene.values" and text == name:  # the default
+                        continue
                     found.append(f"{module}:{line} names the study {name!r}")
         if folder(module) in ("studies", "rollslip_studies"):
             continue
@@ -275,6 +275,6 @@ def entangled(root: Path = ROOT) -> list[str]:
                 continue
             if one[0] == two[0] == "rollslip_campaigns" and (one[-1], two[1]) not in CAMPAIGNS:
                 found.append(f"{module} imports {other}")
-            if two[0] == "rollslip_studies" and other not in SHARED and module not in FACES:
+            if two[0] == "rollslip_studies" and other not in SHARED and module != FACE:
                 found.append(f"{module} imports {other}, which is no shared module of a study")
     return found

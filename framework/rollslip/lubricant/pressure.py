@@ -11,7 +11,6 @@ import abc
 import importlib
 import importlib.metadata
 import math
-import warnings
 from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
@@ -21,7 +20,6 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.errors import RollslipDeprecationWarning
 from rollslip.fields import FieldError, non_negative, one_of, positive
 from rollslip.models import SliceModel
 from rollslip_kernels.slices import Conditions, Slices
@@ -89,17 +87,6 @@ def law_of_the_box(name: str) -> type[PressureViscosity]:
 def default_law() -> PressureViscosity:
     """Return the law of an oil that names none."""
     return law_of_the_box(DEFAULT_LAW)()
-
-
-def __getattr__(name: str) -> Any:
-    """Hand on, with a warning, what stood here before laws were a kind of their own."""
-    if not name.startswith("_"):
-        module = importlib.import_module(law_of_the_box(DEFAULT_LAW).__module__)
-        if name in module.FORMERLY_OF_THE_FRAMEWORK:
-            said = f"rollslip.lubricant.pressure.{name} is deprecated: import {name} from {module.__name__}"
-            warnings.warn(said, RollslipDeprecationWarning, stacklevel=2)
-            return getattr(module, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def alpha_of_oil() -> Any:
