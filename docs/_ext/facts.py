@@ -14,7 +14,7 @@ import click
 
 import architecture
 from rollslip.bearing.cage import Cage
-from rollslip.catalogue.kinds import get_kind, offered_kinds
+from rollslip.catalogue.kinds import built_in_module, get_kind, offered_kinds
 from rollslip.catalogue.kinds import kinds as all_kinds
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
@@ -191,11 +191,13 @@ def data(thing):
 
 
 def kinds():
-    """The kinds of models with their hooks and entry-point groups."""
-    rows = [
-        (f"``{kind}``", f"``{get_kind(kind).hook}``", f"``rollslip.{kind.replace('-', '_')}``") for kind in all_kinds()
-    ]
-    return table(("kind", "hook", "entry-point group"), rows)
+    """The kinds of models with their hooks and entry-point groups, and what to start from."""
+    rows = []
+    for kind in all_kinds():
+        of = get_kind(kind)
+        start = f"``{built_in_module(kind)}``" if of.template is None else f"``rollslip plugins new --kind {kind}``"
+        rows.append((f"``{kind}``", f"``{of.hook}``", f"``rollslip.{kind.replace('-', '_')}``", start))
+    return table(("kind", "hook", "entry-point group", "start from"), rows)
 
 
 def measured_quantities():
@@ -300,7 +302,7 @@ def imports_picture():
     """The roots and the folders of the framework as a picture: a dot for each folder that a folder imports."""
     known, count = architecture.modules(ROOT), Counter()
     for module, path in known.items():
-        if module not in architecture.FACES:
+        if module != architecture.FACE:
             used = architecture.imports(path, known) & known.keys()
             count.update((architecture.folder(module), architecture.folder(other)) for other in used)
     step, top, order = 20, 102, architecture.ORDER

@@ -19,7 +19,7 @@ from typing import Any, ClassVar, Final
 
 import attrs
 
-from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.kinds import Kind
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError
 from rollslip.fields import at_least, parameter, positive
@@ -30,13 +30,6 @@ ENGINE: Final = Kind(
     name="engine",
     hook="engines",
     base=Engine,
-    template=Template(
-        summary="An engine of sweeps",
-        contents="the executor that computes the points",
-        use="rollslip sweep run 1032930-70C --over operation.radial_load=500N:5000N:5 --engine ${model}",
-        classes=("Engine", "Executor"),
-        needs=("attrs>=24.2",),
-    ),
     rules="rollslip_plugins.engine_rules",
 )
 

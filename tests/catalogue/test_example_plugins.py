@@ -1,7 +1,7 @@
 """Packages of strangers in an environment of their own: built, tested, and at work together in one scene.
 
-- One fresh virtual environment gets rollslip as a wheel, the packages of docs/example-plugins, and one package of every
-  kind that ``rollslip plugins new`` writes; nothing of this checkout can be imported there.
+- One fresh virtual environment gets rollslip as a wheel, the packages of docs/example-plugins, one package of every
+  kind that ``rollslip plugins new`` writes, and one of each other kind; nothing of this checkout can be imported there.
 - Each package runs its own tests there, as its README says.
 - A scene that mixes them all with the models in the box is run by the command, and its numbers are compared with the
   formulas written out again here.
@@ -30,6 +30,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from foreign_models import FOREIGN
+from packages import install
 from rollslip import open_result
 from rollslip.catalogue.kinds import get_kind, kinds
 
@@ -39,6 +41,8 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted(path.parent.name for path in (ROOT / "docs" / "example-plugins").glob("*/pyproject.toml"))
 SCAFFOLDED = [(f"own-{kind}", kind, False) for kind in kinds() if get_kind(kind).template is not None]
 SCAFFOLDED += [(f"rollslip-fast-{kind}", kind, True) for kind in ("contact", "film", "traction")]
+#: Kinds without a template that a scene swaps.
+SWAPPED = ("thermal", "damage", "torque")
 
 
 def leftovers(folder: str, names: list[str]) -> set[str]:
@@ -124,6 +128,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Place:
     with timed(f"wheels of {len(EXAMPLES)} examples and {len(SCAFFOLDED)} new packages"), ThreadPoolExecutor(2) as pool:
         wheels = list(pool.map(place.wheel, sorted(packages.iterdir())))
     place.pip("install", "-q", "--no-index", *wheels)
+    site = Path(place.run("python", "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip())
+    for kind in SWAPPED:
+        install(site, f"own-{kind}", FOREIGN[kind], kind=kind)
     place.pip("check")
     return place
 
@@ -165,6 +172,7 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
         ("lubricant", "example-oil", "rollslip-example-oil"),
     }
     listed = [(kind, name) for name, kind, _ in SCAFFOLDED if kind != "campaign"]  # which is a command itself
+    listed += [(kind, f"own-{kind}") for kind in SWAPPED]
     assert offered >= {(kind, name.removeprefix("rollslip-"), name) for kind, name in listed}
     for kind, name, compiled in [
         ("traction", "cross", False),

@@ -554,12 +554,3 @@ def test_of_offers_that_cannot_be_used_the_one_is_told_whose_remedy_helps(monkey
     monkeypatch.setattr(discovery, "catalogue", lambda: offers)
     with pytest.raises(PluginError, match="film 'flat' of package shadowed: shadowed"):
         find("film", "flat")
-
-
-def test_what_is_offered_meanwhile_is_told_and_taken_back():
-    made = attrs.evolve(get_class("surface", next(iter(available("surface")))), name="of-a-test")
-    with discovery.taken_back() as offered:
-        discovery.add("surface", made)
-        assert find("surface", "of-a-test").package == discovery.THIS_PROCESS
-    assert offered == {("surface", "of-a-test"): made}
-    assert "of-a-test" not in available("surface")

@@ -1,6 +1,7 @@
 """What ``rollslip plugins new`` writes: whole and valid for every kind, and nothing where a name cannot be used."""
 
 import ast
+import importlib.util
 import math
 import re
 import textwrap
@@ -12,9 +13,9 @@ import pytest
 from Cython.Compiler.Main import CompilationOptions, compile_single
 
 from packages import install, python
-from rollslip import available, get_include
+from rollslip import get_include
 from rollslip.catalogue.kinds import get_kind, kinds
-from rollslip.catalogue.scaffold import compile_too, new, package
+from rollslip.catalogue.scaffold import new, package
 from rollslip.errors import OutputError, RollslipError
 from rollslip.fields import FieldError
 
@@ -22,16 +23,11 @@ pytestmark = pytest.mark.quick
 
 ROOT = Path(__file__).parents[2]
 WRITTEN = [kind for kind in kinds() if get_kind(kind).template is not None]
-COMPILED = ("contact", "drag", "film", "pressure", "pressure-viscosity", "traction")
+COMPILED = ("contact", "drag", "film", "traction")
 FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in COMPILED]
 every_form = pytest.mark.parametrize(
     ("kind", "compiled"), FORMS, ids=[f"{kind}-compiled" if compiled else kind for kind, compiled in FORMS]
 )
-
-
-def file_of(kind: str) -> str:
-    """Name of the module, and of the group of entry points, of a kind: neither takes hyphens."""
-    return kind.replace("-", "_")
 
 
 @every_form
@@ -41,11 +37,10 @@ def test_a_package_is_written_whole(kind: str, compiled: bool, tmp_path: Path) -
     source = "src/rollslip_my_law"
     expected = {".gitignore", "LICENSE", "README.md", "pyproject.toml", f"{source}/__init__.py", f"{source}/py.typed"}
     expected |= {".github/workflows/wheels.yml"}
-    expected |= {f"{source}/{file_of(kind)}.py", "tests/test_rollslip_my_law.py"}
+    expected |= {f"{source}/{kind}.py", f"tests/test_{kind}.py"}
     expected |= {f"{source}/heun.py"} if kind == "integrator" else set()
-    expected |= {f"{source}/{path}" for path in get_kind(kind).template.files}
     if compiled:
-        expected |= {"setup.py", f"{source}/_kernel.pyx", f"{source}/_kernel.pyi"}
+        expected |= {"setup.py", f"{source}/_{kind}.pyx", f"{source}/_{kind}.pyi"}
     written = {path.relative_to(made).as_posix(): path for path in made.rglob("*") if path.is_file()}
     assert set(written) == expected
     assert {name: path.read_text(encoding="utf-8") for name, path in written.items()} == package(
@@ -61,7 +56,7 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
     metadata = tomllib.loads(texts["pyproject.toml"])
     project = metadata["project"]
     assert project["name"] == "rollslip-my-law"
-    assert project["entry-points"] == {f"rollslip.{file_of(kind)}": {"my-law": f"rollslip_my_law.{file_of(kind)}"}}
+    assert project["entry-points"] == {f"rollslip.{kind}": {"my-law": f"rollslip_my_law.{kind}"}}
     assert "rollslip>=0.1" in project["dependencies"], "the contract is what has to fit, and says so where it does not"
     assert project["license"] == "BSD-3-Clause"
     assert texts["LICENSE"].startswith("BSD 3-Clause License\n\nCopyright (c) the authors of rollslip-my-law\n")
@@ -70,7 +65,7 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
     builders = {re.split("[<>=]", one)[0] for one in metadata["build-system"]["requires"]}
     assert builders == ({"setuptools", "Cython", "rollslip"} if compiled else {"setuptools"})
 
-    tree = ast.parse(texts[f"src/rollslip_my_law/{file_of(kind)}.py"])
+    tree = ast.parse(texts[f"src/rollslip_my_law/{kind}.py"])
     hooks = [
         node.name
         for node in tree.body
@@ -78,10 +73,13 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
     ]
     assert hooks == [get_kind(kind).hook]
     strings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
-    named = "".join(text for path, text in texts.items() if path.endswith(".toml") and "/data/" in path)
-    assert "my-law" in strings or 'name = "my-law"' in named
+    assert "my-law" in strings
     methods = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
     assert ("kernel" in methods) == compiled
+    if compiled:
+        assert f'for name in ("_{kind}",)' in texts["setup.py"]
+        assert f"from rollslip_my_law import _{kind}\n" in texts[f"src/rollslip_my_law/{kind}.py"]
+        assert f"_{kind}." in ast.unparse(tree)
 
 
 @every_form
@@ -103,10 +101,16 @@ def test_the_files_are_python_and_nothing_is_left_to_fill_in(kind: str, compiled
                     assert any(one.startswith(imported[module]) for one in wanted), (path, module)
 
 
-def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", COMPILED)
+def test_compiled_forms_are_cython(kind: str, tmp_path: Path) -> None:
+    source = new("own-compiled", kind, True, tmp_path) / "src" / "own_compiled" / f"_{kind}.pyx"
+    options = CompilationOptions(include_path=[get_include()], output_file=str(tmp_path / "k.c"), language_level=3)
+    assert compile_single(str(source), options, full_module_name=f"own_compiled._{kind}").num_errors == 0
+
+
+def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     read = set()
     real = Path.read_text
-    law = law_file(tmp_path)
 
     def noted(path: Path, *arguments: object, **options: object) -> str:
         read.add(path.name)
@@ -115,7 +119,6 @@ def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     monkeypatch.setattr(Path, "read_text", noted)
     for kind, compiled in FORMS:
         package("quick", kind, compiled)
-    package("quick", "", False, law)
     monkeypatch.undo()
     assert {entry.name for entry in (files("rollslip.catalogue") / "templates").iterdir()} <= read
 
@@ -125,62 +128,26 @@ def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
 
 @pytest.mark.parametrize("compiled", [False, True])
 def test_several_models_make_one_package(compiled: bool, tmp_path: Path) -> None:
-    texts = package("own-pair", "film,traction,traction:own-other", compiled)
+    texts = package("own-pair", "film,traction:own-other", compiled)
     project = tomllib.loads(texts["pyproject.toml"])["project"]
     assert project["entry-points"] == {
         "rollslip.film": {"own-pair": "own_pair.film"},
-        "rollslip.traction": {"own-pair": "own_pair.traction", "own-other": "own_pair.traction_own_other"},
+        "rollslip.traction": {"own-other": "own_pair.traction"},
     }
     assert project["description"] == "A film model and a traction model for rollslip"
-    stems = ("film", "traction", "traction_own_other")
-    for stem, cls in zip(stems, ("OwnPair", "OwnPair", "OwnOther"), strict=True):
-        assert f"class {cls}(" in texts[f"src/own_pair/{stem}.py"]
-        assert f"from own_pair.{stem} import {cls}\n" in texts[f"tests/test_own_pair_{stem}.py"]
-        assert f"- `src/own_pair/{stem}.py`: the law" in texts["README.md"]
-        assert (f"src/own_pair/_{stem}.pyx" in texts) == compiled
-        assert ("import _" in texts[f"src/own_pair/{stem}.py"]) == compiled
-        if compiled:
-            assert f"from own_pair import _{stem}\n" in texts[f"src/own_pair/{stem}.py"]
-            assert f"_{stem}.capsule(" in texts[f"src/own_pair/{stem}.py"]
+    for kind, cls in (("film", "OwnPair"), ("traction", "OwnOther")):
+        assert f"class {cls}(" in texts[f"src/own_pair/{kind}.py"]
+        assert f"from own_pair.{kind} import {cls}\n" in texts[f"tests/test_{kind}.py"]
+        assert f"- `src/own_pair/{kind}.py`: the law" in texts["README.md"]
+        assert (f"src/own_pair/_{kind}.pyx" in texts) == compiled
+        assert (f"from own_pair import _{kind}\n" in texts[f"src/own_pair/{kind}.py"]) == compiled
     if compiled:
-        assert 'for name in ("_film", "_traction", "_traction_own_other",)' in texts["setup.py"]
-    assert "tests/test_own_pair.py" not in texts
-    with pytest.raises(FieldError, match="a package takes one film called 'own-pair'"):
-        new("own-pair", "film,film", compiled, tmp_path)
+        assert 'for name in ("_film", "_traction",)' in texts["setup.py"]
+    with pytest.raises(FieldError, match="a package takes one film from a template; write a second one beside it"):
+        new("own-pair", "film,film:own-other", compiled, tmp_path)
 
 
-# Of a file -----------------------------------------------------------------------------------------------------------
-
-PAGE = ROOT / "docs" / "start" / "first-model.rst"
-DECORATED = """from rollslip import model
-
-@model("traction", "mine", reads=("sliding_speed",))
-def mine(slices):
-    return 0.01 * slices.sliding_speed
-"""
-
-
-def law_file(folder: Path, text: str = "") -> Path:
-    """Write a file of laws: some text, or the one that the page "Your first model" makes a package of."""
-    if not text:
-        block = re.search(r":caption: notebook.py\n\n((?:(?:   .*)?\n)+)", PAGE.read_text(encoding="utf-8"))
-        assert block is not None
-        text = textwrap.dedent(block[1])
-    path = folder / "laws.py"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def test_a_file_becomes_the_module_of_a_package_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    law = law_file(tmp_path)
-    texts = package("rollslip-bair-winer", "", False, law)
-    points = tomllib.loads(texts["pyproject.toml"])["project"]["entry-points"]
-    assert points == {"rollslip.traction": {"bair-winer": "rollslip_bair_winer.traction"}}
-    assert texts["src/rollslip_bair_winer/traction.py"] == law.read_text(encoding="utf-8")
-    test = texts["tests/test_rollslip_bair_winer.py"]
-    assert 'class TestBairWiner(Conformance):\n    models = [rollslip.get_model("traction", "bair-winer")]' in test
-    assert "bair-winer" not in available("traction")  # what the file offers in this process is taken back
-
+# A module of decorated functions -------------------------------------------------------------------------------------
 
 LAWS = """
 import math
@@ -224,90 +191,6 @@ def test_an_entry_point_may_name_a_module_of_marked_functions(tmp_path: Path) ->
         (told,) = python(textwrap.dedent(code.format(first=first)), tmp_path)
         assert told[0] == [0.2 * math.pi * 2.0, 2.0, 0.2 * math.pi * 2.0]
         assert told[1:3] == (("a", "b"), ["rollslip-pair", "rollslip-pair"])
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("x = (", "laws.py:1: is not Python"),
-        ("def law(slices):\n    return 1.0\n", "offers nothing; put @rollslip.model("),
-        (f"{DECORATED}\nprint(mine)\n", "laws.py:7: print(mine) would run whenever the package is imported"),
-        (DECORATED.replace("sliding_speed\",", "slidin\","), "it reads slidin, but slices have"),
-        (DECORATED + DECORATED.replace("mine", "other").replace("traction", "film"),
-         "offers models of kinds film and traction; make a file and a package of each"),
-        (DECORATED.replace('"mine"', '"muraki"'), "muraki"),
-        (f"{DECORATED}\nnothing_there\n", "laws.py:7: nothing_there would run"),
-        (f"{DECORATED}\nx = nothing_there\n", "cannot be run: NameError: name 'nothing_there' is not defined"),
-    ],
-)  # fmt: skip
-def test_a_file_that_cannot_become_a_package_is_refused(text: str, sentence: str, tmp_path: Path) -> None:
-    with pytest.raises(FieldError) as error:
-        new("law", "", False, tmp_path, law_file(tmp_path, text))
-    assert sentence in str(error.value)
-    assert not (tmp_path / "law").exists()
-
-
-def test_what_does_not_go_with_a_file_is_refused(tmp_path: Path) -> None:
-    path = law_file(tmp_path, DECORATED)
-    with pytest.raises(FieldError, match="offers models of kind 'traction', not 'film'"):
-        new("law", "film", False, tmp_path, path)
-    with pytest.raises(FieldError, match="is in Python alone"):
-        new("law", "traction", True, tmp_path, path)
-    with pytest.raises(FieldError, match="cannot be read: No such file"):
-        new("law", "", False, tmp_path, tmp_path / "none.py")
-
-
-# A compiled form added ------------------------------------------------------------------------------------------------
-
-
-def test_the_frame_of_a_compiled_form_holds_all_but_the_law(tmp_path: Path) -> None:
-    made = new("own-frame", "film", False, tmp_path)
-    before = {path: path.read_text(encoding="utf-8") for path in made.rglob("*") if path.is_file()}
-    left = compile_too(made)
-    assert "return _kernel.capsule(self.factor)" in left[2]
-    metadata = tomllib.loads((made / "pyproject.toml").read_text(encoding="utf-8"))
-    whole = tomllib.loads(package("own-other", "film", True)["pyproject.toml"])
-    assert metadata["build-system"] == whole["build-system"]
-    assert metadata["tool"]["setuptools"]["package-data"] == {"own_frame": ["py.typed", "*.pyi"]}
-    assert {path for path in before if path.read_text(encoding="utf-8") != before[path]} == {made / "pyproject.toml"}
-    frame = made / "src" / "own_frame" / "_kernel.pyx"
-    assert "s.film_thickness[i] = NAN" in frame.read_text(encoding="utf-8")
-    options = CompilationOptions(include_path=[get_include()], output_file=str(tmp_path / "k.c"), language_level=3)
-    assert compile_single(str(frame), options, full_module_name="own_frame._kernel").num_errors == 0
-    with pytest.raises(FieldError, match=r"setup\.py is there already, and is left as it is"):
-        compile_too(made)
-
-
-@pytest.mark.parametrize(
-    ("kind", "spoil", "sentence"),
-    [
-        ("", "", "is no package that can be read"),
-        ("study", "", f"offers rollslip.study; a form is added to one module of {', '.join(COMPILED)}"),
-        ("traction", "pyproject.toml", "does not hold requires"),
-        ("traction", "traction.py", "cannot be used (ZeroDivisionError"),
-    ],
-)
-def test_a_package_that_takes_no_compiled_form_is_left_as_it_is(
-    kind: str, spoil: str, sentence: str, tmp_path: Path
-) -> None:
-    made = new("own-spoilt", kind, False, tmp_path) if kind else tmp_path
-    if spoil:
-        (path,) = made.rglob(spoil)
-        text = path.read_text(encoding="utf-8")
-        path.write_text(text.replace('"setuptools>=77"', '"setuptools"') if spoil[0] == "p" else f"{text}1 / 0\n")
-    before = sorted(made.rglob("*.*"))
-    with pytest.raises(FieldError) as error:
-        compile_too(made)
-    assert sentence in str(error.value)
-    assert sorted(path for path in made.rglob("*.*") if "__pycache__" not in path.parts) == before
-
-
-def test_a_marked_function_is_given_its_compiled_form(tmp_path: Path) -> None:
-    made = new("own-marked", "", False, tmp_path, law_file(tmp_path, DECORATED.replace('"mine"', '"own-marked"')))
-    left = compile_too(made)
-    assert left[2] == "3. and give @rollslip.model of it: kernel=_kernel.capsule"
-    assert "s.friction[i] = NAN" in (made / "src" / "own_marked" / "_kernel.pyx").read_text(encoding="utf-8")
-    assert "own-marked" not in available("traction")
 
 
 # Faults ---------------------------------------------------------------------------------------------------------------
@@ -370,8 +253,26 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    "kind", ["integrator", "engine", "thermal", "damage", "torque", "ring", "lubricant", "bearing", "surface"]
+    ("kind", "module"),
+    [
+        ("bearing", "rollslip_plugins.data.bearings"),
+        ("fit", "rollslip_plugins.data.fits"),
+        ("measurement", "rollslip_campaigns.measurement.sets"),
+        ("pressure-viscosity", "rollslip_plugins.pressure_viscosity"),
+        ("thermal", "rollslip_plugins.thermal"),
+    ],
 )
+def test_a_kind_without_a_template_leads_to_a_module_to_start_from(kind: str, module: str, tmp_path: Path) -> None:
+    with pytest.raises(FieldError) as error:
+        new("law", kind, False, tmp_path)
+    assert str(error.value) == (
+        f"kind: {kind!r} has no template; start from {module}, as docs/reference/plugins.rst shows"
+    )
+    assert importlib.util.find_spec(module) is not None
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["campaign", "integrator", "lubricant", "study"])
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
     with pytest.raises(FieldError, match=f"{kind} has no compiled form, only {', '.join(COMPILED)} have"):
         new("law", kind, True, tmp_path)

@@ -7,23 +7,19 @@ from shutil import copytree
 
 import pytest
 
-from rollslip.catalogue.scaffold import package
 from rollslip.errors import RollslipError, SceneError
 from rollslip_campaigns.measurement import QUANTITIES, load_measurement, load_measurements
 
 pytestmark = pytest.mark.quick
 
 BOX = Path(str(files("rollslip_campaigns.measurement.sets")))
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "my-rig"
 
 
 @pytest.fixture
-def written(tmp_path):
-    """The data set that the template writes, as its files: name -> text."""
-    texts = package("rollslip-my-rig", "measurement", compiled=False)
-    prefix = "src/rollslip_my_rig/data/"
-    found = {path.removeprefix(prefix): text for path, text in texts.items() if path.startswith(prefix)}
-    assert set(found) == {"measurement.toml", "scene.toml", "cage-slip.csv"}
-    return found
+def written():
+    """The data set of the documentation, as its files: name -> text."""
+    return {path.name: path.read_text(encoding="utf-8") for path in EXAMPLE.iterdir()}
 
 
 def read(folder: Path, texts):
@@ -33,12 +29,12 @@ def read(folder: Path, texts):
     return load_measurement(folder)
 
 
-def test_what_the_template_writes_is_a_data_set(written, tmp_path):
-    made = read(tmp_path / "data", written)
+def test_the_example_of_the_documentation_is_a_data_set():
+    made = load_measurement(EXAMPLE)
     assert made.name == "my-rig"
     [series] = made.series
-    assert [row.measured for row in series.rows] == [0.11, 0.067, 0.033, 0.012]
-    assert [row.uncertainty for row in series.rows] == [0.003, 0.0003, 0.0003, 0.0003]
+    assert [row.measured for row in series.rows] == [0.15, 0.12, 0.075, 0.03]
+    assert [row.uncertainty for row in series.rows] == [0.003, 0.003, 0.001, 0.0005]
     assert series.rows[0].changes == {"operation.radial_load": "150 N"}
     assert set(made.estimated) == {"lubricant.name", "bearing.radial_clearance"}
     assert not made.is_form
@@ -55,21 +51,21 @@ def test_equal_folders_give_equal_data_sets_wherever_they_stand(tmp_path):
 def test_the_error_of_reading_a_figure_adds_to_that_of_the_value(written, tmp_path):
     toml = written["measurement.toml"].replace('"computed" ', '"digitised"').replace("# reading_error", "reading_error")
     made = read(tmp_path / "data", written | {"measurement.toml": toml})
-    assert made.series[0].rows[0].uncertainty == pytest.approx((0.003**2 + (0.02 * 0.11) ** 2) ** 0.5, rel=1e-12)
+    assert made.series[0].rows[0].uncertainty == pytest.approx((0.003**2 + (0.02 * 0.15) ** 2) ** 0.5, rel=1e-12)
 
 
 #: File, what stands there, what stands there instead -> what is said.
 BROKEN = {
-    "a decimal comma": ("cage-slip.csv", "150, 11, 0.3", "150, 11, 0,3", "cage-slip.csv:2: 4 values under 3 columns"),
-    "a text": ("cage-slip.csv", "150, 11, 0.3", "150, high, 0.3", "cage-slip.csv:2: measured: 'high' is not a number"),
-    "NaN": ("cage-slip.csv", "150, 11, 0.3", "150, nan, 0.3", "cage-slip.csv:2: measured: 'nan' is not a number"),
-    "an empty cell": ("cage-slip.csv", "150, 11, 0.3", "150, , 0.3", "cage-slip.csv:2: measured: is empty"),
-    "a negative uncertainty": ("cage-slip.csv", "11, 0.3", "11, -0.3", "cage-slip.csv:2: uncertainty: must be above 0"),
-    "no uncertainty": ("cage-slip.csv", "11, 0.3", "11, 0", "cage-slip.csv:2: uncertainty: must be above 0"),
+    "a decimal comma": ("cage-slip.csv", "150, 15, 0.3", "150, 15, 0,3", "cage-slip.csv:2: 4 values under 3 columns"),
+    "a text": ("cage-slip.csv", "150, 15, 0.3", "150, high, 0.3", "cage-slip.csv:2: measured: 'high' is not a number"),
+    "NaN": ("cage-slip.csv", "150, 15, 0.3", "150, nan, 0.3", "cage-slip.csv:2: measured: 'nan' is not a number"),
+    "an empty cell": ("cage-slip.csv", "150, 15, 0.3", "150, , 0.3", "cage-slip.csv:2: measured: is empty"),
+    "a negative uncertainty": ("cage-slip.csv", "15, 0.3", "15, -0.3", "cage-slip.csv:2: uncertainty: must be above 0"),
+    "no uncertainty": ("cage-slip.csv", "15, 0.3", "15, 0", "cage-slip.csv:2: uncertainty: must be above 0"),
     "conditions twice": (
         "cage-slip.csv",
-        "200, 6.7",
-        "150, 6.7",
+        "200, 12",
+        "150, 12",
         "cage-slip.csv:3: the conditions of line 2 once more",
     ),
     "a wrong unit": ("cage-slip.csv", "measured [%]", "measured [mm]", "cage-slip.csv:1: measured: "),
@@ -93,7 +89,7 @@ BROKEN = {
     ),
     "an unknown key": ("cage-slip.csv", "operation.radial_load", "operation.radial_laod", "did you mean 'radial_load'"),
     "no key": ("cage-slip.csv", "operation.radial_load", "load", "'load' is no key of the scene"),
-    "a load that cannot be": ("cage-slip.csv", "150, 11", "-150, 11", "cage-slip.csv:2: operation.radial_load: "),
+    "a load that cannot be": ("cage-slip.csv", "150, 15", "-150, 15", "cage-slip.csv:2: operation.radial_load: "),
     "no source": ("measurement.toml", "references = [", "references_ = [", "source.references"),
     "no licence": ("measurement.toml", "licence = ", "# licence = ", "source.licence: missing, but required"),
     "an empty licence": ("measurement.toml", '"CC0 1.0" ', '" "', "source.licence: is empty"),
@@ -151,7 +147,7 @@ def test_a_broken_data_set_is_refused_in_words_with_its_place(fault, written, tm
 
 def test_all_faults_of_all_files_are_told_at_once(written, tmp_path):
     broken = written | {
-        "cage-slip.csv": written["cage-slip.csv"].replace("11, 0.3", "11, -0.3"),
+        "cage-slip.csv": written["cage-slip.csv"].replace("15, 0.3", "15, -0.3"),
         "measurement.toml": written["measurement.toml"].replace('"CC0 1.0" ', '" "'),
     }
     with pytest.raises(SceneError) as error:

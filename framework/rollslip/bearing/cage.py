@@ -17,7 +17,7 @@ import attrs
 from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
-from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
@@ -48,14 +48,6 @@ class Separator(abc.ABC):
 
 SEPARATOR: Final = Kind(
     name="separator", hook="separators", base=Separator,
-    template=Template(
-        summary="A separator of rollers",
-        contents="what is between neighbours, and how they rub",
-        use="rollslip new own.toml --bearing SL182210 && "
-        "rollslip run own.toml --set models.separator=${model}",
-        classes=("Separator",),
-        needs=("attrs>=24.2",),
-    ),
 )  # fmt: skip
 
 

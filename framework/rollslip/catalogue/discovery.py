@@ -19,7 +19,7 @@ import importlib.metadata
 import logging
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import cache
 from types import MappingProxyType, ModuleType
 from typing import Any, Final
@@ -277,15 +277,3 @@ def add(kind: str, thing: Any, *, replace: bool = False) -> None:
         whose = "in this process" if taken[0].package == THIS_PROCESS else f"by package {taken[0].package}"
         raise PluginError(f"{kind} {thing.name!r} is offered {whose} already; rename yours, or set replace=True")
     _registered[kind, thing.name] = thing
-
-
-@contextmanager
-def taken_back() -> Iterator[dict[tuple[str, str], Any]]:
-    """Give what is offered in this process meanwhile, by kind and name, and forget it at the end."""
-    before, offered = dict(_registered), dict[tuple[str, str], Any]()
-    try:
-        yield offered
-    finally:
-        offered |= {key: thing for key, thing in _registered.items() if before.get(key) is not thing}
-        _registered.clear()
-        _registered.update(before)

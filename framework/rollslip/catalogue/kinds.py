@@ -7,17 +7,20 @@
 """
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from typing import Any
 
 import attrs
 
-from rollslip.catalogue.installed import by_package, kinds
+from rollslip.catalogue.installed import by_package, installed, kinds
 from rollslip.errors import PluginError, UnknownNameError, in_words, nearest
 
-__all__ = ["Kind", "Template", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds", "usable_kinds"]
+__all__ = [
+    "Kind", "Template", "built_in_module", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds",
+    "usable_kinds",
+]  # fmt: skip
 
 
 @attrs.frozen(kw_only=True)
@@ -27,12 +30,9 @@ class Template:
     summary: str  #: What it is.
     contents: str  #: What its module holds.
     use: str  #: Command that uses it, with ``${model}`` in place of its name.
-    classes: tuple[str, ...] = ()  #: Classes that its files import, and whose names are taken.
     needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")  #: What it requires beside rollslip.
     compiled: bool = False  #: Whether there is a form compiled against ``rollslip.h``.
     beside: tuple[str, ...] = ()  #: Further modules beside that of the model.
-    #: Further files of the module: path -> template. Package data.
-    files: Mapping[str, str] = attrs.field(factory=dict)
     #: Package in whose folder ``templates`` they are, each as ``NAME.in``; what is not there is that of the box.
     package: str = "rollslip.catalogue"
 
@@ -46,7 +46,8 @@ class Kind:
     base: Any  #: What a class of this kind derives from, or a named value is an instance of.
     data: bool = False  #: Whether named values are offered, not classes.
     waits: bool = False  #: Whether a class is taken as it is, since its fields wait for what a user asks.
-    template: Template | None = None  #: How a new package of it is written; None if there is no such package.
+    listed: bool = True  #: Whether a scene or a command names something of it, so that ``rollslip models`` lists it.
+    template: Template | None = None  #: How a new package of it is written; None if its author starts from another.
     #: Whether a scene gives parameters of its classes that are not set (`rollslip.models.from_scene`).
     from_scene: bool = False
     check: Callable[[Any], str] = lambda _: ""  #: Says what else is wrong with a class of it; empty for nothing.
@@ -121,9 +122,13 @@ def usable_kinds() -> tuple[Kind, ...]:
 
 def offered_kinds() -> list[str]:
     """Return the kinds that a scene or a command names something of; what waits for a user is a command itself."""
-    ours = {name for name, of in by_package().items() if "rollslip" in of}
-    shown = [kind for kind in usable_kinds() if kind.template is not None or kind.name not in ours]
-    return [kind.name for kind in shown if not kind.waits]
+    return [kind.name for kind in usable_kinds() if kind.listed and not kind.waits]
+
+
+def built_in_module(kind: str) -> str:
+    """Return a module by which rollslip itself offers something of a kind; an empty string where there is none."""
+    modules = (offer.module for offer in installed() if (offer.kind, offer.package) == (kind, "rollslip"))
+    return next(modules, "").partition(":")[0]
 
 
 def kind_of(thing: object) -> Kind | None:

@@ -30,54 +30,52 @@ def _columns_fault(law: Any) -> str:
     return ""
 
 
-def _law(name: str, base: Any, hook: str, summary: str, key: str, *classes: str) -> Kind:
-    """Return a kind of laws with a compiled form, which a scene names by a key."""
-    contents, use = "the law in NumPy, what it reads and where it is defined", _SCENE.format(key)
-    template = Template(summary=summary, contents=contents, use=use, classes=(base.__name__, *classes), compiled=True)
-    return Kind(
-        name=name,
-        hook=hook,
-        base=base,
-        template=template,
-        from_scene=base is not PressureViscosity,
-        check=_columns_fault,
-    )
+def _law(name: str, base: Any, hook: str, template: Template | None = None) -> Kind:
+    """Return a kind of laws with a compiled form."""
+    from_scene = base is not PressureViscosity
+    return Kind(name=name, hook=hook, base=base, template=template, from_scene=from_scene, check=_columns_fault)
 
 
-def _data(name: str, base: Any, summary: str, contents: str, use: str, whose: str = "its data") -> Kind:
-    """Return a kind of named values, which need nothing but rollslip."""
-    template = Template(summary=summary, contents=f"{contents} and the sources of {whose}", use=use, needs=())
-    return Kind(name=name, hook=f"{name}s", base=base, data=True, template=template)
+def _law_template(summary: str, key: str) -> Template:
+    """Return the template of a kind of laws that a scene names by a key."""
+    contents = "the law in NumPy, what it reads and where it is defined"
+    return Template(summary=summary, contents=contents, use=_SCENE.format(key), compiled=True)
 
 
-CONTACT: Final = _law("contact", ContactModel, "contact_models", "A contact model", "models.contact", "SliceModel")
-FILM: Final = _law("film", FilmModel, "film_models", "A film model", "models.film")
-PRESSURE: Final = _law(
-    "pressure", PressureModel, "pressure_models", "A model of the pressure in a film", "models.pressure"
+def _data(name: str, base: Any, hook: str, template: Template | None = None, listed: bool = True) -> Kind:
+    """Return a kind of named values."""
+    return Kind(name=name, hook=hook, base=base, data=True, template=template, listed=listed)
+
+
+CONTACT: Final = _law("contact", ContactModel, "contact_models", _law_template("A contact model", "models.contact"))
+FILM: Final = _law("film", FilmModel, "film_models", _law_template("A film model", "models.film"))
+PRESSURE: Final = _law("pressure", PressureModel, "pressure_models")
+TRACTION: Final = _law(
+    "traction",
+    TractionModel,
+    "traction_models",
+    _law_template("A traction model", "models.traction.hydrodynamic"),
 )
-TRACTION: Final = _law("traction", TractionModel, "traction_models", "A traction model", "models.traction.hydrodynamic")
-PRESSURE_VISCOSITY: Final = _law(
-    "pressure-viscosity", PressureViscosity, "pressure_viscosity_laws", "A law of viscosity under pressure",
-    "lubricant.pressure_viscosity_law",
-)  # fmt: skip
-DRAG: Final = Kind(
-    name="drag", hook="drag_models", base=Drag, from_scene=True, check=_columns_fault,
-    template=Template(
-        summary="A drag model", contents="the law", use=_PYTHON.format("drag"), classes=("DragModel",), needs=_ATTRS,
-        compiled=True,
+PRESSURE_VISCOSITY: Final = _law("pressure-viscosity", PressureViscosity, "pressure_viscosity_laws")
+DRAG: Final = _law(
+    "drag",
+    Drag,
+    "drag_models",
+    Template(summary="A drag model", contents="the law", use=_PYTHON.format("drag"), needs=_ATTRS, compiled=True),
+)
+RING: Final = Kind(name="ring", hook="ring_models", base=RingModel)
+LUBRICANT: Final = _data(
+    "lubricant",
+    Lubricant,
+    "lubricants",
+    Template(
+        summary="A lubricant",
+        contents="the oil and the sources of its data",
+        use=_SCENE.format("lubricant.name"),
+        needs=(),
     ),
-)  # fmt: skip
-RING: Final = Kind(
-    name="ring", hook="ring_models", base=RingModel,
-    template=Template(
-        summary="A model of rings that yield",
-        contents="the shapes in which a ring yields, with their stiffness",
-        use="rollslip run 1032930-70C --set models.outer_ring=${model}",
-        classes=("RingModel", "RingShapes"),
-    ),
-)  # fmt: skip
-LUBRICANT: Final = _data("lubricant", Lubricant, "A lubricant", "the oil", _SCENE.format("lubricant.name"))
-BEARING: Final = _data("bearing", BearingData, "A bearing", "the bearing", _PYTHON.format("bearing"))
-SURFACE: Final = _data("surface", SurfaceData, "Surfaces", "their roughness", _PYTHON.format("surface"), whose="it")
-FIT: Final = Kind(name="fit", hook="fits", base=FitData, data=True)
-SCENE: Final = Kind(name="scene", hook="scenes", base=SceneData, data=True)
+)
+BEARING: Final = _data("bearing", BearingData, "bearings")
+SURFACE: Final = _data("surface", SurfaceData, "surfaces")
+FIT: Final = _data("fit", FitData, "fits", listed=False)
+SCENE: Final = _data("scene", SceneData, "scenes", listed=False)

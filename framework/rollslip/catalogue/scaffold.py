@@ -2,7 +2,7 @@
 
 - The files are templates beside the framework with the placeholders of `string.Template`; a line that begins with
   ``@compiled`` or ``@python`` belongs to packages with or without a compiled form only.
-- Of several laws in one package each has a module, tests and an entry point of its own.
+- Each kind has a module, tests and an entry point of its own, which are called after the kind.
 - The name given is the distribution's; module, model and class follow from it, so there is nothing to fill in. The
   model leaves out "rollslip-", with which distributions are found on an index: ``rollslip-cross`` offers ``cross``.
 - A compiled package names rollslip among its build requirements, because it needs the header of the version it will
@@ -15,29 +15,29 @@ import importlib.util
 import keyword
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Final
 
-from rollslip.catalogue.compiled_form import add_compiled
 from rollslip.catalogue.discovery import catalogue
-from rollslip.catalogue.kinds import Template as Texts
-from rollslip.catalogue.kinds import check_kind, get_kind, usable_kinds
-from rollslip.catalogue.law_file import class_name, read_law_file
+from rollslip.catalogue.kinds import Template as KindTemplate
+from rollslip.catalogue.kinds import built_in_module, check_kind, get_kind, usable_kinds
 from rollslip.errors import OutputError, PluginError
 from rollslip.fields import FieldError
 
-#: Classes that the files of every kind import.
-_TAKEN: Final = frozenset({"Chain", "ClassVar", "Conditions", "Conformance", "MappingProxyType", "Slices"})
+__all__ = ["new", "package"]
+
+#: Package whose templates are those of every kind.
+_COMMON: Final = "rollslip.catalogue"
 
 
-def new(name: str, kind: str, compiled: bool, folder: Path, law: Path | None = None) -> Path:
-    """Write the package of a new plugin."""
+def new(name: str, kinds: str, compiled: bool, folder: Path) -> Path:
+    """Write the package of a new plugin; ``name``, ``kinds`` and ``compiled`` are those of `package`."""
     from rollslip.files import blamed, whole
 
-    texts = package(name, kind, compiled, law)
+    texts = package(name, kinds, compiled)
     target = folder / name
     if target.exists() or target.is_symlink():
         raise OutputError(f"{target}: exists, and is left as it is; choose another name or folder, or remove it")
@@ -51,135 +51,124 @@ def new(name: str, kind: str, compiled: bool, folder: Path, law: Path | None = N
     return target
 
 
-def compile_too(folder: Path) -> list[str]:
-    """Add the frame of a compiled form to a package, and return what is left to do; see `add_compiled`."""
-    return add_compiled(folder, _requirement())
-
-
-def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> dict[str, str]:
+def package(name: str, kinds: str, compiled: bool) -> dict[str, str]:
     """Return the files of a new package, path -> text, without writing any.
 
-    ``kind`` may be several, with commas between, each with a model's name behind a colon where that is another than the
-    package's: "film,traction:ramp".
+    Parameters
+    ----------
+    name : str
+        Name of the package.
+    kinds : str
+        What it offers: kinds with commas between them, each with the name of its model after a colon where that is not
+        the name of the package: "film,traction:ramp".
+    compiled : bool
+        Whether its laws have a compiled form.
     """
-    of = None if law is None else read_law_file(law)
-    if of is not None:
-        if kind not in ("", of.kind):
-            raise FieldError("kind", f"{law} offers models of kind {of.kind!r}, not {kind!r}; leave it out")
-        if compiled:
-            raise FieldError("compiled", f"the law of {law} is in Python alone; leave it out, and add it later")
-        kind = of.kind
-    own, module = name.removeprefix("rollslip-"), name.replace("-", "_")
-    wanted = [(one.partition(":")[0], one.partition(":")[2] or own) for one in kind.split(",")]
-    for kind, model in wanted:
-        _check(name, kind, compiled, {model: class_name(model)} if of is None else of.classes)
-    offers, modules = dict[tuple[str, str], str](), dict[str, str]()
-    for kind, model in wanted:
-        file = kind.replace("-", "_")
-        stem = file if file not in offers.values() else f"{file}_{model.replace('-', '_')}"
-        if (kind, model) in offers or (stem != file and _texts(kind).files):
-            raise FieldError("kind", f"a package takes one {kind} called {model!r} from a template")
-        for called in [model] if of is None else of.classes:
-            offers[kind, called] = modules[called] = stem
-    requirement, groups = _requirement(), dict[str, list[str]]()
-    for (kind, model), stem in offers.items():
-        groups.setdefault(kind, []).append(f'{model} = "{module}.{stem}"')
-    about = {kind: _texts(kind) for kind in groups}
-    one, summaries = next(iter(offers)), [texts.summary for texts in about.values()]
-    needs = dict.fromkeys([*(need for texts in about.values() for need in texts.needs), requirement])
-    data = dict.fromkeys(file for texts in about.values() for file in _package_data(texts, compiled))
+    models = _models(name, kinds)
+    templates = {kind: _template(kind, compiled) for kind in models}
+    _check_name(name)
+    for kind, model in models.items():
+        _check_model(kind, model, name if name.endswith(model) else model, templates[kind])
+    module, requirement = name.replace("-", "_"), _requirement()
+    summaries = [template.summary for template in templates.values()]
+    needs = dict.fromkeys([*(need for template in templates.values() for need in template.needs), requirement])
     values = {
         "name": name,
         "module": module,
-        "model": one[1],
-        "called": " and ".join(f"`{model}`" for model in dict.fromkeys(model for _, model in offers)),
+        "model": next(iter(models.values())),
+        "called": " and ".join(f"`{model}`" for model in dict.fromkeys(models.values())),
         "points": "\n\n".join(
-            "\n".join([f'[project.entry-points."rollslip.{kind.replace("-", "_")}"]', *points])
-            for kind, points in groups.items()
+            f'[project.entry-points."rollslip.{_file(kind)}"]\n{model} = "{module}.{_file(kind)}"'
+            for kind, model in models.items()
         ),
-        "start": "What it starts with is real; put yours in its\nplace." if of is None else "Its law is yours.",
-        "numbers": ", and numbers that do not come from its code" if of is None else "",
-        "tests": "\n\n\n".join(
-            f'class Test{cls}(Conformance):\n    models = [rollslip.get_model("{one[0]}", "{model}")]'
-            for model, cls in (of.classes.items() if of else ())
-        ),
-        "summary": " and ".join([*summaries[:1], *(f"{text[:1].lower()}{text[1:]}" for text in summaries[1:])]),
-        "contents": "\n".join(
-            f"- `src/{module}/{stem}.py`: {about[kind].contents}."
-            for stem, (kind, _) in {stem: offer for offer, stem in offers.items()}.items()
-        ),
-        "use": "\n    ".join(Template(about[kind].use).substitute(model=model) for kind, model in offers),
-        "package_data": ", ".join(f'"{file}"' for file in data),
+        "summary": " and ".join([summaries[0], *(f"{text[:1].lower()}{text[1:]}" for text in summaries[1:])]),
+        "contents": "\n".join(f"- `src/{module}/{_file(kind)}.py`: {one.contents}." for kind, one in templates.items()),
+        "use": "\n    ".join(Template(templates[kind].use).substitute(model=model) for kind, model in models.items()),
+        "package_data": '"py.typed", "*.pyi"' if compiled else '"py.typed"',
         "dependencies": ", ".join(f'"{need}"' for need in needs),
         "requirement": requirement,
+        "kernels": ", ".join(f'"_{_file(kind)}"' for kind in models),
     }
-    alone = len(set(offers.values())) == 1
-    kernels = {stem: "_kernel" if alone else f"_{stem}" for stem in offers.values()}
-    values["kernels"] = ", ".join(f'"{kernel}"' for kernel in kernels.values())
-    found = dict[str, str]()
-    for (kind, model), stem in offers.items():
-        file, mine = kind.replace("-", "_"), {"kind": kind, "model": model, "cls": class_name(model), "file": stem}
-        for path, text in _templates(kind, module, compiled, of is not None):
-            filled = Template(_only(text, "compiled" if compiled else "python")).substitute(
-                values | mine | {"file": stem}
-            )
-            if path.endswith(f"/{file}.py") or "_kernel." in path or path.startswith("tests/"):
-                filled = filled.replace("_kernel", kernels[stem]).replace(f"{module}.{file} ", f"{module}.{stem} ")
-                path = path.replace("_kernel.", f"{kernels[stem]}.").replace(f"/{file}.py", f"/{stem}.py")
-                path = path if alone or "/test_" not in path else f"tests/test_{module}_{stem}.py"
-            found.setdefault(path, filled)
-    return found if of is None else found | {f"src/{module}/{stem}.py": of.module}
+    texts = {f"src/{module}/py.typed": ""}
+    for path, file in _common_files(module, compiled).items():
+        texts[path] = _filled(_COMMON, file, values, compiled)
+    for kind, model in models.items():
+        own = values | {"model": model, "cls": _class_name(model)}
+        for path, file in _files(kind, templates[kind], module, compiled).items():
+            texts[path] = _filled(templates[kind].package, file, own, compiled)
+    return texts
 
 
-def _package_data(about: Texts, compiled: bool) -> list[str]:
-    folders = dict.fromkeys(path.rpartition("/")[0] for path in about.files)
-    return ["py.typed", *(["*.pyi"] if compiled else []), *(f"{folder}/*" for folder in folders)]
+def _models(name: str, kinds: str) -> dict[str, str]:
+    """Return the names of models by kind."""
+    models = dict[str, str]()
+    for wanted in kinds.split(","):
+        kind, _, model = wanted.partition(":")
+        if kind in models:
+            raise FieldError("kind", f"a package takes one {kind} from a template; write a second one beside it")
+        models[kind] = model or name.removeprefix("rollslip-")
+    return models
 
 
-def _templates(kind: str, module: str, compiled: bool, given: bool) -> Iterator[tuple[str, str]]:
-    """Path in the package and template of every file."""
-    source, file = f"src/{module}", kind.replace("-", "_")
-    wanted = {
+def _template(kind: str, compiled: bool) -> KindTemplate:
+    """Return how a package of a kind is written, or refuse a kind of which none is."""
+    try:
+        check_kind(kind)
+    except PluginError as error:
+        raise FieldError("kind", str(error)) from error
+    template = get_kind(kind).template
+    if template is None:
+        start = built_in_module(kind) or "another package that offers one"
+        raise FieldError("kind", f"{kind!r} has no template; start from {start}, as docs/reference/plugins.rst shows")
+    if compiled and not template.compiled:
+        able = ", ".join(one.name for one in usable_kinds() if one.template and one.template.compiled)
+        raise FieldError("compiled", f"{kind} has no compiled form, only {able} have; leave it out")
+    return template
+
+
+def _file(kind: str) -> str:
+    """Return the name of the module, and of the group of entry points, of a kind: neither takes hyphens."""
+    return kind.replace("-", "_")
+
+
+def _class_name(model: str) -> str:
+    """Return what the class of a model is called."""
+    return "".join(word.capitalize() for word in model.replace("_", "-").split("-"))
+
+
+def _common_files(module: str, compiled: bool) -> dict[str, str]:
+    """Return the files of a package of any kind: path -> template."""
+    return {
         "pyproject.toml": "pyproject.toml",
         "README.md": "README.md",
         "LICENSE": "LICENSE",
         ".github/workflows/wheels.yml": "wheels.yml",
         ".gitignore": "gitignore",
-        f"{source}/__init__.py": "init.py",
-        f"{source}/{file}.py": f"{file}.py",
-        f"tests/test_{module}.py": "test_law.py" if given else f"test_{file}.py",
+        f"src/{module}/__init__.py": "init.py",
+        **({"setup.py": "setup.py"} if compiled else {}),
     }
-    wanted |= {f"{source}/{beside}.py": f"{beside}.py" for beside in _texts(kind).beside}
-    wanted |= {f"{source}/{path}": template for path, template in _texts(kind).files.items()}
-    if compiled:
-        wanted |= {
-            "setup.py": "setup.py",
-            f"{source}/_kernel.pyx": f"{file}.pyx",
-            f"{source}/_kernel.pyi": f"{file}.pyi",
-        }
-    yield f"{source}/py.typed", ""
-    for path, template in wanted.items():
-        places = [files(of) / "templates" / f"{template}.in" for of in (_texts(kind).package, "rollslip.catalogue")]
-        yield path, next(place for place in places if place.is_file()).read_text(encoding="utf-8")
 
 
-def _texts(kind: str) -> Texts:
-    texts = get_kind(kind).template
-    if texts is None:
-        raise FieldError("kind", f"packages of kind {kind!r} cannot be written from a template")
-    return texts
+def _files(kind: str, template: KindTemplate, module: str, compiled: bool) -> dict[str, str]:
+    """Return the files of a kind: path -> template."""
+    file = _file(kind)
+    found = {f"src/{module}/{name}.py": f"{name}.py" for name in (file, *template.beside)}
+    found[f"tests/test_{file}.py"] = f"test_{file}.py"
+    return found | ({f"src/{module}/_{file}.{end}": f"{file}.{end}" for end in ("pyx", "pyi")} if compiled else {})
 
 
-def _only(text: str, mark: str) -> str:
-    """Return a template without the lines of the other mark, and without the marks."""
+def _read(package: str, file: str) -> str:
+    return (files(package) / "templates" / f"{file}.in").read_text(encoding="utf-8")
+
+
+def _filled(package: str, file: str, values: Mapping[str, str], compiled: bool) -> str:
+    """Return a template with its placeholders filled, without the lines of the other form."""
     kept = []
-    for line in text.splitlines():
+    for line in _read(package, file).splitlines():
         marked = re.match(r"@(compiled|python)(?: |$)", line)
-        if marked is None:
-            kept.append(line)
-        elif marked[1] == mark:
-            kept.append(line[marked.end() :])
-    return "".join(f"{line}\n" for line in kept)
+        if marked is None or (marked[1] == "compiled") == compiled:
+            kept.append(line if marked is None else line[marked.end() :])
+    return Template("".join(f"{line}\n" for line in kept)).substitute(values)
 
 
 def _requirement() -> str:
@@ -187,15 +176,8 @@ def _requirement() -> str:
     return "rollslip>=" + ".".join(importlib.metadata.version("rollslip").split(".")[:2])
 
 
-def _check(name: str, kind: str, compiled: bool, classes: Mapping[str, str]) -> None:
-    """Refuse what would give a package that cannot be installed, imported or told apart."""
-    try:
-        check_kind(kind)
-    except PluginError as error:
-        raise FieldError("kind", str(error)) from error
-    if compiled and not _texts(kind).compiled:
-        able = ", ".join(one.name for one in usable_kinds() if one.template and one.template.compiled)
-        raise FieldError("compiled", f"{kind} has no compiled form, only {able} have; leave it out")
+def _check_name(name: str) -> None:
+    """Refuse the name of a package that cannot be installed or imported."""
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name, re.ASCII):
         better = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-0123456789")
         hint = f"; {better!r} would do" if better else ""
@@ -211,22 +193,23 @@ def _check(name: str, kind: str, compiled: bool, classes: Mapping[str, str]) -> 
         raise FieldError(
             "name", f"a module {module!r} is installed already, and one would hide the other; choose another name"
         )
-    for model, cls in classes.items():
-        called = name if name.endswith(model) else model
-        if not cls.isidentifier():
+
+
+def _check_model(kind: str, model: str, called: str, template: KindTemplate) -> None:
+    """Refuse the name of a model whose class would hide another one, and one that is taken."""
+    cls = _class_name(model)
+    if not cls.isidentifier():
+        raise FieldError("name", f"{called!r} would make a class {cls!r}, which begins with a digit; choose another")
+    if cls.startswith("Test"):
+        raise FieldError("name", f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise")
+    texts = [_read(template.package, file) for file in _files(kind, template, "", False).values()]
+    imports = re.findall(r"^ *(?:from|import) .*", "\n".join(texts), re.MULTILINE)
+    if re.search(rf"\b{cls}\b", "\n".join(imports)):
+        raise FieldError("name", f"{called!r} would make a class {cls!r} beside rollslip's own; choose another")
+    for offer in catalogue():
+        if (offer.kind, offer.name) == (kind, model):
             raise FieldError(
-                "name", f"{called!r} would make a class {cls!r}, which begins with a digit; choose another"
+                "name",
+                f"package {offer.package} offers a {kind} called {model!r} already, and of two of one name "
+                "rollslip takes none; choose another",
             )
-        if cls.startswith("Test"):
-            raise FieldError(
-                "name", f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise"
-            )
-        if cls in _TAKEN.union(_texts(kind).classes):
-            raise FieldError("name", f"{called!r} would make a class {cls!r} beside rollslip's own; choose another")
-        for offer in catalogue():
-            if (offer.kind, offer.name) == (kind, model):
-                raise FieldError(
-                    "name",
-                    f"package {offer.package} offers a {kind} called {model!r} already, and of two of one name "
-                    "rollslip takes none; choose another",
-                )

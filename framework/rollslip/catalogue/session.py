@@ -1,7 +1,8 @@
 """Models of a notebook or a script: used by name like installed ones, without a package.
 
 - Registration lasts as long as the process, so results name such a model as "unpackaged": their files alone do not
-  bring it back. A package does, whose entry point names the module that registers; ``rollslip plugins new`` writes one.
+  bring it back. A package does: ``rollslip plugins new`` writes one, and its entry point names the module that
+  registers, as it is.
 - A taken name is an error unless it is replaced on purpose: a scene must not change its meaning behind one's back.
 """
 

@@ -283,30 +283,13 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
 @plugins.command("new")
 @click.argument("name")
 @click.option(
-    "--kind", "kinds", metavar="KIND[:MODEL]", multiple=True,
+    "--kind", "kinds", metavar="KIND[:MODEL]", multiple=True, required=True,
     help="What it offers: traction, film, contact ...; may be repeated, with the names of models.",
 )  # fmt: skip
 @click.option("--compiled", is_flag=True, help="With a compiled form in Cython.")
-@click.option(
-    "--from",
-    "law",
-    metavar="FILE",
-    type=click.Path(path_type=Path),
-    help="Python file with functions under @rollslip.model, which become the models of the package.",
-)
-@click.option(
-    "--add-compiled", is_flag=True, help="To the package in folder NAME, add the frame of a compiled form in Cython."
-)
-def plugins_new(name: str, kinds: tuple[str, ...], compiled: bool, law: Path | None, add_compiled: bool) -> None:
+def plugins_new(name: str, kinds: tuple[str, ...], compiled: bool) -> None:
     """Write a complete, tested package called NAME into a new folder."""
-    from rollslip.catalogue.scaffold import compile_too, new
+    from rollslip.catalogue.scaffold import new
 
-    if add_compiled:
-        if kinds or compiled or law is not None:
-            raise click.UsageError("--add-compiled is for a package that is there; leave the other options out")
-        click.echo("\n".join(compile_too(Path(name))))
-        return
-    if not kinds and law is None:
-        raise click.UsageError("say --kind KIND, or --from FILE")
-    made = new(name, ",".join(kinds), compiled, Path.cwd(), law)
+    made = new(name, ",".join(kinds), compiled, Path.cwd())
     click.echo(f"written to {made}; its README says what comes next")

@@ -95,7 +95,7 @@ def explained(code: str) -> dict[str, str]:
 
 def kinds_of(name: str) -> list[str]:
     """Return the kinds in which something of this name is offered."""
-    named = [kind.name for kind in usable_kinds() if kind.template]  # with what waits for a user
+    named = [kind.name for kind in usable_kinds() if kind.listed]  # with what waits for a user
     offering = [kind for kind in named if name in available(kind)] or [
         kind for kind in offered_kinds() if get_kind(kind).data and _is_called(kind, name)
     ]

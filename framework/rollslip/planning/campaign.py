@@ -321,6 +321,5 @@ CAMPAIGN: Final = Kind(
         summary="A campaign",
         contents="the settings, of which command and function are made, and what they run",
         use="rollslip ${model} 1032930-70C",
-        classes=("Campaign", "OfScene"),
     ),
 )

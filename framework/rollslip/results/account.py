@@ -117,4 +117,4 @@ class Account:
 
 
 #: The kind of an account; packages that offer studies offer theirs.
-ACCOUNT: Final = Kind(name="account", hook="accounts", base=Account, data=True)
+ACCOUNT: Final = Kind(name="account", hook="accounts", base=Account, data=True, listed=False)

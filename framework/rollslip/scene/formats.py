@@ -65,7 +65,7 @@ class SceneFormat(abc.ABC):
 
 
 #: The kind of a file format.
-SCENE_FORMAT: Final = Kind(name="format", hook="scene_formats", base=SceneFormat, data=True)
+SCENE_FORMAT: Final = Kind(name="format", hook="scene_formats", base=SceneFormat, data=True, listed=False)
 
 
 def endings() -> dict[str, str]:

@@ -351,7 +351,6 @@ STUDY: Final = Kind(
         summary="A study",
         contents="the question, its outputs, and how it is run",
         use="rollslip run 1032930-70C --study ${model} --report",
-        classes=("Study", "Assembly", "Dataset", "Keep", "Output"),
         needs=("attrs>=24.2", "numpy>=2.0", "xarray>=2025.8"),
     ),
 )

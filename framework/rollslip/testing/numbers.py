@@ -202,7 +202,7 @@ def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
         raise Questionable(
             f"evaluate() takes {many:,} operations on columns for {len(slices)} slices and {less:,} for {len(few)}; "
             f"laws of the box without a compiled form take less than {OPERATIONS} for any number; {why}, or compile "
-            "it: rollslip plugins new FOLDER --add-compiled"
+            "it, as a package does that rollslip plugins new NAME --kind traction --compiled writes"
         )
 
 

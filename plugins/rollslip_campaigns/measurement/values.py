@@ -14,7 +14,7 @@ from typing import Final
 
 import attrs
 
-from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.kinds import Kind
 from rollslip.fields import field, one_of, positive
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
@@ -288,17 +288,5 @@ MEASUREMENT: Final = Kind(
     hook="measurements",
     base=Measurement,
     data=True,
-    template=Template(
-        summary="A data set to hold models against",
-        contents="the door; the data set is in the folder `data` beside it",
-        use="rollslip validate ${model}",
-        needs=(),
-        package="rollslip_campaigns.measurement",
-        files={
-            "data/measurement.toml": "measurement.toml",
-            "data/scene.toml": "measurement_scene.toml",
-            "data/cage-slip.csv": "measurement.csv",
-        },
-    ),
     rules="rollslip_campaigns.measurement.rules",
 )

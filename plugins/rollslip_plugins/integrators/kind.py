@@ -15,7 +15,6 @@ INTEGRATOR: Final = Kind(
         summary="An integrator",
         contents="the method with its source; `heun.py` beside it: the method as SciPy's `OdeSolver`",
         use="python -c \"import rollslip; print(rollslip.get_model('integrator', '${model}'))\"",
-        classes=("IntegratorModel", "HeunSolver", "Any"),
         needs=("attrs>=24.2", "numpy>=2.0", "scipy>=1.15"),
         beside=("heun",),
         package="rollslip_plugins.integrators",

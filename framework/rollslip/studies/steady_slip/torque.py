@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Catalogue
 from rollslip.errors import DomainError
@@ -173,10 +173,4 @@ TORQUE: Final = Kind(
     name="torque",
     hook="torque_formulas",
     base=TorqueFormula,
-    template=Template(
-        summary="A formula of the friction torque",
-        contents="its terms by load, speed, size and oil",
-        use="rollslip run 1032930-70C --study steady-slip --set models.torque=${model}",
-        classes=("TorqueFormula", "Duty"),
-    ),
 )

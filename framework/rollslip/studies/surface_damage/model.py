@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
 from rollslip.errors import DomainError
@@ -213,10 +213,4 @@ DAMAGE: Final = Kind(
     name="damage",
     hook="damage_models",
     base=DamageModel,
-    template=Template(
-        summary="A damage model",
-        contents="the measure, its unit and what it does not say",
-        use="rollslip run 1032930-70C --study surface-damage --set models.damage=${model}",
-        classes=("DamageModel", "Contacts"),
-    ),
 )

@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import SceneError
 from rollslip.references import Citation
@@ -118,10 +118,4 @@ THERMAL: Final = Kind(
     name="thermal",
     hook="thermal_models",
     base=ThermalModel,
-    template=Template(
-        summary="A thermal model",
-        contents="the nodes, and the heat that flows into each",
-        use="rollslip run 1032930-70C --study thermal-balance --set models.thermal=${model}",
-        classes=("ThermalModel",),
-    ),
 )
