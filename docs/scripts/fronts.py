@@ -20,7 +20,7 @@ from output import DOCS, write_table
 from rollslip import evolve, load_scene
 from rollslip.results.figures import save_plots
 from rollslip_campaigns.pareto import ParetoSettings
-from rollslip_campaigns.pareto.findings import findings, milliseconds, studies, taking_part
+from rollslip_campaigns.pareto.findings import ParetoAccount, milliseconds, studies, taking_part
 from rollslip_campaigns.pareto.pareto import run_family
 
 KEPT = DOCS.parent / "build" / "fronts"
@@ -77,7 +77,7 @@ def main():
             for figure in figures:
                 slug = f"{table.removeprefix('fronts_')}-{figure}".replace("-", "_").lower()
                 shutil.copy(Path(folder) / f"pareto-{figure}.svg", DOCS / "figures" / f"pareto_{slug}.svg")
-        print(*findings(dataset), sep="\n")
+        print(*ParetoAccount.sentences(dataset), sep="\n")
 
 
 if __name__ == "__main__":

@@ -18,10 +18,10 @@ import numpy as np
 from output import DOCS, write_table
 
 from rollslip import sweep
+from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip_campaigns.sweep.figures import models_apart
 from rollslip_campaigns.uncertainty import UncertaintySettings
-from rollslip_campaigns.uncertainty.findings import sentences
 from rollslip_campaigns.uncertainty.margin import run_margin
 
 SCENE = "1032930-70C"
@@ -57,7 +57,7 @@ if __name__ == "__main__":
         uncertainty_indices="margin_indices",
         uncertainty_convergence="margin_convergence",
     )
-    print("\n".join(sentences(found)))
+    print("\n".join(account_of(found).sentences(found)))
     quantities = ("drag reserve", "steady slip", "slip at which skidding begins", "critical slip")
     rows = []
     for name in quantities:

@@ -22,10 +22,12 @@ from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
-from rollslip_campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
+from rollslip_campaigns.comparison.findings import ComparisonAccount, _in_words, bin_tables, members, records
 from rollslip_plugins.traction.blend import LinearBlend
 from rollslip_plugins.traction.eyring import Muraki
 from without_bands import run
+
+findings = ComparisonAccount.sentences
 
 #: One slice a contact and few slips: quick, and still both rings, all rollers and a maximum.
 SCENE = evolve(
@@ -627,21 +629,22 @@ def test_what_was_compared_can_be_run_again_from_the_file(result):
 
 
 def test_tables_say_what_the_dataset_holds(result):
-    for (name, head, rows), curve in zip(tables(result), curve_names(result), strict=True):
-        assert name == curve
-        assert [row[0] for row in rows] == result.combination.values.tolist()
-        assert all(len(row) == len(head) for row in rows)
-        assert rows[-1][head.index("rms error")] == "reference"
-    for _, head, rows in bin_tables(result):
-        assert head[2:] == tuple(result.combination.values)
-        assert all(len(row) == len(head) for row in rows)
-        assert [row[0] for row in rows] == [name for name in result["bin"].values if name in {row[0] for row in rows}]
+    for table, curve in zip(account_of(result).tables(result), curve_names(result), strict=True):
+        assert table.caption.partition(",")[0] == curve
+        assert [row[0] for row in table.rows] == result.combination.values.tolist()
+        assert all(len(row) == len(table.head) for row in table.rows)
+        assert table.rows[-1][table.head.index("rms error")] == "reference"
+    for table in bin_tables(result):
+        assert table.head[2:] == tuple(result.combination.values)
+        assert all(len(row) == len(table.head) for row in table.rows)
+        names = [row[0] for row in table.rows]
+        assert names == [name for name in result["bin"].values if name in names]
 
 
 def test_differences_from_the_first_are_not_called_errors():
     found = compare(SCENE, traction="muraki,eyring", study="friction-curve")
     assert findings(found)[0] == "differences are from muraki"
-    assert "error" not in "".join(tables(found)[0][1])
+    assert "error" not in "".join(account_of(found).tables(found)[0].head)
     assert found["rms_error"].attrs["long_name"].startswith("relative difference from muraki")
     named = compare(SCENE, traction="muraki,eyring", reference="muraki", study="friction-curve")
     assert list(named.combination.values) == ["muraki", "eyring"]

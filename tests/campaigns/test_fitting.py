@@ -35,7 +35,7 @@ from rollslip.results.figures import save_plots
 from rollslip.scene import LubricantTable, ModelChoice, Models
 from rollslip.structure import Location
 from rollslip_campaigns.fit import least_squares
-from rollslip_campaigns.fit.findings import notes, parameter_rows, record
+from rollslip_campaigns.fit.findings import FitAccount, parameter_rows
 from rollslip_campaigns.fit.fit import fit_parameters
 from rollslip_campaigns.fit.least_squares import LEVELS, estimate
 from rollslip_campaigns.fit.oil import write_oil
@@ -460,7 +460,7 @@ def test_the_origin_and_every_number_are_in_the_dataset(tmp_path):
     assert rollslip.open_result(tmp_path / "fit.nc").identical(found)
     np.testing.assert_allclose(found["friction"] - found["fitted_friction"], found["residual"])
     assert found["operating_point"].to_numpy().tolist() == [k // 12 for k in range(48)]
-    json.dumps(record(found), allow_nan=False)
+    json.dumps(FitAccount.record(found), allow_nan=False)
 
 
 def test_curves_pass_through_the_fitted_friction():
@@ -535,7 +535,7 @@ def test_a_parameter_that_the_data_do_not_see_is_kept_and_named():
     assert np.isnan(one["standard_error"])
     alone = rollslip.fit(noisy(WARM), parameters="pressure_viscosity,eyring_stress", rig=RIG)
     np.testing.assert_allclose(found["value"][[0, 2]], alone["value"], rtol=1e-9)
-    said = record(found)["parameters"]["shear_modulus"]
+    said = FitAccount.record(found)["parameters"]["shear_modulus"]
     assert said["interval 95 %"] == [None, None]
     assert said["standard_error"] is None
 
@@ -556,7 +556,7 @@ def test_a_limit_on_one_side_only_is_said_in_words():
     assert 0 < low < 0.3e9
     assert np.isnan(high)
     assert parameter_rows(found)[0][4].startswith("above ")
-    assert record(found)["parameters"]["shear_modulus"]["interval 95 %"] == [low, None]
+    assert FitAccount.record(found)["parameters"]["shear_modulus"]["interval 95 %"] == [low, None]
 
 
 def test_parameters_that_stand_for_each_other_are_named_together():
@@ -590,7 +590,7 @@ def test_a_limit_that_is_hidden_by_the_bound_of_another_is_not_said_to_be_none()
     )
     assert said is not None
     assert re.fullmatch(r"9\.\d+ 1/GPa to \?", parameter_rows(found)[1][4])
-    assert record(found)["parameters"]["pressure_viscosity"]["interval 95 %"] == [low, None]
+    assert FitAccount.record(found)["parameters"]["pressure_viscosity"]["interval 95 %"] == [low, None]
     # what is said to do helps: from a start below which the range goes on, the limit is found, and beyond that place
     lower = attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data={**OIL.data, "viscosity_factor": 0.2}))
     again = rollslip.fit(data, parameters=names, rig=lower)
@@ -623,7 +623,7 @@ def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
     data = attrs.evolve(data, columns=data.columns | {"friction_uncertainty": np.full(16, 1e-4)})
     names = "viscosity_factor,pressure_viscosity"
     found = rollslip.fit(data, parameters=names, rig=RIG)
-    said = " ".join(notes(found))
+    said = " ".join(FitAccount.lines(found))
     factor = float(re.findall(r"stand for each other: .* error of either is (\S+) times", said)[0])
     table = dict(OIL.data) | {"pressure_viscosity_factor": float(found["value"][1] / found["start_value"][1])}
     alone = rollslip.fit(
@@ -631,7 +631,7 @@ def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
     )
     assert float(found["standard_error"][0] / alone["standard_error"][0]) == pytest.approx(factor, rel=0.03)
     assert "stand for each other" not in " ".join(
-        notes(rollslip.fit(noisy(), parameters="eyring_stress,flash", rig=RIG))
+        FitAccount.lines(rollslip.fit(noisy(), parameters="eyring_stress,flash", rig=RIG))
     )
 
 

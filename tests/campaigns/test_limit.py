@@ -173,11 +173,11 @@ def test_it_is_said_where_a_limit_is_kept(bearing, keep, said, edges):
     assert text.startswith(f"{keep} is kept ")
     assert said in text
     assert found.sizes["edge"] == edges
-    told = findings.record(found)
+    told = findings.LimitAccount.record(found)
     assert json.loads(json.dumps(told, allow_nan=False)) == told
     assert told["one_way"]
     assert len(told["kept"]) == (0 if "none" in said else 1)
-    assert findings.sentences(found)[1].startswith("half_width is monotonic over")
+    assert account_of(found).sentences(found)[1].startswith("half_width is monotonic over")
 
 
 def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_path):
@@ -211,7 +211,7 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
         made.sweep.table, engine="serial"))), tmp_path)  # fmt: skip
     assert (found.status.values != "ok").sum() == 1
     assert set(found.status.values) - {"ok"} <= {*FAILED}
-    text = " ".join(findings.sentences(found))
+    text = " ".join(account_of(found).sentences(found))
     assert "1 of " in text
     assert "points failed, which says nothing of the limit there" in text
     assert "no oil today" in text
@@ -263,19 +263,19 @@ def test_one_quantity_has_one_unit_in_one_answer(tmp_path, monkeypatch):
 
 def test_a_limit_that_is_passed_by_a_jump_is_told_with_what_the_study_says_of_both_sides(bearing):
     smooth = rollslip.limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
-    assert "jump" not in findings.topics(smooth)
-    assert "jump" not in findings.topics(
+    assert "jump" not in findings.LimitAccount.topics(smooth)
+    assert "jump" not in findings.LimitAccount.topics(
         rollslip.limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE | {"within": 0.3})
     )
     kept, passed = float(smooth.edge_kept[0]), float(smooth.edge_passed[0])
     beyond = smooth["searched"] >= passed
     words = np.where(beyond, "at least: no skidding", "found")
     jumped = smooth.assign(result=smooth["result"] + 1e-4 * beyond, result_status=("point", words))
-    (said,) = findings.topics(jumped)["jump"]
+    (said,) = findings.LimitAccount.topics(jumped)["jump"]
     at = [f"{1e3 * x:.4g} mm, where half_width is" for x in (kept, passed)]
     assert said.startswith(f"the result jumps across the limit between {at[0]} 60.")
     assert re.search(rf"um, and {at[1]} 15\d\.\d um \(at least: no skidding\)$", said)
-    assert said in findings.sentences(jumped)
+    assert said in account_of(jumped).sentences(jumped)
 
 
 def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):

@@ -26,6 +26,7 @@ from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import OutputError, PluginError, SceneError
 from rollslip.models import FilmModel, TractionModel
+from rollslip.results.accounts import account_of
 from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.results.style import STYLE
@@ -34,9 +35,11 @@ from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto import figures as front_figures
 from rollslip_campaigns.pareto import pareto as fronts
 from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED
-from rollslip_campaigns.pareto.findings import findings, records, results_of, tables
+from rollslip_campaigns.pareto.findings import ParetoAccount, records, results_of
 from rollslip_campaigns.pareto.pareto import front, run_family
 from rollslip_campaigns.sweep import journal
+
+findings = ParetoAccount.sentences
 
 #: Few slices and slips: quick, and still both rings, a profile and a maximum.
 SCENE = evolve(
@@ -314,7 +317,7 @@ def test_a_choice_that_fails_is_a_status_and_stops_no_other():
     assert found.difference.sel(choice=["raises", "film refuses"]).isnull().all()
     assert found.seconds.sel(choice="raises").isnull()
     assert any(warning.startswith("raises: failed") for warning in json.loads(found.attrs["warnings"]))
-    assert [row[-1] for row in tables(found)[-1][2] if row[0] == "raises"] == ["failed"]
+    assert [row[-1] for row in account_of(found).tables(found)[-1].rows if row[0] == "raises"] == ["failed"]
 
 
 def test_what_fails_without_the_finest_is_an_error():

@@ -216,7 +216,7 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     assert np.array_equal(np.isinf(slips), reserves < 1.0)
     assert np.isfinite(reserves).all()
     assert "of the samples the cage skids" in findings.reserve(found)
-    json.dumps(findings.record(found), allow_nan=False)
+    json.dumps(findings.UncertaintyAccount.record(found), allow_nan=False)
 
 
 @pytest.mark.parametrize(
@@ -308,7 +308,7 @@ def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
         assert float(np.nanmin(slip)) == pytest.approx(0.02, rel=5e-3)
     order = [str(name) for name in found.quantity.to_numpy()[:3]]
     assert order == ["drag reserve", "steady slip", "minimum load"]
-    assert [*findings.topics(found)][:3] == order
+    assert [*findings.UncertaintyAccount.topics(found)][:3] == order
 
 
 @pytest.mark.slow
@@ -325,7 +325,7 @@ def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them()
     assert float(told) == pytest.approx(spearmanr(alpha, away).statistic)
     assert float(found.strength_correlation) == pytest.approx(spearmanr(away, drag).statistic)
     assert float(found.strength_correlation) < -0.3
-    assert "ranks oils the wrong way round" in " ".join(findings.topics(found)["allowable slip"])
+    assert "ranks oils the wrong way round" in " ".join(findings.UncertaintyAccount.topics(found)["allowable slip"])
 
 
 def test_a_scene_without_any_scatter_says_what_to_write(monkeypatch):

@@ -34,11 +34,10 @@ from rollslip.scene.reading import parse_scene
 from rollslip.structure import resolved, scene_hash
 from rollslip.studies import study as studies
 from rollslip_campaigns.limit import LimitSettings
-from rollslip_campaigns.sweep import findings, point
+from rollslip_campaigns.sweep import point
 from rollslip_campaigns.sweep import run as sweep_run
 from rollslip_campaigns.sweep.definition import Resolutions, here
-from rollslip_campaigns.sweep.findings import axes, sentences
-from rollslip_campaigns.sweep.findings import record as sweep_record
+from rollslip_campaigns.sweep.findings import SweepAccount, axes
 from rollslip_campaigns.sweep.folder import begin, finish, status
 from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, journals, sessions, states
 from rollslip_campaigns.sweep.point import Done, _packed, compute
@@ -436,11 +435,11 @@ def test_ranges_are_told_in_the_units_of_people_and_kept_in_si():
     speeds = ("point", np.pi / 30 * np.array([4000.0, 5000.0, 6371.0]), {"units": "rad/s", "long_name": "cage speed"})
     other = ("point", np.array([1.0, 2.0, np.nan]), {"units": "kg/s", "long_name": "no unit in which people read"})
     found = xr.Dataset({"cage_speed": speeds, "flow": other}, attrs={"counts": '{"ok": 3}', "axes": '["point"]'})
-    assert sentences(found)[1:] == [
+    assert SweepAccount.sentences(found)[1:] == [
         "cage_speed: 4000 rpm to 6371 rpm, median 5000 rpm; 3 values, 0 without one",
         "flow: 1 kg/s to 2 kg/s, median 1.5 kg/s; 2 values, 1 without one",
     ]
-    assert sweep_record(found)["outputs"]["cage_speed"]["largest"] == pytest.approx(6371 * np.pi / 30)
+    assert SweepAccount.record(found)["outputs"]["cage_speed"]["largest"] == pytest.approx(6371 * np.pi / 30)
 
 
 def test_single_values_words_and_ragged_ones_come_together(tmp_path):
@@ -852,7 +851,7 @@ def test_what_has_no_value_says_why_most_of_them_have_none():
         {"ring": ["inner", "outer"], "load": [1.0, 2.0, 3.0]},
         {"axes": json.dumps(["load"]), "counts": json.dumps({"ok": 2, "crashed": 1})},
     )
-    assert findings.sentences(dataset) == [
+    assert SweepAccount.sentences(dataset) == [
         "2 ok, 1 crashed",
         "critical_cage_slip, inner ring: 20 % to 20 %, median 20 %; 1 value, 2 without one (rises at 0.4)",
         "critical_cage_slip, outer ring: none; 0 values, 3 without one (mostly no friction)",
@@ -942,7 +941,7 @@ def test_dimensions_have_plain_names_and_the_whole_key_and_older_results_are_tol
     for name in names.values():
         del older[name].attrs["key"]
     assert axes(older) == {key: key for key in names.values()}
-    assert sentences(older) == sentences(result)
+    assert SweepAccount.sentences(older) == SweepAccount.sentences(result)
 
 
 def test_names_tell_apart_keys_that_end_alike_and_what_a_study_gives():

@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip.engine import Engine
 from rollslip.errors import BusyError, EngineError, OutputError
-from rollslip_campaigns.sweep import findings as sweep_findings
+from rollslip_campaigns.sweep.findings import SweepAccount
 from rollslip_campaigns.sweep.folder import begin, finish, status
 from rollslip_campaigns.sweep.journal import (
     FAILED,
@@ -121,15 +121,15 @@ def counted(sweep, folder):
     }
     assert len(status(folder, errors=1).errors) == min(1, len(told.errors))
     words = ", ".join(f"{counts[name]} {name}" for name in (*STATUSES, "pending") if counts[name])
-    assert sweep_findings.topics(dataset)["points"] == [words]
-    assert {name: count for name, count in sweep_findings.record(dataset)["counts"].items() if count} == dict(counts)
+    assert SweepAccount.topics(dataset)["points"] == [words]
+    assert {name: count for name, count in SweepAccount.record(dataset)["counts"].items() if count} == dict(counts)
     left = json.loads(dataset.attrs["left"])
     warnings = [text for text in json.loads(dataset.attrs["warnings"]) if text not in left]
     assert bool(left) == (counts["ok"] > 0), "laws are judged where points have a result"
     assert bool(warnings) == (counts["ok"] < size)
     assert not warnings or warnings[0].startswith(f"{size - counts['ok']} of {size} points have no result: ")
     if "friction" in dataset:
-        ranges = sweep_findings.record(dataset)["outputs"]["friction"]
+        ranges = SweepAccount.record(dataset)["outputs"]["friction"]
         each = dataset["friction"].size // size
         assert ranges["missing"] == each * (size - counts["ok"])
         assert ranges["values"] == each * counts["ok"]

@@ -28,12 +28,12 @@ from rollslip.scene.reading import load_scene
 from rollslip.units import quantity
 from rollslip_campaigns.sweep import folder as swept
 from rollslip_campaigns.sweep.figures import models_apart
-from rollslip_campaigns.sweep.findings import sentences as sweep_sentences
+from rollslip_campaigns.sweep.findings import SweepAccount
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
 from rollslip_campaigns.sweep.run import Progress, Settled
 from rollslip_campaigns.uncertainty import UncertaintySettings, estimators
 from rollslip_campaigns.uncertainty import margin as allowable
-from rollslip_campaigns.uncertainty.findings import failed, record, sentences
+from rollslip_campaigns.uncertainty.findings import UncertaintyAccount, failed
 from rollslip_campaigns.uncertainty.margin import expected_seconds, run_margin
 from rollslip_studies.effective_friction.study import CLOSURES
 
@@ -162,7 +162,7 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
     assert [row[-1] for row in decides.rows] == [f"{rank:+.2f}" for rank in ranks]
     assert found.margin_low == pytest.approx(0.025 ** (1 / 32))  # Clopper and Pearson where all of 32 hold
     assert rollslip.open_result(tmp_path / "kept" / "uncertainty.nc").identical(found)
-    json.dumps(record(found), allow_nan=False)
+    json.dumps(UncertaintyAccount.record(found), allow_nan=False)
 
 
 def _points(status, slips):
@@ -222,7 +222,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     options = {"samples": count, "probability": 0.9, "indices": 4}
     found, said = _of_points(points, monkeypatch, tmp_path / "made", **options)
     assert float(found.allowable_slip) == np.inf
-    _, first, *_, indices = sentences(found)
+    _, first, *_, indices = account_of(found).sentences(found)
     begin = (
         "the allowable slip lies beyond the range of slips, 95 %: so does the slip at which skidding begins with "
         "probability 0.9"
@@ -234,8 +234,10 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     assert said[0] == f"{count} samples: allowable slip beyond the range, " + (
         "too few for the low end of its interval" if count == 8 else "95 %: from beyond the range on"
     )
-    assert record(found)["allowable_slip"] == {"value": None, "low": None, "high": None, "status": first}
-    assert not any(word in text for text in [*sentences(found), *said] for word in ("inf", "nan", "at most more"))
+    allowed = UncertaintyAccount.record(found)["allowable_slip"]
+    assert allowed == {"value": None, "low": None, "high": None, "status": first}
+    told = [*account_of(found).sentences(found), *said]
+    assert not any(word in text for text in told for word in ("inf", "nan", "at most more"))
     printed, _ = account_of(found).tables(found)
     assert [row[0] for row in printed.rows] == ["peak friction, inner ring", "peak friction, outer ring"]
     files = save_plots(found, tmp_path)
@@ -260,7 +262,7 @@ def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not
         return _points(np.where(every_other, status, "ok"), slips)
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.5)
-    _, first, *_ = sentences(found)
+    _, first, *_ = account_of(found).sentences(found)
     assert first.startswith("a cage that slips by at most ")
     assert said in first
 
@@ -318,7 +320,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
         patch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False))
         patch.setattr(swept, "collect", lambda sweep, folder: _points(ends, slips))
         found = run_margin(sixteen(), tmp_path_factory.mktemp("ends"))
-    told = record(found)
+    told = UncertaintyAccount.record(found)
     assert told["points"] == {"critical": dict(counts)}
     one = told["quantities"]["slip at which skidding begins"]
     assert one["unknown"] == failed(found) == 16 - counts["ok"]
@@ -432,11 +434,11 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     assert file.name == "sweep-map.svg"
     rests_on = CLOSURES[SCENE.study["effective-friction"].get("closure", "free-roller")]
     assert f"Cage slip at largest traction of the inner ring {rests_on} over radial load" in file.read_text()
-    assert any(line.startswith(f"critical_cage_slip, inner ring {rests_on}: ") for line in sweep_sentences(grid))
+    assert any(line.startswith(f"critical_cage_slip, inner ring {rests_on}: ") for line in SweepAccount.sentences(grid))
     closures = {"study.effective-friction.closure": ["epicyclic", "outer-rolling"]}
     varied = rollslip.sweep(SCENE, closures, study="effective-friction")
     assert "curves_with" not in varied.attrs
-    assert any(line.startswith("critical_cage_slip, inner ring: ") for line in sweep_sentences(varied))
+    assert any(line.startswith("critical_cage_slip, inner ring: ") for line in SweepAccount.sentences(varied))
     over = {"lubricant.eyring_stress": "3 MPa:6 MPa", "models.film": ["moes", "dowson-1968"]}
     models = rollslip.sweep(SCENE, over, samples=4, study="effective-friction")
     (file,) = save_plots(models, tmp_path)
@@ -478,7 +480,7 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
     found = run_margin(made, tmp_path / "made")
     assert int(found.indexed_rows.sel(indexed="slip at which skidding begins")) == 8
     assert found.first_order.sel(indexed="slip at which skidding begins").item() == pytest.approx(1.0, abs=0.5)
-    assert "made of 8 of 16 rows" in " ".join(sentences(found))
+    assert "made of 8 of 16 rows" in " ".join(account_of(found).sentences(found))
     assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]
 
 

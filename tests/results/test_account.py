@@ -68,9 +68,9 @@ def strangers(**attributes):
 
 @pytest.mark.quick
 def test_every_study_and_campaign_of_the_box_has_an_account():
-    modules = {f"{folder.parent.name}.{folder.name}.account" for folder in TELLING}
     offers = available("account")
-    assert {offer.module for offer in offers.values()} == modules
+    homes = {offer.module.rpartition(".")[0] for offer in offers.values()}
+    assert homes == {f"{folder.parent.name}.{folder.name}" for folder in TELLING}
     for name, offer in offers.items():
         account = get_class("account", name)
         assert account.name == name
@@ -84,7 +84,7 @@ def test_accounts_are_found_by_the_attribute_study_and_load_no_matplotlib():
         "from rollslip.results.accounts import account_of\n"
         "for name in sys.argv[1:]:\n"
         "    account = account_of(xarray.Dataset(attrs={'study': name}))\n"
-        "    assert account.name == name and type(account).__module__.endswith('.account')\n"
+        "    assert account.name == name\n"
         "    assert 'matplotlib' not in sys.modules, name\n"
     )
     subprocess.run([sys.executable, "-c", code, *sorted(available("account"))], check=True)

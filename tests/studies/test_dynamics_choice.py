@@ -20,8 +20,8 @@ from rollslip.errors import ConvergenceError
 from rollslip.planning.plan import plan
 from rollslip_studies.dynamics import choice as estimates
 from rollslip_studies.dynamics import cost as costs
-from rollslip_studies.dynamics import findings
 from rollslip_studies.dynamics.choice import adds_up, choose_motion
+from rollslip_studies.dynamics.findings import DynamicsAccount
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 
@@ -345,4 +345,4 @@ def test_motions_that_hit_their_pockets_claim_as_much_as_steps_let_them_come_apa
     off = np.abs(result.cage_speed - true.cage_speed).max() / np.abs(true.cage_speed).max()
     (row,) = [one for one in json.loads(result.attrs["accuracy"]) if one["result"] == "cage_speed"]
     assert 1e-3 < float(off) < row["estimated"] < 10.0 * off
-    assert "more than the tolerance of 0.001, as motions with other steps" in findings.topics(result)["steps"][0]
+    assert "more than the tolerance of 0.001, as motions with other steps" in DynamicsAccount.topics(result)["steps"][0]

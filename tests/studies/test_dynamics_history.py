@@ -18,7 +18,7 @@ from rollslip.studies.answers import Keep
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.dynamics import history_findings, over_time
-from rollslip_studies.dynamics.account import DynamicsAccount
+from rollslip_studies.dynamics.findings import DynamicsAccount
 from rollslip_studies.dynamics.history import interpolated_rates
 from rollslip_studies.dynamics.history.settings import OF_PARTS, HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion

@@ -247,13 +247,16 @@ def named_models(root: Path = ROOT) -> list[str]:
 
 
 def misplaced(root: Path = ROOT) -> list[str]:
-    """Findings that import more than the shelf and NumPy, and packages outside the folders that they belong to."""
+    """Findings that import more than shelf, results, NumPy and other findings, and packages outside their folders."""
     known, found = modules(root), list[str]()
     for module, path in known.items():
         used = imports(path, known)
         if module.endswith(".findings") and folder(module) in ("rollslip_studies", "rollslip_campaigns"):
-            # the names of curves stand with the results that have them
-            ours = {name for name in used & known.keys() if folder(name) not in ("shelf", "results")}
+            ours = {
+                name
+                for name in used & known.keys()
+                if folder(name) not in ("shelf", "results") and not name.endswith(("findings", ".account"))
+            }
             other = {name.split(".")[0] for name in used} & {"scipy", "matplotlib", "xarray", "rich", "click"}
             typed = {"xarray"} if re.search(r"if TYPE_CHECKING:\n    import xarray", path.read_text()) else set()
             found += [f"{module} imports {name}" for name in sorted(ours | (other - typed))]

@@ -9,7 +9,7 @@ difference comes from.
 import matplotlib.pyplot as plt
 
 import rollslip
-from rollslip_campaigns.comparison.findings import findings
+from rollslip.results.accounts import account_of
 
 found = rollslip.compare(
     "1032930-70C", traction=["muraki", "eyring"], reference="maxwell-eyring", study="friction-curve"
@@ -21,4 +21,4 @@ for label in found.combination.values:
     axes.plot(100 * found.slip, curve, label=str(label))
 axes.set(xlabel="Slip [%]", ylabel=f"Friction coefficient at {force:.0f} N [–]")
 axes.legend()
-print("\n".join(findings(found)[:3]))
+print("\n".join(account_of(found).sentences(found)[:3]))

@@ -7,7 +7,7 @@
 """
 
 from collections.abc import Iterator, Mapping
-from pkgutil import resolve_name
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
@@ -61,7 +61,7 @@ class Account:
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {}
     #: Keys of its records whose numbers are no variables and none of `numbers`: the unit of each.
     units: ClassVar[Mapping[str, str]] = {}
-    #: Function that draws its figures, as "module:function"; empty where it draws none.
+    #: Function that draws its figures: "module:function", ".module:function" beside its class, or empty for none.
     drawn: ClassVar[str] = ""
 
     @staticmethod
@@ -104,12 +104,11 @@ class Account:
         return [self.sentences(dataset), *self.tables(dataset)]
 
     def figures(self, dataset: "xr.Dataset") -> "Figures":
-        """Draw the figures; give name of the file, caption and figure of each.
-
-        Artists take their style when they are made: figures are drawn while they are iterated.
-        """
+        """Draw the figures while they are iterated, as artists take their style; give file name, caption, figure."""
         if self.drawn:
-            yield from resolve_name(self.drawn)(dataset)
+            module, _, function = self.drawn.partition(":")
+            beside = type(self).__module__.rpartition(".")[0]
+            yield from getattr(import_module(module, beside), function)(dataset)
 
     def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
         """Return the contacts that the load parameters of the dataset are of, in their order."""

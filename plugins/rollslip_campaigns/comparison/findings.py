@@ -1,11 +1,17 @@
-"""What a comparison says: its single values as records, tables and sentences, from the dataset alone."""
+"""What a comparison of models, or of alternatives side by side, says: records, tables and sentences."""
 
+import json
+import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.results.curves import Curves, curve_names
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Story, Table
+from rollslip.results.accounts import account_of
+from rollslip.results.curves import Curves, curve_names, or_none
+from rollslip.results.words import two
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -28,17 +34,97 @@ def curves_of(dataset: "xr.Dataset") -> Curves:
     return found
 
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what was compared and what was found, as plain values."""
-    a = dataset.attrs
-    return {
-        "study": a["compared"],
-        "reference": a["reference"],
-        "reference_named": bool(a["reference_named"]),
-        "exchanged": a["exchanged"],
-        "results": records(dataset),
-        "findings": findings(dataset),
-    }
+class ComparisonAccount(Account):
+    """How models beside one another are told: with a table for each curve."""
+
+    units: ClassVar[Mapping[str, str]] = {"contribution": "1", "share": "1"}
+    drawn = ".figures:figures"
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about."""
+        return {
+            f"{label}, {name}": texts
+            for label, one in members(dataset)
+            for name, texts in account_of(one).topics(one).items()
+            if name in curve_names(dataset)  # not what is single only for one combination
+        }
+
+    @staticmethod
+    def sentences(dataset: "xr.Dataset") -> list[str]:
+        """Say what the errors and costs are held against, and of every combination where it differs from the reference.
+
+        It speaks of the curve that differs most, and of the grouping that explains most of the difference's variance.
+        """
+        reference = dataset.attrs["reference"]
+        cheapest = dataset.isel(combination=int(np.nanargmin(dataset["cost"].to_numpy())))
+        time = f"{1e9 * float(cheapest['seconds_per_slice']):.3g} ns"
+        places = dict(zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True))
+        films = ", ".join(f"{film} {place}" for film, place in places.items() if place)
+        said = [
+            f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
+            if "bin" in dataset.dims
+            else f"there are no differences, because {reference} failed",
+            f"cost is the time of the models over that of {cheapest['combination'].item()}, {time} for a lamina",
+            f"film is the smallest without slip, of what the models return: {films}",
+        ]
+        if not dataset.attrs.get("sorted_by_own", 1):
+            said.append(_sorting(dataset.attrs["sorted_by"], reference))
+        most: dict[str, dict[str, Any]] = {}
+        for one in records(dataset):
+            if one["combination"] != reference and one["bins"]:
+                known = most.get(one["combination"], one)
+                most[one["combination"]] = max(known, one, key=lambda each: each["rms_error"])
+        return said + [_explanation(one, reference) for one in most.values()]
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return what was compared and what was found, as plain values."""
+        a = dataset.attrs
+        return {
+            "study": a["compared"],
+            "reference": a["reference"],
+            "reference_named": bool(a["reference_named"]),
+            "exchanged": a["exchanged"],
+            "results": records(dataset),
+            "findings": ComparisonAccount.sentences(dataset),
+        }
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return a table for each curve of a comparison; the film is the thinnest without slip."""
+        which = "error" if dataset.attrs["reference_named"] else "difference"
+        head = (
+            "combination", "slip at largest traction", "friction", "film", "Lambda", f"rms {which}", f"max {which}",
+            f"critical {which}", "cost",
+        )  # fmt: skip
+        found: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
+        for one in records(dataset):
+            critical = one[curves_of(dataset).critical]
+            differences = [one[name] for name in ("rms_error", "max_error", "critical_slip_error")]
+            found[one["curve"]].append(
+                [
+                    one["combination"],
+                    "failed" if one["status"] != "done" else _or_dash(critical, "{:.2%}"),
+                    _or_dash(one["critical_friction"], "{:.4g}"),
+                    "–" if one["smallest_film"] is None else format_quantity(one["smallest_film"], "m", 3),
+                    _or_dash(one["smallest_film_parameter"], "{:.3g}"),
+                    *(
+                        ["reference", "", ""]
+                        if one["combination"] == dataset.attrs["reference"]
+                        else [
+                            _or_dash(value, form)
+                            for value, form in zip(differences, ("{:.2%}", "{:.2%}", "{:+.2%}"), strict=True)
+                        ]
+                    ),
+                    _or_dash(one["cost"], "{:.3g}"),
+                ]
+            )
+        return [Table(captioned(dataset, name), head, rows) for name, rows in found.items()]
+
+    def story(self, dataset: "xr.Dataset") -> Story:
+        """Return what was found, with the differences bin by bin."""
+        exchanged = [f"{dataset.attrs['exchanged']}."] if dataset.attrs["exchanged"] else []
+        return [*exchanged, *self.tables(dataset), self.sentences(dataset), *bin_tables(dataset)]
 
 
 def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
@@ -74,46 +160,8 @@ def _bins(one: "xr.Dataset") -> list[dict[str, Any]]:
     return sorted(found, key=lambda bin: -float(bin["share"]))
 
 
-def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
-    """Return name, head and rows of a table for each curve of a comparison; the film is the thinnest without slip."""
-    which = "error" if dataset.attrs["reference_named"] else "difference"
-    head = (
-        "combination", "slip at largest traction", "friction", "film", "Lambda", f"rms {which}", f"max {which}",
-        f"critical {which}", "cost",
-    )  # fmt: skip
-    found: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
-    for one in records(dataset):
-        critical = one[curves_of(dataset).critical]
-        differences = [one[name] for name in ("rms_error", "max_error", "critical_slip_error")]
-        found[one["curve"]].append(
-            [
-                one["combination"],
-                "failed" if one["status"] != "done" else _or_dash(critical, "{:.2%}"),
-                _or_dash(one["critical_friction"], "{:.4g}"),
-                "–" if one["smallest_film"] is None else format_quantity(one["smallest_film"], "m", 3),
-                _or_dash(one["smallest_film_parameter"], "{:.3g}"),
-                *(
-                    ["reference", "", ""]
-                    if one["combination"] == dataset.attrs["reference"]
-                    else [
-                        _or_dash(value, form)
-                        for value, form in zip(differences, ("{:.2%}", "{:.2%}", "{:+.2%}"), strict=True)
-                    ]
-                ),
-                _or_dash(one["cost"], "{:.3g}"),
-            ]
-        )
-    return [(name, head, rows) for name, rows in found.items()]
-
-
-def captioned(dataset: "xr.Dataset", name: str) -> str:
-    """Return what a table or figure of a curve is called: with what its critical slips rest on."""
-    rests_on = dataset.attrs.get("curves_with", "")
-    return f"{name}, slips at largest traction {rests_on}" if rests_on else name
-
-
-def bin_tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
-    """Return name, head and rows of a table of the differences in each bin, for each curve that has friction."""
+def bin_tables(dataset: "xr.Dataset") -> list[Table]:
+    """Return a table of the differences in each bin, for each curve that has friction."""
     found: dict[str, dict[str, list[str]]] = {}
     heads: dict[str, list[str]] = {}
     for one in records(dataset):
@@ -126,39 +174,23 @@ def bin_tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[l
             )
     order = dataset["bin"].to_numpy().tolist() if found else []
     return [
-        (name, tuple(heads[name]), sorted(rows.values(), key=lambda row: order.index(row[0])))
+        Table(
+            f"{name}: relative differences by regime",
+            tuple(heads[name]),
+            sorted(rows.values(), key=lambda row: order.index(row[0])),
+        )
         for name, rows in found.items()
     ]
 
 
+def captioned(dataset: "xr.Dataset", name: str) -> str:
+    """Return what a table or figure of a curve is called: with what its critical slips rest on."""
+    rests_on = dataset.attrs.get("curves_with", "")
+    return f"{name}, slips at largest traction {rests_on}" if rests_on else name
+
+
 def _or_dash(value: float | None, form: str) -> str:
     return "–" if value is None else form.format(value)
-
-
-def findings(dataset: "xr.Dataset") -> list[str]:
-    """Say what the errors and costs are held against, and of every combination where it differs from the reference.
-
-    It speaks of the curve that differs most, and of the grouping that explains most of the difference's variance.
-    """
-    reference, cost = dataset.attrs["reference"], dataset["cost"].to_numpy()
-    cheapest = int(np.nanargmin(cost))
-    label, time = dataset["combination"].to_numpy()[cheapest], float(dataset["seconds_per_slice"].to_numpy()[cheapest])
-    places = dict(zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True))
-    films = ", ".join(f"{film} {place}" for film, place in places.items() if place)
-    said = [
-        f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
-        if "bin" in dataset.dims
-        else f"there are no differences, because {reference} failed",
-        f"cost is the time of the models over that of {label}, {1e9 * time:.3g} ns for a lamina",
-        f"film is the smallest without slip, of what the models return: {films}",
-    ]
-    if not dataset.attrs.get("sorted_by_own", 1):
-        said.append(_sorting(dataset.attrs["sorted_by"], reference))
-    most: dict[str, dict[str, Any]] = {}
-    for one in records(dataset):
-        if one["combination"] != reference and one["bins"]:
-            most[one["combination"]] = max(most.get(one["combination"], one), one, key=lambda each: each["rms_error"])
-    return said + [_explanation(one, reference) for one in most.values()]
 
 
 def _sorting(law: str, reference: str) -> str:
@@ -190,3 +222,94 @@ def _in_words(difference: float) -> str:
     if difference >= 1.0:
         return f"{1.0 + difference:.3g} times"
     return f"{100 * abs(difference):.3g} % {'above' if difference > 0.0 else 'below'}"
+
+
+# Alternatives --------------------------------------------------------------------------------------------------------
+
+#: Row of an answer -> head of its column.
+_HEADS = {
+    "cage_slip": "cage slip", "minimum_load": "minimum load", "acceptable_reserve": "reserve to slipping",
+    "friction_torque": "friction torque", "film_parameter": "film",
+}  # fmt: skip
+
+
+#: Slip that is as good as none.
+_SMALL: Final = 1e-3
+#: Ratio of slips from which on one of them is told to be more.
+_CLEAR: Final = 1.05
+
+
+class AlternativesAccount(Account):
+    """How alternatives side by side are told."""
+
+    drawn = ".figures:side_by_side"
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return a row for each, best first."""
+        rows, ratios = json.loads(dataset.attrs["rows"]), _ratios(dataset)
+        head = ("alternative", "verdict", *_HEADS.values(), "ratio")
+        body = []
+        for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
+            if label not in rows:
+                body.append([label, "failed", *[""] * len(_HEADS), ""])
+                continue
+            low, high = ratios[k]
+            ratio = "" if k == 0 or math.isnan(low) else f"{two(low)}\u00a0to\u00a0{two(high)}"
+            body.append(
+                [label, str(dataset["verdict"][k].item()), *(rows[label].get(key, "") for key in _HEADS), ratio]
+            )
+        return [Table("", head, body)]
+
+    def sentences(self, dataset: "xr.Dataset") -> list[str]:
+        """Say which is best, how surely, and what failed."""
+        labels = dataset["alternative"].to_numpy().tolist()
+        ratios = _ratios(dataset)[: int((dataset["status"] == "done").sum())]
+        failed = [
+            f"{label}: {why}" for label, why in zip(labels, dataset["message"].to_numpy().tolist(), strict=True) if why
+        ]
+        if len(ratios) < 2:
+            return failed
+        slips, first = np.abs(dataset["cage_slip"].to_numpy()), labels[0]
+        others = [(label, *ends) for label, ends in zip(labels[1:], ratios[1:], strict=False)]
+        small = [label for k, (label, *_) in enumerate(others, 1) if max(slips[0], slips[k]) < _SMALL]
+        same = [label for label, low, high in others if label not in small and low == high == 1.0]
+        unknown = [label for label, low, _ in others if label not in small and math.isnan(low)]
+        close = [label for label, low, _ in others if label not in (*small, *same) and low <= _CLEAR]
+        worse = [label for label, low, _ in others if label not in small and low > _CLEAR]
+        told = [
+            f"{first} and {', '.join(small)} slip less than 0.1 %" * bool(small),
+            f"{first} and {', '.join(same)} are the same here" * bool(same),
+            f"no clear winner between {first} and {', '.join(close)}: where data scatter either may slip less"
+            * bool(close),
+            f"{first} slips less than {', '.join(worse)}, with more than 95 %" * bool(worse),
+            f"{first} stands first by verdict and slip; how sure that is beside {', '.join(unknown)} is not known"
+            * bool(unknown),
+        ]
+        said = "; ".join(filter(None, told))
+        if close or worse:
+            said += "; ratio: slip over that of the first, 5 to 95 %"
+        return [said, *failed]
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the rows, best first."""
+        found = []
+        for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
+            at = dataset.isel(alternative=k)
+            values = {
+                str(name): or_none(one.item()) if one.dtype.kind == "f" else one.item()
+                for name, one in at.data_vars.items()
+            }
+            found.append({"alternative": label, **values})
+        return {"alternatives": found}
+
+
+def _ratios(dataset: "xr.Dataset") -> list[tuple[float, float]]:
+    """Between what the slip of each is, over that of the first, 5 and 95 %."""
+    return list(zip(*(dataset[f"ratio_{end}"].to_numpy().tolist() for end in ("low", "high")), strict=True))
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [ComparisonAccount("comparison"), AlternativesAccount("alternatives")]

@@ -5,12 +5,14 @@ There is no number without a meaning: what the data do not determine is null, wi
 
 import json
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.results.words import first_line
 from rollslip.units import format_quantity
@@ -18,7 +20,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["HEAD", "headline", "notes", "parameter_rows", "record", "topics"]
+__all__ = ["FitAccount", "headline", "parameter_rows"]
 
 #: What a side without a limit says, unless the data themselves give none.
 UNKNOWN: Final = "is not known"
@@ -26,7 +28,7 @@ UNKNOWN: Final = "is not known"
 #: would be if the other was known.
 _ALIKE: Final = 0.99
 #: What the columns of the parameters are.
-HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tell")
+_HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tell")
 
 
 def headline(dataset: "xr.Dataset") -> str:
@@ -72,82 +74,107 @@ def _interval(limits: NDArray[np.float64], unit: str, unknown: Sequence[bool]) -
     return f"above {low}" if low else f"below {high}" if high else "none"
 
 
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Say of every parameter what the data tell."""
-    return {
-        name: [f"{value}, 95 %: {limits}; {status}"] for name, value, _, _, limits, status in parameter_rows(dataset)
-    }
+class FitAccount(Account):
+    """How a fit is told: with a table of its parameters."""
 
+    units: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("chi2", "correlation", "freedom", "operating_points", "rows", "scatter", "spread"), "1"
+    )
+    drawn = ".figures:figures"
 
-def notes(dataset: "xr.Dataset") -> list[str]:
-    """Return what the table does not say: the scatter, the strongest correlations, and what they mean."""
-    a = dataset.attrs
-    largest = float(np.abs(dataset["friction"]).max())
-    chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
-    points = f"{dataset.sizes['point']} operating point{'s' * (dataset.sizes['point'] > 1)}"
-    said = [
-        f"{dataset.sizes['row']} rows at {points}, {a['freedom']} degrees of freedom"
-        f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; uncertainties "
-        f"{a['uncertainties']}"
-    ]
-    names, correlation = dataset["parameter"].values, dataset["correlation"].to_numpy()
-    pairs = [(i, j) for i in range(names.size) for j in range(i) if math.isfinite(correlation[i, j])]
-    if pairs:
-        strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
-        said.append(
-            "correlation: "
-            + ", ".join(f"{names[j]} with {names[i]} {_correlation(correlation[i, j])}" for i, j in strongest)
-        )
-    for i, j in pairs:
-        if (r := abs(correlation[i, j])) >= _ALIKE:
-            factor = 1.0 / math.sqrt(max(1.0 - r**2, 1e-24))
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say of every parameter what the data tell."""
+        return {
+            name: [f"{value}, 95 %: {limits}; {status}"]
+            for name, value, _, _, limits, status in parameter_rows(dataset)
+        }
+
+    def sentences(self, dataset: "xr.Dataset") -> list[str]:
+        """Return all that is said."""
+        return [f"{name}: {text}" for name, (text,) in self.topics(dataset).items()]
+
+    @staticmethod
+    def lines(dataset: "xr.Dataset") -> list[str]:
+        """Return what the table does not say: the scatter, the strongest correlations, and what they mean."""
+        a = dataset.attrs
+        largest = float(np.abs(dataset["friction"]).max())
+        chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
+        points = f"{dataset.sizes['point']} operating point{'s' * (dataset.sizes['point'] > 1)}"
+        said = [
+            f"{dataset.sizes['row']} rows at {points}, {a['freedom']} degrees of freedom"
+            f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; "
+            f"uncertainties {a['uncertainties']}"
+        ]
+        names, correlation = dataset["parameter"].values, dataset["correlation"].to_numpy()
+        pairs = [(i, j) for i in range(names.size) for j in range(i) if math.isfinite(correlation[i, j])]
+        if pairs:
+            strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
             said.append(
-                f"{names[j]} and {names[i]} stand for each other: the data tell a combination of them, and the error "
-                f"of either is {factor:.2g} times what it would be if the other was known; leave out the one that is "
-                "known from elsewhere, or measure where they act differently, at other pressures, temperatures or slips"
+                "correlation: "
+                + ", ".join(f"{names[j]} with {names[i]} {_correlation(correlation[i, j])}" for i, j in strongest)
             )
-    return said
+        for i, j in pairs:
+            if (r := abs(correlation[i, j])) >= _ALIKE:
+                factor = 1.0 / math.sqrt(max(1.0 - r**2, 1e-24))
+                said.append(
+                    f"{names[j]} and {names[i]} stand for each other: the data tell a combination of them, and the "
+                    f"error of either is {factor:.2g} times what it would be if the other was known; leave out the one "
+                    "that is known from elsewhere, or measure where they act differently, at other pressures, "
+                    "temperatures or slips"
+                )
+        return said
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return the parameters with their errors and intervals."""
+        return [Table("", _HEAD, [list(row) for row in parameter_rows(dataset)])]
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return a fit as plain values; a value without meaning is null, with its status beside it."""
+        a = dataset.attrs
+        parameters = {}
+        for name in dataset["parameter"].values:
+            parameter = dataset.sel(parameter=name)
+            levels = dict(zip(("68 %", "95 %"), parameter["interval"].values, strict=True))
+            parameters[str(name)] = {
+                "unit": parameter["unit"].item(),
+                "meaning": parameter["meaning"].item(),
+                "value": float(parameter["value"]),
+                "start_value": float(parameter["start_value"]),
+                "standard_error": or_none(parameter["standard_error"]),
+                "status": parameter["status"].item(),
+                **{f"interval {level}": [or_none(limit) for limit in limits] for level, limits in levels.items()},
+                "limit_status": dict(zip(("lower", "upper"), map(str, parameter["limit_status"].values), strict=True)),
+                "correlation": {
+                    str(other): or_none(value)
+                    for other, value in zip(dataset["with_parameter"].values, parameter["correlation"], strict=True)
+                },
+            }
+        return {
+            "rollslip": json.loads(a["packages"])["rollslip"],
+            "data": a["source"],
+            "data_sha256": a["data_sha256"],
+            "models": {model["kind"]: model["name"] for model in json.loads(a["models"])},
+            "rows": dataset.sizes["row"],
+            "operating_points": dataset.sizes["point"],
+            "freedom": int(a["freedom"]),
+            "chi2": float(a["chi2"]) if "chi2" in a else None,
+            "scatter": float(a["scatter"]),
+            "uncertainties": a["uncertainties"],
+            "parameters": parameters,
+            "spread": [or_none(value) for value in dataset["spread"]],
+            "warnings": json.loads(a["warnings"]),
+            "evaluations": int(a["evaluations"]),
+            "wall_time": float(a["wall_time"]),
+        }
 
 
 def _correlation(r: float) -> str:
     return f"{r:.3f}" if abs(r) < 0.999 else f"{r:.6f}"
 
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return a fit as plain values; a value without meaning is null, with its status beside it."""
-    a = dataset.attrs
-    parameters = {}
-    for name in dataset["parameter"].values:
-        parameter = dataset.sel(parameter=name)
-        levels = dict(zip(("68 %", "95 %"), parameter["interval"].values, strict=True))
-        parameters[str(name)] = {
-            "unit": parameter["unit"].item(),
-            "meaning": parameter["meaning"].item(),
-            "value": float(parameter["value"]),
-            "start_value": float(parameter["start_value"]),
-            "standard_error": or_none(parameter["standard_error"]),
-            "status": parameter["status"].item(),
-            **{f"interval {level}": [or_none(limit) for limit in limits] for level, limits in levels.items()},
-            "limit_status": dict(zip(("lower", "upper"), map(str, parameter["limit_status"].values), strict=True)),
-            "correlation": {
-                str(other): or_none(value)
-                for other, value in zip(dataset["with_parameter"].values, parameter["correlation"], strict=True)
-            },
-        }
-    return {
-        "rollslip": json.loads(a["packages"])["rollslip"],
-        "data": a["source"],
-        "data_sha256": a["data_sha256"],
-        "models": {model["kind"]: model["name"] for model in json.loads(a["models"])},
-        "rows": dataset.sizes["row"],
-        "operating_points": dataset.sizes["point"],
-        "freedom": int(a["freedom"]),
-        "chi2": float(a["chi2"]) if "chi2" in a else None,
-        "scatter": float(a["scatter"]),
-        "uncertainties": a["uncertainties"],
-        "parameters": parameters,
-        "spread": [or_none(value) for value in dataset["spread"]],
-        "warnings": json.loads(a["warnings"]),
-        "evaluations": int(a["evaluations"]),
-        "wall_time": float(a["wall_time"]),
-    }
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [FitAccount("fit")]

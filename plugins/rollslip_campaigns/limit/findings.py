@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
+from rollslip.results.table import of_points
 from rollslip.results.words import in_percent
 from rollslip.units import format_quantity
+from rollslip_campaigns.sweep.findings import few_points
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["answer", "headline", "kept_spans", "record", "sentences", "topics"]
+__all__ = ["LimitAccount", "headline", "kept_spans"]
 
 #: Share of the span of all results, and times that of the values, by which two neighbours at a limit are apart where
 #: the result jumps.
@@ -24,48 +28,60 @@ _JUMP, _STEEP = 0.1, 10.0
 _FLAT: Final = 1e-6
 
 
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Return what was found, by what it is about."""
-    found = {"limit": [headline(dataset)]}
-    others = {
-        "width": _unknown(dataset), "jump": _jumps(dataset), "course": _course(dataset),
-        "values missing": _without(dataset), "points failed": _failed(dataset),
-    }  # fmt: skip
-    return found | {name: lines for name, lines in others.items() if lines}
+class LimitAccount(Account):
+    """How it is told where a limit is kept."""
 
+    drawn = ".figures:limit_figures"
 
-def answer(dataset: "xr.Dataset") -> Answer:
-    """Return where the limit is kept."""
-    return Answer(rows=(Row(key="limit", label="limit", text="", note=headline(dataset)),))
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return where the limit is kept."""
+        return Answer(rows=(Row(key="limit", label="limit", text="", note=headline(dataset)),))
 
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Return what was found, by what it is about."""
+        found = {"limit": [headline(dataset)]}
+        others = {
+            "width": _unknown(dataset), "jump": _jumps(dataset), "course": _course(dataset),
+            "values missing": _without(dataset), "points failed": _failed(dataset),
+        }  # fmt: skip
+        return found | {name: lines for name, lines in others.items() if lines}
 
-def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Return what was found, line by line."""
-    return [line for lines in topics(dataset).values() for line in lines]
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return what was found as plain values, in SI units; what has no value is null."""
+        a = dataset.attrs
+        rows = ("searched", "result", "status")
+        return {
+            "requirement": a["requirement"],
+            "key": a["searched_key"],
+            "unit": dataset["searched"].attrs["units"],
+            "output": {"name": a["output"], "unit": dataset["result"].attrs["units"], "limit": float(a["limit"])},
+            "found": headline(dataset),
+            "kept": [{"from": low, "to": high} for low, high, *_ in kept_spans(dataset)],
+            "edges": [
+                {name: float(dataset[f"edge_{name}"][k]) for name in ("kept", "passed")}
+                | {"points_failed_between": bool(dataset["edge_unknown"][k])}
+                for k in range(dataset.sizes["edge"])
+            ],
+            "one_way": _turns(dataset) == 0,
+            "points": [
+                {"searched": or_none(value), "result": or_none(result), "status": str(status)}
+                for value, result, status in zip(*(dataset[name].to_numpy() for name in rows), strict=True)
+            ],
+        }
 
+    def sheets(self, dataset: "xr.Dataset") -> dict[str, Sheet]:
+        """Return a row for each value: what was searched, what came out, and whether it keeps the limit."""
+        ended = dataset["status"].to_numpy()
+        kept = np.where(ended == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), ended)
+        told = dataset[["searched", "result"]].assign(kept=("point", kept))
+        return {"": of_points(told.assign(dataset[["status", "message", "result_status", "seconds"]]))}
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what was found as plain values, in SI units; what has no value is null."""
-    a = dataset.attrs
-    rows = ("searched", "result", "status")
-    return {
-        "requirement": a["requirement"],
-        "key": a["searched_key"],
-        "unit": dataset["searched"].attrs["units"],
-        "output": {"name": a["output"], "unit": dataset["result"].attrs["units"], "limit": float(a["limit"])},
-        "found": headline(dataset),
-        "kept": [{"from": low, "to": high} for low, high, *_ in kept_spans(dataset)],
-        "edges": [
-            {name: float(dataset[f"edge_{name}"][k]) for name in ("kept", "passed")}
-            | {"points_failed_between": bool(dataset["edge_unknown"][k])}
-            for k in range(dataset.sizes["edge"])
-        ],
-        "one_way": _turns(dataset) == 0,
-        "points": [
-            {"searched": or_none(value), "result": or_none(result), "status": str(status)}
-            for value, result, status in zip(*(dataset[name].to_numpy() for name in rows), strict=True)
-        ],
-    }
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return a row for each value, in ascending order, if there are not too many to read."""
+        return few_points(self.sheets(dataset)[""], [dataset.attrs["searched_key"]])
 
 
 def kept_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, bool]]:
@@ -218,3 +234,9 @@ def _result(dataset: "xr.Dataset", at: float) -> str:
         return f"{name} has no value"
     unit, given = dataset["result"].attrs["units"], dataset.attrs["limit_given"] or None
     return f"{name} is {format_quantity(result, unit, 4, given)}"
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [LimitAccount("limit")]

@@ -3,11 +3,14 @@
 import json
 import math
 import re
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Table
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -72,15 +75,69 @@ def floors(dataset: "xr.Dataset") -> dict[str, float]:
     }
 
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return studies, floors and choices, and what is said of them, as plain values."""
-    return {
-        "studies": json.loads(dataset.attrs["studies"]),
-        "rounds": int(dataset.attrs["rounds"]),
-        "floors": {name: _plain(value) for name, value in floors(dataset).items()},
-        "choices": records(dataset),
-        "findings": findings(dataset),
-    }
+class ParetoAccount(Account):
+    """How a family of choices is told: with a table for each study; what nothing dominates has a star."""
+
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {"rounds": ("rounds in which choices were timed", "")}
+    units: ClassVar[Mapping[str, str]] = {"floors": "1"}
+    drawn = ".figures:front_figures"
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about."""
+        return {"found": ParetoAccount.sentences(dataset)}
+
+    @staticmethod
+    def sentences(dataset: "xr.Dataset") -> list[str]:
+        """Say how times were taken, what is on each front, and how the plan's choice does beside it."""
+        rounds = int(dataset.attrs["rounds"])
+        said = [*json.loads(dataset.attrs["notes"])]
+        said.append(
+            f"times are those of the processor, medians of {rounds} rounds in turns; a choice is called faster only "
+            f"where every round of it is, which equal ones are by chance once in {math.comb(2 * rounds, rounds)}"
+            if rounds > 1
+            else "times are those of the processor in a single round: none is called faster than another"
+        )
+        for study, one in studies(dataset):
+            for j, name in enumerate(one["result"].values):
+                said += _of_result(one.isel(result=j), f"{study}, {name}", rounds)
+        return said
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return the tables of each study: numerical choices by error, modelling ones by difference.
+
+        A star marks what no other choice of the table dominates.
+        """
+        found = []
+        for study, one in studies(dataset):
+            names = [str(name) for name in one["result"].values]
+            for kinds, (number, on_front) in NUMBERS.items():
+                rows = taking_part(one, *kinds)
+                if rows.size == 1:
+                    continue
+                values, words, stars = (one[name].to_numpy() for name in (number, f"{number}_status", on_front))
+                table = [
+                    [
+                        str(one["label"].values[k]),
+                        milliseconds(one, k),
+                        f"{int(one['evaluations'][k])}",
+                        *(_cell(values[k, j], str(words[k, j]), bool(stars[k, j])) for j in range(len(names))),
+                    ]
+                    for k in rows
+                ]
+                found.append(Table(f"{study}, {_TITLES[number]}", ("choice", "time [ms]", "slices", *names), table))
+        return found
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return studies, floors and choices, and what is said of them, as plain values."""
+        return {
+            "studies": json.loads(dataset.attrs["studies"]),
+            "rounds": int(dataset.attrs["rounds"]),
+            "floors": {name: _plain(value) for name, value in floors(dataset).items()},
+            "choices": records(dataset),
+            "findings": ParetoAccount.sentences(dataset),
+        }
 
 
 def _plain(value: Any) -> Any:
@@ -97,32 +154,6 @@ def milliseconds(one: "xr.Dataset", row: Any) -> str:
     return shown[0] if low == high else f"{shown[0]} ({shown[1]}–{shown[2]})"
 
 
-def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
-    """Return name, head and rows of the tables of each study: numerical choices by error, modelling ones by difference.
-
-    A star marks what no other choice of the table dominates.
-    """
-    found = []
-    for study, one in studies(dataset):
-        names = [str(name) for name in one["result"].values]
-        for kinds, (number, on_front) in NUMBERS.items():
-            rows = taking_part(one, *kinds)
-            if rows.size == 1:
-                continue
-            values, words, stars = (one[name].to_numpy() for name in (number, f"{number}_status", on_front))
-            table = [
-                [
-                    str(one["label"].values[k]),
-                    milliseconds(one, k),
-                    f"{int(one['evaluations'][k])}",
-                    *(_cell(values[k, j], str(words[k, j]), bool(stars[k, j])) for j in range(len(names))),
-                ]
-                for k in rows
-            ]
-            found.append((f"{study}, {_TITLES[number]}", ("choice", "time [ms]", "slices", *names), table))
-    return found
-
-
 def _cell(value: float, status: str, star: bool) -> str:
     if not np.isnan(value):
         return f"{value:.1e}{' *' * star}"
@@ -132,22 +163,6 @@ def _cell(value: float, status: str, star: bool) -> str:
 def faster(one: "xr.Dataset", row: Any, other: Any) -> bool:
     """Whether every round of one choice is faster than all rounds of another."""
     return float(one["seconds_high"][row]) < float(one["seconds_low"][other])
-
-
-def findings(dataset: "xr.Dataset") -> list[str]:
-    """Say how times were taken, what is on each front, and how the plan's choice does beside it."""
-    rounds = int(dataset.attrs["rounds"])
-    said = [*json.loads(dataset.attrs["notes"])]
-    said.append(
-        f"times are those of the processor, medians of {rounds} rounds in turns; a choice is called faster only where "
-        f"every round of it is, which equal ones are by chance once in {math.comb(2 * rounds, rounds)}"
-        if rounds > 1
-        else "times are those of the processor in a single round: none is called faster than another"
-    )
-    for study, one in studies(dataset):
-        for j, name in enumerate(one["result"].values):
-            said += _of_result(one.isel(result=j), f"{study}, {name}", rounds)
-    return said
 
 
 def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
@@ -224,3 +239,9 @@ def _percent(share: float, floor: float = 0.0) -> str:
     if share > floor:
         return f"{100 * share:.2g} %"
     return "as the finest" if floor <= _ROUNDING else f"below {100 * floor:.2g} %"
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [ParetoAccount("pareto")]

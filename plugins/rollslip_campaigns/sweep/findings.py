@@ -2,18 +2,25 @@
 
 import json
 from collections.abc import Collection
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.dataset import TOLD_BY, UNITS
-from rollslip.results.words import in_percent, with_unit
+from rollslip.results.table import sheet
+from rollslip.results.words import in_percent, plain, two, with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["axes", "by_name", "named_dims", "record", "sentences", "topics"]
+__all__ = ["SweepAccount", "axes", "by_name", "few_points", "named_dims", "resting"]
+
+#: Points and columns that are told one by one, at most.
+_POINTS: Final = 24
+_COLUMNS: Final = 10
 
 
 def axes(dataset: "xr.Dataset") -> dict[str, str]:
@@ -25,21 +32,57 @@ def axes(dataset: "xr.Dataset") -> dict[str, str]:
     return {known.get(key, key): key for key in json.loads(dataset.attrs["axes"])}
 
 
-def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Return what a sweep found, line by line: every output with the range of its values."""
-    counts = json.loads(dataset.attrs["counts"])
-    lines = [", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"]
-    for name, row in _ranges(dataset).items():
-        where = "none"
-        if row["values"]:
-            least, largest, median = (_shown(row[which], name, row["unit"]) for which in ("least", "largest", "median"))
-            where = f"{least} to {largest}, median {median}"
-        why = f" ({row['why']})" if row["why"] else ""
-        called = f"{name}{resting(dataset)}" if name.startswith("critical_") else name
-        lines.append(
-            f"{called}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one{why}"
-        )
-    return lines
+class SweepAccount(Account):
+    """How a sweep is told: point by point where these are few, and by the range of every output."""
+
+    drawn = ".figures:sweep_figures"
+
+    @staticmethod
+    def sentences(dataset: "xr.Dataset") -> list[str]:
+        """Return what a sweep found, line by line: every output with the range of its values."""
+        counts = json.loads(dataset.attrs["counts"])
+        lines = [", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"]
+        for name, row in _ranges(dataset).items():
+            where = "none"
+            if row["values"]:
+                told = {which: _shown(row[which], name, row["unit"]) for which in ("least", "largest", "median")}
+                where = f"{told['least']} to {told['largest']}, median {told['median']}"
+            why = f" ({row['why']})" if row["why"] else ""
+            called = f"{name}{resting(dataset)}" if name.startswith("critical_") else name
+            values = f"{row['values']} value{'s' * (row['values'] != 1)}"
+            lines.append(f"{called}: {where}; {values}, {row['missing']} without one{why}")
+        return lines
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Return what a sweep found, by what it is about."""
+        first, *others = SweepAccount.sentences(dataset)
+        return {"points": [first]} | {line.partition(":")[0]: [line.partition(": ")[2]] for line in others}
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return what a sweep found, as plain values."""
+        return {"counts": json.loads(dataset.attrs["counts"]), "outputs": _ranges(dataset)}
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return a row for each point, if there are not too many to read."""
+        return few_points(sheet(dataset), set(axes(dataset).values()))
+
+
+def few_points(of: Sheet, varied: Collection[str]) -> list[Table]:
+    """Return the rows of a spreadsheet as people read them, without how points ended, if there are not too many."""
+    head, rows = of
+    words = {"status", "message", "seconds"}
+    kept = [k for k, name in enumerate(head) if not name.endswith("status") and name.partition(" [")[0] not in words]
+    if len(rows) > _POINTS or not len(varied) < len(kept) <= _COLUMNS:
+        return []
+
+    def told(value: object, name: str) -> str:
+        if not isinstance(value, float):
+            return "-" if value is None else str(value)
+        return plain(value) if name.partition(" [")[0] in varied else two(value)
+
+    return [Table("", tuple(head[k] for k in kept), [[told(row[k], head[k]) for k in kept] for row in rows])]
 
 
 def _shown(value: float, name: str, unit: str) -> str:
@@ -49,17 +92,6 @@ def _shown(value: float, name: str, unit: str) -> str:
 def resting(dataset: "xr.Dataset") -> str:
     """Return what critical slips rest on, after a space; nothing where it varies or is not known."""
     return f" {dataset.attrs['curves_with']}" if "curves_with" in dataset.attrs else ""
-
-
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Return what a sweep found, by what it is about."""
-    first, *others = sentences(dataset)
-    return {"points": [first]} | {line.partition(":")[0]: [line.partition(": ")[2]] for line in others}
-
-
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what a sweep found, as plain values."""
-    return {"counts": json.loads(dataset.attrs["counts"]), "outputs": _ranges(dataset)}
 
 
 def named_dims(values: "xr.DataArray", keys: Collection[str]) -> list[str]:
@@ -131,3 +163,9 @@ def _most_frequent(words: NDArray[Any]) -> str | None:
         return None
     most = str(reasons[np.argmax(counts)])
     return most if reasons.size == 1 else f"mostly {most}"
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [SweepAccount("sweep")]

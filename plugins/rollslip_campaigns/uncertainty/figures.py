@@ -13,7 +13,7 @@ import numpy as np
 
 from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, Sheet, plain_decades
 from rollslip.results.words import of_key
-from rollslip_campaigns.uncertainty.findings import RESERVE, RUNAWAY, STEADY, margin, reserve, topics
+from rollslip_campaigns.uncertainty.findings import RESERVE, RUNAWAY, STEADY, allowable, margin, reserve
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +26,7 @@ def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figu
     """Draw the figures; give name, caption and figure."""
     if RESERVE in dataset["quantity"].to_numpy():
         yield "uncertainty-reserve", f"Drag reserve: {reserve(dataset)}.", _reserve(dataset)
-    said = margin(dataset) if "margin" in dataset else topics(dataset)["allowable slip"][0]
+    said = margin(dataset) if "margin" in dataset else allowable(dataset)
     yield "uncertainty", f"Margin of cage slip: {said}.", _margin(dataset)
     if np.isfinite(dataset["rank_correlation"].to_numpy()).any():
         caption = "Rank correlations of each uncertain quantity with what is acted on, the strongest first."

@@ -2,12 +2,13 @@
 
 import json
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.results.account import Sheet
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS
@@ -18,7 +19,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["answer", "failed", "margin", "record", "reserve", "sentences", "sheets", "topics"]
+__all__ = ["UncertaintyAccount", "allowable", "failed", "margin", "reserve"]
 
 #: What people act on, and what margin and allowable slip are of.
 RESERVE: Final = "drag reserve"
@@ -45,131 +46,158 @@ def failed(dataset: "xr.Dataset") -> int:
     return sum(count for counts in points.values() for status, count in counts.items() if status != "ok")
 
 
-def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Return what was found, line by line: what people act on, then allowable slip, margin, distributions, indices."""
-    return [line for lines in topics(dataset).values() for line in lines]
+class UncertaintyAccount(Account):
+    """How slips of scattering data are told."""
 
+    units: ClassVar[Mapping[str, str]] = {"probability": "1", "reserve_is_a_lower_bound_in": "1"}
+    drawn = ".figures:uncertainty_figures"
 
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Return what was found, by what it is about, what people act on first; `sheets` has every quantity and input."""
-    every = list(map(str, dataset["quantity"].to_numpy()))
-    found = dict[str, list[str]]()
-    if RESERVE in every:
-        found |= {RESERVE: [reserve(dataset)], STEADY: [_steady(dataset)]}
-    if LOAD in every:
-        found[LOAD] = [_load(dataset)]
-    found |= {"skidding": [_runs_away(dataset)], "allowable slip": [_allowable(dataset), *_caveat(dataset)]}
-    if "margin" in dataset:
-        found["margin"] = [margin(dataset)]
-    if rests_on := dataset.attrs.get("curves_with"):
-        found["critical slip"] = [f"slips at largest traction are {rests_on}"]
-    if "indexed" in dataset.coords:
-        of = dataset["indexed"].to_numpy()
-        found["indices"] = [_shares(dataset.sel(indexed=name)) for name in of] or [_NO_INDICES]
-    return found
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return slip, reserve and load of the samples; of a scene without a cage, where it would run away."""
+        every, p = dataset["quantity"].to_numpy(), float(dataset.attrs["probability"])
+        if RESERVE not in every:
+            return Answer(rows=(Row(key="runaway", label="limit drag torque", text="", note=_runs_away(dataset)),))
+        low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
+        sure = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
+        n, skids = int(dataset["samples"].sel(quantity=STEADY)), float(dataset["skidding"])
+        rows = [
+            Row(key="cage_slip", label="cage slip", value=slip, band=(low, high), known=_KNOWN, within=math.inf,
+                text=percent(slip) if math.isfinite(slip) else "skidding",
+                note=f"{span(low, high)}; median of {n} samples")
+            if not math.isnan(slip)
+            else Row(key="cage_slip", label="cage slip", text="not found", note=_steady(dataset)),
+            Row(key="drag_reserve", label="reserve to skidding", value=sure, band=(sure, math.inf), known=_KNOWN,
+                within=math.inf, text="not found" if math.isnan(sure) else f"at least {two(sure)}",
+                note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid"),
+        ]  # fmt: skip
+        if LOAD in every and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
+            below = f"for a slip below {plain(100.0 * float(dataset.attrs['acceptable_slip']))} %"
+            rows.append(Row(key="minimum_load", label="minimum load", value=load, unit="N", text=force(load, load),
+                            note=f"{below}, with probability {p:g}", within=math.inf))  # fmt: skip
+        return Answer(rows=tuple(rows))
 
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Return what was found, by what it is about, what people act on first; `sheets` has every quantity."""
+        every = list(map(str, dataset["quantity"].to_numpy()))
+        found = dict[str, list[str]]()
+        if RESERVE in every:
+            found |= {RESERVE: [reserve(dataset)], STEADY: [_steady(dataset)]}
+        if LOAD in every:
+            found[LOAD] = [_load(dataset)]
+        found |= {"skidding": [_runs_away(dataset)], "allowable slip": [allowable(dataset), *_caveat(dataset)]}
+        if "margin" in dataset:
+            found["margin"] = [margin(dataset)]
+        if rests_on := dataset.attrs.get("curves_with"):
+            found["critical slip"] = [f"slips at largest traction are {rests_on}"]
+        if "indexed" in dataset.coords:
+            of = dataset["indexed"].to_numpy()
+            found["indices"] = [_shares(dataset.sel(indexed=name)) for name in of] or [_NO_INDICES]
+        return found
 
-def sheets(dataset: "xr.Dataset") -> dict[str, Sheet]:
-    """Return a row for each quantity, with its median, its band and what is sure, and one for each input.
+    @staticmethod
+    def sheets(dataset: "xr.Dataset") -> dict[str, Sheet]:
+        """Return a row for each quantity, with its median, its band and what is sure, and one for each input.
 
-    Sure is what slip and load do not pass, and all else does, with the probability that was asked for. Inputs are in
-    the order of how much they decide about the first quantity, by rank correlation.
-    """
-    p, units = float(dataset.attrs["probability"]), json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
-    head = ["quantity", "unit", "median", "5 %", "95 %", "bound", f"with probability {p:g}", "95 % interval from",
-            "95 % interval to", "samples", "beyond the range", "without a value"]  # fmt: skip
-    rows = list[list[Any]]()
-    for name in map(str, dataset["quantity"].to_numpy()):
-        most = name in (STEADY, LOAD)
-        sure = _quantile(dataset, name, p if most else round(1.0 - p, 12))
-        values = *(_quantile(dataset, name, share)[0] for share in (0.5, 0.05, 0.95)), *sure
-        unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
-        counts = [int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")]
-        rows.append([name, unit, *shown[:3], "at most" if most else "at least", *shown[3:], *counts])
-    ranks = dataset["rank_correlation"]
-    order = np.argsort(-np.abs(np.nan_to_num(ranks.to_numpy()[:, 0])), kind="stable")
-    of = [[str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())] for k in order]
-    return {
-        "": (head, rows),
-        "-inputs": (["input", *(f"{RANKED}{name}" for name in dataset["acted"].values)], of),
-    }
+        Sure is what slip and load do not pass, and all else does, with the probability that was asked for. Inputs are
+        in the order of how much they decide about the first quantity, by rank correlation.
+        """
+        p, units = float(dataset.attrs["probability"]), json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
+        head = ["quantity", "unit", "median", "5 %", "95 %", "bound", f"with probability {p:g}", "95 % interval from",
+                "95 % interval to", "samples", "beyond the range", "without a value"]  # fmt: skip
+        rows = list[list[Any]]()
+        for name in map(str, dataset["quantity"].to_numpy()):
+            most = name in (STEADY, LOAD)
+            sure = _quantile(dataset, name, p if most else round(1.0 - p, 12))
+            values = *(_quantile(dataset, name, share)[0] for share in (0.5, 0.05, 0.95)), *sure
+            unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
+            counts = [int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")]
+            rows.append([name, unit, *shown[:3], "at most" if most else "at least", *shown[3:], *counts])
+        ranks = dataset["rank_correlation"]
+        order = np.argsort(-np.abs(np.nan_to_num(ranks.to_numpy()[:, 0])), kind="stable")
+        of = [[str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())] for k in order]
+        return {
+            "": (head, rows),
+            "-inputs": (["input", *(f"{RANKED}{name}" for name in dataset["acted"].values)], of),
+        }
 
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return a row for each quantity, those that people act on first, and one for each input."""
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what was found as plain values; what the samples cannot tell is null."""
-    units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
-    quantities = {
-        str(name): {
-            "unit": units.get(str(name), "1"),
-            "samples": int(one["samples"]),
-            "known": int(one["known"]),
-            "beyond_the_range": int(one["beyond"]),
-            "unknown": int(one["unknown"]),
-            "quantiles": [
-                {
-                    "probability": float(p),
-                    "value": or_none(one["quantile_value"].to_numpy()[k]),
-                    "low": or_none(one["quantile_low"].to_numpy()[k]),
-                    "high": or_none(one["quantile_high"].to_numpy()[k]),
+        def told(*values: float | None) -> str:
+            return " to ".join("-" if value is None else two(value) for value in values)
+
+        (head, rows), (inputs, ranks) = self.sheets(dataset).values()
+        shown = [
+            [f"{name} [{unit}]" if unit else name, told(middle), told(low, high), f"{sure} {told(bound)}", told(*ends)]
+            for name, unit, middle, low, high, sure, bound, *ends, _, _, _ in rows
+            if any(value is not None for value in (middle, low, high, bound, *ends))
+        ]
+        decides = [[name, *("-" if rank is None else f"{rank:+.2f}" for rank in of)] for name, *of in ranks]
+        of = [name.removeprefix(RANKED) for name in inputs]
+        return [
+            Table(
+                "quantities, - where one is beyond its range or not known",
+                ("quantity", "median", "5 to 95 %", head[6], "95 % interval of that"),
+                shown,
+            ),
+            Table("what decides, by rank correlation with", tuple(of), decides),
+        ]
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return what was found as plain values; what the samples cannot tell is null."""
+        units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
+        quantities = {
+            str(name): {
+                "unit": units.get(str(name), "1"),
+                "samples": int(one["samples"]),
+                "known": int(one["known"]),
+                "beyond_the_range": int(one["beyond"]),
+                "unknown": int(one["unknown"]),
+                "quantiles": [
+                    {
+                        "probability": float(p),
+                        "value": or_none(one["quantile_value"].to_numpy()[k]),
+                        "low": or_none(one["quantile_low"].to_numpy()[k]),
+                        "high": or_none(one["quantile_high"].to_numpy()[k]),
+                    }
+                    for k, p in enumerate(one["probability"].to_numpy())
+                ],
+            }
+            for name, one in ((name, dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy())
+        }
+        found: dict[str, Any] = {
+            "probability": float(dataset.attrs["probability"]),
+            "allowable_slip": _ends(dataset, "allowable", "_slip") | {"status": allowable(dataset)},
+            "margin": _ends(dataset, "margin") if "margin" in dataset else None,
+            "skidding": _ends(dataset, "skidding") if "skidding" in dataset else None,
+            "reserve_is_a_lower_bound_in": int(dataset["bounded"]) if "bounded" in dataset else None,
+            "rank_correlation": {
+                str(name): {
+                    str(key): or_none(dataset["rank_correlation"].sel(input=key, acted=name))
+                    for key in dataset["input"].to_numpy()
                 }
-                for k, p in enumerate(one["probability"].to_numpy())
-            ],
+                for name in dataset["acted"].to_numpy()
+            },
+            "points": json.loads(dataset.attrs["points"]),
+            "quantities": quantities,
         }
-        for name, one in ((name, dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy())
-    }
-    found: dict[str, Any] = {
-        "probability": float(dataset.attrs["probability"]),
-        "allowable_slip": _ends(dataset, "allowable", "_slip") | {"status": _allowable(dataset)},
-        "margin": _ends(dataset, "margin") if "margin" in dataset else None,
-        "skidding": _ends(dataset, "skidding") if "skidding" in dataset else None,
-        "reserve_is_a_lower_bound_in": int(dataset["bounded"]) if "bounded" in dataset else None,
-        "rank_correlation": {
-            str(name): {
-                str(key): or_none(dataset["rank_correlation"].sel(input=key, acted=name))
-                for key in dataset["input"].to_numpy()
+        if "indexed" in dataset.coords:
+            found["indices"] = {
+                str(name): {
+                    str(key): {order: _ends(one.sel(input=key), order) for order in ("first_order", "total_order")}
+                    for key in dataset["input"].to_numpy()
+                }
+                for name, one in ((name, dataset.sel(indexed=name)) for name in dataset["indexed"].to_numpy())
             }
-            for name in dataset["acted"].to_numpy()
-        },
-        "points": json.loads(dataset.attrs["points"]),
-        "quantities": quantities,
-    }
-    if "indexed" in dataset.coords:
-        found["indices"] = {
-            str(name): {
-                str(key): {order: _ends(one.sel(input=key), order) for order in ("first_order", "total_order")}
-                for key in dataset["input"].to_numpy()
-            }
-            for name, one in ((name, dataset.sel(indexed=name)) for name in dataset["indexed"].to_numpy())
-        }
-    return found
+        return found
 
 
 def _ends(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float | None]:
     names = {"value": f"{name}{suffix}", "low": f"{name}_low", "high": f"{name}_high"}
     return {what: or_none(dataset[variable]) for what, variable in names.items()}
-
-
-def answer(dataset: "xr.Dataset") -> Answer:
-    """Return slip, reserve and load of the samples; of a scene without a cage, where it would run away."""
-    every, p = dataset["quantity"].to_numpy(), float(dataset.attrs["probability"])
-    if RESERVE not in every:
-        return Answer(rows=(Row(key="runaway", label="limit drag torque", text="", note=_runs_away(dataset)),))
-    low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
-    sure = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
-    n, skids = int(dataset["samples"].sel(quantity=STEADY)), float(dataset["skidding"])
-    rows = [
-        Row(key="cage_slip", label="cage slip", value=slip, band=(low, high), known=_KNOWN, within=math.inf,
-            text=percent(slip) if math.isfinite(slip) else "skidding", note=f"{span(low, high)}; median of {n} samples")
-        if not math.isnan(slip) else Row(key="cage_slip", label="cage slip", text="not found", note=_steady(dataset)),
-        Row(key="drag_reserve", label="reserve to skidding", value=sure, band=(sure, math.inf), known=_KNOWN,
-            within=math.inf, text="not found" if math.isnan(sure) else f"at least {two(sure)}",
-            note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid"),
-    ]  # fmt: skip
-    if LOAD in every and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
-        below = f"for a slip below {plain(100.0 * float(dataset.attrs['acceptable_slip']))} %"
-        rows.append(Row(key="minimum_load", label="minimum load", value=load, unit="N", text=force(load, load),
-                        note=f"{below}, with probability {p:g}", within=math.inf))  # fmt: skip
-    return Answer(rows=tuple(rows))
 
 
 def _quantile(dataset: "xr.Dataset", name: str, probability: float) -> tuple[float, float, float]:
@@ -268,7 +296,8 @@ def _runs_away(dataset: "xr.Dataset") -> str:
     )
 
 
-def _allowable(dataset: "xr.Dataset") -> str:
+def allowable(dataset: "xr.Dataset") -> str:
+    """Say up to which slip a cage does not skid, with the probability that was asked for."""
     value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity=RUNAWAY))
     if math.isnan(value):
@@ -331,3 +360,9 @@ def _force(value: float) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.3g} %" if math.isfinite(share) else "more than the range"
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [UncertaintyAccount("uncertainty")]

@@ -1,28 +1,21 @@
-"""What a validation and a ranking found, in sentences, tables and plain values."""
+"""What a validation found, in sentences, tables and plain values."""
 
 import json
 import math
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "CHI_SQUARE",
-    "ROWS",
-    "STATEMENTS",
-    "record",
-    "row_tables",
-    "shown",
-    "statement_tables",
-    "together",
-    "topics",
-]
+__all__ = ["ROWS", "STATEMENTS", "ValidationAccount", "row_tables", "shown", "statement_tables", "together"]
 
 #: Heads of the tables.
 ROWS: Final = ("condition", "models", "measured, 95 %", "calculated, 95 %", "ratio, 95 %", "verdict")
@@ -106,24 +99,68 @@ def statement_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]
     ]
 
 
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Say how many values lie inside and which statements hold, by the models."""
-    models = dict.fromkeys(
-        [*map(str, dataset["row_models"].to_numpy()), *map(str, dataset["statement_models"].to_numpy())]
+class ValidationAccount(Account):
+    """How models that were held against what was measured are told."""
+
+    units: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("chi2", "freedom", "probability", "ratio", "ratio_high", "ratio_low"), "1"
     )
-    found = {name: [_of_models(dataset, name)] for name in models}
-    sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
-    estimated = [
-        f"{name}: {', '.join(about['estimated'])}"
-        for name, about in sets.items()
-        if about["estimated"] and not about["form"]
-    ]
-    if estimated:
-        found["estimated"] = [f"not stated by the source and estimated: {'; '.join(estimated)}"]
-    open_ = dataset["row_verdict"].to_numpy() == UNTOLD
-    reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[open_]))
-    found["not told"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
-    return {name: texts for name, texts in found.items() if texts}
+    drawn = ".figures:figures"
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say how many values lie inside and which statements hold, by the models."""
+        models = dict.fromkeys(
+            [*map(str, dataset["row_models"].to_numpy()), *map(str, dataset["statement_models"].to_numpy())]
+        )
+        found = {name: [_of_models(dataset, name)] for name in models}
+        sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
+        estimated = [
+            f"{name}: {', '.join(about['estimated'])}"
+            for name, about in sets.items()
+            if about["estimated"] and not about["form"]
+        ]
+        if estimated:
+            found["estimated"] = [f"not stated by the source and estimated: {'; '.join(estimated)}"]
+        open_ = dataset["row_verdict"].to_numpy() == UNTOLD
+        reasons = dict.fromkeys(map(str, dataset["row_status"].to_numpy()[open_]))
+        found["not told"] = [f"cannot be determined: {reason}" for reason in reasons if reason]
+        return {name: texts for name, texts in found.items() if texts}
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return what was found as plain values; what has no value is null."""
+        texts = ("data_set", "series", "models", "quantity", "unit", "condition", "verdict", "status")
+        rows = [
+            {name: str(dataset[f"row_{name}"].to_numpy()[k]) for name in texts}
+            | {name: or_none(dataset[name].to_numpy()[k]) for name in _NUMBERS}
+            for k in range(dataset.sizes["row"])
+        ]
+        groups = [
+            {name: str(dataset[f"group_{name}"].to_numpy()[k]) for name in ("data_set", "series", "models")}
+            | {name: or_none(dataset[name].to_numpy()[k]) for name in ("chi2", "freedom", "probability")}
+            | {"status": str(dataset["chi2_status"].to_numpy()[k])}
+            for k in range(dataset.sizes["group"])
+        ]
+        said = ("data_set", "models", "says", "by", "verdict", "found")
+        statements = [
+            {name: str(dataset[f"statement_{name}"].to_numpy()[k]) for name in said}
+            for k in range(dataset.sizes["statement"])
+        ]
+        return {
+            "data_sets": json.loads(dataset.attrs["data_sets"]),
+            "rows": rows,
+            "groups": groups,
+            "statements": statements,
+            "samples": int(dataset.attrs["samples"]),
+        }
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return rows and statements."""
+        rows = [Table(caption, ROWS, cells) for caption, cells in row_tables(dataset)]
+        said = [Table(caption, STATEMENTS, cells) for caption, cells in statement_tables(dataset)]
+        chi2 = chi_square_cells(dataset)
+        return [*rows, *said, *([Table("All rows of a series together", CHI_SQUARE, chi2)] if chi2 else [])]
 
 
 def _of_models(dataset: "xr.Dataset", name: str) -> str:
@@ -158,29 +195,7 @@ def chi_square_cells(dataset: "xr.Dataset") -> list[list[str]]:
     return cells
 
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return what was found as plain values; what has no value is null."""
-    texts = ("data_set", "series", "models", "quantity", "unit", "condition", "verdict", "status")
-    rows = [
-        {name: str(dataset[f"row_{name}"].to_numpy()[k]) for name in texts}
-        | {name: or_none(dataset[name].to_numpy()[k]) for name in _NUMBERS}
-        for k in range(dataset.sizes["row"])
-    ]
-    groups = [
-        {name: str(dataset[f"group_{name}"].to_numpy()[k]) for name in ("data_set", "series", "models")}
-        | {name: or_none(dataset[name].to_numpy()[k]) for name in ("chi2", "freedom", "probability")}
-        | {"status": str(dataset["chi2_status"].to_numpy()[k])}
-        for k in range(dataset.sizes["group"])
-    ]
-    said = ("data_set", "models", "says", "by", "verdict", "found")
-    statements = [
-        {name: str(dataset[f"statement_{name}"].to_numpy()[k]) for name in said}
-        for k in range(dataset.sizes["statement"])
-    ]
-    return {
-        "data_sets": json.loads(dataset.attrs["data_sets"]),
-        "rows": rows,
-        "groups": groups,
-        "statements": statements,
-        "samples": int(dataset.attrs["samples"]),
-    }
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [ValidationAccount("validation")]

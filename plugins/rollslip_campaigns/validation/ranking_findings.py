@@ -1,19 +1,22 @@
 """What a ranking found, in sentences, a table and plain values."""
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["HEAD", "better", "cells", "record", "sentences"]
+__all__ = ["RankingAccount", "better"]
 
-HEAD: Final = ("law", "error, 95 %", "parameters", "time of a value", "better than", "cannot be determined from")
+_HEAD: Final = ("law", "error, 95 %", "parameters", "time of a value", "better than", "cannot be determined from")
 
 
 def better(dataset: "xr.Dataset", law: int) -> tuple[list[str], list[str]]:
@@ -26,91 +29,105 @@ def better(dataset: "xr.Dataset", law: int) -> tuple[list[str], list[str]]:
     return [names[k] for k in told if errors[k] > errors[law]], [names[k] for k in known if k not in told]
 
 
-def cells(dataset: "xr.Dataset") -> list[list[str]]:
-    """Return the table of a ranking as texts, the smallest error first."""
-    rows = []
-    for k in range(dataset.sizes["law"]):
-        one = dataset.isel(law=k)
-        low, high = float(one["error_low"]), float(one["error_high"])
-        error = f"{float(one['error']):.3g}" if math.isfinite(float(one["error"])) else str(one["status"].item())
-        seconds = float(one["seconds"])
-        worse, open_ = better(dataset, k)
-        rows.append(
-            [
-                str(one["law"].item()),
-                error + (f" ({low:.3g} to {high:.3g})" if math.isfinite(low) else ""),
-                f"{int(one['parameters'])}" + (f" ({one['fitted'].item()})" if one["fitted"].item() else ""),
-                format_quantity(seconds, "s", 2) if math.isfinite(seconds) else "not known",
-                ", ".join(worse) or "-",
-                ", ".join(open_) or "-",
+class RankingAccount(Account):
+    """How laws that were ranked are told."""
+
+    units: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("chance", "conditions", "confidence", "error", "interval", "parameters"), "1"
+    )
+    drawn = ".ranking_figures:figures"
+
+    @staticmethod
+    def sentences(dataset: "xr.Dataset") -> list[str]:
+        """Say which law predicts best, what it is better than, and of what it cannot be determined."""
+        names, errors = [str(name) for name in dataset["law"].to_numpy()], dataset["error"].to_numpy()
+        conditions, fewest = dataset.sizes["condition"], int(dataset.attrs["fewest"])
+        groups = str(dataset.attrs.get("groups", ""))
+        counted = int(dataset.attrs["independent"]) if groups else conditions
+        each = {"series": "series", "set": "data sets"}.get(groups, "conditions")
+        if not np.isfinite(errors).any():
+            return ["no law has a value at every condition, so there is no ranking"]
+        size = f"{errors[0]:.3g} times the uncertainty of the data, over {conditions} conditions"
+        if np.isfinite(errors).sum() == 1:
+            return [f"only {names[0]} has a value at every condition, so nothing is ranked; its error is {size}"]
+        said = [f"{names[0]} has the smallest error on conditions that it was not fitted to: {size}"]
+        if counted < fewest:
+            return [
+                *said,
+                f"which law is better cannot be determined: {counted} {each} are too few, {fewest} are needed",
             ]
-        )
-    return rows
-
-
-def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Say which law predicts best, what it is better than, and of what it cannot be determined."""
-    names, errors = [str(name) for name in dataset["law"].to_numpy()], dataset["error"].to_numpy()
-    conditions, fewest = dataset.sizes["condition"], int(dataset.attrs["fewest"])
-    groups = str(dataset.attrs.get("groups", ""))
-    counted = int(dataset.attrs["independent"]) if groups else conditions
-    each = {"series": "series", "set": "data sets"}.get(groups, "conditions")
-    if not np.isfinite(errors).any():
-        return ["no law has a value at every condition, so there is no ranking"]
-    size = f"{errors[0]:.3g} times the uncertainty of the data, over {conditions} conditions"
-    if np.isfinite(errors).sum() == 1:
-        return [f"only {names[0]} has a value at every condition, so nothing is ranked; its error is {size}"]
-    said = [f"{names[0]} has the smallest error on conditions that it was not fitted to: {size}"]
-    if counted < fewest:
-        return [
-            *said,
-            f"which law is better cannot be determined: {counted} {each} are too few, {fewest} are needed",
-        ]
-    worse, open_ = better(dataset, 0)
-    if worse:
-        said.append(
-            f"it is better than {', '.join(worse)}, with a confidence of 95 % for all that is told here together"
-        )
-    if open_:
-        said.append(
-            f"whether it is better than {', '.join(open_)} cannot be determined: differences as large come by chance; "
-            "more conditions would show it, or less uncertain data"
-        )
-    for k in range(1, len(names)):
-        worse, _ = better(dataset, k)
+        worse, open_ = better(dataset, 0)
         if worse:
-            said.append(f"{names[k]} is better than {', '.join(worse)}")
-    if not groups:
-        said.append(
-            "the confidence is that of noise alone, with conditions taken for independent: what a rig or a day has in "
-            "common is not in it (--groups=set, --groups=series)"
-        )
-    return said
+            said.append(
+                f"it is better than {', '.join(worse)}, with a confidence of 95 % for all that is told here together"
+            )
+        if open_:
+            said.append(
+                f"whether it is better than {', '.join(open_)} cannot be determined: differences as large come by "
+                "chance; more conditions would show it, or less uncertain data"
+            )
+        for k in range(1, len(names)):
+            worse, _ = better(dataset, k)
+            if worse:
+                said.append(f"{names[k]} is better than {', '.join(worse)}")
+        if not groups:
+            said.append(
+                "the confidence is that of noise alone, with conditions taken for independent: what a rig or a day has "
+                "in common is not in it (--groups=set, --groups=series)"
+            )
+        return said
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return a ranking as plain values."""
+        names = [str(name) for name in dataset["law"].to_numpy()]
+        laws = {}
+        for k, name in enumerate(names):
+            one = dataset.isel(law=k)
+            worse, open_ = better(dataset, k)
+            laws[name] = {
+                "error": or_none(one["error"]),
+                "interval": [or_none(one["error_low"]), or_none(one["error_high"])],
+                "parameters": int(one["parameters"]),
+                "fitted": [part for part in str(one["fitted"].item()).split(", ") if part],
+                "seconds": or_none(one["seconds"]),
+                "status": str(one["status"].item()),
+                "better_than": worse,
+                "cannot_be_told_from": open_,
+                "chance": {names[j]: or_none(one["probability"].to_numpy()[j]) for j in range(len(names)) if j != k},
+                "conditions": dict(
+                    zip(
+                        map(str, dataset["condition"].to_numpy()),
+                        (or_none(error) for error in one["condition_error"].to_numpy()),
+                        strict=True,
+                    )
+                ),
+            }
+        return {"laws": laws, "confidence": float(dataset.attrs["confidence"])}
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return the ranking, the smallest error first."""
+        rows = []
+        for k in range(dataset.sizes["law"]):
+            one = dataset.isel(law=k)
+            low, high = float(one["error_low"]), float(one["error_high"])
+            error = f"{float(one['error']):.3g}" if math.isfinite(float(one["error"])) else str(one["status"].item())
+            seconds = float(one["seconds"])
+            worse, open_ = better(dataset, k)
+            rows.append(
+                [
+                    str(one["law"].item()),
+                    error + (f" ({low:.3g} to {high:.3g})" if math.isfinite(low) else ""),
+                    f"{int(one['parameters'])}" + (f" ({one['fitted'].item()})" if one["fitted"].item() else ""),
+                    format_quantity(seconds, "s", 2) if math.isfinite(seconds) else "not known",
+                    ", ".join(worse) or "-",
+                    ", ".join(open_) or "-",
+                ]
+            )
+        return [Table("", _HEAD, rows)]
 
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return a ranking as plain values."""
-    names = [str(name) for name in dataset["law"].to_numpy()]
-    laws = {}
-    for k, name in enumerate(names):
-        one = dataset.isel(law=k)
-        worse, open_ = better(dataset, k)
-        laws[name] = {
-            "error": or_none(one["error"]),
-            "interval": [or_none(one["error_low"]), or_none(one["error_high"])],
-            "parameters": int(one["parameters"]),
-            "fitted": [part for part in str(one["fitted"].item()).split(", ") if part],
-            "seconds": or_none(one["seconds"]),
-            "status": str(one["status"].item()),
-            "better_than": worse,
-            "cannot_be_told_from": open_,
-            "chance": {names[j]: or_none(one["probability"].to_numpy()[j]) for j in range(len(names)) if j != k},
-            "conditions": dict(
-                zip(
-                    map(str, dataset["condition"].to_numpy()),
-                    (or_none(error) for error in one["condition_error"].to_numpy()),
-                    strict=True,
-                )
-            ),
-        }
-    return {"laws": laws, "confidence": float(dataset.attrs["confidence"])}
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [RankingAccount("ranking")]

@@ -3,14 +3,20 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.results.answer import Row
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Contact, Table
+from rollslip.results.answer import Answer, Row
 from rollslip.results.words import UNSURE, percent, runs_away
 from rollslip.units import format_quantity
+from rollslip_studies.dynamics import history_findings
+from rollslip_studies.dynamics.history_findings import energy_in_words
+from rollslip_studies.steady_slip.account import next_of_others
+from rollslip_studies.surface_damage import findings as damage
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +40,8 @@ _ENTRIES: Final = {
     "lost_pockets": "pockets",
     "lost_land": "lands of the cage",
 }
+#: Attributes that count what a motion took.
+_COUNTS: Final = ("steps", "rejected", "rate_evaluations", "jacobians", "contacts_evaluated")
 #: Share of the slip of running away from which on effective friction is not trusted.
 _NEAR: Final = 0.5
 #: What a result of an older version says.
@@ -93,37 +101,113 @@ def smallest_film(dataset: "xr.Dataset") -> dict[str, float]:
     return {ring: float(np.nanmin(film)) if np.any(np.isfinite(film)) else math.nan for ring, film in films.items()}
 
 
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return the single values of a motion; what has no value is None."""
-    a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
-    values: dict[str, Any] = {
-        "outcome": str(a["outcome"]),
-        "outcome_message": str(a["outcome_message"]),
-        "level": str(a["level"]),
-        "friction": str(a["friction"]),
-        "integrator": str(a["integrator"]),
-        "end_time": float(dataset["time"][-1]),
-        "steady_cage_slip": float(a["steady_cage_slip"]),
-        "steady_status": str(a["steady_status"]),
-        "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
-        "final_cage_slip": float(slip[-1]),
-        **{f"runaway_{name}": value for name, value in zip(("slip", "drag", "status"), _away(a), strict=True)},
-        "critical_cage_slip": float(a["critical_cage_slip"]),
-        "critical_status": str(a["critical_status"]),
-        **{f"smallest_film_parameter_{ring}": film for ring, film in smallest_film(dataset).items()},
-        "energy_turned_over": turnover(dataset),
-        "energy_closure": energy_closure(dataset),
-        "momentum_closure": momentum_closure(dataset),
-        **{name: int(a[name]) for name in ("steps", "rejected", "rate_evaluations", "jacobians", "contacts_evaluated")},
-        "real_time_factor": float(a["real_time_factor"]),
+class DynamicsAccount(Account):
+    """How a motion is told: with its energy ledger and its events."""
+
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "level": ("level of the motion", ""),
+        "friction": ("friction of the motion", ""),
+        "integrator": ("integrator", ""),
+        "steps": ("steps", ""),
+        "rejected": ("steps rejected", ""),
+        "rate_evaluations": ("evaluations of the rates", ""),
+        "jacobians": ("Jacobians", ""),
+        "contacts_evaluated": ("contacts evaluated in the motion", ""),
+        "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
-    events: list[dict[str, Any]] = [
-        {"time": time, "what": what, "rising": rising}
-        for what, passages in _passages(dataset).items()
-        for time, rising in passages
-    ]
-    known = {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()}
-    return known | {"events": sorted(events, key=lambda event: float(event["time"]))}
+    units: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("end_time", "largest_cage_slip_time", "least_cage_slip_time", "least_margin_time", "time",
+                         "time_beyond_runaway"), "s"),
+        **dict.fromkeys(("critical_cage_slip", "energy_closure", "final_cage_slip", "largest_cage_slip",
+                         "least_cage_slip", "least_margin_to_runaway", "momentum_closure", "runaway_slip",
+                         "smallest_film_parameter_inner", "smallest_film_parameter_outer", "steady_cage_slip"), "1"),
+        **dict.fromkeys(("energy_turned_over", "frictional_work_inner", "frictional_work_outer", "heat_carried_away",
+                         "heat_made", "heat_stored"), "J"),
+        "runaway_drag": "N m", "sliding_distance_inner": "m", "sliding_distance_outer": "m",
+        "final_temperatures": "K", "hottest_temperature": "K",
+    }  # fmt: skip
+    drawn = ".figures:motion_figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the slip at the end, along a history the largest, and measures of damage on the way."""
+        slip = history_findings.row(dataset) if history_findings.along(dataset) else row(dataset)
+        cut = dataset.attrs["outcome"] in ("failed", "interrupted")
+        faults = (outcome(dataset).partition(": ")[2],) if cut else ()
+        return Answer(rows=(slip, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults)
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what a motion found, by what it is about, the most important first; no sentence has its full stop."""
+        said = {
+            "motion": [outcome(dataset)],
+            "steady slip": [_steady(dataset)],
+            "skidding": _running_away(dataset),
+            "slip at largest traction": [_critical(dataset)],
+            "largest slip": [_largest(dataset)],
+            "events": _events(dataset),
+            "film": [_films(dataset)],
+            "cage": _cage(dataset),
+            "steps": _steps(dataset),
+            "ledger": [_ledger(dataset)],
+            "cost": [_cost(dataset)],
+        }
+        told = {about: texts for about, texts in said.items() if texts}
+        return history_findings.told(dataset, told) | damage.over_motion(dataset)
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the single values of a motion; what has no value is None."""
+        a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
+        values: dict[str, Any] = {
+            "outcome": str(a["outcome"]),
+            "outcome_message": str(a["outcome_message"]),
+            "level": str(a["level"]),
+            "friction": str(a["friction"]),
+            "integrator": str(a["integrator"]),
+            "end_time": float(dataset["time"][-1]),
+            "steady_cage_slip": float(a["steady_cage_slip"]),
+            "steady_status": str(a["steady_status"]),
+            "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
+            "final_cage_slip": float(slip[-1]),
+            **{f"runaway_{name}": value for name, value in zip(("slip", "drag", "status"), _away(a), strict=True)},
+            "critical_cage_slip": float(a["critical_cage_slip"]),
+            "critical_status": str(a["critical_status"]),
+            **{f"smallest_film_parameter_{ring}": film for ring, film in smallest_film(dataset).items()},
+            "energy_turned_over": turnover(dataset),
+            "energy_closure": energy_closure(dataset),
+            "momentum_closure": momentum_closure(dataset),
+            **{name: int(a[name]) for name in _COUNTS},
+            "real_time_factor": float(a["real_time_factor"]),
+        }
+        events: list[dict[str, Any]] = [
+            {"time": time, "what": what, "rising": rising}
+            for what, passages in _passages(dataset).items()
+            for time, rising in passages
+        ]
+        known = {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()}
+        return {
+            **known,
+            "events": sorted(events, key=lambda event: float(event["time"])),
+            **history_findings.record(dataset),
+            **history_findings.heat_record(dataset),
+            **damage.record(dataset),
+        }
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return the energy ledger, and the events by kind: how often, when first and last."""
+        events = [
+            [what, str(len(p)), *(f"{time:.4g} s" for time in (min(p)[0], max(p)[0]))]
+            for what, p in _passages(dataset).items()
+        ]
+        return [
+            Table("Energy ledger", *ledger_table(dataset)),
+            Table("Events", ("event", "times", "first", "last"), events),
+        ]
+
+    def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
+        """Return the contacts with both rings."""
+        return [Contact(f"{ring} ring", "", film) for ring, film in smallest_film(dataset).items()]
 
 
 def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
@@ -156,24 +240,6 @@ def runaway_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
     return sorted(p for what, passages in _passages(dataset).items() if RUNAWAY in what for p in passages)
 
 
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Say what a motion found, by what it is about, the most important first; no sentence has its full stop."""
-    said = {
-        "motion": [outcome(dataset)],
-        "steady slip": [_steady(dataset)],
-        "skidding": _running_away(dataset),
-        "slip at largest traction": [_critical(dataset)],
-        "largest slip": [_largest(dataset)],
-        "events": _events(dataset),
-        "film": [_films(dataset)],
-        "cage": _cage(dataset),
-        "steps": _steps(dataset),
-        "ledger": [_ledger(dataset)],
-        "cost": [_cost(dataset)],
-    }
-    return {about: texts for about, texts in said.items() if texts}
-
-
 def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]]]:
     """Return head and rows of the energy ledger at the end."""
     size, energy = turnover(dataset), dataset["energy"].to_numpy()
@@ -182,14 +248,6 @@ def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]
     return ("energy since the start", "", "of what was turned over"), [
         [name, energy_in_words(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"]
         for name, value in entries.items()
-    ]
-
-
-def events_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]]]:
-    """Return head and rows of the events by kind: how often, when first and last."""
-    return ("event", "times", "first", "last"), [
-        [what, str(len(p)), *(f"{time:.4g} s" for time in (min(p)[0], max(p)[0]))]
-        for what, p in _passages(dataset).items()
     ]
 
 
@@ -239,11 +297,6 @@ def _share(value: float) -> str:
 
 def _time(seconds: float) -> str:
     return f"t = {seconds:.3g} s"
-
-
-def energy_in_words(joules: float) -> str:
-    """Return an energy as people read it."""
-    return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
 
 
 def outcome(dataset: "xr.Dataset") -> str:
@@ -423,3 +476,9 @@ def _held(attributes: Mapping[str, Any]) -> str:
         f"; friction was evaluated every {held:.2g} s, linear in speed and time in between, and off by {off:.1e} of it "
         f"when it was again, by {most:.1e} at most"
     )
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [DynamicsAccount("dynamics")]

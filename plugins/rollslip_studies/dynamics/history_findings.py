@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from rollslip.results.answer import Row
 from rollslip.results.words import estimated, percent
 from rollslip.units import format_quantity
-from rollslip_studies.dynamics.findings import energy_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,6 +103,11 @@ def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
         **{name: str(dataset.attrs[name]) for name in ("thermal", "hottest_node", "thermal_status")},
         "final_temperatures": dict(zip(map(str, dataset["node"].to_numpy()), last, strict=True)),
     }
+
+
+def energy_in_words(joules: float) -> str:
+    """Return an energy as people read it."""
+    return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
 
 
 def heat_in_words(dataset: "xr.Dataset") -> list[str]:

@@ -5,9 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.words import percent
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.account import next_of_others
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,13 +39,6 @@ def beyond(one: "xr.Dataset") -> list[str]:
     """Return the rings on which a measure is beyond its limit."""
     limit, sign = float(one["limit"]), 1.0 if one["sense"].item() == "largest" else -1.0
     return [str(ring) for ring in one["ring"].to_numpy() if sign * float(one["worst"].sel(ring=ring)) > sign * limit]
-
-
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Say what was found, by what it is about; no sentence has its full stop."""
-    if str(dataset["status"].item()) != "found":
-        return {"damage": [str(dataset["status"].item())]}
-    return {str(one["meaning"].item()): _measure(one) for one in measures(dataset)}
 
 
 def over_motion(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -89,15 +85,6 @@ def _limit(one: "xr.Dataset") -> str:
     return f"that is within its limit of {value} ({source})"
 
 
-def answer(dataset: "xr.Dataset") -> Answer:
-    """Return the slip, and the worst of every measure."""
-    slip = float(dataset["slip"]) if "slip" in dataset else math.nan
-    status = str(dataset["status"].item()) if math.isnan(slip) else ""
-    own = Row(key="cage_slip", label="cage slip", value=slip, known=1, text="not found" if status else percent(slip),
-              note=status)  # fmt: skip
-    return Answer(rows=(own, *rows(dataset)))
-
-
 def rows(dataset: "xr.Dataset") -> tuple[Row, ...]:
     """Return the worst of every measure, and whether that is beyond its limit; nothing where none was measured."""
     return tuple(map(_row, measures(dataset))) if "measure" in dataset.dims else ()
@@ -140,3 +127,33 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             for one in measures(dataset)
         },
     }
+
+
+class SurfaceDamageAccount(Account):
+    """How measures of damage are told."""
+
+    drawn = ".figures:damage_figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return the slip, which another study knows better, and the worst of every measure."""
+        slip = float(dataset["slip"]) if "slip" in dataset else math.nan
+        status = str(dataset["status"].item()) if math.isnan(slip) else ""
+        text = "not found" if status else percent(slip)
+        own = Row(key="cage_slip", label="cage slip", value=slip, known=1, text=text, note=status)
+        return Answer(rows=(own, *rows(dataset)), commands=next_of_others(dataset))
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about; no sentence has its full stop."""
+        if str(dataset["status"].item()) != "found":
+            return {"damage": [str(dataset["status"].item())]}
+        return {str(one["meaning"].item()): _measure(one) for one in measures(dataset)}
+
+    record = staticmethod(record)
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [SurfaceDamageAccount("surface-damage")]

@@ -2,13 +2,17 @@
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.words import estimated, percent, power
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.account import next_of_others
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,17 +49,82 @@ def _watt(power: float) -> str:
     return format_quantity(power, "W", 3)
 
 
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
-    if not solved(dataset):
-        return {"heat": [_given(dataset)]}
-    return {
-        "bulk temperatures": _balances(dataset),
-        "limit": [_limit(dataset)],
-        **({"what they rest on": [taken]} if (taken := _taken(dataset)) else {}),
-        **({"course": [_course(dataset)]} if "course_temperature" in dataset else {}),
-        **({"other studies": [_settings(dataset)]} if lasting(dataset) else {}),
+class ThermalBalanceAccount(Account):
+    """How bulk temperatures are told."""
+
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "thermal": ("thermal model", ""),
+        "evaluated_temperatures": ("temperatures at which a steady slip was sought", ""),
     }
+    units: ClassVar[Mapping[str, str]] = {"temperatures": "K"}
+    drawn = ".figures:thermal_figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return temperatures and slip in balance, or the heat that has to be carried away to hold those given."""
+        commands = next_of_others(dataset)  # of the slip at the temperatures of the scene another study knows
+        if not solved(dataset):
+            loss = float(dataset["given_loss"])
+            text, note = power(loss), "at the temperatures of the scene"
+            if math.isnan(loss):
+                text, note = "not found", str(dataset["given_status"].item())
+            row = Row(key="given_loss", label="heat to carry away", value=loss, unit="W", text=text, note=note)
+            return Answer(rows=(row,), commands=commands)
+        if not (balances := lasting(dataset)):
+            note = str(dataset["status"].item())
+            row = Row(key="temperature", label="bulk temperature", unit="K", text="no balance", note=note)
+            return Answer(rows=(row,), commands=commands)
+        one = balances[0]
+        names, values = one["node"].to_numpy(), one["temperature"].to_numpy()
+        slip = float(one["steady_slip"])
+        shown = [f"{value - 273.15:.0f} °C" for value in values]
+        rows = (
+            Row(key="temperature", label=f"temperature, {names[0]}", value=float(values[0]), unit="K", text=shown[0],
+                note=", ".join(f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True))),
+            Row(key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)),
+        )  # fmt: skip
+        return Answer(rows=rows, assumed=tuple(filter(None, [estimated(dataset)])), commands=commands)
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
+        if not solved(dataset):
+            return {"heat": [_given(dataset)]}
+        return {
+            "bulk temperatures": _balances(dataset),
+            "limit": [_limit(dataset)],
+            **({"what they rest on": [taken]} if (taken := _taken(dataset)) else {}),
+            **({"course": [_course(dataset)]} if "course_temperature" in dataset else {}),
+            **({"other studies": [_settings(dataset)]} if lasting(dataset) else {}),
+        }
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the single values; what has no value is None."""
+        names = ["given_slip", "given_loss", "heat_margin", "limit_temperature", "inlet_limit"]
+        values = {name: float(dataset[name]) for name in names if name in dataset}
+        balances = [
+            {
+                "temperatures": dict(
+                    zip(map(str, one["node"].to_numpy()), one["temperature"].to_numpy().tolist(), strict=True)
+                ),
+                "stable": bool(one["stable"]),
+                "stability": str(one["stability"].item()),
+                "steady_slip": float(one["steady_slip"]),
+                "loss": float(one["loss"].sum()),
+                "carried_away": dict(
+                    zip(map(str, one["sink"].to_numpy()), one["carried_away"].to_numpy().tolist(), strict=True)
+                ),
+            }
+            for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"]))
+            if math.isfinite(float(one["steady_slip"]))
+        ]
+        texts = [name for name in ("status", "given_status", "limit_status", "course_status") if name in dataset]
+        return (
+            {"balances": balances}
+            | {name: None if math.isnan(value) else value for name, value in values.items()}
+            | {name: str(dataset[name].item()) for name in texts}
+        )
 
 
 def _given(dataset: "xr.Dataset") -> str:
@@ -134,54 +203,7 @@ def _settings(dataset: "xr.Dataset") -> str:
     return f"other studies take the temperatures of the scene; these are {' '.join(keys)}"
 
 
-def answer(dataset: "xr.Dataset") -> Answer:
-    """Return the temperatures and the slip in balance, or the heat that has to be carried away to hold those given."""
-    if not solved(dataset):
-        loss = float(dataset["given_loss"])
-        text, note = power(loss), "at the temperatures of the scene"
-        if math.isnan(loss):
-            text, note = "not found", str(dataset["given_status"].item())
-        return Answer(
-            rows=(Row(key="given_loss", label="heat to carry away", value=loss, unit="W", text=text, note=note),)
-        )
-    if not (balances := lasting(dataset)):
-        note = str(dataset["status"].item())
-        return Answer(rows=(Row(key="temperature", label="bulk temperature", unit="K", text="no balance", note=note),))
-    one = balances[0]
-    names, values = one["node"].to_numpy(), one["temperature"].to_numpy()
-    slip = float(one["steady_slip"])
-    shown = [f"{value - 273.15:.0f} °C" for value in values]
-    rows = (
-        Row(key="temperature", label=f"temperature, {names[0]}", value=float(values[0]), unit="K", text=shown[0],
-            note=", ".join(f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True))),
-        Row(key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)),
-    )  # fmt: skip
-    return Answer(rows=rows, assumed=tuple(filter(None, [estimated(dataset)])))
-
-
-def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return the single values; what has no value is None."""
-    names = ["given_slip", "given_loss", "heat_margin", "limit_temperature", "inlet_limit"]
-    values = {name: float(dataset[name]) for name in names if name in dataset}
-    balances = [
-        {
-            "temperatures": dict(
-                zip(map(str, one["node"].to_numpy()), one["temperature"].to_numpy().tolist(), strict=True)
-            ),
-            "stable": bool(one["stable"]),
-            "stability": str(one["stability"].item()),
-            "steady_slip": float(one["steady_slip"]),
-            "loss": float(one["loss"].sum()),
-            "carried_away": dict(
-                zip(map(str, one["sink"].to_numpy()), one["carried_away"].to_numpy().tolist(), strict=True)
-            ),
-        }
-        for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"]))
-        if math.isfinite(float(one["steady_slip"]))
-    ]
-    texts = [name for name in ("status", "given_status", "limit_status", "course_status") if name in dataset]
-    return (
-        {"balances": balances}
-        | {name: None if math.isnan(value) else value for name, value in values.items()}
-        | {name: str(dataset[name].item()) for name in texts}
-    )
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [ThermalBalanceAccount("thermal-balance")]
