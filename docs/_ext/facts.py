@@ -21,7 +21,7 @@ from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
 from rollslip.results.answer import RULES
-from rollslip.scene.plausibility import RELATIONS
+from rollslip.scene.relations import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
 from rollslip.units import format_quantity

@@ -18,8 +18,8 @@ from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Span, parameter
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
 from rollslip.planning.plausibility import implausible, implausible_along
-from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
+from rollslip.scene.relations import RELATIONS
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, attributes, key_of, types_of
 from rollslip.studies.study import study_class

@@ -18,8 +18,8 @@ from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.datasets import Bearing
 from rollslip.errors import RollslipError, SceneError
 from rollslip.scene.clearance import usual_fit
-from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
+from rollslip.scene.relations import skf_least_load
 from rollslip.scene.supply import SUPPLIES
 from rollslip.scene.values import Scene
 from rollslip.structure import Location

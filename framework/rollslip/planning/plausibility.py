@@ -1,30 +1,36 @@
 """What is unusual in a scene, of all that it holds: its own tables, the oil, the cage, models and studies.
 
-Where a key takes many values, as in a sweep, that is said once for all of them.
+- A range of a single value stands beside its field (`rollslip.fields.field`), what has to fit another value in
+  `rollslip.scene.relations`.
+- Only what somebody wrote is judged by its field: named data, defaults and estimates have other authors.
+- Where a key takes many values, as in a sweep, that is said once for all of them.
 """
 
 import contextlib
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from numbers import Real
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
 
+import attrs
 import numpy as np
 
 from rollslip.bearing.cage import Cage, doubts
-from rollslip.catalogue.registry import structure_model
-from rollslip.errors import RollslipError
+from rollslip.catalogue.registry import get_class, structure_model
+from rollslip.errors import PluginError, RollslipError
 from rollslip.fields import unusual
 from rollslip.lubricant.base_oil import HIGHEST_INDEX, LOWEST_INDEX
 from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused
-from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
+from rollslip.scene.relations import RELATIONS
 from rollslip.scene.rings import rings_of, yielding
 from rollslip.scene.values import Scene, model_kind
-from rollslip.structure import Location, resolved
+from rollslip.structure import Location, attributes, fields_of, resolved, types_of
 from rollslip.studies.study import study_class
 from rollslip.toml import parse, split_key
-from rollslip.units import as_written, unit_given
+from rollslip.units import UnitError, as_written, quantity, unit_given
 
 __all__ = ["implausible", "implausible_along"]
 
@@ -36,21 +42,29 @@ def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
     """
     raw: Mapping[str, Any] = scene.raw if scene.raw is not None else resolved(scene)
     where = Location(scene.origins)
-    found = [*unusual_values(Scene, raw, where)]
-    found += unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
+    found = [*_unusual_values(Scene, raw, where)]
+    found += _unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
     found += _oil(scene, raw, where.at("lubricant"))
-    found += unusual_values(Cage, raw.get("cage"), where.at("cage"))
+    found += _unusual_values(Cage, raw.get("cage"), where.at("cage"))
     found += _models(raw, where)
     studies = raw.get("study")
     for name, table in studies.items() if isinstance(studies, Mapping) else ():
         with contextlib.suppress(RollslipError):  # who runs it says so
-            found += unusual_values(study_class(name, scene), table, where.at("study").at(name))
-    found += unusual_relations(scene, raw, where)
+            found += _unusual_values(study_class(name, scene), table, where.at("study").at(name))
+    found += _unusual_relations(scene, raw, where)
     told = {at.path for at, _ in found}
     if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
         found += [(at, text) for at, text in doubts(scene) if at.path not in told]
     found += _clearance(scene, raw, where.at("bearing"))
     return [*dict.fromkeys(at.says(told) for at, told in found if ".".join(map(str, at.path)) not in moved)]
+
+
+def _unusual_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence for each relation that is not usual, but of values that are not by themselves."""
+    for relation in RELATIONS:
+        at, told = relation.at(where), relation.fault(scene, raw, "usual")
+        if told and not any(_unusual(relation.attribute(scene), relation.written(raw), at)):
+            yield at, told
 
 
 def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
@@ -127,10 +141,10 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
     models, cage = raw.get("models"), raw.get("cage")
     for kind, model in models.items() if isinstance(models, Mapping) else ():
-        yield from unusual_model(model_kind(kind), model, where.at("models").at(kind))
+        yield from _unusual_model(model_kind(kind), model, where.at("models").at(kind))
     drags = cage.get("drag", ()) if isinstance(cage, Mapping) else ()
     for k, drag in enumerate(drags if isinstance(drags, list | tuple) else ()):
-        yield from unusual_model("drag", drag, where.at("cage").at("drag").at(k))
+        yield from _unusual_model("drag", drag, where.at("cage").at("drag").at(k))
 
 
 def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], which: str = "values") -> list[str]:
@@ -138,7 +152,7 @@ def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], whic
 
     What is unusual in the scene by itself is left to `implausible`.
     """
-    told_by_itself = {at.path for at, _ in (*unusual_relations(scene, resolved(scene), Location({})), *doubts(scene))}
+    told_by_itself = {at.path for at, _ in (*_unusual_relations(scene, resolved(scene), Location({})), *doubts(scene))}
     first, counts = dict[str, str](), dict[str, int]()
     for value in values:
         for key, told in _unusual_at(scene, of, value, told_by_itself):
@@ -155,7 +169,7 @@ def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], whic
 def _unusual_at(scene: Scene, of: Quantity, value: object, told_by_itself: set[Any]) -> Iterator[tuple[str, str]]:
     """Yield each key that is unusual where a key takes a value, and what is."""
     if of.model:
-        for at, told in unusual_model(of.model, value, Location({}, split_key(of.key))):
+        for at, told in _unusual_model(of.model, value, Location({}, split_key(of.key))):
             yield at.says(""), told
     elif of.unit is not None or of.whole:
         number: Any = of.read(value)
@@ -163,6 +177,66 @@ def _unusual_at(scene: Scene, of: Quantity, value: object, told_by_itself: set[A
             yield of.key, told
     changed = evolve(scene, {of.key: value})
     raw = resolved(changed) if changed.raw is None else changed.raw
-    for at, told in (*unusual_relations(changed, raw, Location({})), *doubts(changed)):
+    for at, told in (*_unusual_relations(changed, raw, Location({})), *doubts(changed)):
         if at.path not in told_by_itself or at.says("") == of.key:
             yield at.says(""), told
+
+
+# Values by their fields ----------------------------------------------------------------------------------------------
+
+
+def _unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence for each value of a raw table that its field does not call usual."""
+    if not isinstance(raw, Mapping):
+        return
+    kinds = types_of(cls)
+    for key, attribute in fields_of(cls):
+        if key not in raw:
+            continue
+        value, at = raw[key], where.at(key)
+        if (kind := attribute.metadata.get("kind")) is not None:
+            yield from _unusual_model(kind, value, at)
+            continue
+        for inner, table, place in _tables(kinds[attribute.name], value, at):
+            yield from _unusual_values(inner, table, place)
+            for a in attributes(inner):
+                if a.metadata.get("own_unit"):  # a property over temperature: its values are those of the property
+                    yield from _unusual(attribute, table.get(a.name), place.at(a.name))
+        yield from _unusual(attribute, value, at)
+
+
+def _unusual_model(kind: str, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence for each parameter of a model that its field does not call usual."""
+    if isinstance(raw, Mapping) and isinstance(name := raw.get("model"), str):
+        try:
+            cls = get_class(kind, name)
+        except PluginError:  # who makes the model says so
+            return
+        if attrs.has(cls):
+            yield from _unusual_values(cls, raw, where)
+
+
+def _tables(kind: Any, raw: object, where: Location) -> Iterator[tuple[Any, Mapping[str, object], Location]]:
+    """Yield the attrs classes that a value is read as, its tables and their places."""
+    for one in get_args(kind) if get_origin(kind) in (Union, UnionType, tuple) else (kind,):
+        if attrs.has(one) and isinstance(raw, Mapping):
+            yield one, raw, where
+        elif attrs.has(one) and isinstance(raw, list | tuple):
+            yield from ((one, table, where.at(k)) for k, table in enumerate(raw) if isinstance(table, Mapping))
+
+
+def _unusual(attribute: "attrs.Attribute[Any]", raw: object, where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence for a number, or for each of a list, that its field does not call usual."""
+    if isinstance(raw, list | tuple):
+        for k, one in enumerate(raw):
+            yield from _unusual(attribute, one, where.at(k))
+        return
+    if isinstance(raw, bool) or not isinstance(raw, Real | str) or raw in attribute.metadata.get("words", ()):
+        return
+    unit = attribute.metadata.get("unit")
+    try:
+        value = quantity(raw, unit or "1")
+    except UnitError:  # a text in place of a table
+        return
+    if told := unusual(attribute, value, None if unit is None else unit_given(raw, unit)):
+        yield where, told

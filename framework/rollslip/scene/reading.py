@@ -17,7 +17,7 @@ from rollslip.errors import PluginError, SceneError, UnknownNameError, in_words,
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import in_operation
 from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
-from rollslip.scene.plausibility import impossible_relations
+from rollslip.scene.relations import impossible_relations
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure, thawed
 from rollslip.toml import KeyPath, parse

@@ -18,7 +18,7 @@ from rollslip.fields import at_least, one_at_least, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
-from rollslip.scene.plausibility import impossible_pressure
+from rollslip.scene.relations import impossible_pressure
 from rollslip.structure import Location
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.study import JUDGED, Study

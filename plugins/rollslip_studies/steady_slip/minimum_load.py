@@ -21,7 +21,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import AT_REST, SWITCHED_OFF
-from rollslip.scene.plausibility import skf_least_load
+from rollslip.scene.relations import skf_least_load
 from rollslip.scene.values import Scene
 from rollslip.search import bracketed, secants, vertex
 from rollslip.units import GRAVITY, format_quantity

@@ -1,38 +1,25 @@
-"""Whether what a scene states is usual: each value by its field, and values that have to fit each other.
+"""Values of a scene that have to fit each other, each relation with a range that is usual and one that is possible.
 
-- A range of a single value stands beside its field (`rollslip.fields.field`). What has to fit another value is one of
-  `RELATIONS` here, with the same two ranges: outside of what is usual whoever runs the scene is told, outside of what
-  is possible it is not read.
-- Only what somebody wrote is judged by its field: named data, defaults and estimates have other authors.
+- Outside of what is usual whoever runs the scene is told (`rollslip.planning.plausibility`), outside of what is
+  possible it is not read.
 - The numbers are those of catalogues and handbooks, taken wide: they catch a slipped unit or decimal, and say nothing
   about whether a bearing is a good one.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from numbers import Real
-from types import UnionType
-from typing import Any, Final, TypeAlias, Union, get_args, get_origin
+from typing import Any, Final, TypeAlias
 
 import attrs
 
-from rollslip.errors import PluginError
-from rollslip.fields import FieldError, Span, as_given, span_in_words, unusual
+from rollslip.fields import FieldError, Span, as_given, span_in_words
 from rollslip.scene.supply import DEEPEST
-from rollslip.structure import Location, attributes, fields_of, types_of
-from rollslip.units import GRAVITY, UnitError, format_quantity, likely, quantity, unit_given
+from rollslip.structure import Location
+from rollslip.units import GRAVITY, format_quantity, likely, unit_given
 
-__all__ = [
-    "RELATIONS",
-    "Relation",
-    "impossible_pressure",
-    "impossible_relations",
-    "skf_least_load",
-    "unusual_model",
-    "unusual_relations",
-    "unusual_values",
-]
+__all__ = ["RELATIONS", "Relation", "impossible_pressure", "impossible_relations", "skf_least_load"]
 
 Scene: TypeAlias = Any
 """A `rollslip.scene.values.Scene`; its tables are read by name here, as relations name them."""
@@ -62,10 +49,18 @@ class Relation:
     #: What is usual where a whole number without a unit is written, which may be meant in another unit than SI.
     bare: Span | None = None
 
-    def span(self, which: str, written: object) -> Span:
-        """Return what is "usual", or "possible", of a value as it is written."""
-        whole = isinstance(written, Real) and not isinstance(written, bool) and float(written).is_integer()
-        return self.bare if which == "usual" and whole and self.bare is not None else getattr(self, which)
+    def at(self, where: Location) -> Location:
+        """Return the place of the value that is blamed in a scene."""
+        return where.at(self.table).at(self.field)
+
+    def written(self, raw: Mapping[str, object]) -> object:
+        """Return the value that is blamed as it is written in a raw scene; None if it is not."""
+        table = raw.get(self.table)
+        return table.get(self.field) if isinstance(table, Mapping) else None
+
+    def attribute(self, scene: Scene) -> "attrs.Attribute[Any]":
+        """Return the field of the value that is blamed."""
+        return attrs.fields_dict(type(getattr(scene, self.table)))[self.field]
 
     def with_value(self, scene: Scene, value: float) -> float:
         """Return what it would amount to with another value; NaN if the scene cannot have that."""
@@ -76,16 +71,21 @@ class Relation:
             return math.nan
         return self.of(other)
 
-    def fault(self, scene: Scene, amounts: float, span: Span, written: object) -> str:
-        """Say how what a scene amounts to leaves one of the two ranges."""
-        attribute = attrs.fields_dict(type(getattr(scene, self.table)))[self.field]
+    def fault(self, scene: Scene, raw: Mapping[str, object], which: str) -> str:
+        """Say how what a scene amounts to leaves what is "usual", or "possible", of it; nothing where it does not."""
+        written = self.written(raw)
+        whole = isinstance(written, Real) and not isinstance(written, bool) and float(written).is_integer()
+        span: Span = self.bare if which == "usual" and whole and self.bare is not None else getattr(self, which)
+        amounts = self.of(scene)
+        if math.isnan(amounts) or span[0] <= amounts <= span[1]:
+            return ""
+        attribute = self.attribute(scene)
         unit = attribute.metadata["unit"]
         value: float = getattr(getattr(scene, self.table), self.field)
         given = None if unit is None or written is None else unit_given(written, unit)
         sums = scene.bearing.mounted if self.field == "radial_clearance" else None  # what it follows from
         shown = as_given(value, attribute, given) if sums is None else str(sums)
-        word = "possible" if span == self.possible else "usual"
-        said = f"{shown} is {self._shown(amounts)} {self.words}, {self.range_in_words(span)} is {word}"
+        said = f"{shown} is {self._shown(amounts)} {self.words}, {self.range_in_words(span)} is {which}"
         if unit is None or given is None or math.isinf(span[1]):  # of too little nothing is likely: any unit has more
             return said
         of_field: Span = attribute.metadata["usual"]
@@ -156,22 +156,18 @@ def _most_loaded(scene: Scene) -> tuple[float, float, float]:
     return load, inner * roller / (inner + roller), b.material.elastic_modulus / (1 - b.material.poisson_ratio**2)
 
 
-def impossible_pressure(load: float, radius: float, modulus: float) -> str:
-    """Say that a load per length w [N/m] presses a contact, R [m] and E' [Pa], as none can be; nothing if it does not.
+def _pressure(load: float, radius: float, modulus: float) -> float:
+    """Largest pressure after Hertz [Pa], sqrt(w E'/(2 pi R))."""
+    return math.sqrt(load * modulus / (2 * math.pi * radius))
 
-    The largest pressure is that of Hertz, sqrt(w E'/(2 pi R)).
-    """
-    pressure = math.sqrt(load * modulus / (2 * math.pi * radius))
+
+def impossible_pressure(load: float, radius: float, modulus: float) -> str:
+    """Say that a load per length [N/m] presses a contact, R [m] and E' [Pa], as none can be; nothing if it does not."""
+    pressure = _pressure(load, radius, modulus)
     if pressure <= _PRESSURE[1]:
         return ""
     most = format_quantity(_PRESSURE[1], "Pa")
     return f"{format_quantity(pressure, 'Pa', 3)} of pressure after Hertz, at most {most} is possible"
-
-
-def _pressure(scene: Scene) -> float:
-    """Hertz's largest pressure of the most loaded contact [Pa]."""
-    load, radius, modulus = _most_loaded(scene)
-    return math.sqrt(load * modulus / (2 * math.pi * radius))
 
 
 def _over_half_width(scene: Scene, which: str) -> float:
@@ -254,7 +250,7 @@ RELATIONS: Final = (
     Relation(
         "operation",
         "radial_load",
-        _pressure,
+        lambda scene: _pressure(*_most_loaded(scene)),
         "Pa",
         "of pressure in the most loaded contact, after Hertz",
         (0, 5e9),
@@ -341,80 +337,4 @@ RELATIONS: Final = (
 
 def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
     """Return a sentence for each relation that no bearing can have, with its place."""
-    return [at.says(told) for at, told in _faults(scene, raw, where, "possible")]
-
-
-def unusual_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[tuple[Location, str]]:
-    """Return place and sentence for each relation that is not usual; of values that are by themselves."""
-    return list(_faults(scene, raw, where, "usual"))
-
-
-def _faults(scene: Scene, raw: Mapping[str, object], where: Location, which: str) -> Iterator[tuple[Location, str]]:
-    for relation in RELATIONS:
-        table, at = raw.get(relation.table), where.at(relation.table).at(relation.field)
-        written = table.get(relation.field) if isinstance(table, Mapping) else None
-        amounts, span = relation.of(scene), relation.span(which, written)
-        if math.isnan(amounts) or span[0] <= amounts <= span[1]:
-            continue
-        attribute = attrs.fields_dict(type(getattr(scene, relation.table)))[relation.field]
-        if which == "possible" or not any(_unusual(attribute, written, at)):
-            yield at, relation.fault(scene, amounts, span, written)
-
-
-def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for each value of a raw table that its field does not call usual."""
-    if not isinstance(raw, Mapping):
-        return
-    kinds = types_of(cls)
-    for key, attribute in fields_of(cls):
-        if key not in raw:
-            continue
-        value, at = raw[key], where.at(key)
-        if (kind := attribute.metadata.get("kind")) is not None:
-            yield from unusual_model(kind, value, at)
-            continue
-        for inner, table, place in _tables(kinds[attribute.name], value, at):
-            yield from unusual_values(inner, table, place)
-            for a in attributes(inner):
-                if a.metadata.get("own_unit"):  # a property over temperature: its values are those of the property
-                    yield from _unusual(attribute, table.get(a.name), place.at(a.name))
-        yield from _unusual(attribute, value, at)
-
-
-def unusual_model(kind: str, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for each parameter of a model that its field does not call usual."""
-    from rollslip.catalogue.discovery import get_class  # a scene is read without
-
-    if isinstance(raw, Mapping) and isinstance(name := raw.get("model"), str):
-        try:
-            cls = get_class(kind, name)
-        except PluginError:  # who makes the model says so
-            return
-        if attrs.has(cls):
-            yield from unusual_values(cls, raw, where)
-
-
-def _tables(kind: Any, raw: object, where: Location) -> Iterator[tuple[Any, Mapping[str, object], Location]]:
-    """Yield the attrs classes that a value is read as, its tables and their places."""
-    for one in get_args(kind) if get_origin(kind) in (Union, UnionType, tuple) else (kind,):
-        if attrs.has(one) and isinstance(raw, Mapping):
-            yield one, raw, where
-        elif attrs.has(one) and isinstance(raw, list | tuple):
-            yield from ((one, table, where.at(k)) for k, table in enumerate(raw) if isinstance(table, Mapping))
-
-
-def _unusual(attribute: "attrs.Attribute[Any]", raw: object, where: Location) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for a number, or for each of a list, that its field does not call usual."""
-    if isinstance(raw, list | tuple):
-        for k, one in enumerate(raw):
-            yield from _unusual(attribute, one, where.at(k))
-        return
-    if isinstance(raw, bool) or not isinstance(raw, Real | str) or raw in attribute.metadata.get("words", ()):
-        return
-    unit = attribute.metadata.get("unit")
-    try:
-        value = quantity(raw, unit or "1")
-    except UnitError:  # a text in place of a table
-        return
-    if told := unusual(attribute, value, None if unit is None else unit_given(raw, unit)):
-        yield where, told
+    return [one.at(where).says(told) for one in RELATIONS if (told := one.fault(scene, raw, "possible"))]
