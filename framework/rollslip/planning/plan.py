@@ -221,7 +221,8 @@ def plan(
     begin = time.process_time()
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
-    check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
+    if scene.plugins.require:
+        check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
     chosen, stated = _at_once(scene, study)
     studies = {name: one.without(frozenset(without) | _known_better(one, chosen)) for name, one in chosen.items()}
     require_memory(studies, stated)

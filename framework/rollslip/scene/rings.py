@@ -45,6 +45,9 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
     ``make`` gives the model of a choice, or adds to ``problems`` too.
     """
     b, o, m, where = scene.bearing, scene.operation, scene.models, Location(scene.origins)
+    raceways = [raceway for raceway in (b.inner_raceway, b.outer_raceway) if raceway is not None]
+    if m.inner_ring is None and m.outer_ring is None and not any(raceway.form for raceway in raceways):
+        return None
     found, waves, tables = dict[str, RingShapes](), list[tuple[int, float, float]](), list[tuple[Floats, Floats]]()
     turns: tuple[list[tuple[int, int]], list[tuple[int, int]]] = [], []
     rings = ("inner", m.inner_ring, o.inner_speed), ("outer", m.outer_ring, o.outer_speed)

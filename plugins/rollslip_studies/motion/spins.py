@@ -226,7 +226,6 @@ class Motions:
         self.assembly, self.instants, self.effective, self.inertia = assembly, instants, effective, inertia
         self.pocket, self.rubbing, self._few = pocket, rubbing, 0 if assembly.inner.chain.placed else few
         k = assembly.kinematics
-        self.train = Train.of(k, assembly.scene.bearing.rollers, rubbing)
         self.positions = assembly.scene.bearing.rollers * instants
         #: 1 or -1: that in which the kinematics let the rollers go round
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
@@ -368,7 +367,9 @@ class Motions:
         `rollslip_studies.motion.train` says how they are made. Where a spin goes on to change from one balance to
         another and back, the mean is told, and by how much the torque changes with it.
         """
-        k, train, few = self.assembly.kinematics, self.train, _ROUGH if self._inertia else None
+        k = self.assembly.kinematics
+        train = Train.of(k, self.assembly.scene.bearing.rollers, self.rubbing)
+        few = _ROUGH if self._inertia else None
         brakes, left, driven = np.zeros((slips.size, self.positions)), np.zeros(slips.size), []
         least, stalled = np.full(slips.size, np.inf), np.zeros(slips.size)
         rows, friction = np.arange(slips.size), train.coefficient * train.radius
