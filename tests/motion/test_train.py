@@ -103,7 +103,9 @@ def test_what_the_rings_put_in_is_lost_at_neighbours_too(slip):
 
 def test_brakes_are_those_of_the_pushes_of_the_motion_itself():
     balance = rollers(assemble(NONE), 2, inertia=False)
-    orbit, train = balance.orbit(0.05), balance.motions.train
+    orbit = balance.orbit(0.05)
+    bearing = balance.assembly
+    train = Train.of(bearing.kinematics, bearing.scene.bearing.rollers, balance.motions.rubbing)
     _, _, on_cage = balance.forces(orbit)
     forces = sum(train.pushes(on_cage[None]))[0]
     assert orbit.brakes == pytest.approx(train.coefficient * train.radius * forces, rel=2e-4, abs=1e-6 * forces.max())
