@@ -11,7 +11,7 @@ import json
 import math
 import sys
 from collections.abc import Collection, Iterable, Mapping
-from functools import reduce
+from functools import cache, reduce
 from numbers import Number
 from operator import getitem
 from typing import TYPE_CHECKING, Any
@@ -132,10 +132,14 @@ def _title(scene: Scene) -> str:
     return f"{scene.title}; changed: {', '.join(told)}" if speaks else scene.title
 
 
+#: Version of an installed package; reading its metadata takes a millisecond, and it does not change while we run.
+_version = cache(importlib.metadata.version)
+
+
 def packages_of(offers: Iterable[Offer]) -> dict[str, str]:
     """Return the packages behind offers and those that every result needs, each with its version."""
     used = {offer.package: offer.version for offer in offers}
-    used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
+    used |= {name: _version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
     return dict(sorted(used.items())) | {"python": sys.version.split()[0]}
 
 
