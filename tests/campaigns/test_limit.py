@@ -19,7 +19,7 @@ from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.accounts import account_of
 from rollslip.results.table import sheet
-from rollslip.studies.accuracy import AT_ONCE
+from rollslip.studies.error_estimate import AT_ONCE
 from rollslip_campaigns.limit import LimitSettings, findings
 from rollslip_campaigns.limit.limit import RESULT, of_the_worst, run_limit
 from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement

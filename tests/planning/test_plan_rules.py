@@ -18,8 +18,8 @@ from rollslip.errors import SceneError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import verify
-from rollslip.studies.accuracy import Bound, difference
 from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts
+from rollslip.studies.error_estimate import Bound, difference
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 BASE = evolve(

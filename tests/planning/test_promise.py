@@ -18,8 +18,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError, Resolution
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
-from rollslip.planning.verification import Judgement, again, told, verify
-from rollslip.studies.accuracy import WHERE_JUMPED, errors_between
+from rollslip.planning.verification import error_warnings, verify
+from rollslip.studies.error_estimate import WHERE_JUMPED, ErrorEstimate, errors_between, refined
 from tabled import REFERENCES, TABLES, rows_of
 
 #: Few large rollers on smooth raceways: each has two balances from a slip of 0.25 to 0.75, and jumps at its own slip.
@@ -98,16 +98,18 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
         estimated = attrs.evolve(made.estimated[STUDY], **changes)
         assembly = made.assembly.at(attrs.evolve(estimated.resolution, instants=10))
         estimated = attrs.evolve(estimated, resolution=assembly.resolution)
-        judgement = Judgement(errors={"instants": errors}, orders=orders, at_once=at_once or {})
-        return again(made.studies[STUDY], assembly, estimated, judgement)
+        error = ErrorEstimate(errors={"instants": errors}, orders=orders, at_once=at_once or {})
+        return refined(made.studies[STUDY], assembly, estimated, error)
 
     held = attrs.evolve(epicyclic.scene, accuracy=attrs.evolve(epicyclic.scene.accuracy, slices=7))
     fixed = assemble(held, attrs.evolve(epicyclic.estimated[STUDY].resolution, slices=7, instants=10))
     study, of = epicyclic.studies[STUDY], attrs.evolve(epicyclic.estimated[STUDY], resolution=fixed.resolution)
     for alone, made in ({"friction": 2e-3}, False), ({"friction": 5e-4}, True):  # of laminae that the scene fixes
         left = {"slices": {"friction": 5e-4}, "instants": {"friction": 2e-3}}
-        seen = Judgement(errors=left, at_once={"friction": 3e-3}, alone={"slices": alone, "instants": left["instants"]})
-        assert (again(study, fixed, of, seen) is not None) == made
+        seen = ErrorEstimate(
+            errors=left, at_once={"friction": 3e-3}, alone={"slices": alone, "instants": left["instants"]}
+        )
+        assert (refined(study, fixed, of, seen) is not None) == made
     off = {"friction": 4e-3}
     assert then(epicyclic, {"friction": 9e-4}, {}) is None
     second = then(epicyclic, off, {"friction": 2.0})
@@ -120,7 +122,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     orbit = JUMPS.bearing.rollers * epicyclic.estimated[STUDY].resolution.slices * 40
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
-            patched.setattr("rollslip.planning.verification._MOST_SLICES", most)
+            patched.setattr("rollslip.studies.error_estimate._MOST_SLICES", most)
             assert (then(epicyclic, off, {"friction": 1.0}) is not None) == made
     hidden = then(epicyclic, {"friction": 1e-4}, {}, {"friction": 2e-3})  # parts err against each other
     assert hidden.resolution.instants == math.ceil(10 * math.sqrt(2.0 / 0.7))
@@ -269,22 +271,22 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
     errors = {"instants": {"friction": 1e-2}}
     for order, typed in ((2.0, "5e-05"), (1.0, "5e-06")):
-        (said,) = told(made, STUDY, Judgement(errors=errors, orders={"friction": order}))
+        (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": order}))
         assert f"with the order {order:.1f} of the positions; type --set accuracy.friction={typed}" in said
-    (said,) = told(made, STUDY, Judgement(errors=errors, orders={"friction": 0.1}))
+    (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": 0.1}))
     assert "it does not fall with the positions; type --set accuracy.tolerance=exact" in said
     most = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, instants=128))
-    assert "raise accuracy.friction; this is the finest" in told(most, STUDY, Judgement(errors=errors))[0]
-    (said,) = told(made, STUDY, Judgement(errors={"instants": {"critical_slip": np.inf}}))
+    assert "raise accuracy.friction; this is the finest" in error_warnings(most, STUDY, ErrorEstimate(errors=errors))[0]
+    (said,) = error_warnings(made, STUDY, ErrorEstimate(errors={"instants": {"critical_slip": np.inf}}))
     assert said.startswith("how far critical slip is off cannot be determined")
-    assert told(made, STUDY, Judgement(errors={"instants": {"friction": 9e-4}})) == []
+    assert error_warnings(made, STUDY, ErrorEstimate(errors={"instants": {"friction": 9e-4}})) == []
 
 
 def test_what_slices_and_instants_hide_from_each_other_is_told():
     made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
-    judgement = Judgement(errors={"instants": {"friction": 2e-4}}, at_once={"friction": 1.3e-3, "cage slip": 3e-3})
-    assert judgement.total == {"friction": 1.3e-3, "cage slip": 3e-3}
-    friction, slip = told(made, STUDY, judgement)
+    error = ErrorEstimate(errors={"instants": {"friction": 2e-4}}, at_once={"friction": 1.3e-3, "cage slip": 3e-3})
+    assert error.total == {"friction": 1.3e-3, "cage slip": 3e-3}
+    friction, slip = error_warnings(made, STUDY, error)
     assert friction.startswith("friction is off by about 1.3e-03, more than the tolerance of 0.001")
     assert "type --set accuracy.friction=" in friction
     assert slip.startswith("cage slip is off by about 3.0e-03")
@@ -300,8 +302,8 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
     def numbers(slices, instants):
         alone = {"slices": {"friction": slices}, "instants": {"friction": instants}}
         small = {part: {"friction": 1e-4} for part in alone}
-        judgement = Judgement(errors=small, at_once={"friction": slices + instants}, alone=alone)
-        finer = again(made.studies[STUDY], assembly, estimated, judgement)
+        error = ErrorEstimate(errors=small, at_once={"friction": slices + instants}, alone=alone)
+        finer = refined(made.studies[STUDY], assembly, estimated, error)
         return finer.resolution.slices, finer.resolution.instants
 
     assert numbers(2e-3, 1e-4) == (math.ceil(20 * math.sqrt(2.0 / 0.6)), 10)

@@ -6,6 +6,7 @@ import time
 from types import SimpleNamespace
 
 import attrs
+import numpy as np
 import pytest
 
 from rollslip import evolve, load_scene
@@ -13,19 +14,11 @@ from rollslip import plan as planned
 from rollslip.bearing.resolution import Resolution
 from rollslip.planning import execution, lines, verification
 from rollslip.planning.lines import _CHECK, part_as_dict
-from rollslip.planning.verification import (
-    Judgement,
-    _of_order,
-    _order,
-    _wanted_at_once,
-    accuracy_rows,
-    again,
-    slower,
-    told,
-)
+from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.scene.reading import from_raw
 from rollslip.studies.answers import Part
 from rollslip.studies.bounds import LightContacts
+from rollslip.studies.error_estimate import ErrorEstimate, _growth, _order, _Run, apart, by_seen_order, refined
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick
@@ -40,18 +33,40 @@ def plan():
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 2.0])
 def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p):
-    error = [n**-p for n in (4, 9, 8)]
-    assert _of_order(error[0] - error[1], p, 4) == pytest.approx(error[0])
-    assert _order(4, 8, error[0], error[2]) == pytest.approx(p)
+    """Of a curve that is off by m^-p on m positions, and has no maximum."""
+
+    class Straight:
+        slip_range, followed, averaged, curves_of, judged = 0.5, False, True, None, {}
+        together = classmethod(lambda *_: None)
+
+        def curves(self, assembly, slip, instants):
+            return np.array([[1.0 + m**-p * slip / slip.max()] for m in instants])
+
+    study, resolution = Straight(), Resolution(instants=4)
+    bearing = SimpleNamespace(resolution=resolution, at=lambda _: bearing)
+    run = _Run(study=study, curved=study, assembly=bearing, few=bearing, dataset=None, accuracy=SCENE.accuracy)
+    orders = {}
+    errors = run.of_instants(bearing, orders)
+    # half as many are compared with 9 positions, as those of the run are
+    of_order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
+    assert orders["friction"] == pytest.approx(of_order)
+    change = (4**-p - 9**-p) / (1.0 + 9**-p)
+    assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(of_order, 2.0)))
+    assert _order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
+    assert (4**-p - 9**-p) / apart(4, 9, p) == pytest.approx(4**-p)
 
 
 def test_the_order_of_laminae_is_that_seen_from_run_to_run():
     """Errors of 25 and 100 laminae against four times as many, half as large: of order 1/2, not 2."""
-    few, many = (Judgement(errors={"slices": {"friction": each}, "instants": {}}) for each in (4e-4, 2e-4))
-    found = slower(many, 100, few, 25).errors["slices"]["friction"]
+    few, many = (
+        ErrorEstimate(errors={"slices": {"friction": error}, "instants": {}}, slices=slices)
+        for error, slices in ((4e-4, 25), (2e-4, 100))
+    )
+    found = by_seen_order(many, few).errors["slices"]["friction"]
     assert found == pytest.approx(2e-4 * (1 - 1 / 16) / (1 - 1 / 2))
-    assert slower(many, 100, Judgement(errors={"slices": {"friction": 3.2e-3}}), 25) == many  # of order 2
-    assert slower(many, 25, few, 25) is many
+    assert by_seen_order(many, attrs.evolve(few, errors={"slices": {"friction": 3.2e-3}})) == many  # of order 2
+    assert by_seen_order(many, attrs.evolve(few, slices=100)) is many
+    assert by_seen_order(many, None) is many
 
 
 def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan):
@@ -61,8 +76,8 @@ def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan
     left, assembly = attrs.evolve(left, resolution=resolution), plan.assembly.at(resolution)
     for moved, back in ((2e-3, True), (1e-4, False)):
         alone = {"slices": {"friction": 2e-3}, "left out": {"friction": moved}}
-        off = Judgement(errors={"slices": {}}, at_once={"friction": 3e-3}, alone=alone)
-        made = again(study, assembly, left, off)
+        off = ErrorEstimate(errors={"slices": {}}, at_once={"friction": 3e-3}, alone=alone)
+        made = refined(study, assembly, left, off)
         assert made.resolution.light_contacts == back
         assert (made.left_out == ()) == back
         assert ("light_contacts" in made.errors) != back
@@ -72,14 +87,14 @@ def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan
 
 def test_what_both_move_at_once_counts_where_it_is_more():
     parts = {"slices": {"friction": 1e-3}, "instants": {"friction": 5e-4, "critical_slip": 1e-3}}
-    assert Judgement(errors=parts, at_once={"friction": 3e-3}).total == {"friction": 3e-3, "critical_slip": 1e-3}
-    assert Judgement(errors=parts, at_once={"friction": 1e-3}).total["friction"] == pytest.approx(1.5e-3)
+    assert ErrorEstimate(errors=parts, at_once={"friction": 3e-3}).total == {"friction": 3e-3, "critical_slip": 1e-3}
+    assert ErrorEstimate(errors=parts, at_once={"friction": 1e-3}).total["friction"] == pytest.approx(1.5e-3)
 
 
 def test_more_of_a_part_is_asked_for_by_what_the_others_leave_of_the_aim():
     """0.7 of the tolerance is aimed at for both: of 0.7e-3 less 0.1e-3 slices have 2e-3, that fall with the square."""
     alone = {"slices": {"friction": 2e-3}, "instants": {"friction": 1e-4}}
-    found = _wanted_at_once(Judgement(errors={"slices": {}, "instants": {}}, alone=alone), {"friction": 1e-3})
+    found = _growth(ErrorEstimate(errors={"slices": {}, "instants": {}}, alone=alone), {"friction": 1e-3})
     assert found["slices"] == pytest.approx(math.sqrt(2e-3 / 6e-4))
     assert found["instants"] < 1.0
 
@@ -88,17 +103,17 @@ def test_a_run_that_is_off_is_made_again_finer(plan):
     study, estimated = plan.studies["effective-friction"], plan.estimated["effective-friction"]
     before = estimated.resolution.slices
     # 4 times 0.35 of the tolerance: twice as many slices, whose error falls with the square
-    off = Judgement(errors={"slices": {"friction": 1.4e-3}, "instants": {"friction": 0.0}})
-    made = again(study, plan.assembly.at(estimated.resolution), estimated, off)
+    off = ErrorEstimate(errors={"slices": {"friction": 1.4e-3}, "instants": {"friction": 0.0}})
+    made = refined(study, plan.assembly.at(estimated.resolution), estimated, off)
     assert made.resolution.slices == 2 * before
     assert made.resolution.instants == estimated.resolution.instants
-    kept = Judgement(errors={"slices": {"friction": 0.9e-3}, "instants": {"friction": 0.0}})
-    assert again(study, plan.assembly.at(estimated.resolution), estimated, kept) is None
+    kept = ErrorEstimate(errors={"slices": {"friction": 0.9e-3}, "instants": {"friction": 0.0}})
+    assert refined(study, plan.assembly.at(estimated.resolution), estimated, kept) is None
 
 
 def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
-    off = Judgement(errors={"instants": {"friction": 4e-3}}, orders={"friction": 1.0})
-    (said,) = told(plan, "effective-friction", off)
+    off = ErrorEstimate(errors={"instants": {"friction": 4e-3}}, orders={"friction": 1.0})
+    (said,) = error_warnings(plan, "effective-friction", off)
     # half of the tolerance at a quarter of the error, which falls with the order of the positions as the first power
     assert said == (
         "friction is off by about 4.0e-03, more than the tolerance of 0.001, as positions and laminae other than those "
@@ -115,7 +130,7 @@ def test_slips_that_are_followed_are_to_be_more():
         scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), studies={"effective-friction": followed},
         estimated={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, instants=1))},
     )  # fmt: skip
-    (said,) = told(fake, "effective-friction", Judgement(errors={"slices": {"critical_slip": 4e-3}}))
+    (said,) = error_warnings(fake, "effective-friction", ErrorEstimate(errors={"slices": {"critical_slip": 4e-3}}))
     assert said.endswith(
         "or go along more slips by --set study.effective-friction.points=25"
     )  # between all two of 9, two
@@ -147,9 +162,9 @@ def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monke
 @pytest.mark.parametrize(("left", "warned"), [(3e-5, False), (3e-3, True)])
 def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warned, monkeypatch):
     made = planned(SCENE, STUDY)
-    judgement = Judgement(errors={"slices": {"friction": 1e-5, "critical_slip": left}})
-    monkeypatch.setattr(execution, "judge", lambda *_: judgement)
-    monkeypatch.setattr(execution, "told", lambda *_: [])
+    error = ErrorEstimate(errors={"slices": {"friction": 1e-5, "critical_slip": left}})
+    monkeypatch.setattr(execution, "estimate_error", lambda *_: error)
+    monkeypatch.setattr(execution, "error_warnings", lambda *_: [])
     first, second = (execution.execute(made, STUDY, exactly=True) for _ in range(2))
     assert first.attrs["slices_error"] == left
     assert first.attrs["evaluations"] == second.attrs["evaluations"] > 0
@@ -166,7 +181,9 @@ def test_a_run_that_goes_on_finer_says_so_and_for_how_long(monkeypatch):
     def progress(text, share=math.nan, left=math.nan):
         told.append((text, left))
 
-    monkeypatch.setattr(execution, "judge", lambda *_: Judgement(errors={"slices": {"friction": next(off)}}))
+    monkeypatch.setattr(
+        execution, "estimate_error", lambda *_: ErrorEstimate(errors={"slices": {"friction": next(off)}})
+    )
     made = planned(evolve(SCENE, {"accuracy.slices": "auto"}), STUDY)
     result = execution.execute(made, STUDY, progress=progress)
     few = made.estimated[STUDY].resolution.slices
@@ -183,9 +200,9 @@ def test_the_check_of_a_result_is_foreseen_and_spent(monkeypatch):
         begin = time.process_time()
         while time.process_time() - begin < 0.2:
             pass
-        return Judgement(errors={})
+        return ErrorEstimate(errors={})
 
-    monkeypatch.setattr(execution, "judge", judging)
+    monkeypatch.setattr(execution, "estimate_error", judging)
     made = planned(SCENE, "effective-friction")
     (check,) = (part for part in made.parts if part.part == "check of the result")
     others = sum(part.seconds for part in made.parts if part.seconds) - check.seconds

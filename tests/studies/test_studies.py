@@ -14,7 +14,7 @@ from rollslip.bearing.resolution import finest
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.curves import Curves, curve_labels
 from rollslip.scene.values import Accuracy
-from rollslip.studies.estimates import FEW, by_doubling
+from rollslip.studies.error_estimate import FEW, by_doubling
 from rollslip.studies.study import AXES, Study, settings, study_class
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 from without_bands import run

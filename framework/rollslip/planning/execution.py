@@ -12,18 +12,19 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from rollslip.bearing.resolution import BoundBrokenError
-from rollslip.errors import ConvergenceError, RollslipError
+from rollslip.errors import RollslipError
 from rollslip.planning.lines import how_finely
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import Shown, progress_in_notebook
 from rollslip.planning.provenance import models_origin, run_origin
-from rollslip.planning.verification import Judgement, accuracy_rows, again, judge, slower, told
+from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.results.accounts import answer
 from rollslip.scene.values import Scene
 from rollslip.structure import scene_hash
 from rollslip.studies import validity
 from rollslip.studies.answers import Keep, Store
+from rollslip.studies.error_estimate import ErrorEstimate, estimate_error, refined
 from rollslip.studies.law_outputs import law_outputs
 
 if TYPE_CHECKING:
@@ -126,53 +127,57 @@ def compute(
 ) -> Executed:
     """Return the result of one study of a plan, with nothing that only a reader of its answer needs.
 
-    What is seen afterwards to be off by more than its tolerance is run again with more slices and instants where it is
-    soon done and would help (`rollslip.planning.verification.again`); the plan in the result says so.
+    A run is made again on more slices and roller positions where its error is estimated to exceed the tolerance, if it
+    is soon done and would help (`rollslip.studies.error_estimate.refined`); the plan in the result says so.
     """
     plan = planned
     running = plan.studies[study]
     for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one
         importlib.import_module(library)
     begin, processor = time.perf_counter(), time.process_time()
-    taken_back, first = list[str](), (Judgement(errors={}), 0)
+    first: ErrorEstimate | None = None
+    taken_back = list[str]()
+    while True:
+        plan, dataset, evaluated = _run(plan, study, kept, progress, taken_back)
+        estimated = plan.estimated[study]
+        unwatched = plan.assembly.at(estimated.resolution)
+        error = estimate_error(running, unwatched, dataset, first)
+        if exactly or (finer := refined(running, unwatched, estimated, error)) is None:
+            break
+        _log.info("%s runs again, finer: it was off by more than its tolerance", study)
+        first = first or error
+        plan = plan.again(study, finer)
+        if progress is not None:
+            progress(f"again, on {how_finely(finer.resolution)}", left=plan.seconds_of(study))
+    dataset = dataset.assign(law_outputs(running, unwatched, dataset))
+    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in error.errors.items() if found}
+    dataset.attrs |= {
+        "resolution": json.dumps(attrs.asdict(estimated.resolution)),
+        "accuracy": json.dumps(accuracy_rows(plan, study, error.total, "a posteriori")),
+        "taken_back": json.dumps(taken_back),
+    }
+    processor_time = time.process_time() - processor
+    messages = error_warnings(plan, study, error)
+    dataset.attrs |= run_origin(plan, messages, evaluated, time.perf_counter() - begin)
+    return Executed(study=study, planned=planned, plan=plan, dataset=dataset, processor_time=processor_time)
+
+
+def _run(
+    plan: Plan, study: str, kept: Path | None, progress: Shown | None, taken_back: list[str]
+) -> "tuple[Plan, xr.Dataset, int]":
+    """Return a plan, its result, and how many slices were evaluated for it; what is needed after all is taken back."""
+    running = plan.studies[study]
     while True:
         assembly = plan.assemblies[study]
         before = assembly.inner.chain.evaluated
         try:
             store = None if kept is None else Store(kept, scene_hash(plan.scene) + running.digest(assembly), study)
             dataset = running.run(assembly, Keep(store=store, progress=progress))
+            return plan, dataset, assembly.inner.chain.evaluated - before
         except BoundBrokenError as broken:
             taken_back.append(str(broken))
             _log.info("%s begins again: %s", study, broken)
             plan = plan.taking_back(study, broken.bound)
-            continue
-        evaluated = assembly.inner.chain.evaluated - before
-        estimated = plan.estimated[study]
-        unwatched = plan.assembly.at(estimated.resolution)
-        try:
-            judgement = judge(running, unwatched, estimated, dataset)
-            judgement = slower(judgement, unwatched.slices, *first) if first[1] else judgement
-        except ConvergenceError as refusal:  # what was computed stands
-            judgement = Judgement(errors={}, refusal=str(refusal))
-        finer = None if exactly else again(running, unwatched, estimated, judgement)
-        if finer is None:
-            break
-        _log.info("%s runs again, finer: it was off by more than its tolerance", study)
-        first = first if first[1] else (judgement, unwatched.slices)
-        plan = plan.again(study, finer)
-        if progress is not None:
-            progress(f"again, on {how_finely(finer.resolution)}", left=plan.seconds_of(study))
-    dataset = dataset.assign(law_outputs(running, unwatched, dataset))
-    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items() if found}
-    dataset.attrs |= {
-        "resolution": json.dumps(attrs.asdict(estimated.resolution)),
-        "accuracy": json.dumps(accuracy_rows(plan, study, judgement.total, "a posteriori")),
-        "taken_back": json.dumps(taken_back),
-    }
-    processor_time = time.process_time() - processor
-    told_errors = told(plan, study, judgement)
-    dataset.attrs |= run_origin(plan, told_errors, evaluated, time.perf_counter() - begin)
-    return Executed(study=study, planned=planned, plan=plan, dataset=dataset, processor_time=processor_time)
 
 
 def _completed(executed: Mapping[str, Executed]) -> dict[str, "xr.Dataset"]:

@@ -19,8 +19,8 @@ from rollslip.studies.study import Study
 from rollslip.units import GRAVITY, format_quantity
 
 __all__ = [
-    "LONG", "caged", "check", "foreseen", "how_finely", "is_judged", "of_bearing", "of_studies", "own_cage",
-    "part_as_dict", "runs_again", "time_in_words",
+    "LONG", "caged", "check", "foreseen", "how_finely", "of_bearing", "of_studies", "own_cage", "part_as_dict",
+    "time_in_words",
 ]  # fmt: skip
 
 #: Time that is told before it is spent [s].
@@ -65,20 +65,9 @@ def of_studies(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     return [*_cage(assembly, studies), *_heat(assembly.scene, studies), *_damage(assembly.scene, studies)]
 
 
-def is_judged(study: Study, assembly: Assembly) -> bool:
-    """Whether it is measured how far a result is off: curves, or numbers of an answer."""
-    numbers = type(study).witnessed is not Study.witnessed and not assembly.scene.accuracy.exact
-    return assembly.resolution.instants is not None and (numbers or study.curved(assembly) is not None)
-
-
-def runs_again(study: Study, assembly: Assembly) -> bool:
-    """Whether a result that is off by more than its tolerance is run again, finer: one that is judged by itself."""
-    return not assembly.scene.accuracy.exact and study.curved(assembly) in (None, study)
-
-
 def time_in_words(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
     """Return how long studies take, and that it may be longer where one may run again."""
-    again = any(runs_again(study, assembly) for study in studies)
+    again = any(study.may_run_again(assembly) for study in studies)
     return duration_range(seconds) + ", longer if the check of a result asks for more" * again
 
 
@@ -91,11 +80,11 @@ def how_finely(resolution: Resolution) -> str:
 
 def check(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[Part]:
     """Return the line of what follows a study whose costs are known, nothing where it is not judged."""
-    if not costs or not is_judged(study, assembly):
+    if not costs or not study.has_error_estimate(assembly):
         return []
     least, times = _CHECK
     own = study.curved(assembly) in (None, study)  # else judged by curves that take nothing of the time in motion
-    then = "; beyond its tolerance it runs again, which takes longer" * runs_again(study, assembly)
+    then = "; beyond its tolerance it runs again, which takes longer" * study.may_run_again(assembly)
     return [
         Part(
             part="check of the result",

@@ -1,7 +1,7 @@
 """The plan: what will be modelled of a scene, with which model, how finely, what is left out, and why.
 
 It is made before anything runs and executed as printed: a run takes its studies and their bearings, at the resolution
-that was chosen for them (`rollslip.studies.estimates`), from it.
+that was chosen for them (`rollslip.studies.error_estimate`), from it.
 
 What it will cost is told before it is spent. Time is that of the estimate, or what the evaluations take at the least,
 the larger one; estimates from small parts may be off by a factor of two or three, so nothing is refused for its time. A

@@ -1,6 +1,6 @@
 """What a study answers with, where plan and campaigns ask it: outputs, resolution with errors, lines of a plan."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -10,8 +10,9 @@ import attrs
 from rollslip.bearing.raceway import Array, Ring
 from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.results.dataset import about
-from rollslip.studies.accuracy import Errors
 
+#: Key of [accuracy], or name of a number -> relative error.
+Errors: TypeAlias = Mapping[str, float]
 #: Name -> dimensions, values and attributes.
 Variables: TypeAlias = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
 #: Some variables of a result, and the coordinates of their dimensions.
@@ -62,13 +63,14 @@ class Estimated:
     @property
     def total(self) -> Errors:
         """Sum of the errors of all parts, result by result."""
-        return total(self.errors)
+        return combined(self.errors.values(), sum)
 
 
-def total(errors: Mapping[str, Errors]) -> Errors:
-    """Return the sum of the errors of all parts, result by result."""
-    names = dict.fromkeys(name for part in errors.values() for name in part)
-    return {name: sum(part.get(name, 0.0) for part in errors.values()) for name in names}
+def combined(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:
+    """Return the sum of several errors, result by result, or the largest of them; 0 where one has no such result."""
+    parts = [*errors]
+    names = dict.fromkeys(name for part in parts for name in part)
+    return {name: by([part.get(name, 0.0) for part in parts]) for name in names}
 
 
 @attrs.frozen(kw_only=True)

@@ -9,8 +9,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.errors import RollslipError
 from rollslip.scene.rings import yielding
-from rollslip.studies.accuracy import Errors
-from rollslip.studies.answers import Estimated, Part
+from rollslip.studies.answers import Errors, Estimated, Part
 
 
 def share_of(assembly: Assembly, estimated: Estimated) -> str:

@@ -8,7 +8,7 @@
 
 import abc
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
@@ -22,11 +22,12 @@ from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError, UnknownNameError
 from rollslip.references import Citation
-from rollslip.results.curves import Curves, curve_labels
+from rollslip.results.curves import curve_labels
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, structure
-from rollslip.studies import estimates, parts
+from rollslip.studies import parts
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
+from rollslip.studies.error_estimate import FEW, Curved, by_curves, by_doubling
 from rollslip.studies.timing import timed
 from rollslip.studies.validity import rolling_slices
 from rollslip.units import as_written
@@ -58,17 +59,13 @@ CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "tractio
 
 
 @attrs.frozen(kw_only=True)
-class Study(estimates.Curved, abc.ABC):
+class Study(Curved, abc.ABC):
     """A question put to one bearing; its settings are the attrs fields of the class."""
 
     #: Name -> a variable of its result, or a single value among the attributes of it.
     outputs: ClassVar[Mapping[str, Output]]
-    #: Key of [accuracy] (friction, critical_slip, cage_speed) -> variable of the result that is held against it.
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Numerical and modelling choices that change its results, of `AXES`.
     acts: ClassVar[frozenset[str]] = CONTACT_CHOICES
-    #: Its friction curves, if it gives some.
-    curves_of: ClassVar[Curves | None] = None
     #: Part of the cost -> what it is, and the resolution behind a bar.
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "the study as a whole"})
     #: Whether the loads of all rollers take part.
@@ -166,10 +163,6 @@ class Study(estimates.Curved, abc.ABC):
         """Return how many numbers it holds at least, by the setting that they go with; empty where that is little."""
         return {}
 
-    def evolved(self, **settings: Any) -> Self:
-        """Return the study with other settings."""
-        return attrs.evolve(self, **settings)
-
     # Less of it ---------------------------------------------------------------------------------------------------
 
     def without(self, outputs: frozenset[str]) -> Self:
@@ -178,11 +171,6 @@ class Study(estimates.Curved, abc.ABC):
 
     def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
         """Return some outputs by a way shorter than `run`; None if there is none to these."""
-        return None
-
-    @classmethod
-    def together(cls, cases: "Sequence[tuple[Self, Assembly]]", outputs: frozenset[str]) -> list[Some] | None:
-        """Return some outputs of several points in one go; None if there is no such way to these."""
         return None
 
     # How finely, with what error, at what cost ----------------------------------------------------------------------
@@ -195,10 +183,6 @@ class Study(estimates.Curved, abc.ABC):
         """Return the settings that a resolution may change, as they are: integrator, friction ..."""
         return {}
 
-    def curved(self, assembly: Assembly) -> "Study | None":
-        """Return what gives the curves by which slices and instants are chosen and judged; None if nothing does."""
-        return None if type(self).curves is Study.curves else self
-
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose the resolution by what the scene asks for: by curves, or by doubling where there are none.
 
@@ -206,15 +190,8 @@ class Study(estimates.Curved, abc.ABC):
         """
         curved = self.curved(assembly)
         if curved is None:
-            return estimates.by_doubling(self.run, self.judged, self.acts, assembly)
-        return estimates.by_curves(curved, assembly, cheaper_laws=cheaper_laws)
-
-    def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> Mapping[str, float]:
-        """Return by how much single values of a result are off, by a bearing with more slices and instants at once.
-
-        Relative, by the names under which people are told.
-        """
-        return {}
+            return by_doubling(self.run, self.judged, self.acts, assembly)
+        return by_curves(curved, assembly, cheaper_laws=cheaper_laws)
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return the resolution that a result is verified against, and how that is said."""
@@ -226,7 +203,7 @@ class Study(estimates.Curved, abc.ABC):
         Where a part cannot be computed a `RollslipError` says why.
         """
         resolution = assembly.resolution
-        few = attrs.evolve(resolution, slices=min(resolution.slices, estimates.FEW), quadrature="equal", instants=1)
+        few = attrs.evolve(resolution, slices=min(resolution.slices, FEW), quadrature="equal", instants=1)
         some = assembly.at(few)
         more = assembly.slices / some.slices * (resolution.instants or 1 if "instants" in self.acts else 1)
         return {"run": more * timed(partial(self.run, some), 1)}

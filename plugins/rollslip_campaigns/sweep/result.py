@@ -31,7 +31,7 @@ from rollslip.results.dataset import TOLD_BY, about
 from rollslip.results.words import counted
 from rollslip.scene.changes import evolve, full_key
 from rollslip.studies import validity
-from rollslip.studies.accuracy import errors_between
+from rollslip.studies.error_estimate import errors_between
 from rollslip.studies.study import settings, study_class
 from rollslip.units import unit_given
 from rollslip_campaigns.sweep.definition import OF_POINTS, Sweep

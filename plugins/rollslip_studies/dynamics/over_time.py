@@ -23,7 +23,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
-from rollslip.studies.estimates import slices_and_instants
+from rollslip.studies.error_estimate import slices_and_instants
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history.interpolated_rates import operated, shown
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings

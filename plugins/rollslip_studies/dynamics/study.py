@@ -30,8 +30,8 @@ from rollslip.models import IntegratorModel
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, resolved
-from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
+from rollslip.studies.error_estimate import exactly, with_tables
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip_studies.dynamics import heating, over_time
@@ -195,9 +195,9 @@ class Dynamics(Study):
         """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
         averaged = self.curved(assembly)
         if assembly.scene.accuracy.exact:
-            return self._with_choice(estimates.exactly(averaged, assembly), assembly)
+            return self._with_choice(exactly(averaged, assembly), assembly)
         estimated = over_time.at_the_ends(averaged, assembly, self.course(assembly), _SHARE)
-        estimated = self._with_choice(estimates.with_tables(estimated, assembly, _TABLES), assembly)
+        estimated = self._with_choice(with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
         return self._with_steps(estimated, assembly.at(estimated.resolution))

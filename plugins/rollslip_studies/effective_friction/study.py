@@ -30,8 +30,8 @@ from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
-from rollslip.studies.accuracy import LEAST_OF_SOME, WHERE_JUMPED
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
+from rollslip.studies.error_estimate import LEAST_OF_SOME, WHERE_JUMPED
 from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
 from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
 from rollslip_studies.effective_friction.raceways import (

@@ -14,7 +14,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
-from rollslip.studies.accuracy import AT_ONCE, LEAST_OF_SOME
+from rollslip.studies.error_estimate import AT_ONCE, LEAST_OF_SOME
 from rollslip.studies.steady_slip.torque import Duty, by_formula
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance

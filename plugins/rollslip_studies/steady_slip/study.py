@@ -30,8 +30,8 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
-from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
+from rollslip.studies.error_estimate import FEW, by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 from rollslip_studies.motion.effective_table import table_records
@@ -179,7 +179,7 @@ class SteadySlip(Study):
         """
         away = self._near_running_away(assembly)
         study = self if away is None else attrs.evolve(self, friction="conventional")
-        found = estimates.by_curves(study, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
+        found = by_curves(study, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
         instants = max(found.resolution.instants or 0, fewest_instants(assembly))
         found = attrs.evolve(found, resolution=attrs.evolve(found.resolution, instants=instants))
         if away is None:
@@ -192,7 +192,7 @@ class SteadySlip(Study):
         if self.friction != "effective" or assembly.scene.accuracy.exact:
             return None
         few = attrs.evolve(
-            assembly.resolution, slices=min(estimates.FEW, assembly.slices), quadrature="equal", table_tolerance=_TRIED
+            assembly.resolution, slices=min(FEW, assembly.slices), quadrature="equal", table_tolerance=_TRIED
         )
         near = near_running_away(assembly.at(few))
         return near if near is not None and near.off > assembly.scene.accuracy.of("friction") else None
