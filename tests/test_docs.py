@@ -130,6 +130,13 @@ def test_the_gallery_asks_and_answers():
 # A project others can join --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.quick
+def test_the_changelog_says_of_a_release_no_more_than_a_user_reads():
+    releases = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1:]
+    assert releases
+    assert {release.partition("\n")[0] for release in releases if release.count("\n") > 120} == set()
+
+
 def test_the_check_runs_on_three_systems_by_the_command_of_a_desk():
     workflow = (ROOT / ".github" / "workflows" / "check.yml").read_text(encoding="utf-8")
     assert re.search(r"system: \[ubuntu-latest, macos-latest, windows-latest\]", workflow)

@@ -264,9 +264,10 @@ def changelog():
     lines = []
     for line in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()[1:]:
         line = re.sub(r"\[([^\]]+)\]\(([^)]+)\)", r"`\1 <\2>`__", re.sub(r"`([^`]+)`", r"``\1``", line))
-        if line.startswith("## "):
-            line = f".. rubric:: {line[3:]}"
-        lines.append(line)
+        if heading := re.match(r"(##+) (.+)", line):
+            lines += [f".. rubric:: {heading[2]}", f"   :heading-level: {len(heading[1])}"]
+        else:
+            lines.append(line)
     return lines
 
 
