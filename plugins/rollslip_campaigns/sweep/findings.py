@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepAccount", "axes", "by_name", "few_points", "named_dims", "resting"]
 
-#: Points and columns that are told one by one, at most.
+#: Sweeps of at most this many points are shown as a table with a row for each point.
 _POINTS: Final = 24
+#: Such a table has at most this many columns, which fit the width of a terminal.
 _COLUMNS: Final = 10
 
 
