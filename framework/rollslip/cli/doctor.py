@@ -101,17 +101,18 @@ def _required() -> Iterator[tuple[str, Any]]:
 # Checks -------------------------------------------------------------------------------------------------------------
 
 
+def _finding(check: str, found: str, remedy: str, *, fits: bool, otherwise: str = "fault") -> Finding:
+    """Return what a check found; the remedy counts, and the state is not "ok", only where it does not fit."""
+    return Finding(check, "ok", found) if fits else Finding(check, otherwise, found, remedy)
+
+
 def _python() -> Iterator[Finding]:
     from packaging.specifiers import SpecifierSet
 
     version, needed = platform.python_version(), importlib.metadata.metadata("rollslip")["Requires-Python"] or ""
     fits = SpecifierSet(needed).contains(version, prereleases=True)
-    yield Finding(
-        "python",
-        "ok" if fits else "fault",
-        f"{version} ({platform.system()} {platform.machine()}), needs {needed or 'any'}",
-        "" if fits else f"use a Python {needed}",
-    )
+    found = f"{version} ({platform.system()} {platform.machine()}), needs {needed or 'any'}"
+    yield _finding("python", found, f"use a Python {needed}", fits=fits)
     yield Finding("rollslip", "ok", importlib.metadata.version("rollslip"))
 
 
@@ -119,23 +120,15 @@ def _dependencies() -> Iterator[Finding]:
     for name, needed in _required():
         installed = _version(name)
         fits = bool(installed) and needed.contains(installed, prereleases=True)
-        yield Finding(
-            name,
-            "ok" if fits else "fault",
-            f"{installed or 'is not installed'}, needs {needed}",
-            "" if fits else f"install it with: pip install '{name}{needed}'",
-        )
+        found = f"{installed or 'is not installed'}, needs {needed}"
+        yield _finding(name, found, f"install it with: pip install '{name}{needed}'", fits=fits)
 
 
 def _environment() -> Iterator[Finding]:
     for name in sorted(name for name in os.environ if name.startswith("ROLLSLIP_")):
-        known = name in VARIABLES
-        yield Finding(
-            name,
-            "ok" if known else "warning",
-            f"= {os.environ[name]!r}, {VARIABLES.get(name, 'which rollslip does not know')}",
-            "" if known else f"there are: {', '.join(VARIABLES)}",
-        )
+        found = f"= {os.environ[name]!r}, {VARIABLES.get(name, 'which rollslip does not know')}"
+        remedy = f"there are: {', '.join(VARIABLES)}"
+        yield _finding(name, found, remedy, fits=name in VARIABLES, otherwise="warning")
 
 
 def _kernels() -> Iterator[Finding]:
@@ -146,13 +139,9 @@ def _kernels() -> Iterator[Finding]:
         remedy = "unset ROLLSLIP_SIMD, or set it to one of these" if error.name == "ROLLSLIP_SIMD" else _REINSTALL
         yield Finding("kernels", "fault", f"cannot be loaded ({error})", remedy)
         return
-    held_back = simd.active() != simd.available()[-1]
-    yield Finding(
-        "instructions",
-        "warning" if held_back else "ok",
-        instructions(),
-        f"unset ROLLSLIP_SIMD to use {simd.available()[-1]}" if held_back else "",
-    )
+    best = simd.available()[-1]
+    remedy = f"unset ROLLSLIP_SIMD to use {best}"
+    yield _finding("instructions", instructions(), remedy, fits=simd.active() == best, otherwise="warning")
 
 
 def _plugins() -> Iterator[Finding]:
