@@ -45,8 +45,13 @@ def network(**parameters):
     return {"model": "network", **parameters}
 
 
+def settled(scene):
+    """Run the study alone: a plan would refine its results many times for what no test here looks at."""
+    return settings(scene, "thermal-balance")["thermal-balance"].run(assemble(scene))
+
+
 def balanced(changes=(), **parameters):
-    return run(evolve(SCENE, {"models.thermal": network(**parameters), **dict(changes)}), "thermal-balance")
+    return settled(evolve(SCENE, {"models.thermal": network(**parameters), **dict(changes)}))
 
 
 class Made(Heated):
@@ -316,8 +321,8 @@ def test_oil_carries_all_of_an_adiabatic_bearing():
 
 
 def test_given_temperatures_are_left_as_they_are_and_cost_one_steady_slip():
-    result = run(SCENE, "thermal-balance")
-    slip = run(evolve(SCENE, {"study.steady-slip.points": 8}), "steady-slip")
+    result = settled(SCENE)
+    slip = settings(SCENE, "steady-slip")["steady-slip"].run(assemble(SCENE))
     assert result.attrs["evaluated_temperatures"] == 1
     assert result.given_loss.item() == pytest.approx(slip.loss.isel(steady=0).sum().item(), rel=0.01)
     assert (result.temperature == 343.15).all()
@@ -450,9 +455,7 @@ def test_a_tight_fit_loads_more_rollers_and_slips_less():
 
     def fitted(size):
         seat = still | {"shaft_interference": size}
-        return run(
-            evolve(from_raw(raw, "fit"), {"bearing.mounting": seat, "models.thermal": network()}), "thermal-balance"
-        )
+        return settled(evolve(from_raw(raw, "fit"), {"bearing.mounting": seat, "models.thermal": network()}))
 
     loose, tight = fitted(0.0), fitted(5e-5)
     assert {str(loose.status.item()), str(tight.status.item())} == {"found"}
@@ -461,8 +464,8 @@ def test_a_tight_fit_loads_more_rollers_and_slips_less():
 
 
 def test_a_balance_is_drawn_and_kept(tmp_path):
-    result = balanced({"study.thermal-balance.duration": "10 min", "study.thermal-balance.instants": 5},
-                      oil_flow="15 g/s")  # fmt: skip
+    changes = {"study.thermal-balance.duration": "10 min", "study.thermal-balance.instants": 5}
+    result = run(evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), **changes}), "thermal-balance")
     assert result.course_temperature[-1].values == pytest.approx(result.temperature[:, 0].values, abs=4.0)
     names = [path.name for path in save_figures(thermal_figures(result), "", tmp_path)]
     assert [name for name in names if name.endswith(".svg")] == ["thermal-balance.svg", "thermal-course.svg"]
@@ -506,7 +509,7 @@ def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
     """Also where nothing lasts, and where all of the first range is warmer."""
     weak, cold = {"shaft_ambient": 0.05, "housing_ambient": 0.05}, {"oil_flow": 1.0, "oil_inlet_temperature": 160.0}
     for parameters in ({"oil_flow": "15 g/s"}, {}, weak, cold):
-        scene = evolve(SCENE, {"models.thermal": network(**parameters)})
+        scene = evolve(SCENE, {"models.thermal": network(**parameters), "study.thermal-balance.points": 8})
         study = settings(scene, "thermal-balance")["thermal-balance"]
         asked = {"settled_temperature", "settled_slip", "settled_status"}
         whole, alone = (one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - asked)))
