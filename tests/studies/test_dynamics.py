@@ -76,18 +76,22 @@ def distance(one, other):
 
 @pytest.mark.parametrize(("level", "friction"), EVERY)
 def test_the_ledger_closes_to_the_tolerance(level, friction):
-    """Energy and angular momentum; a hundredth of the tolerance leaves a fraction of the energy's residual."""
+    """Energy and angular momentum; the residual of the energy falls with the tolerance.
+
+    That residual is a sum of errors of either sign, which cancel by chance at one tolerance or another: between
+    neighbouring ones it may rise, so that they are four decades apart.
+    """
     drags = [brake(0.3), "hysteresis", {"model": "pocket-friction", "coefficient": 0.1}]
     closures = []
-    for tolerance in (1e-5, 1e-7):
+    for tolerance in (1e-3, 1e-7):
         found = run(
             bearing(*drags), level, friction, duration=0.01, points=11, relative_tolerance=tolerance, cage_slip=0.05
         )
         closures.append(energy_closure(found))
-        assert closures[-1] < 100.0 * tolerance
+        assert closures[-1] < tolerance
         assert momentum_closure(found) < tolerance
         assert float(np.abs(found.work_done.isel(time=-1)).sum()) > 0.1
-    assert closures[1] < closures[0] / 4.0
+    assert closures[1] < closures[0] / 20.0
 
 
 # Known motions ------------------------------------------------------------------------------------------------------
