@@ -36,7 +36,9 @@ from rollslip.testing.rules import (
     Nonconformance,
     changed,
     drawn,
+    first_of,
     is_citation,
+    on_drawn_slices,
     refuse_unless,
     rule,
     same,
@@ -53,16 +55,13 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @rule(ContactModel, PressureModel)
-def check_mean_pressure_carries_the_load(model: ContactModel) -> None:
+@on_drawn_slices
+def check_mean_pressure_carries_the_load(filled: Slices, form: str, shaped: SliceModel) -> None:
     """The mean pressure over the width 2 b is the load per length, w = 2 b p."""
-
-    def carries(filled: Slices, form: str, shaped: SliceModel) -> None:
-        carried = copy_of(filled)
-        carried.load[:] = 2 * filled.half_width * filled.pressure
-        same(carried, filled, shaped, max(1e-12, model.tolerance), f"{form} form, 2 b p against w", ["load"])
-        refuse_unless(np.all(filled.half_width > 0), f"{form} form: half_width is not positive")
-
-    drawn(model, carries)
+    carried = copy_of(filled)
+    carried.load[:] = 2 * filled.half_width * filled.pressure
+    same(carried, filled, shaped, max(1e-12, shaped.tolerance), f"{form} form, 2 b p against w", ["load"])
+    refuse_unless(np.all(filled.half_width > 0), f"{form} form: half_width is not positive")
 
 
 @rule(ContactModel)
@@ -96,9 +95,7 @@ def _monotonic(of: str, columns: Mapping[str, int]) -> Callable[[Slices, str, Sl
                 before, after = getattr(filled, name), getattr(more, name)
                 slack = 10 * shaped.tolerance * np.abs(before)
                 good = {1: after > before, 0: after >= before - slack, -1: after <= before + slack}[direction]
-                raised = getattr(filled, of) > 0
-                if not np.all(good | ~raised):
-                    i = int(np.argmax(~good & raised))
+                if (i := first_of(~good & (getattr(filled, of) > 0))) is not None:
                     wanted = {1: "must rise", 0: "must not fall", -1: "must not rise"}[direction]
                     raise Nonconformance(
                         f"{form} form: {name} {wanted} with {of}, it goes from {before[i]:.17g} to {after[i]:.17g} as "
@@ -108,26 +105,25 @@ def _monotonic(of: str, columns: Mapping[str, int]) -> Callable[[Slices, str, Sl
     return holds
 
 
+def _carries_nothing_apart(filled: Slices, form: str, shaped: SliceModel) -> None:
+    for name in ("load", "stiffness"):
+        values = getattr(filled, name)
+        good = np.where(filled.approach > 0, values >= 0, values == 0)
+        if (i := first_of(~good)) is not None:
+            raise Nonconformance(f"{form} form: {name} = {values[i]:g} at {shown(shaped, filled, i)}")
+
+
 @rule("deflection")
 def check_surfaces_apart_carry_nothing(model: SliceModel) -> None:
     """No load and no stiffness at an approach of zero or below; both positive or zero above."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        for name in ("load", "stiffness"):
-            values = getattr(filled, name)
-            good = np.where(filled.approach > 0, values >= 0, values == 0)
-            if not np.all(good):
-                i = int(np.argmin(good))
-                raise Nonconformance(f"{form} form: {name} = {values[i]:g} at {shown(shaped, filled, i)}")
-
-    drawn(model, holds)
+    drawn(model, _carries_nothing_apart)
     for form, shaped in forms_of(model):
         base = table(shaped, 16)
         for approach in (0.0, -0.0, -1e-9, -1e-3):
             apart = changed(base, shaped, approach=approach)
-            refuse_unless(apart is not None, f"{form} form refuses an approach of {approach:g}: surfaces may be apart")
-            if apart is not None:
-                holds(apart, form, shaped)
+            if apart is None:
+                raise Nonconformance(f"{form} form refuses an approach of {approach:g}: surfaces may be apart")
+            _carries_nothing_apart(apart, form, shaped)
 
 
 @rule("deflection")
@@ -137,50 +133,36 @@ def check_load_rises_with_the_approach(model: SliceModel) -> None:
 
 
 @rule("deflection")
-def check_stiffness_is_the_derivative_of_the_load(model: SliceModel) -> None:
+@on_drawn_slices
+def check_stiffness_is_the_derivative_of_the_load(filled: Slices, form: str, shaped: SliceModel) -> None:
     """The slope that Newton's method is given is that of the load, by central differences."""
     step = 1e-5  # leaves 1e-10 of the third derivative, and 1e-11 of rounding
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        touching = filled.approach > 1e-12
-        assume(np.any(touching))
-        filled = picked(filled, touching)
-        # a law whose stiffness has no bound at the end of its range is not told by differences there
-        assume(changed(filled, shaped, approach=filled.approach * 1.03) is not None)
-        sides = [changed(filled, shaped, approach=filled.approach * factor) for factor in (1 - step, 1 + step)]
-        if sides[0] is None or sides[1] is None:
-            assume(False)
-        slope = copy_of(filled)
-        slope.stiffness[:] = (sides[1].load - sides[0].load) / (sides[1].approach - sides[0].approach)
-        same(filled, slope, shaped, 1e-7, f"{form} form, stiffness against dw/d(approach)", ["stiffness"])
-
-    drawn(model, holds)
+    touching = filled.approach > 1e-12
+    assume(np.any(touching))
+    filled = picked(filled, touching)
+    # a law whose stiffness has no bound at the end of its range is not told by differences there
+    assume(changed(filled, shaped, approach=filled.approach * 1.03) is not None)
+    sides = [changed(filled, shaped, approach=filled.approach * factor) for factor in (1 - step, 1 + step)]
+    if sides[0] is None or sides[1] is None:
+        assume(False)
+    slope = copy_of(filled)
+    slope.stiffness[:] = (sides[1].load - sides[0].load) / (sides[1].approach - sides[0].approach)
+    same(filled, slope, shaped, 1e-7, f"{form} form, stiffness against dw/d(approach)", ["stiffness"])
 
 
 # Film ----------------------------------------------------------------------------------------------------------------
 
 
 @rule(FilmModel)
-def check_film_is_positive(model: FilmModel) -> None:
+@on_drawn_slices
+def check_film_is_positive(filled: Slices, form: str, shaped: FilmModel) -> None:
     """No film is thinner than nothing, and a traction model divides by it."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        bad = ~(filled.film_thickness > 0)
-        if np.any(bad):
-            i = int(np.argmax(bad))
-            raise Nonconformance(
-                f"{form} form: film_thickness = {filled.film_thickness[i]:g}; at {shown(shaped, filled, i)}"
-            )
-
-    # without pressure viscosity a piezoviscous film vanishes: a right answer outside that regime
-    if model.regime in ("VR", "VE"):
-        positive = holds
-
-        def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-            assume(filled.conditions.pressure_viscosity > 0)
-            positive(filled, form, shaped)
-
-    drawn(model, holds)
+    if shaped.regime in ("VR", "VE"):
+        # without pressure viscosity a piezoviscous film vanishes: a right answer outside that regime
+        assume(filled.conditions.pressure_viscosity > 0)
+    if (i := first_of(~(filled.film_thickness > 0))) is not None:
+        thickness = filled.film_thickness[i]
+        raise Nonconformance(f"{form} form: film_thickness = {thickness:g}; at {shown(shaped, filled, i)}")
 
 
 @rule(FilmModel)
@@ -215,44 +197,33 @@ def check_pressure_does_not_fall_with_the_load(model: PressureModel) -> None:
 
 
 @rule(TractionModel)
-def check_is_odd_in_slip(model: TractionModel) -> None:
+@on_drawn_slices
+def check_is_odd_in_slip(filled: Slices, form: str, shaped: SliceModel) -> None:
     """Friction does not know which surface is the faster one: mu(-V) = -mu(V)."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        mirrored = changed(filled, shaped, sliding_speed=-filled.sliding_speed)
-        if mirrored is None:
-            raise Nonconformance(f"{form} form refuses the opposite slip; at {shown(shaped, filled, 0)}")
-        mirrored.friction[:] *= -1
-        same(mirrored, filled, shaped, model.tolerance, f"{form} form, -mu(-V) against mu(V)")
-
-    drawn(model, holds)
+    mirrored = changed(filled, shaped, sliding_speed=-filled.sliding_speed)
+    if mirrored is None:
+        raise Nonconformance(f"{form} form refuses the opposite slip; at {shown(shaped, filled, 0)}")
+    mirrored.friction[:] *= -1
+    same(mirrored, filled, shaped, shaped.tolerance, f"{form} form, -mu(-V) against mu(V)")
 
 
 @rule(TractionModel)
-def check_is_zero_at_zero_slip(model: TractionModel) -> None:
+@on_drawn_slices
+def check_is_zero_at_zero_slip(filled: Slices, form: str, shaped: SliceModel) -> None:
     """Pure rolling needs no force here; rolling resistance is another term."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        still = changed(filled, shaped, sliding_speed=0.0)
-        refuse_unless(still is not None, f"{form} form refuses pure rolling; at {shown(shaped, filled, 0)}")
-        if still is not None and np.any(still.friction != 0):
-            i = int(np.argmax(still.friction != 0))
-            raise Nonconformance(f"{form} form: mu = {still.friction[i]:g} at V = 0; at {shown(shaped, still, i)}")
-
-    drawn(model, holds)
+    still = changed(filled, shaped, sliding_speed=0.0)
+    if still is None:
+        raise Nonconformance(f"{form} form refuses pure rolling; at {shown(shaped, filled, 0)}")
+    if (i := first_of(still.friction != 0)) is not None:
+        raise Nonconformance(f"{form} form: mu = {still.friction[i]:g} at V = 0; at {shown(shaped, still, i)}")
 
 
 @rule(TractionModel)
-def check_takes_power_out_of_sliding(model: TractionModel) -> None:
+@on_drawn_slices
+def check_takes_power_out_of_sliding(filled: Slices, form: str, shaped: SliceModel) -> None:
     """Friction is along the sliding and never drives it: mu V >= 0."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        bad = np.sign(filled.friction) * np.sign(filled.sliding_speed) < 0
-        if np.any(bad):
-            i = int(np.argmax(bad))
-            raise Nonconformance(f"{form} form: mu = {filled.friction[i]:g} drives; at {shown(shaped, filled, i)}")
-
-    drawn(model, holds)
+    if (i := first_of(np.sign(filled.friction) * np.sign(filled.sliding_speed) < 0)) is not None:
+        raise Nonconformance(f"{form} form: mu = {filled.friction[i]:g} drives; at {shown(shaped, filled, i)}")
 
 
 @rule(TractionModel)
@@ -271,19 +242,16 @@ def check_friction_is_below_one_in_a_bearing(model: TractionModel) -> None:
 
 
 @rule(PressureViscosity)
-def check_without_pressure_the_oil_is_as_it_was(law: PressureViscosity) -> None:
+@on_drawn_slices
+def check_without_pressure_the_oil_is_as_it_was(filled: Slices, form: str, shaped: SliceModel) -> None:
     """A law says how viscosity rises: at no pressure eta is eta0 and its fall with temperature beta0."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        still = changed(filled, shaped, pressure=0.0)
-        refuse_unless(still is not None, f"{form} form refuses no pressure; at {shown(shaped, filled, 0)}")
-        if still is not None:
-            ambient = copy_of(still)
-            ambient.film_viscosity[:] = still.conditions.viscosity
-            ambient.film_thermoviscosity[:] = still.conditions.thermoviscosity
-            same(still, ambient, shaped, max(1e-12, law.tolerance), f"{form} form, at no pressure against the oil's")
-
-    drawn(law, holds)
+    still = changed(filled, shaped, pressure=0.0)
+    if still is None:
+        raise Nonconformance(f"{form} form refuses no pressure; at {shown(shaped, filled, 0)}")
+    ambient = copy_of(still)
+    ambient.film_viscosity[:] = still.conditions.viscosity
+    ambient.film_thermoviscosity[:] = still.conditions.thermoviscosity
+    same(still, ambient, shaped, max(1e-12, shaped.tolerance), f"{form} form, at no pressure against the oil's")
 
 
 @rule(PressureViscosity)
@@ -293,17 +261,14 @@ def check_viscosity_does_not_fall_with_pressure(law: PressureViscosity) -> None:
 
 
 @rule(PressureViscosity)
-def check_values_at_pressures_are_those_of_the_stage(law: PressureViscosity) -> None:
+@on_drawn_slices
+def check_values_at_pressures_are_those_of_the_stage(filled: Slices, form: str, shaped: PressureViscosity) -> None:
     """``at``, which traction models ask for pressures within a contact, gives what the stage gives for a slice."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        asked = copy_of(filled)
-        values = law.at(filled.conditions, filled.pressure.reshape(1, -1))
-        refuse_unless(all(np.shape(one) == (1, len(filled)) for one in values), "at() loses the shape of its pressures")
-        asked.film_viscosity[:], asked.film_thermoviscosity[:] = (np.ravel(one) for one in values)
-        same(asked, filled, shaped, max(1e-9, law.tolerance), f"{form} form, at() against it", ["film_viscosity"])
-
-    drawn(law, holds)
+    asked = copy_of(filled)
+    values = shaped.at(filled.conditions, filled.pressure.reshape(1, -1))
+    refuse_unless(all(np.shape(one) == (1, len(filled)) for one in values), "at() loses the shape of its pressures")
+    asked.film_viscosity[:], asked.film_thermoviscosity[:] = (np.ravel(one) for one in values)
+    same(asked, filled, shaped, max(1e-9, shaped.tolerance), f"{form} form, at() against it", ["film_viscosity"])
 
 
 @rule(PressureViscosity)
@@ -407,28 +372,20 @@ def check_compiled_torque_equals_python(model: DragModel) -> None:
 
 
 @rule(ResistanceModel)
-def check_resistance_takes_power_out_of_rolling(model: ResistanceModel) -> None:
+@on_drawn_slices
+def check_resistance_takes_power_out_of_rolling(filled: Slices, form: str, shaped: SliceModel) -> None:
     """A surface that rolls is resisted, never driven."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        if np.any(filled.resistance < 0):
-            i = int(np.argmin(filled.resistance))
-            raise Nonconformance(
-                f"{form} form: the resistance is {filled.resistance[i]:g} N/m; at {shown(shaped, filled, i)}"
-            )
-
-    drawn(model, holds)
+    if (i := first_of(filled.resistance < 0)) is not None:
+        resistance = filled.resistance[i]
+        raise Nonconformance(f"{form} form: the resistance is {resistance:g} N/m; at {shown(shaped, filled, i)}")
 
 
 @rule(ResistanceModel)
-def check_resistance_does_not_fall_with_load_and_speed(model: ResistanceModel) -> None:
+@on_drawn_slices
+def check_resistance_does_not_fall_with_load_and_speed(filled: Slices, form: str, shaped: SliceModel) -> None:
     """A contact that is loaded more, or rolls faster, resists at least as much."""
-
-    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
-        for of in ("load", "rolling_speed"):
-            _monotonic(of, {"resistance": 0})(filled, form, shaped)
-
-    drawn(model, holds)
+    for of in ("load", "rolling_speed"):
+        _monotonic(of, {"resistance": 0})(filled, form, shaped)
 
 
 @rule(PocketFriction)

@@ -21,6 +21,7 @@ from rollslip.testing.rules import (
     Nonconformance,
     Questionable,
     changed,
+    first_of,
     refuse_unless,
     rule,
     without_evaluation,
@@ -72,8 +73,7 @@ def check_results_are_of_the_size_that_bearings_have(model: SliceModel) -> None:
             bad = ~((ratio >= least) & (ratio <= most))
             if name == "stiffness":
                 bad &= filled.load > 0  # surfaces apart have none
-            if np.any(bad):
-                i = int(np.argmax(bad))
+            if (i := first_of(bad)) is not None:
                 raise Nonconformance(
                     f"{form} form: {name} = {getattr(filled, name)[i]:.4g}, which is {ratio[i]:.2g} times the {of}; "
                     f"loaded bearings give {least:g} to {most:g}, so a unit or a constant is another; "

@@ -6,6 +6,7 @@
 
 import importlib
 from collections.abc import Callable, Iterable, Iterator
+from functools import wraps
 from typing import Any, Final
 
 import numpy as np
@@ -161,8 +162,7 @@ def same(
                 bad = ~(np.abs(one - other) <= tolerance * np.abs(other) + DENORMAL) & ~(
                     np.isnan(one) & np.isnan(other)
                 )
-        if np.any(bad):
-            i = int(np.argmax(bad))
+        if (i := first_of(bad)) is not None:
             allowed = "the same bits" if tolerance == 0.0 else f"a relative difference of {tolerance:g}"
             raise Nonconformance(
                 f"{what}: {name} = {one[i]:.17g} against {other[i]:.17g}, allowed is {allowed}; "
@@ -187,6 +187,21 @@ def drawn(model: SliceModel, holds: Callable[[Slices, str, SliceModel], None]) -
             holds(filled, form, shaped)
 
         for_all(drawn_tables(model), property_of)
+
+
+def on_drawn_slices(holds: Callable[[Slices, str, Any], None]) -> Check:
+    """Return the check that a property holds for tables drawn from the domain, see `drawn`; under the same name."""
+
+    @wraps(holds)
+    def check(model: SliceModel) -> None:
+        drawn(model, holds)
+
+    return check
+
+
+def first_of(wrong: Any) -> int | None:
+    """Return the index of the first slice where something is wrong; None where nothing is."""
+    return int(np.argmax(wrong)) if np.any(wrong) else None
 
 
 def changed(slices: Slices, model: SliceModel, **columns: Any) -> Slices | None:
