@@ -66,3 +66,9 @@ def nearest(word: str, known: Iterable[str], count: int = 3, cutoff: float = 0.6
     import difflib  # only wrong input needs it
 
     return difflib.get_close_matches(word, sorted(known), n=count, cutoff=cutoff)
+
+
+def did_you_mean(near: Iterable[str], otherwise: str) -> str:
+    """Return the question whether one of some words was meant; another hint where there are none."""
+    words = " or ".join(map(repr, near))
+    return f"did you mean {words}?" if words else otherwise

@@ -30,7 +30,7 @@ from rollslip.catalogue.installed import THIS_PROCESS, Offer, with_session
 from rollslip.catalogue.installed import installed as _installed
 from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
 from rollslip.catalogue.shipped import altered, held, is_ours, told_if_slow
-from rollslip.errors import PluginError, UnknownNameError, in_words, wants_memory
+from rollslip.errors import PluginError, UnknownNameError, did_you_mean, in_words, wants_memory
 from rollslip.units import as_written
 
 _log = logging.getLogger(__name__)
@@ -109,7 +109,7 @@ def find(kind: str, name: str) -> Offer:
         near = near or [one for one in names if set(_NUMBERS.findall(one)) & set(_NUMBERS.findall(name))][:3]
     else:
         near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
-    hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(own) or 'none'}"
+    hint = did_you_mean(near, f"there are: {', '.join(own) or 'none'}")
     raise UnknownNameError(f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)")
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import attrs
 
 from rollslip.catalogue.installed import by_package, installed, kinds
-from rollslip.errors import PluginError, UnknownNameError, in_words, nearest
+from rollslip.errors import PluginError, UnknownNameError, did_you_mean, in_words, nearest
 
 __all__ = [
     "Kind", "Template", "built_in_module", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds",
@@ -84,8 +84,7 @@ class Kind:
 def check_kind(name: str) -> None:
     """Refuse a name that no kind has, without loading any."""
     if name not in kinds():
-        near = nearest(name, kinds(), count=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(kinds())}"
+        hint = did_you_mean(nearest(name, kinds(), count=1), f"there are: {', '.join(kinds())}")
         raise UnknownNameError(f"no kind of model is called {name!r}; {hint}")
 
 

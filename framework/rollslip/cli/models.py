@@ -10,7 +10,7 @@ from rollslip.catalogue.discovery import available, catalogue, families, find, g
 from rollslip.catalogue.installed import Offer
 from rollslip.catalogue.kinds import get_kind, offered_kinds, usable_kinds
 from rollslip.cli.console import print_table
-from rollslip.errors import PluginError, UnknownNameError, nearest
+from rollslip.errors import PluginError, UnknownNameError, did_you_mean, nearest
 from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
 from rollslip.results.answer import RULES
@@ -103,8 +103,7 @@ def kinds_of(name: str) -> list[str]:
         if other := is_another("bearing", name):
             raise UnknownNameError(f"nothing is called {name!r}: {other}")
         names = [offer.name for kind in offered_kinds() for offer in _every(kind)]
-        near = nearest(name, [*offered_kinds(), *names], cutoff=0.4)
-        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
+        hint = did_you_mean(nearest(name, [*offered_kinds(), *names], cutoff=0.4), "'rollslip models' lists them")
         raise UnknownNameError(f"no model and no kind is called {name!r}; {hint}")
     return offering
 

@@ -9,7 +9,7 @@ from typing import Final
 
 from rollslip.bearing.cage import Cage
 from rollslip.catalogue.discovery import available, get_class
-from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.errors import PluginError, SceneError, did_you_mean, nearest
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import full_key
 from rollslip.scene.schema import SchemaRow, rows_of, schema
@@ -66,8 +66,7 @@ def keys_of(what: str) -> list[SchemaRow]:
     if found := [row for row in every if f".{word}." in f".{row.key}."]:
         return found
     parts = {part: None for row in every for part in (row.key, *row.key.split(".")) if part != "*"}
-    near = nearest(word, parts, cutoff=0.5)
-    hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip schema' lists all"
+    hint = did_you_mean(nearest(word, parts, cutoff=0.5), "'rollslip schema' lists all")
     raise SceneError([f"no key of a scene is called {what!r}; {hint}"])
 
 

@@ -7,7 +7,7 @@ from typing import Any, Final, get_args, get_origin
 
 import attrs
 
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.fields import FieldError
 from rollslip.files import readable
 from rollslip.lubricant.pressure import FORMER_TABLE
@@ -93,7 +93,7 @@ def unknown(key: str, known: dict[str, Quantity]) -> str:
         )
     tail = {one.rpartition(".")[2]: one for one in reversed(known)}
     near = nearest(key, known, count=1) or [tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)]
-    hint = f"did you mean {near[0]!r}?" if near else "'rollslip schema' and 'rollslip models NAME' list the keys"
+    hint = did_you_mean(near, "'rollslip schema' and 'rollslip models NAME' list the keys")
     table = key.rpartition(".")[0]
     if table.count(".") > 1 and not any(one.startswith(f"{table}.") for one in known):
         return f"the scene has nothing in {table}, so there is no value of it to vary; add that table to the scene"

@@ -21,7 +21,7 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import available
-from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, in_words, nearest
+from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, did_you_mean, in_words, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
@@ -181,7 +181,7 @@ def _by_kind(
         kind = next((kind for kind in reversed(KINDS) if name in available(kind)), None)
         if kind is None:
             near = nearest(name, (known for kind in KINDS for known in available(kind)), cutoff=0.4)
-            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
+            hint = did_you_mean(near, "'rollslip models' lists them")
             kinds = f"{', '.join(KINDS[:-1])} or {KINDS[-1]}"
             unknown.append(UnknownNameError(f"reference: no {kinds} is called {name!r}; {hint}"))
         elif kind in found:

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.files import content_of, decoded, readable
 from rollslip.references import Reference
 from rollslip.scene.changes import evolve
@@ -238,7 +238,7 @@ class _Reader:
 
     def _unknown(self, name: str, where: Location) -> None:
         near = nearest(name, QUANTITIES, count=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(QUANTITIES)}; and STUDY/VARIABLE"
+        hint = did_you_mean(near, f"there are: {', '.join(QUANTITIES)}; and STUDY/VARIABLE")
         self.problems.append(where.at("quantity").says(f"{as_written(name)} is none that is known; {hint}"))
 
     # Series -----------------------------------------------------------------------------------------------------------

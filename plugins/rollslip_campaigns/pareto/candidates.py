@@ -22,7 +22,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.errors import PluginError, SceneError, did_you_mean, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
@@ -164,8 +164,7 @@ def plan_family(asked: "ParetoSettings") -> Family:
 
 
 def _unknown(name: str) -> str:
-    near = nearest(name, AXES, cutoff=0.4)
-    hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(AXES)}"
+    hint = did_you_mean(nearest(name, AXES, cutoff=0.4), f"there are: {', '.join(AXES)}")
     return f"choices: nothing to choose is called {name!r}; {hint}"
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import available, get_class
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.scene.values import Scene
 from rollslip.studies.answers import Measurable
 from rollslip.studies.study import Study, study_class
@@ -45,8 +45,7 @@ def _found(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
         raise SceneError([f"no study that is installed gives the quantity {quantity!r}"])
     study = study_class(name, scene)
     if variable not in study.outputs:
-        near = nearest(variable, study.outputs, count=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(study.outputs)}"
+        hint = did_you_mean(nearest(variable, study.outputs, count=1), f"it has {', '.join(study.outputs)}")
         raise SceneError([f"study {name!r} has no variable {variable!r}; {hint}"])
     return study, Measurable(variable=variable)
 

@@ -18,7 +18,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.errors import nearest
+from rollslip.errors import did_you_mean, nearest
 from rollslip.fields import FieldError, in_range, parameter, positive
 from rollslip.scene.changes import Quantity, unknown
 from rollslip.structure import Location, structure
@@ -326,7 +326,7 @@ def _distribution(
     name = table.get("distribution")
     if not isinstance(name, str) or name not in DISTRIBUTIONS:
         near = nearest(name, DISTRIBUTIONS, count=1) if isinstance(name, str) else []
-        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(DISTRIBUTIONS)}"
+        hint = did_you_mean(near, f"there are: {', '.join(DISTRIBUTIONS)}")
         problems.append(where.at("distribution").says(f"no distribution is called {as_written(name)}; {hint}"))
         return None
     faults: list[str] = []
@@ -367,8 +367,7 @@ def _correlations(raw: object, where: Location, names: Sequence[str], problems: 
             continue
         absent = [key for key in correlation.between if key not in names]
         for key in absent:
-            near = nearest(key, names, count=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names) or 'none'}"
+            hint = did_you_mean(nearest(key, names, count=1), f"there are: {', '.join(names) or 'none'}")
             problems.append(where.at(k).at("between").says(f"{key!r} has no distribution here; {hint}"))
         if not absent:
             i, j = (names.index(key) for key in correlation.between)
