@@ -15,6 +15,7 @@ from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdo
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import attrs
 import click
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, FAILED_ON, INTERRUPTED = 
 
 #: What plots are written as; a test holds that it is what can be written.
 FORMATS, TABLES = frozenset({"svg", "pdf", "png"}), frozenset({"csv", "xlsx"})
+#: Options that say where results go and how, not what is computed; as names of the fields of `Results`.
+OF_RESULTS = frozenset({"out", "overwrite", "resume", "report", "crate", "as_json"})
 
 
 # Options ------------------------------------------------------------------------------------------------------------
@@ -137,55 +140,38 @@ def results_options(
     resume: bool = False,
 ) -> Callable[[Any], Any]:
     """Add the options of a command that writes results; the command gets `results` in place of them and of --json."""
-    options = [
-        *([click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help=folder)] if out else []),
-        *(
-            [
-                click.option(
-                    "--overwrite",
-                    is_flag=True,
-                    help="Replace what rollslip wrote there, and nothing else.",
-                )
-            ]
-            if overwrite
-            else []
+    options = {
+        "out": click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help=folder),
+        "overwrite": click.option(
+            "--overwrite", is_flag=True, help="Replace what rollslip wrote there, and nothing else."
         ),
-        *([resume_option] if resume else []),
-        click.option("--report", is_flag=True, help="Write a report in HTML too."),
-        click.option("--crate", is_flag=True, help="Write RO-Crate metadata too, which data repositories read."),
-        click.option("--no-plots", is_flag=True, help=plots),
-        click.option(
+        "resume": resume_option,
+        "report": click.option("--report", is_flag=True, help="Write a report in HTML too."),
+        "crate": click.option(
+            "--crate", is_flag=True, help="Write RO-Crate metadata too, which data repositories read."
+        ),
+        "no_plots": click.option("--no-plots", is_flag=True, help=plots),
+        "formats": click.option(
             "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
             help="Files of the plots: svg, pdf, png; of a table: csv, xlsx.",
         ),
-    ]  # fmt: skip
+    }  # fmt: skip
+    left_out = {name for name, wanted in (("out", out), ("overwrite", overwrite), ("resume", resume)) if not wanted}
 
     def with_options(command: Any) -> Any:
         @functools.wraps(command)
-        def with_results(
-            report: bool,
-            crate: bool,
-            no_plots: bool,
-            formats: tuple[str, ...],
-            as_json: bool,
-            out: Path | None = None,
-            overwrite: bool = False,
-            resume: bool = False,
-            **others: Any,
-        ) -> None:
+        def with_results(no_plots: bool, formats: tuple[str, ...], **given: Any) -> None:
+            own = {name: given.pop(name) for name in OF_RESULTS & given.keys()}
+            plotted = () if no_plots else FORMATS.intersection(formats)
             results = Results(
-                out,
-                overwrite=overwrite,
-                resume=resume,
-                report=report,
-                crate=crate,
-                formats=tuple(one for one in formats if one in TABLES) if no_plots else formats,
-                as_json=as_json,
+                formats=tuple(one for one in formats if one in plotted),
+                tables=tuple(one for one in formats if one in TABLES),
+                **own,
             )
-            command(results=results, **others)
+            command(results=results, **given)
 
-        for option in reversed(options):
-            with_results = option(with_results)
+        for name in reversed(options):
+            with_results = with_results if name in left_out else options[name](with_results)
         return with_results
 
     return with_options
@@ -228,26 +214,20 @@ def warn(texts: Iterable[str]) -> None:
             click.echo(f"warning: {text}", err=True)
 
 
+@attrs.define(kw_only=True)
 class Results:
     """Where the results of a command go, and how they are written, drawn and told."""
 
-    def __init__(
-        self,
-        out: Path | None,
-        *,
-        overwrite: bool,
-        resume: bool,
-        report: bool,
-        crate: bool,
-        formats: tuple[str, ...],
-        as_json: bool,
-    ) -> None:
-        self.out, self._overwrite, self._resume, self._report = out, overwrite, resume, report
-        self._crate, self._formats = crate, tuple(one for one in formats if one in FORMATS)
-        self._tables = tuple(one for one in formats if one in TABLES)
-        self.as_json = as_json
-        self.target = Path()
-        self._files: list[str] = []
+    report: bool
+    crate: bool
+    formats: tuple[str, ...]  #: Of plots.
+    tables: tuple[str, ...]  #: Formats of tables.
+    as_json: bool
+    out: Path | None = None
+    overwrite: bool = False
+    resume: bool = False
+    target: Path = attrs.field(factory=Path, init=False)
+    files: list[str] = attrs.field(factory=list, init=False)
 
     def go_to(self, name: str) -> None:
         """Decide the folder: that of --out, or the first of NAME, NAME-2 ... that is free."""
@@ -258,7 +238,7 @@ class Results:
         """Give a folder that becomes the one of the results when all is done, whole or not at all."""
         from rollslip.results.folder import results_folder
 
-        with results_folder(self.target, overwrite=self._overwrite or self._resume) as folder:
+        with results_folder(self.target, overwrite=self.overwrite or self.resume) as folder:
             yield folder
             # whole: an interrupt from here on would be told as if nothing had been written
             signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -269,39 +249,39 @@ class Results:
         Return the names of what was written.
         """
         figures, written = dict[str, list[Path]](), list[str]()
-        if self._report or self._formats:
+        if self.report or self.formats:
             from rollslip.results.accounts import answer
             from rollslip.results.figures import save_plots
 
-            drawn = dict.fromkeys((*self._formats, *(["svg"] if self._report else [])))
+            drawn = dict.fromkeys((*self.formats, *(["svg"] if self.report else [])))
             with progress("plots"):
                 slip = next((row.value for row in answer(*datasets.values()).rows if row.key == "cage_slip"), math.nan)
                 for name, dataset in datasets.items():  # maps show where the cage runs, also by another study
                     files = save_plots(dataset.assign_attrs(operating_slip=slip), folder, tuple(drawn))
                     figures[name] = [file for file in files if file.suffix == ".svg"]
-                    written += [file.name for file in files if file.suffix[1:] in self._formats]
-        if self._tables:
+                    written += [file.name for file in files if file.suffix[1:] in self.formats]
+        if self.tables:
             from rollslip.results.table import save_tables
 
-            written += [file.name for file in save_tables(datasets, folder, self._tables)]
-        if self._report:
+            written += [file.name for file in save_tables(datasets, folder, self.tables)]
+        if self.report:
             from rollslip.results.report import write_report
 
             write_report(datasets, figures, folder / "report.html", scene)
-            if "svg" not in self._formats:  # they were for the report alone
+            if "svg" not in self.formats:  # they were for the report alone
                 for file in (file for files in figures.values() for file in files):
                     file.unlink()
             written.append("report.html")
-        if self._crate:
+        if self.crate:
             from rollslip.cli.crate import write_crate
 
             written.append(write_crate({folder / f"{name}.nc": one for name, one in datasets.items()}).name)
-        self._files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")
+        self.files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")
         return written
 
     def as_dict(self) -> dict[str, Any]:
         """Return where everything was written to, as plain values."""
-        return {"folder": str(self.target), "files": self._files}
+        return {"folder": str(self.target), "files": self.files}
 
     def tell(self, *datasets: "xr.Dataset", laws: bool = True) -> None:
         """Print the warnings of results, those of most consequence, and where everything was written to.
@@ -314,7 +294,7 @@ class Results:
         warn(first)
         if more:
             warn([f"{counted(more)}; rollslip info of the .nc files in {self.target} tells of each"])
-        click.echo(f"written to {self.target}: {', '.join(self._files)}")
+        click.echo(f"written to {self.target}: {', '.join(self.files)}")
 
     # Runs that can go on after an interruption ------------------------------------------------------------------------
 
@@ -322,13 +302,13 @@ class Results:
         """Return the folder in which runs leave what they have computed, until they end."""
         target = self.target.resolve()
         kept = target.parent / f"{target.name}.unfinished"
-        if self._resume and not (self.out is not None and kept.is_dir()):
+        if self.resume and not (self.out is not None and kept.is_dir()):
             raise click.UsageError(
                 "--resume needs the --out of the run"
                 if self.out is None
                 else f"there is no interrupted run to go on with in {kept}"
             )
-        if kept.exists() and not self._resume:
+        if kept.exists() and not self.resume:
             raise click.UsageError(f"{kept} holds an interrupted run: go on with it by --resume, or remove it")
         return kept
 

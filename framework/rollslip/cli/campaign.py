@@ -14,6 +14,7 @@ import click
 
 from rollslip.cli.app import (
     INTERRUPTED,
+    OF_RESULTS,
     SOME_FAILED,
     Results,
     complete_models,
@@ -192,11 +193,7 @@ def _as_typed() -> list[str]:
     for one in context.command.params:
         value = context.params[one.name or ""]
         typed = context.get_parameter_source(one.name or "") is click.core.ParameterSource.COMMANDLINE
-        if typed and one.name not in _OF_RESULTS:
+        if typed and one.name not in OF_RESULTS | {"no_plots", "formats"}:
             each = value if isinstance(value, tuple) else (value,)
             words += [str(text) if isinstance(one, click.Argument) else f"{one.opts[0]}={text}" for text in each]
     return words
-
-
-#: Options that say where results go and how, not what is computed.
-_OF_RESULTS = frozenset({"out", "overwrite", "resume", "report", "crate", "no_plots", "formats", "dark", "as_json"})

@@ -13,9 +13,9 @@ import numpy as np
 
 from rollslip.bearing.chain import Chain
 from rollslip.errors import DomainError, PluginError
-from rollslip.models import POSITIVE, SliceModel
+from rollslip.models import SliceModel
 from rollslip.testing.rules import Check, Nonconformance, rests_on_evaluation, rule
-from rollslip.testing.samples import members, typical
+from rollslip.testing.samples import members, typical_values
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
 __all__ = ["not_run"]
@@ -37,13 +37,10 @@ class _Watched(Slices):
 
 def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
     """Return slices of usual values; what is not read is NaN, and what is locked cannot be written to."""
-
-    def of(names: list[str]) -> dict[str, float]:
-        return {name: typical(name, model.domain.get(name, POSITIVE)) for name in names}
-
+    conditions = Conditions(**typical_values(model, members(model, CONDITIONS)))
     slices = _Watched.__new__(_Watched)
     object.__setattr__(slices, "asked", set())
-    slices.__init__(4, Conditions(**of(members(model, CONDITIONS))), **of(members(model, COLUMNS)))  # type: ignore[misc]
+    slices.__init__(4, conditions, **typical_values(model, members(model, COLUMNS)))  # type: ignore[misc]
     for name in COLUMNS:
         column = getattr(slices, name)
         if name in model.writes:

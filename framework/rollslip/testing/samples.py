@@ -16,7 +16,7 @@ import contextlib
 import itertools
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Final, TypeVar, cast
@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike
 from rollslip.bearing.chain import Chain
 from rollslip.errors import DomainError
 from rollslip.lubricant.pressure import Array, PressureViscosity
-from rollslip.models import NO_LIMITS, NON_NEGATIVE, Domain, SliceModel, left_to_scene
+from rollslip.models import NO_LIMITS, NON_NEGATIVE, POSITIVE, Domain, SliceModel, left_to_scene
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
 T = TypeVar("T")
@@ -107,11 +107,6 @@ BEARING: Final[Mapping[str, Limits]] = {
 def decades(low: float, high: float) -> "st.SearchStrategy[float]":
     """Return a strategy of 10^low to 10^high, even in the exponent."""
     return st.floats(low, high).map(lambda exponent: 10.0**exponent)
-
-
-def or_zero(strategy: "st.SearchStrategy[float]") -> "st.SearchStrategy[float]":
-    """Return a strategy that also draws zero."""
-    return st.one_of(st.just(0.0), strategy)
 
 
 def signed(strategy: "st.SearchStrategy[float]") -> "st.SearchStrategy[float]":
@@ -257,6 +252,11 @@ def values(member: str, limits: Limits) -> "st.SearchStrategy[float]":
 def typical(member: str, limits: Limits) -> float:
     """Return a usual value of a member, or the nearest that a domain takes."""
     return min(max(MAGNITUDES[member][1], limits[0]), limits[1])
+
+
+def typical_values(model: SliceModel, names: Iterable[str]) -> dict[str, float]:
+    """Return usual values of members, within the domain of a model."""
+    return {name: typical(name, model.domain.get(name, POSITIVE)) for name in names}
 
 
 def _limits(model: SliceModel, member: str) -> Limits:
