@@ -86,20 +86,23 @@ class Executed:
     planned: Plan
     #: The plan with the resolution of the result.
     plan: Plan
-    #: The result with its errors and its origin.
+    #: The result with its origin.
     dataset: "xr.Dataset"
+    #: What it leaves, estimated a posteriori.
+    error: ErrorEstimate
     #: Processor time that it took [s].
     processor_time: float
 
     def documented(self) -> "xr.Dataset":
-        """Return the result with its plan, its validity notes and their record, and its estimated and actual cost."""
+        """Return the result with its models, plan, errors, notes and costs, as attributes."""
         found, judged = warnings(self.plan, self.study, self.dataset)
-        known = json.loads(self.dataset.attrs["warnings"])
+        rows = accuracy_rows(self.plan, self.study, self.error.total, "a posteriori")
         cost = {"estimated": self.planned.seconds_of(self.study), "actual": self.processor_time}
         return self.dataset.assign_attrs(
             models_origin(self.plan, self.study),
             plan=json.dumps(self.plan.parts_of(self.study)),
-            warnings=json.dumps([*known, *found]),
+            accuracy=json.dumps(rows),
+            warnings=json.dumps([*error_warnings(self.plan, self.study, self.error), *found]),
             validity=json.dumps(judged),
             cost=json.dumps(cost),
         )
@@ -153,13 +156,13 @@ def compute(
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in error.errors.items() if found}
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),
-        "accuracy": json.dumps(accuracy_rows(plan, study, error.total, "a posteriori")),
         "taken_back": json.dumps(taken_back),
     }
     processor_time = time.process_time() - processor
-    messages = error_warnings(plan, study, error)
-    dataset.attrs |= run_origin(plan, messages, evaluated, time.perf_counter() - begin)
-    return Executed(study=study, planned=planned, plan=plan, dataset=dataset, processor_time=processor_time)
+    dataset.attrs |= run_origin(plan, evaluated, time.perf_counter() - begin)
+    return Executed(
+        study=study, planned=planned, plan=plan, dataset=dataset, error=error, processor_time=processor_time
+    )
 
 
 def _run(

@@ -63,7 +63,7 @@ def as_attributes(**facts: Any) -> dict[str, Any]:
     }
 
 
-def run_origin(plan: Plan, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
+def run_origin(plan: Plan, evaluations: int, wall_time: float) -> dict[str, Any]:
     """Return the attributes by which a result can be made again: its scene, the packages, and what it took."""
     scene = plan.scene
     return origin(
@@ -71,7 +71,6 @@ def run_origin(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
         description=scene.description,
         **({"note": scene.note} if scene.note else {}),
         packages=packages_of(()),
-        warnings=warnings,
         evaluations=evaluations,
         wall_time=wall_time,
     )

@@ -23,9 +23,6 @@ from rollslip.studies.error_estimate import (
 if TYPE_CHECKING:
     import xarray as xr
 
-#: What is said of a result of which nobody can say how far it is off.
-UNDETERMINED = "how far {} is off cannot be determined"
-
 
 def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
     """Return where the error of a run exceeds its tolerance, or is not known to keep it, with what to type."""
@@ -51,7 +48,7 @@ def _excess(result: str, size: float, accuracy: Accuracy, error: ErrorEstimate) 
     """Say by how much a result is off, and how that falls with the positions where it is known."""
     name = result.replace("_", " ")
     if not math.isfinite(size):
-        return f"{UNDETERMINED.format(name)}: on other positions or laminae there is none"
+        return f"how far {name} is off cannot be determined: on other positions or laminae there is none"
     falls = ""
     if result in error.orders:
         falls = f"; it falls with the order {error.orders[result]:.1f} of the positions"

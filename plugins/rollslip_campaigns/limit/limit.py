@@ -16,7 +16,6 @@
 
 import json
 import math
-import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -30,12 +29,12 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.execution import compute
 from rollslip.planning.plan import estimate, plan
-from rollslip.planning.verification import UNDETERMINED
 from rollslip.results.dataset import about, save
 from rollslip.results.words import duration_range
 from rollslip.scene.changes import Quantity, evolve, unknown
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable
+from rollslip.studies.error_estimate import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
@@ -72,7 +71,6 @@ _FACTOR: Final = 3.0
 _MOST: Final = 100_000
 #: Time of a point up to which one alone is computed in this process, which saves the start of others [s].
 _SOON: Final = 2.0
-_UNKNOWN: Final = re.compile(UNDETERMINED.format("(.+)"))
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -249,15 +247,14 @@ def _resolution(
                     found.append((at, one.resolution))
                 continue
             made = plan(at, study, cheaper_laws=False, without=cls.outputs.keys() - needed)
-            run = compute(made, study).dataset
+            run = compute(made, study)
         except RollslipError:  # the point will say why
             continue
-        found.append((at, Resolution(**json.loads(run.attrs["resolution"]))))
-        for row in json.loads(run.attrs["accuracy"]):
-            if (row["found"] or 0.0) > row["tolerance"] > EXACT:
-                off[row["result"]] = max(row["found"], off.get(row["result"], 0.0))
-        unknown = (_UNKNOWN.match(text) for text in json.loads(run.attrs["warnings"]))
-        off |= {one[1]: math.inf for one in unknown if one}
+        found.append((at, run.plan.estimated[study].resolution))
+        accuracy = at.accuracy
+        for name, error in exceeding(run.error.total, accuracy).items():
+            if accuracy.of(name) > EXACT:
+                off[name] = max(error if math.isfinite(error) else math.inf, off.get(name, 0.0))
     if not found:
         return None, math.nan, off
     alike = ("integrator", "friction", "level")

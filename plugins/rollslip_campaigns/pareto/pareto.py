@@ -304,8 +304,9 @@ def _origin(
     plans = [family.plan, *filter(None, others)]
     first = next(iter(family.studies))
     evaluations = sum(record.evaluations for record in records)
-    origins = [run_origin(made, warned, evaluations, wall_time) | models_origin(made, first) for made in plans]
+    origins = [run_origin(made, evaluations, wall_time) | models_origin(made, first) for made in plans]
     return origins[0] | origin(
+        warnings=warned,
         plan=family.plan.parts_of(first),
         study="pareto",
         studies=list(family.studies),
