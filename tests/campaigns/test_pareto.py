@@ -558,7 +558,7 @@ def start(*arguments, cwd, **environment):
 
 def of_choices(folder):
     """What a folder has of each choice, by number."""
-    return {one.row.number: json.loads(one.row.texts) for one in journal.records(folder)}
+    return {row.number: json.loads(row.texts) for row in journal.records(folder)}
 
 
 def stopped(tmp_path, how):

@@ -206,9 +206,10 @@ def set_plainly(figure: "Figure") -> None:
 
 
 def plain_decades(axis: "Axis") -> None:
-    """Mark a logarithmic axis by the plain numbers 1, 2, 5, 10 ..."""
+    """Make an axis logarithmic, marked by the plain numbers 1, 2, 5, 10 ..."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
+    axis.axes.set(**{f"{axis.axis_name}scale": "log"})  # type: ignore[attr-defined]
     axis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=99))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_locator(LogLocator(subs=tuple(range(1, 10)), numticks=99))

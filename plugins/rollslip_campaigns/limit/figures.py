@@ -46,7 +46,6 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
     line: dict[str, Any] = {"color": MODEL_COLOURS[1], "linestyle": DASHES[1], "linewidth": 1.0}
     sheet.handles.append(axes.axhline(limit, label="limit", **line))
     if dataset.attrs["logarithmic"]:
-        axes.set_xscale("log")
         plain_decades(axes.xaxis)
     if dataset.attrs["searched_key"] == "operation.radial_load" and in_percent(dataset.attrs["output"], "1"):
         mark_loads(sheet, catalogue_loads(dataset), of_x)

@@ -50,7 +50,7 @@ from rollslip_campaigns.limit.search import (
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, name_of
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
-from rollslip_campaigns.sweep.point import unpacked
+from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs
 from rollslip_campaigns.sweep.sweep import assembled, plan_sweep, study_with
@@ -307,11 +307,10 @@ def run_limit(
 def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float]:
     """Return how far results are within the limit, which points failed, and the longest time of one, by number."""
     slacks, failed, longest = dict[int, float](), set[int](), 0.0
-    for row in (record.row for record in records(folder)):
+    for row in records(folder):
         longest = max(longest, row.seconds)
         if row.status == "ok":
-            arrays = unpacked(json.loads(row.layout), row.numbers, row.texts)
-            slacks[row.number] = made.requirement.slack(_result(made, arrays))
+            slacks[row.number] = made.requirement.slack(_result(made, values_of(row)))
             failed.discard(row.number)
         elif row.number not in slacks:
             failed.add(row.number)

@@ -34,7 +34,7 @@ from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables, weight
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
-from rollslip_campaigns.sweep.point import unpacked
+from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import read_overs
@@ -275,10 +275,10 @@ def _computed(points: Points, known: dict[int, dict[str, Array]], numbers: Seque
         return
     points.compute(asked, again=FAILED)
     failed = dict[int, str]()
-    for row in (record.row for record in records(points.folder)):
+    for row in records(points.folder):
         if row.status == "ok":
             if row.number not in known:
-                known[row.number] = {k: np.asarray(v) for k, v in _unpacked(row).items()}
+                known[row.number] = values_of(row)
             failed.pop(row.number, None)
         elif row.number not in known:
             failed[row.number] = row.message
@@ -287,10 +287,6 @@ def _computed(points: Points, known: dict[int, dict[str, Array]], numbers: Seque
             f"{len(lost)} of {len(asked)} operations failed, the first: {failed.get(lost[0], 'it was not computed')}; "
             "narrow the ranges"
         )
-
-
-def _unpacked(row: Any) -> dict[str, Any]:
-    return dict(unpacked(json.loads(row.layout), row.numbers, row.texts))
 
 
 # Between the nodes ----------------------------------------------------------------------------------------------------

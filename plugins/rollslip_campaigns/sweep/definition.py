@@ -125,25 +125,15 @@ class SweepTable:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Sweep:
-    """The points of a study and what they share.
+class Sweep(SweepWork):
+    """The points of a study and what they share, the scene without the tables of the sweep.
 
     Attributes
     ----------
-    scene : Scene
-        What every point changes; without the tables of the sweep.
-    study : str
-        Its study.
-    outputs : tuple of str
-        Variables that are kept.
     design : Design
         The points.
     uncertainty : Uncertainty
         What the samples are of.
-    resolutions : Resolutions
-        How finely the points are computed.
-    packages : tuple of str
-        Distributions that the points need.
     local : tuple of str
         Models that are registered in this process only.
     citations : tuple of Reference or str
@@ -160,13 +150,8 @@ class Sweep:
         Numbers of the points that are computed in this run, None for all; the design has the others all the same.
     """
 
-    scene: Scene
-    study: str
-    outputs: tuple[str, ...]
     design: Design
     uncertainty: Uncertainty
-    resolutions: Resolutions
-    packages: tuple[str, ...]
     local: tuple[str, ...]
     citations: tuple[Citation, ...]
     table: SweepTable
@@ -177,15 +162,9 @@ class Sweep:
 
     @property
     def work(self) -> SweepWork:
-        """What all points share."""
-        return SweepWork(
-            scene=self.scene,
-            study=self.study,
-            outputs=self.outputs,
-            packages=self.packages,
-            resolutions=self.resolutions,
-            time_limit=self.table.time_limit,
-        )
+        """What all points share, and nothing else: an executor takes it to its workers."""
+        shared = {one.name: getattr(self, one.name) for one in attrs.fields(SweepWork)}
+        return SweepWork(**shared | {"time_limit": self.table.time_limit})
 
     @property
     def numbers(self) -> Sequence[int]:

@@ -36,7 +36,6 @@ from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["models_apart", "sweep_figures"]
@@ -147,8 +146,7 @@ def _models(values: "xr.DataArray", key: str) -> "Figure":
         axes.plot([low, high], [place, place], color=MODEL_COLOURS[0], linewidth=1.0, zorder=1)
         axes.barh(place, third - first, 0.5, left=first, color=MODEL_COLOURS[0], alpha=0.45, zorder=2)
         axes.plot(middle, place, marker="|", markersize=11, markeredgewidth=1.6, color="black", zorder=3)
-    axes.set_yticks(np.arange(len(names))[::-1], [str(name) for name in names])
-    axes.set_ylim(-0.6, len(names) - 0.4)
+    axes.set(yticks=np.arange(len(names))[::-1], yticklabels=list(map(str, names)), ylim=(-0.6, len(names) - 0.4))
     axes.tick_params(axis="y", length=0)
     return sheet.done("Cage slip at largest traction [%]")
 
@@ -189,7 +187,6 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str], loads: Mappi
         words = "no value in the range, or the point failed"
         axes.plot(x[missing], np.zeros(missing.sum()), "x", color="0.3", markersize=4, label=words, **foot)
     if _by_factors(x):
-        axes.set_xscale("log")
         plain_decades(axes.xaxis)
     sheet.handles += axes.get_legend_handles_labels()[0]
     mark_loads(sheet, loads, _units(values[key])[1] if loads else "")
@@ -214,13 +211,10 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str],
         shown = read(piece.transpose(numbers[1], numbers[0]).to_numpy())
         mesh = axes.pcolormesh(x, y, shown, shading="nearest", **colours)
         mesh.set(edgecolor="face", linewidth=0.2)
-        _hatch(axes)
-        if _by_factors(x):
-            axes.set_xscale("log")
-            plain_decades(axes.xaxis)
-        if _by_factors(y):
-            axes.set_yscale("log")
-            plain_decades(axes.yaxis)
+        axes.patch.set(hatch="////", edgecolor="0.7")  # seen where there is no value
+        for axis, places in ((axes.xaxis, x), (axes.yaxis, y)):
+            if _by_factors(places):
+                plain_decades(axis)
         point = [float(converted(one, *_units(piece[key]))) for one, key in zip(given, numbers, strict=True)]
         if all(at.min() <= one <= at.max() for one, at in zip(point, (x, y), strict=True)):
             marks = axes.plot(*point, color="black", linestyle="none", label="operating point of the scene", **MARKER)
@@ -228,8 +222,7 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str],
             axes.set_xlim(left=max(0.0, axes.get_xlim()[0]))
         if y.min() >= 0.0:
             axes.set_ylim(bottom=max(0.0, axes.get_ylim()[0]))
-        axes.set_title(f"{name} ring" if choices == ["ring"] else name)
-        axes.set_xlabel(across)
+        axes.set(title=f"{name} ring" if choices == ["ring"] else name, xlabel=across)
         if axes is panels[0]:
             axes.set_ylabel(up)
     seamless(sheet.figure.colorbar(mesh, ax=list(panels), label=_named(values, unit)))
@@ -242,12 +235,6 @@ def _by_factors(values: Array) -> bool:
     if values.size < 3 or values.min() <= 0.0:
         return False
     return bool(np.ptp(np.diff(np.log(values))) < 1e-6 and np.ptp(np.diff(values)) > 1e-6 * np.ptp(values))
-
-
-def _hatch(axes: "Axes") -> None:
-    """Hatch the background, which is seen where there is no value."""
-    axes.patch.set_hatch("////")
-    axes.patch.set_edgecolor("0.7")
 
 
 def _units(coordinate: "xr.DataArray") -> tuple[str, str]:

@@ -138,10 +138,11 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
                 "values": int(known.size),
                 "missing": int(values.size - known.size),
                 "why": why,
-                "least": float(known.min()) if known.size else None,
-                "median": float(np.median(known)) if known.size else None,
-                "largest": float(known.max()) if known.size else None,
+                **dict.fromkeys(("least", "median", "largest")),
             }
+            if known.size:
+                ends = {"least": float(known.min()), "largest": float(known.max())}
+                ranges[called] |= {"median": float(np.median(known)), **ends}
     return ranges
 
 

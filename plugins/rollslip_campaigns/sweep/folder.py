@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from rollslip.errors import OutputError
+from rollslip.files import blamed
 from rollslip.results.dataset import save
 from rollslip_campaigns.sweep.definition import Sweep, SweepTable
 from rollslip_campaigns.sweep.journal import (
@@ -55,15 +56,13 @@ def begin(sweep: Sweep, folder: Path) -> Path:
         raise OutputError(
             f"{folder}: holds a sweep; go on with it by: rollslip sweep resume {folder}, or name another --out"
         )
-    try:
+    with blamed(folder, "name another --out"):
         if folder.exists() and not folder.is_dir():
             raise OutputError(f"{folder}: is not a folder; name another --out")
         if folder.exists() and {path.name for path in folder.iterdir()} - _own(folder):
             raise OutputError(f"{folder}: exists and holds files; name another --out")
         check_owner(folder, sweep.hash)
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error.strerror}); name another --out") from error
     store_sweep(sweep, folder)
     return folder
 
@@ -174,8 +173,12 @@ class Status:
 
 def status(folder: Path, errors: int = 5) -> Status:
     """Return how the sweep of a folder stands; it may be running."""
-    stored = _stored(folder)
-    size = int(stored["facts"]["size"])
+    try:
+        facts = json.loads((folder / FILE).read_text(encoding="utf-8"))["facts"]
+    except (OSError, ValueError):
+        open_sweep(folder)  # says what is wrong with it
+        raise
+    size = int(facts["size"])
     codes = states(folder, size)
     counts = Counter(STATUSES[code - 1] for code in codes if code)
     runs, left, quiet = sessions(folder), None, None
@@ -193,24 +196,14 @@ def status(folder: Path, errors: int = 5) -> Status:
         quiet = max(0.0, time.time() - last.last)
         pace = (last.last - last.started) / last.rows
         left = pace * (size - sum(counts.values()))
-    failed = last_failures(folder, FAILED, errors, codes)
     return Status(
         folder=folder,
-        study=stored["facts"]["study"],
+        study=facts["study"],
         total=size,
         counts=counts,
         writers=writers,
         running=running(folder),
         left=left,
         quiet=quiet,
-        errors=failed,
+        errors=last_failures(folder, FAILED, errors, codes),
     )
-
-
-def _stored(folder: Path) -> dict[str, Any]:
-    try:
-        stored: dict[str, Any] = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        open_sweep(folder)  # says what is wrong with it
-        raise
-    return stored

@@ -15,24 +15,25 @@ import json
 import os
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import lru_cache
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 from zlib import crc32
 
 import attrs
 
 from rollslip.errors import BusyError, OutputError
+from rollslip.files import blamed
 
 __all__ = [
     "LOCK",
     "Journal",
-    "JournalEntry",
     "Kept",
+    "Row",
     "Session",
     "check_owner",
     "died",
@@ -56,17 +57,16 @@ create table point (
 """
 _WAIT = 60.0  # s, for a reader that holds a file
 LOCK: Final = "sweep.lock"
-_KNOWN = 1000  # layouts that a writer remembers; every point may have its own
-
+T = TypeVar("T")
 
 #: How a point ends.
 STATUSES: Final = ("ok", "not-converged", "outside-domain", "crashed", "timed-out")
 FAILED: Final = STATUSES[1:]
 
 
-@attrs.frozen(eq=False)
+@attrs.define(eq=False)
 class Row:
-    """What became of a point.
+    """What became of a point; nothing yet where its status is empty.
 
     Attributes
     ----------
@@ -87,10 +87,10 @@ class Row:
     """
 
     number: int
-    key: str
-    status: str
-    message: str
-    seconds: float
+    key: str = ""
+    status: str = ""
+    message: str = ""
+    seconds: float = 0.0
     layout: str = ""
     numbers: bytes = b""
     texts: str = "[]"
@@ -115,7 +115,6 @@ class Journal:
 
     def __init__(self, folder: Path, about: dict[str, str]) -> None:
         self.path = _new_file(folder)
-        self._layouts: set[str] = set()
         self._begun = time.time() - time.monotonic()
         with _blamed(self.path):
             self._connection = sqlite3.connect(self.path, timeout=_WAIT, isolation_level=None)
@@ -153,18 +152,13 @@ class Journal:
                     )
                 self._connection.execute("commit")
             except BaseException:
-                self._layouts.clear()
                 if self._connection.in_transaction:  # a full disk may have ended it
                     self._connection.execute("rollback")
                 raise
 
     def _layout(self, layout: str) -> str:
         name = _name_of(layout)
-        if name not in self._layouts:
-            self._connection.execute("insert or ignore into layout values (?, ?)", (name, layout))
-            if len(self._layouts) >= _KNOWN:
-                self._layouts.clear()
-            self._layouts.add(name)
+        self._connection.execute("insert or ignore into layout values (?, ?)", (name, layout))
         return name
 
     def close(self, how: str) -> None:
@@ -187,20 +181,17 @@ class Kept:
     """
 
     def __init__(self, folder: Path, of: str) -> None:
-        try:
+        with blamed(folder, "make room there, or name another --out"):
             folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            told = f"cannot be written ({error.strerror}); make room there, or name another --out"
-            raise OutputError(f"{folder}: {told}") from error
         if any(session.about.get("sweep") != of for session in sessions(folder)):
             remedy = "go on with the same ones, or run without --resume, or remove the folder"
             raise OutputError(f"{folder}: holds a run of another scene, or of other choices; {remedy}")
-        self.known: dict[int, Any] = {one.row.number: json.loads(one.row.texts) for one in records(folder)}
+        self.known: dict[int, Any] = {row.number: json.loads(row.texts) for row in records(folder)}
         self._journal = Journal(folder, {"sweep": of})
 
     def keep(self, number: int, value: Any) -> None:
         """Keep a value, in place of what was known of this number."""
-        self._journal.write([Row(number, "", "ok", "", 0.0, texts=json.dumps(value))])
+        self._journal.write([Row(number, status="ok", texts=json.dumps(value))])
         self.known[number] = value
 
     def __enter__(self) -> "Kept":
@@ -287,14 +278,6 @@ def _blamed(path: Path) -> Iterator[None]:
 # Reading -------------------------------------------------------------------------------------------------------------
 
 
-@attrs.frozen(eq=False)
-class JournalEntry:
-    """A row as it stands in a journal, and when it was written."""
-
-    row: Row
-    at: float
-
-
 @attrs.frozen
 class Session:
     """One writer: its file, what it noted, when it began, how many rows it has, and when the last one came."""
@@ -306,34 +289,30 @@ class Session:
     last: float
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[sqlite3.Connection]:
-    try:
-        with closing(sqlite3.connect(path, timeout=_WAIT, isolation_level=None)) as connection:
-            yield connection
-    except (sqlite3.Error, AttributeError, LookupError, TypeError, ValueError) as error:  # as damaged as it may be
-        raise OutputError(
-            f"{path}: is not a journal that can be read ({error}); move it away and resume, which computes its points "
-            "again"
-        ) from error
-
-
-def _made(connection: sqlite3.Connection) -> bool:
-    """Whether the tables are there; a writer may have been killed before it made them."""
-    found = connection.execute("select count(*) from sqlite_master where name = 'point'").fetchone()
-    return bool(found[0])
+def _read(folder: Path, read: Callable[[Path, sqlite3.Connection], Iterable[T]]) -> Iterator[T]:
+    """Yield what is read of each journal in turn."""
+    for path in journals(folder):
+        try:
+            with closing(sqlite3.connect(path, timeout=_WAIT, isolation_level=None)) as connection:
+                # a writer may have been killed before it made the tables
+                if connection.execute("select count(*) from sqlite_master where name = 'point'").fetchone()[0]:
+                    yield from read(path, connection)
+        except (sqlite3.Error, AttributeError, LookupError, TypeError, ValueError) as error:  # as damaged as it may be
+            raise OutputError(
+                f"{path}: is not a journal that can be read ({error}); move it away and resume, which computes its "
+                "points again"
+            ) from error
 
 
 def sessions(folder: Path) -> list[Session]:
     """Return the writers of a folder."""
-    writers = []
-    for path in journals(folder):
-        with _opened(path) as connection:
-            if _made(connection):
-                about = dict(connection.execute("select name, value from about").fetchall())
-                rows, last = connection.execute("select count(*), max(at) from point").fetchone()
-                writers.append(Session(path, about, float(about["started"]), rows, float(last) if rows else 0.0))
-    return writers
+
+    def read(path: Path, connection: sqlite3.Connection) -> Iterator[Session]:
+        about = dict(connection.execute("select name, value from about").fetchall())
+        rows, last = connection.execute("select count(*), coalesce(max(at), 0.0) from point").fetchone()
+        yield Session(path, about, float(about["started"]), rows, float(last))
+
+    return [*_read(folder, read)]
 
 
 def check_owner(folder: Path, of: str) -> None:
@@ -353,56 +332,52 @@ def died(folder: Path) -> bool:
 
 def states(folder: Path, size: int) -> bytearray:
     """Return for every point 0 if there is no row of it, else 1 + the index of its status."""
-    state, codes = bytearray(size), {status: k for k, status in enumerate(STATUSES, 1)}
-    for path in journals(folder):
-        with _opened(path) as connection:
-            if not _made(connection):
-                continue
-            for number, status in connection.execute("select number, status from point order by rowid"):
-                if not 0 <= number < size or status not in codes:
-                    raise ValueError(f"has a point {number}, {status!r}, that this sweep does not have")
-                if state[number] != 1:
-                    state[number] = codes[status]
+
+    def read(path: Path, connection: sqlite3.Connection) -> Iterator[tuple[int, int]]:
+        for number, status in connection.execute("select number, status from point order by rowid"):
+            if not 0 <= number < size or status not in STATUSES:
+                raise ValueError(f"has a point {number}, {status!r}, that this sweep does not have")
+            yield number, 1 + STATUSES.index(status)
+
+    state = bytearray(size)
+    for number, code in _read(folder, read):
+        if state[number] != 1:
+            state[number] = code
     return state
 
 
 def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearray) -> list[tuple[int, str, str]]:
     """Return number, status and message of the points that failed last, and have no result since."""
-    failures = dict[int, tuple[tuple[int, float], str, str]]()
-    marks = ", ".join("?" for _ in failed)
+    marks = ", ".join("?" * len(failed))
     query = f"select number, at, status, message from point where status in ({marks}) order by rowid desc"
-    for k, path in enumerate(journals(folder)):  # a clock may have been set back since the one before
-        with _opened(path) as connection:
-            if _made(connection):
-                rows = connection.execute(query, failed)
-                still = islice((row for row in rows if known[row[0]] != 1), most)
-                failures |= {number: ((k, at), status, text) for number, at, status, text in reversed([*still])}
-    latest = sorted(failures.items(), key=lambda item: (item[1][0], item[0]))[
-        len(failures) - min(most, len(failures)) :
-    ]
-    return [(n, status, text) for n, (_, status, text) in latest]
+
+    def read(path: Path, connection: sqlite3.Connection) -> Iterator[tuple[Path, float, int, str, str]]:
+        still = islice((row for row in connection.execute(query, failed) if known[row[0]] != 1), most)
+        for number, at, status, message in reversed([*still]):
+            yield path, at, number, status, message
+
+    # by the order of journals first: a clock may have been set back since the one before
+    latest = sorted({row[2]: row for row in _read(folder, read)}.values())
+    return [row[2:] for row in latest[max(0, len(latest) - most) :]]
 
 
-def records(folder: Path, where: str = "", *values: Any) -> Iterator[JournalEntry]:
+def records(folder: Path, where: str = "", *values: Any) -> Iterator[Row]:
     """Yield all rows in the order in which they were written, or those of a condition; a later one may supersede."""
     named = lru_cache(maxsize=256)(_name_of)
-    for path in journals(folder):
-        with _opened(path) as connection:
-            if not _made(connection):
-                continue
-            columns = "number, key, status, message, seconds, at, point.layout, texts, numbers, checksum, layout.layout"
-            source = f"point left join layout on layout.id = point.layout {where} order by point.rowid"
-            for *told, numbers, checksum, layout in connection.execute(f"select {columns} from {source}", values):
-                number, key, status, message, seconds, at, name, texts = told
-                if layout is None or name != named(layout) or checksum != _checksum(tuple(told), numbers):
-                    raise ValueError(f"the row of point {number} is damaged")
-                yield JournalEntry(Row(number, key, status, message, seconds, layout, numbers, texts), at)
+    columns = "number, key, status, message, seconds, at, point.layout, texts, numbers, checksum, layout.layout"
+    source = f"point left join layout on layout.id = point.layout {where} order by point.rowid"
+
+    def read(path: Path, connection: sqlite3.Connection) -> Iterator[Row]:
+        for *told, numbers, checksum, layout in connection.execute(f"select {columns} from {source}", values):
+            number, key, status, message, seconds, _, name, texts = told
+            if layout is None or name != named(layout) or checksum != _checksum(tuple(told), numbers):
+                raise ValueError(f"the row of point {number} is damaged")
+            yield Row(number, key, status, message, seconds, layout, numbers, texts)
+
+    return _read(folder, read)
 
 
 def layouts(folder: Path) -> Iterator[str]:
     """Yield the layouts of all rows, every one once a journal."""
-    for path in journals(folder):
-        with _opened(path) as connection:
-            if _made(connection):
-                for (layout,) in connection.execute("select layout from layout where layout != '' order by rowid"):
-                    yield layout
+    query = "select layout from layout where layout != '' order by rowid"
+    return (layout for (layout,) in _read(folder, lambda _, connection: connection.execute(query)))

@@ -39,7 +39,7 @@ from rollslip.studies.study import Study, settings
 from rollslip_campaigns.sweep.definition import SweepWork, here
 from rollslip_campaigns.sweep.journal import Row
 
-__all__ = ["Done", "compute", "greet", "unpacked"]
+__all__ = ["Done", "compute", "unpacked", "values_of"]
 
 #: Points that are evaluated together, some 40 ms without the GIL; their tables take 8 MB.
 _TOGETHER: Final = 32
@@ -68,11 +68,6 @@ def _import_all() -> None:
     """Import what studies import when they need it, so that a process's first point has as much time as the others."""
     for name in ("scipy.integrate", "scipy.optimize", "xarray"):
         importlib.import_module(name)
-
-
-def greet(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
-    """Return the versions of packages where this is called: the first task that an engine is given."""
-    return here(packages)
 
 
 #: The bearing that was made last, by the scene that its sweep changes: the next point takes what is the same. It is
@@ -151,7 +146,8 @@ def _computed(task: _Task, points: Sequence[tuple[int, Mapping[str, object]]]) -
     begun = [_Point(task, number, changes) for number, changes in points]
     if len(begun) > 1:
         for point in begun:
-            point.prepare()
+            with point.ending():
+                point.prepare()
         ready = [(point, point.study, point.assembly) for point in begun if point.study is not None]
         begin = time.perf_counter()
         try:
@@ -163,11 +159,12 @@ def _computed(task: _Task, points: Sequence[tuple[int, Mapping[str, object]]]) -
         if evaluated is not None:
             each = (time.perf_counter() - begin) / len(ready)
             for (point, *_), values in zip(ready, evaluated, strict=True):
-                point.seconds += each
-                point.keep(*values)
+                point.row.seconds += each
+                with point.ending():
+                    point.keep(*values)
     for point in begun:
         point.finish()
-    return [point.row() for point in begun]
+    return [point.row for point in begun]
 
 
 class _Point:
@@ -177,21 +174,19 @@ class _Point:
     assembly: Assembly
 
     def __init__(self, task: _Task, number: int, changes: Mapping[str, object]) -> None:
-        self.task, self.work, self.number, self.changes = task, task.work, number, changes
-        self.key, self.status, self.message, self.seconds = "", "", "", 0.0
-        self.layout, self.numbers, self.texts = "", b"", "[]"
+        self.task = task
+        self.changes = changes
+        self.row = Row(number)
 
     @contextmanager
-    def _ending(self) -> Iterator[None]:
+    def ending(self) -> Iterator[None]:
         """Take whatever is raised for the end of the point."""
         begin = time.perf_counter()
         try:
             yield
         except _TimeLimit:
-            self._end(
-                "timed-out",
-                f"took longer than the time limit of {self.work.time_limit:g} s; retry with a longer --time-limit",
-            )
+            limit = self.task.work.time_limit
+            self._end("timed-out", f"took longer than the time limit of {limit:g} s; retry with a longer --time-limit")
         except ConvergenceError as error:
             self._end("not-converged", str(error))
         except (DomainError, SceneError, FieldError) as error:
@@ -200,74 +195,47 @@ class _Point:
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # sys.exit() of a model too
-            self._end("crashed", str(error) if isinstance(error, PluginError) else _words(error))
-        self.seconds += time.perf_counter() - begin
+            words = str(error) if isinstance(error, PluginError) else in_words(error)
+            notes = () if isinstance(error, PluginError) else getattr(error, "__notes__", ())
+            self._end("crashed", "; ".join((words, *notes)))
+        self.row.seconds += time.perf_counter() - begin
 
     def _end(self, status: str, message: str) -> None:
-        self.status, self.message = status, message
+        self.row.status = status
+        self.row.message = message
 
     def prepare(self) -> None:
         """Put its bearing together."""
-        with self._ending():
-            self._prepare()
-
-    def _prepare(self) -> None:
-        scene = evolve(self.work.scene, self.changes)
-        resolution = self.work.resolutions.of(self.changes)
-        self.key = self.task.key(scene, resolution)
-        self.assembly = _assembled(self.work, scene, resolution)
+        work = self.task.work
+        scene, resolution = evolve(work.scene, self.changes), work.resolutions.of(self.changes)
+        self.row.key = self.task.key(scene, resolution)
+        self.assembly = _assembled(work, scene, resolution)
         study = self.task.study(scene)
         self.study = study if resolution is None else study.at(resolution)
         if digest := self.study.digest(self.assembly):
-            self.key = hashlib.sha256(f"{self.key} {digest}".encode()).hexdigest()
+            self.row.key = hashlib.sha256(f"{self.row.key} {digest}".encode()).hexdigest()
 
     def finish(self) -> None:
         """Do what is left to do."""
-        if self.status:
+        if self.row.status:
             return
-        with self._ending(), _within(self.work.time_limit):
+        with self.ending(), _within(self.task.work.time_limit):
             if self.study is None:
-                self._prepare()
+                self.prepare()
             assert self.study is not None
-            self._keep(*evaluate(self.study, self.assembly, self.work.outputs))
+            self.keep(*evaluate(self.study, self.assembly, self.task.work.outputs))
 
     def keep(self, variables: Variables, coords: Variables, said: Mapping[str, Any]) -> None:
-        """Take its values."""
-        with self._ending():
-            self._keep(variables, coords, said)
-
-    def _keep(self, variables: Variables, coords: Variables, said: Mapping[str, Any]) -> None:
-        self.status, self.message = _outcome(said)
-        if self.status == "ok":
-            self.layout, self.numbers, self.texts = _packed(variables, coords)
-
-    def row(self) -> Row:
-        """Return what became of it."""
-        return Row(
-            number=self.number,
-            key=self.key,
-            status=self.status,
-            message=self.message,
-            seconds=self.seconds,
-            layout=self.layout,
-            numbers=self.numbers,
-            texts=self.texts,
-        )
-
-
-def _words(error: BaseException) -> str:
-    return "; ".join((in_words(error), *getattr(error, "__notes__", ())))
-
-
-def _outcome(said: Mapping[str, Any]) -> tuple[str, str]:
-    """Status and message by the attributes of a result; only studies in time end in more than one way."""
-    outcome = said.get("outcome")
-    if outcome == "interrupted":
-        raise KeyboardInterrupt
-    if outcome == "failed":
-        by = {"domain": "outside-domain", "model": "crashed"}
-        return by.get(said["failed_by"], "not-converged"), str(said["outcome_message"])
-    return "ok", ""
+        """Take its values, or how it ended without: only studies in time do."""
+        outcome = said.get("outcome")
+        if outcome == "interrupted":
+            raise KeyboardInterrupt
+        if outcome == "failed":
+            by = {"domain": "outside-domain", "model": "crashed"}
+            self._end(by.get(said["failed_by"], "not-converged"), str(said["outcome_message"]))
+            return
+        self._end("ok", "")
+        self.row.layout, self.row.numbers, self.row.texts = _packed(variables, coords)
 
 
 # Values as bytes -----------------------------------------------------------------------------------------------------
@@ -306,3 +274,8 @@ def unpacked(layout: Mapping[str, Any], numbers: bytes, texts: str) -> dict[str,
             arrays[name] = floats[at : at + size].reshape(shape)
             at += size
     return arrays
+
+
+def values_of(row: Row) -> dict[str, Any]:
+    """Return the arrays of a row by the name of their variable."""
+    return unpacked(json.loads(row.layout), row.numbers, row.texts)

@@ -59,18 +59,16 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     design, size = sweep.design, sweep.design.size
     status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
     message, seconds = np.full(size, "", dtype=object), np.full(size, np.nan)
-    for record in records(folder):
-        row = record.row
-        if status[row.number] == "ok":
-            continue
-        status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds
+    for row in records(folder):
+        if status[row.number] != "ok":
+            status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds
     fields = _Fields(map(json.loads, layouts(folder)), size)
     parsed = lru_cache(maxsize=256)(json.loads)
-    filled = np.zeros(size, dtype=bool)
-    for record in records(folder, "where status = ?", "ok"):
-        if not filled[record.row.number]:
-            filled[record.row.number] = True
-            fields.fill(record.row.number, parsed(record.row.layout), record.row.numbers, record.row.texts)
+    filled = set[int]()
+    for row in records(folder, "where status = ?", "ok"):
+        if row.number not in filled:
+            filled.add(row.number)
+            fields.fill(row.number, parsed(row.layout), row.numbers, row.texts)
     dims, names = sweep.dims, sweep.names
     called = {name: f"study_{name}" if name in OF_POINTS else name for name in fields.arrays}
     known = settings(sweep.scene, sweep.study)[sweep.study].outputs

@@ -39,7 +39,7 @@ from rollslip.structure import Location
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.definition import Sweep, here
 from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, check_owner, died, only_writer, states
-from rollslip_campaigns.sweep.point import Done, compute, greet
+from rollslip_campaigns.sweep.point import Done, compute
 
 __all__ = ["Progress", "Report", "Settled", "asked_engine", "described", "run_sweep"]
 
@@ -126,53 +126,42 @@ def run_sweep(
 ) -> Settled:
     """Compute the points of a sweep that are not done yet."""
     with only_writer(folder):
-        return _only_run(sweep, folder, engine, again, said, report)
-
-
-def _only_run(
-    sweep: Sweep,
-    folder: Path,
-    engine: Engine | None,
-    again: tuple[str, ...],
-    said: Callable[[str], None],
-    report: Report,
-) -> Settled:
-    check_owner(folder, sweep.hash)
-    state = states(folder, sweep.design.size)
-    redo = {STATUSES.index(status) + 1 for status in again}
-    numbers = sweep.numbers
-    pending = _Pending(numbers, state, redo | {0})
-    before = Counter(STATUSES[state[n] - 1] for n in numbers if state[n] and state[n] not in redo)
-    run = _Run(sweep, len(numbers), before, report)
-    _log.info("%d of %d points are in %s already", before.total(), len(numbers), folder)
-    chosen = engine if engine is not None else asked_engine(sweep)
-    why = "asked for"
-    if not pending:
-        said("all points are done")
-        return Settled(run.progress(), "", "all points are done", False)
-    with _interruptible() as asked:
-        if chosen is not None:
-            _check(sweep, chosen)
-        else:
-            chosen, why = _plain_case(sweep, folder)
-        about = {"sweep": sweep.hash, "host": platform.node(), "process": str(os.getpid())}
-        ended = "interrupted"
-        run.journal = Journal(folder, about | {"engine": chosen.name if chosen else "serial"})
-        try:
-            if chosen is None:
-                chosen, why = run.measured(pending, asked)
-            if pending and not asked.times:
-                said(f"engine {chosen.name}: {why}")
-                _log.info("engine %s: %s", chosen.name, why)
-                run.journal.note({"engine": chosen.name})
-                run.compute(chosen, pending, asked)
-            ended = "interrupted" if asked.times else "complete"
-        except (EngineError, OutputError) as error:
-            ended = in_words(error)
-            raise
-        finally:
-            run.journal.close(ended)
-    return Settled(run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < run.total)
+        check_owner(folder, sweep.hash)
+        state = states(folder, sweep.design.size)
+        redo = {STATUSES.index(status) + 1 for status in again}
+        numbers = sweep.numbers
+        pending = _Pending(numbers, state, redo | {0})
+        before = Counter(STATUSES[state[n] - 1] for n in numbers if state[n] and state[n] not in redo)
+        run = _Run(sweep, len(numbers), before, report)
+        _log.info("%d of %d points are in %s already", before.total(), len(numbers), folder)
+        chosen = engine if engine is not None else asked_engine(sweep)
+        why = "asked for"
+        if not pending:
+            said("all points are done")
+            return Settled(run.progress(), "", "all points are done", False)
+        with _interruptible() as asked:
+            if chosen is not None:
+                _check(sweep, chosen)
+            else:
+                chosen, why = _plain_case(sweep, folder)
+            about = {"sweep": sweep.hash, "host": platform.node(), "process": str(os.getpid())}
+            ended = "interrupted"
+            run.journal = Journal(folder, about | {"engine": chosen.name if chosen else "serial"})
+            try:
+                if chosen is None:
+                    chosen, why = run.measured(pending, asked)
+                if pending and not asked.times:
+                    said(f"engine {chosen.name}: {why}")
+                    _log.info("engine %s: %s", chosen.name, why)
+                    run.journal.note({"engine": chosen.name})
+                    run.compute(chosen, pending, asked)
+                ended = "interrupted" if asked.times else "complete"
+            except (EngineError, OutputError) as error:
+                ended = in_words(error)
+                raise
+            finally:
+                run.journal.close(ended)
+        return Settled(run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < run.total)
 
 
 # The engine ----------------------------------------------------------------------------------------------------------
@@ -353,7 +342,7 @@ class _Run:
         """Return a new executor whose workers have what is here."""
         executor = make()
         try:
-            self._compare(executor.submit(greet, self.sweep.packages).result(timeout=120.0))
+            self._compare(executor.submit(here, self.sweep.packages).result(timeout=120.0))
         except EngineError:
             engine.end(executor, at_once=True)
             raise
@@ -469,10 +458,10 @@ class _Run:
                     if isinstance(error, FutureTimeout):
                         text = f"took longer than the time limit of {self.work.time_limit:g} s, and did not stop; "
                         text += "retry with a longer --time-limit"
-                        done = _ended(number, "timed-out", text, seconds, self.packages)
+                        done = Done((Row(number, "", "timed-out", text, seconds),), self.packages)
                     elif engine.killed(error):
                         text = "its process died, and died again when it was computed alone"
-                        done = _ended(number, "crashed", text, seconds, self.packages)
+                        done = Done((Row(number, "", "crashed", text, seconds),), self.packages)
                     else:
                         waiting.appendleft(number)
                         self._count_loss(engine, error)
@@ -481,10 +470,6 @@ class _Run:
         finally:
             if executor is not None:
                 engine.end(executor, at_once=bool(waiting))
-
-
-def _ended(number: int, status: str, message: str, seconds: float, packages: tuple[tuple[str, str], ...]) -> Done:
-    return Done((Row(number, "", status, message, seconds),), packages)
 
 
 def described(settled: Settled) -> dict[str, Any]:

@@ -72,23 +72,37 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
     table, place = _table(given, asked, problems)
     name = study_with(base, table.study, table.output)
     cls = study_class(name, base)
-    names = _noted(problems, lambda: named_outputs(cls, table.output), ())
-    base, assembly = assembled(base, {**dict(_flat(table.over)), **over})
+    names: tuple[str, ...] = ()
+    try:
+        names = named_outputs(cls, table.output)
+    except SceneError as error:
+        problems += error.problems
+    stated = [*_leaves(table.over, "", place.at("over"))]
+    varying = {key: value for key, value, _ in stated} | over
+    base, assembly = assembled(base, varying)
     studies = settings(base, name)
     require_memory(studies, assembly)
     known = quantities(assembly, studies)
     sampled = table.samples is not None
-    wanted = [
-        *_leaves(table.over, "", place.at("over")),
-        *((key.strip(), value, Location({}, tuple(key.strip().split(".")))) for key, value in over.items()),
-    ]
-    axes, ranges = _axes(wanted, known, sampled, problems)
+    told = ((key.strip(), value, Location({}, tuple(key.strip().split(".")))) for key, value in over.items())
+    axes, ranges = _axes([*stated, *told], known, sampled, problems)
     uncertainty = read_uncertainty(given.uncertainty or {}, where.at("uncertainty"), known, problems)
     uncertainty = _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
     varied = [*(axis.key for axis in axes), *uncertainty.distributions]
     problems += _conflicts(varied)
-    if not problems:
-        problems += _nothing_varied(place, varied, sampled and not uncertainty.distributions)
+    if not problems and sampled and not uncertainty.distributions:
+        problems.append(
+            place.at("samples").says(
+                "there is nothing to sample; give a range without a count, such as --over "
+                "operation.radial_load=500N:5000N, or a table [uncertainty]"
+            )
+        )
+    elif not problems and not varied:
+        problems.append(
+            place.says(
+                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
+            )
+        )
     if problems:
         raise SceneError(list(dict.fromkeys(problems)))
     drawn = np.empty((1, 0))
@@ -111,7 +125,7 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
         packages=packages,
         local=local,
         citations=_citations(tried, name),
-        table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **over})),
+        table=attrs.evolve(table, over=FrozenTable(varying)),
         given=given,
         unusual=unusual,
         files=studies[name].digest(assembly),
@@ -173,33 +187,6 @@ def _axes(
     return axes, ranges
 
 
-def _nothing_varied(place: Location, varied: Sequence[str], unsampled: bool) -> list[str]:
-    """Return what is wrong if samples are asked for of nothing, or nothing varies."""
-    problems = []
-    if unsampled:
-        problems.append(
-            place.at("samples").says(
-                "there is nothing to sample; give a range without a count, such as --over "
-                "operation.radial_load=500N:5000N, or a table [uncertainty]"
-            )
-        )
-    elif not varied:
-        problems.append(
-            place.says(
-                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
-            )
-        )
-    return problems
-
-
-def _noted(problems: list[str], make: Any, otherwise: Any) -> Any:
-    try:
-        return make()
-    except SceneError as error:
-        problems += error.problems
-        return otherwise
-
-
 def _without_tables(scene: Scene) -> Scene:
     """Return the scene without what is about sweeps, which is no part of a point."""
     raw = {
@@ -237,19 +224,13 @@ def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Iterat
             yield path, value, where.at(key)
 
 
-def _flat(table: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    yield from ((key, value) for key, value, _ in _leaves(table, "", Location({})))
-
-
 def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -> Uncertainty:
     """Return uncertain values with ranges in their place or beside them."""
-    keys = [key for key in uncertainty.distributions if key not in ranges]
-    order = [*keys, *ranges]
-    matrix, old = np.eye(len(order)), list(uncertainty.distributions)
-    for i, key in enumerate(keys):
-        for j, other in enumerate(keys):
-            matrix[i, j] = uncertainty.correlation[old.index(key), old.index(other)]
-    return Uncertainty({key: {**uncertainty.distributions, **ranges}[key] for key in order}, matrix)
+    kept = [k for k, key in enumerate(uncertainty.distributions) if key not in ranges]
+    distributions = {key: one for key, one in uncertainty.distributions.items() if key not in ranges} | dict(ranges)
+    matrix = np.eye(len(distributions))
+    matrix[: len(kept), : len(kept)] = uncertainty.correlation[np.ix_(kept, kept)]
+    return Uncertainty(distributions, matrix)
 
 
 def _conflicts(keys: Sequence[str]) -> list[str]:

@@ -56,7 +56,6 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
                 shown, 100 * below, 100 * (below + unknown / n), step="post", color=MODEL_COLOURS[0], alpha=0.25,
                 linewidth=0,
             )  # fmt: skip
-        axes.set_xscale("log")
         plain_decades(axes.xaxis)
     least = float(one["quantile_value"].sel(probability=round(1.0 - p, 12)))
     if np.isfinite(least):
@@ -136,9 +135,8 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         label = f"acceptable: {100 * float(acceptable):.3g} %"
         axes.axvline(100 * float(acceptable), color="0.4", linewidth=0.9, linestyle=DASHES[2], label=label)
     if ends and min(ends) > 0.0:
-        axes.set_xscale("log")
-        axes.set_xlim(100 * min(ends) / 1.5, min(100.0, 150 * max(ends)))
         plain_decades(axes.xaxis)
+        axes.set_xlim(100 * min(ends) / 1.5, min(100.0, 150 * max(ends)))
     if not ends:  # an axis from 0 to 1 % would say that there is nothing there alone
         axes.set_xlim(0.0, 100.0)
     axes.set_ylim(0.0, 103.0)
