@@ -64,8 +64,9 @@ def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verd
     [row], _ = held(OF, series_of((measured, 0.15)), values_of(1.0), samples[:, None], "")
     assert row.verdict == verdict
     assert row.ratio == pytest.approx(1.0 / measured)
-    assert row.band == pytest.approx((1.0 - 1.96 * 0.2, 1.0 + 1.96 * 0.2), rel=0.01)
-    for ratio in row.ratio_band:  # Fieller: K - r M is normal
+    assert row.calculated_low == pytest.approx(1.0 - 1.96 * 0.2, rel=0.01)
+    assert row.calculated_high == pytest.approx(1.0 + 1.96 * 0.2, rel=0.01)
+    for ratio in (row.ratio_low, row.ratio_high):  # Fieller: K - r M is normal
         assert abs(1.0 - ratio * measured) / math.hypot(0.2, 0.15 * ratio) == pytest.approx(1.96, rel=0.03)
 
 
@@ -73,7 +74,7 @@ def test_values_beyond_the_range_are_larger_than_all_in_it():
     samples = np.array([0.5] * 50 + [math.inf] * 50)[:, None]
     [row], group = held(OF, series_of((0.8, 0.01)), [Value(math.inf, "friction still rises", 0.0)], samples, "")
     assert row.verdict == "inside"
-    assert row.band == (0.5, math.inf)
+    assert (row.calculated_low, row.calculated_high) == (0.5, math.inf)
     assert math.isnan(group.chi2)
     assert "beyond the range" in group.status
 

@@ -64,6 +64,12 @@ def about(unit: str, long_name: str) -> dict[str, Any]:
     return {"units": unit, "long_name": long_name}
 
 
+def rows_along(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
+    """Return the values of all variables that have one dimension alone, by name, for each place along it."""
+    columns = {str(name): one.to_numpy().tolist() for name, one in dataset.variables.items() if one.dims == (dim,)}
+    return [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+
+
 def save(dataset: "xr.Dataset", path: Path) -> None:
     """Write a dataset as netCDF-4; the file appears whole or not at all.
 

@@ -10,18 +10,30 @@ import numpy as np
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
+from rollslip.results.dataset import rows_along
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ROWS", "STATEMENTS", "ValidationAccount", "row_tables", "shown", "statement_tables", "together"]
+__all__ = [
+    "ROWS",
+    "STATEMENTS",
+    "ValidationAccount",
+    "models_of",
+    "row_tables",
+    "shown",
+    "statement_tables",
+    "together",
+]
 
 #: Heads of the tables.
 ROWS: Final = ("condition", "models", "measured, 95 %", "calculated, 95 %", "ratio, 95 %", "verdict")
 CHI_SQUARE: Final = ("data set", "series", "models", "chi-square", "degrees of freedom", "probability")
 STATEMENTS: Final = ("statement", "models", "verdict", "found")
-INSIDE, OUTSIDE, UNTOLD, HELD = "inside", "outside", "cannot be determined", "held"
+INSIDE: Final = "inside"
+UNTOLD: Final = "cannot be determined"
+HELD: Final = "held"
 
 
 def shown(value: float, unit: str, quantity: str, digits: int = 3) -> str:
@@ -49,33 +61,21 @@ def together(dataset: "xr.Dataset", *names: str, of: str = "row") -> list[tuple[
 
 def row_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
     """Return caption and rows of a table for each series."""
-    return [
-        (f"{data_set}: {series}", _rows(dataset, data_set, series))
-        for data_set, series in together(dataset, "data_set", "series")
-    ]
-
-
-def _rows(dataset: "xr.Dataset", data_set: str, series: str) -> list[list[str]]:
-    mask = (dataset["row_data_set"].to_numpy() == data_set) & (dataset["row_series"].to_numpy() == series)
-    cells = []
-    for k in np.flatnonzero(mask):
-        one = dataset.isel(row=int(k))
-        unit = str(one["row_unit"].item())
-        value = {name: float(one[name]) for name in _NUMBERS}
-        of = unit, str(one["row_quantity"].item())
-        calculated = shown(value["calculated"], *of)
-        calculated += _band(value["calculated_low"], value["calculated_high"], *of)
-        ratio = f"{value['ratio']:.3g}" if math.isfinite(value["ratio"]) else ""
-        cells.append(
+    tables = dict[str, list[list[str]]]()
+    for one in rows_along(dataset, "row"):
+        of = one["row_unit"], one["row_quantity"]
+        ratio = f"{one['ratio']:.3g}" if math.isfinite(one["ratio"]) else ""
+        tables.setdefault(f"{one['row_data_set']}: {one['row_series']}", []).append(
             [
-                *(str(one[f"row_{name}"].item()) for name in ("condition", "models")),
-                f"{shown(value['measured'], *of)} ± {shown(1.96 * value['uncertainty'], *of, 2)}",
-                calculated,
-                f"{ratio}{_band(value['ratio_low'], value['ratio_high'])}".strip(),
-                str(one["row_verdict"].item()),
+                one["row_condition"],
+                one["row_models"],
+                f"{shown(one['measured'], *of)} ± {shown(1.96 * one['uncertainty'], *of, 2)}",
+                shown(one["calculated"], *of) + _band(one["calculated_low"], one["calculated_high"], *of),
+                f"{ratio}{_band(one['ratio_low'], one['ratio_high'])}".strip(),
+                one["row_verdict"],
             ]
         )
-    return cells
+    return [*tables.items()]
 
 
 _NUMBERS: Final = (
@@ -86,17 +86,11 @@ _NUMBERS: Final = (
 
 def statement_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
     """Return caption and rows of a table for the statements of each data set."""
-    names = ("says", "models", "verdict", "found")
-    return [
-        (
-            f"{data_set}, in words",
-            [
-                [str(dataset[f"statement_{name}"].to_numpy()[k]) for name in names]
-                for k in np.flatnonzero(dataset["statement_data_set"].to_numpy() == data_set)
-            ],
-        )
-        for (data_set,) in together(dataset, "data_set", of="statement")
-    ]
+    tables = dict[str, list[list[str]]]()
+    for one in rows_along(dataset, "statement"):
+        cells = [one[f"statement_{name}"] for name in ("says", "models", "verdict", "found")]
+        tables.setdefault(f"{one['statement_data_set']}, in words", []).append(cells)
+    return [*tables.items()]
 
 
 class ValidationAccount(Account):
@@ -110,10 +104,7 @@ class ValidationAccount(Account):
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say how many values lie inside and which statements hold, by the models."""
-        models = dict.fromkeys(
-            [*map(str, dataset["row_models"].to_numpy()), *map(str, dataset["statement_models"].to_numpy())]
-        )
-        found = {name: [_of_models(dataset, name)] for name in models}
+        found = {name: [_of_models(dataset, name)] for name in models_of(dataset)}
         sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
         estimated = [
             f"{name}: {', '.join(about['estimated'])}"
@@ -132,20 +123,18 @@ class ValidationAccount(Account):
         """Return what was found as plain values; what has no value is null."""
         texts = ("data_set", "series", "models", "quantity", "unit", "condition", "verdict", "status")
         rows = [
-            {name: str(dataset[f"row_{name}"].to_numpy()[k]) for name in texts}
-            | {name: or_none(dataset[name].to_numpy()[k]) for name in _NUMBERS}
-            for k in range(dataset.sizes["row"])
+            {name: one[f"row_{name}"] for name in texts} | {name: or_none(one[name]) for name in _NUMBERS}
+            for one in rows_along(dataset, "row")
         ]
         groups = [
-            {name: str(dataset[f"group_{name}"].to_numpy()[k]) for name in ("data_set", "series", "models")}
-            | {name: or_none(dataset[name].to_numpy()[k]) for name in ("chi2", "freedom", "probability")}
-            | {"status": str(dataset["chi2_status"].to_numpy()[k])}
-            for k in range(dataset.sizes["group"])
+            {name: one[f"group_{name}"] for name in ("data_set", "series", "models")}
+            | {name: or_none(one[name]) for name in ("chi2", "freedom", "probability")}
+            | {"status": one["chi2_status"]}
+            for one in rows_along(dataset, "group")
         ]
-        said = ("data_set", "models", "says", "by", "verdict", "found")
         statements = [
-            {name: str(dataset[f"statement_{name}"].to_numpy()[k]) for name in said}
-            for k in range(dataset.sizes["statement"])
+            {name.removeprefix("statement_"): text for name, text in one.items()}
+            for one in rows_along(dataset, "statement")
         ]
         return {
             "data_sets": json.loads(dataset.attrs["data_sets"]),
@@ -163,20 +152,23 @@ class ValidationAccount(Account):
         return [*rows, *said, *([Table("All rows of a series together", CHI_SQUARE, chi2)] if chi2 else [])]
 
 
+def models_of(dataset: "xr.Dataset") -> list[str]:
+    """Return the models of rows and statements, each once."""
+    return list(dict.fromkeys(map(str, (*dataset["row_models"].to_numpy(), *dataset["statement_models"].to_numpy()))))
+
+
 def _of_models(dataset: "xr.Dataset", name: str) -> str:
-    rows = dataset["row_verdict"].to_numpy()[dataset["row_models"].to_numpy() == name]
-    said = dataset["statement_verdict"].to_numpy()[dataset["statement_models"].to_numpy() == name]
     parts = []
-    if rows.size:
-        judged = int((rows != UNTOLD).sum())
-        parts.append(f"{int((rows == INSIDE).sum())} of {judged} values inside the 95 % band of both uncertainties")
-        if judged < rows.size:
-            parts.append(f"of {rows.size - judged} it cannot be determined")
-    if said.size:
-        judged = int((said != UNTOLD).sum())
-        parts.append(f"{int((said == HELD).sum())} of {judged} statements hold")
-        if judged < said.size:
-            parts.append(f"of {said.size - judged} it cannot be determined")
+    for of, good, what in (
+        ("row", INSIDE, "values inside the 95 % band of both uncertainties"),
+        ("statement", HELD, "statements hold"),
+    ):
+        verdicts = dataset[f"{of}_verdict"].to_numpy()[dataset[f"{of}_models"].to_numpy() == name]
+        untold = int((verdicts == UNTOLD).sum())
+        if verdicts.size:
+            parts.append(f"{int((verdicts == good).sum())} of {verdicts.size - untold} {what}")
+        if untold:
+            parts.append(f"of {untold} it cannot be determined")
     seconds = dataset["seconds"].to_numpy()[dataset["row_models"].to_numpy() == name]
     if np.isfinite(seconds).any():
         parts.append(f"a value takes {format_quantity(float(np.nanmedian(seconds)), 's', 2)}")
@@ -185,14 +177,14 @@ def _of_models(dataset: "xr.Dataset", name: str) -> str:
 
 def chi_square_cells(dataset: "xr.Dataset") -> list[list[str]]:
     """Return chi-square of every series of several rows that has one, as texts."""
-    cells = []
-    for k in range(dataset.sizes["group"]):
-        one = dataset.isel(group=k)
-        chi2, freedom = float(one["chi2"]), int(one["freedom"])
-        if math.isfinite(chi2) and freedom > 1:
-            names = [str(one[f"group_{name}"].item()) for name in ("data_set", "series", "models")]
-            cells.append([*names, f"{chi2:.3g}", str(freedom), f"{float(one['probability']):.2g}"])
-    return cells
+    return [
+        [
+            one["group_data_set"], one["group_series"], one["group_models"], f"{one['chi2']:.3g}", str(one["freedom"]),
+            f"{one['probability']:.2g}",
+        ]
+        for one in rows_along(dataset, "group")
+        if math.isfinite(one["chi2"]) and one["freedom"] > 1
+    ]  # fmt: skip
 
 
 @hookimpl

@@ -9,6 +9,7 @@ import numpy as np
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
+from rollslip.results.dataset import rows_along
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ _HEAD: Final = ("law", "error, 95 %", "parameters", "time of a value", "better t
 
 def better(dataset: "xr.Dataset", law: int) -> tuple[list[str], list[str]]:
     """Return the laws that a law is better than, and those that it cannot be determined from."""
-    names = [str(name) for name in dataset["law"].to_numpy()]
+    names = dataset["law"].to_numpy().tolist()
     errors, chance = dataset["error"].to_numpy(), dataset["probability"].to_numpy()[law]
     limit = 1.0 - float(dataset.attrs["confidence"])
     told = [k for k in range(len(names)) if k != law and chance[k] <= limit]
@@ -40,7 +41,7 @@ class RankingAccount(Account):
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
         """Say which law predicts best, what it is better than, and of what it cannot be determined."""
-        names, errors = [str(name) for name in dataset["law"].to_numpy()], dataset["error"].to_numpy()
+        names, errors = dataset["law"].to_numpy().tolist(), dataset["error"].to_numpy()
         conditions, fewest = dataset.sizes["condition"], int(dataset.attrs["fewest"])
         groups = str(dataset.attrs.get("groups", ""))
         counted = int(dataset.attrs["independent"]) if groups else conditions
@@ -66,10 +67,8 @@ class RankingAccount(Account):
                 f"whether it is better than {', '.join(open_)} cannot be determined: differences as large come by "
                 "chance; more conditions would show it, or less uncertain data"
             )
-        for k in range(1, len(names)):
-            worse, _ = better(dataset, k)
-            if worse:
-                said.append(f"{names[k]} is better than {', '.join(worse)}")
+        others = ((name, better(dataset, k)[0]) for k, name in enumerate(names))
+        said += [f"{name} is better than {', '.join(worse)}" for name, worse in [*others][1:] if worse]
         if not groups:
             said.append(
                 "the confidence is that of noise alone, with conditions taken for independent: what a rig or a day has "
@@ -80,46 +79,39 @@ class RankingAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return a ranking as plain values."""
-        names = [str(name) for name in dataset["law"].to_numpy()]
+        names, conditions = (dataset[name].to_numpy().tolist() for name in ("law", "condition"))
         laws = {}
-        for k, name in enumerate(names):
-            one = dataset.isel(law=k)
+        for k, one in enumerate(rows_along(dataset, "law")):
             worse, open_ = better(dataset, k)
-            laws[name] = {
+            chances, errors = (map(or_none, dataset[name][k].values) for name in ("probability", "condition_error"))
+            laws[one["law"]] = {
                 "error": or_none(one["error"]),
                 "interval": [or_none(one["error_low"]), or_none(one["error_high"])],
-                "parameters": int(one["parameters"]),
-                "fitted": [part for part in str(one["fitted"].item()).split(", ") if part],
+                "parameters": one["parameters"],
+                "fitted": [part for part in one["fitted"].split(", ") if part],
                 "seconds": or_none(one["seconds"]),
-                "status": str(one["status"].item()),
+                "status": one["status"],
                 "better_than": worse,
                 "cannot_be_told_from": open_,
-                "chance": {names[j]: or_none(one["probability"].to_numpy()[j]) for j in range(len(names)) if j != k},
-                "conditions": dict(
-                    zip(
-                        map(str, dataset["condition"].to_numpy()),
-                        (or_none(error) for error in one["condition_error"].to_numpy()),
-                        strict=True,
-                    )
-                ),
+                "chance": dict(zip(names, chances, strict=True)),
+                "conditions": dict(zip(conditions, errors, strict=True)),
             }
+            del laws[one["law"]]["chance"][one["law"]]
         return {"laws": laws, "confidence": float(dataset.attrs["confidence"])}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the ranking, the smallest error first."""
         rows = []
-        for k in range(dataset.sizes["law"]):
-            one = dataset.isel(law=k)
-            low, high = float(one["error_low"]), float(one["error_high"])
-            error = f"{float(one['error']):.3g}" if math.isfinite(float(one["error"])) else str(one["status"].item())
-            seconds = float(one["seconds"])
+        for k, one in enumerate(rows_along(dataset, "law")):
+            low, high = one["error_low"], one["error_high"]
+            error = f"{one['error']:.3g}" if math.isfinite(one["error"]) else one["status"]
             worse, open_ = better(dataset, k)
             rows.append(
                 [
-                    str(one["law"].item()),
+                    one["law"],
                     error + (f" ({low:.3g} to {high:.3g})" if math.isfinite(low) else ""),
-                    f"{int(one['parameters'])}" + (f" ({one['fitted'].item()})" if one["fitted"].item() else ""),
-                    format_quantity(seconds, "s", 2) if math.isfinite(seconds) else "not known",
+                    str(one["parameters"]) + (f" ({one['fitted']})" if one["fitted"] else ""),
+                    format_quantity(one["seconds"], "s", 2) if math.isfinite(one["seconds"]) else "not known",
                     ", ".join(worse) or "-",
                     ", ".join(open_) or "-",
                 ]

@@ -1,7 +1,7 @@
 """Holds calculated values against measured ones: bands and verdicts of rows, chi-square of series, and statements."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import attrs
@@ -35,16 +35,20 @@ class Value:
 class Judged:
     """A row, held against what was calculated."""
 
-    of: tuple[str, str, str]  # data set, series, models
+    data_set: str
+    series: str
+    models: str
     quantity: str
     unit: str
-    label: str
+    condition: str
     measured: float
     uncertainty: float
     calculated: float
-    band: tuple[float, float]
+    calculated_low: float
+    calculated_high: float
     ratio: float
-    ratio_band: tuple[float, float]
+    ratio_low: float
+    ratio_high: float
     verdict: str
     status: str
     seconds: float
@@ -54,7 +58,9 @@ class Judged:
 class Group:
     """A series under some models, as a whole."""
 
-    of: tuple[str, str, str]
+    data_set: str
+    series: str
+    models: str
     chi2: float
     freedom: int
     probability: float
@@ -65,9 +71,10 @@ class Group:
 class Said:
     """A statement under some models."""
 
-    of: tuple[str, str]
+    data_set: str
+    models: str
     says: str
-    by_whom: str
+    by: str
     verdict: str
     found: str
 
@@ -75,12 +82,13 @@ class Said:
 def held(
     of: tuple[str, str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str
 ) -> tuple[list[Judged], Group]:
-    """Hold values against the rows of a series."""
-    rows = [_row(of, series, k, value, samples[:, k]) for k, value in enumerate(nominal)]
-    return rows, _group(of, series, nominal, samples, note)
+    """Hold values against the rows of a series; ``of`` are data set, series and models."""
+    named = dict(zip(("data_set", "series", "models"), of, strict=True))
+    rows = [_row(named, series, k, value, samples[:, k]) for k, value in enumerate(nominal)]
+    return rows, _group(named, series, nominal, samples, note)
 
 
-def _row(of: tuple[str, str, str], series: Series, k: int, value: Value, samples: Array) -> Judged:
+def _row(named: Mapping[str, str], series: Series, k: int, value: Value, samples: Array) -> Judged:
     row = series.rows[k]
     sampled = samples if samples.size else np.array([value.value])
     unknown = float(np.isnan(sampled).mean())
@@ -102,9 +110,10 @@ def _row(of: tuple[str, str, str], series: Series, k: int, value: Value, samples
         status = status or f"{unknown:.0%} of the samples have no value"
     ratio = value.value / row.measured if row.measured else math.nan
     return Judged(
-        of=of, quantity=series.quantity, unit=series.unit, label=row.label, measured=row.measured,
-        uncertainty=row.uncertainty, calculated=value.value, band=band, ratio=ratio, ratio_band=ratio_band,
-        verdict=verdict, status=status, seconds=value.seconds,
+        **named, quantity=series.quantity, unit=series.unit, condition=row.label, measured=row.measured,
+        uncertainty=row.uncertainty, calculated=value.value, calculated_low=band[0], calculated_high=band[1],
+        ratio=ratio, ratio_low=ratio_band[0], ratio_high=ratio_band[1], verdict=verdict, status=status,
+        seconds=value.seconds,
     )  # fmt: skip
 
 
@@ -120,7 +129,7 @@ def _normal(count: int) -> Array:
     return np.asarray(ndtri((np.arange(count) + 0.5) / count))
 
 
-def _group(of: tuple[str, str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str) -> Group:
+def _group(named: Mapping[str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str) -> Group:
     from scipy.special import chdtrc
 
     count = len(nominal)
@@ -135,12 +144,12 @@ def _group(of: tuple[str, str, str], series: Series, nominal: Sequence[Value], s
     elif 0 < len(samples) < _FOR_CHI2 * count:
         status = f"{len(samples)} samples are too few for the covariance of {count} rows, which takes {_FOR_CHI2} a row"
     if status:
-        return Group(of=of, chi2=math.nan, freedom=count, probability=math.nan, status=note or status)
+        return Group(**named, chi2=math.nan, freedom=count, probability=math.nan, status=note or status)
     covariance = np.diag(sigma**2)
     if len(samples):
         covariance = covariance + np.atleast_2d(np.cov(samples, rowvar=False))
     chi2 = float(misses @ np.linalg.solve(covariance, misses))
-    return Group(of=of, chi2=chi2, freedom=count, probability=float(chdtrc(count, chi2)), status=note)
+    return Group(**named, chi2=chi2, freedom=count, probability=float(chdtrc(count, chi2)), status=note)
 
 
 def verdict_on(said: Statement, values: Array) -> str:

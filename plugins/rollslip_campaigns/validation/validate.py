@@ -13,7 +13,7 @@
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -315,7 +315,7 @@ def _oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
 
 def judged_statement(measurement: Measurement, said: Statement, combination: Combination) -> Said:
     """Tell whether a statement of a data set holds under some models, with what was found."""
-    of = (measurement.name, combination.label)
+    of = {"data_set": measurement.name, "models": combination.label, "says": said.says, "by": said.by_whom}
     assert said.scene is not None
     try:
         scene = _scene_with(said.scene, combination)
@@ -324,7 +324,7 @@ def judged_statement(measurement: Measurement, said: Statement, combination: Com
             for step in said.steps
         ]
     except RollslipError as error:
-        return Said(of=of, says=said.says, by_whom=said.by_whom, verdict=UNTOLD, found=str(error).splitlines()[0])
+        return Said(**of, verdict=UNTOLD, found=str(error).splitlines()[0])
 
     def told(value: Value, quantity: str) -> str:
         if math.isnan(value.value):
@@ -336,10 +336,57 @@ def judged_statement(measurement: Measurement, said: Statement, combination: Com
         for step, value in zip(said.steps, values, strict=True)
     )
     verdict = verdict_on(said, np.array([value.value for value in values]))
-    return Said(of=of, says=said.says, by_whom=said.by_whom, verdict=verdict, found=found)
+    return Said(**of, verdict=verdict, found=found)
 
 
 # Dataset ------------------------------------------------------------------------------------------------------------
+
+
+#: Variable -> field of a row, unit and meaning.
+_OF_ROWS: Final[Mapping[str, tuple[str, str, str]]] = {
+    "row_data_set": ("data_set", "1", "data set"),
+    "row_series": ("series", "1", "series"),
+    "row_models": ("models", "1", "models"),
+    "row_quantity": ("quantity", "1", "quantity"),
+    "row_unit": ("unit", "1", "unit"),
+    "row_condition": ("condition", "1", "condition"),
+    "row_verdict": ("verdict", "1", "verdict"),
+    "row_status": ("status", "1", "status"),
+    "measured": ("measured", "see row_unit", "measured value, in the unit of the row"),
+    "uncertainty": ("uncertainty", "see row_unit", "standard uncertainty of it"),
+    "calculated": ("calculated", "see row_unit", "calculated value"),
+    "calculated_low": ("calculated_low", "see row_unit", "lower end of its 95 % band"),
+    "calculated_high": ("calculated_high", "see row_unit", "upper end of its 95 % band"),
+    "ratio": ("ratio", "1", "calculated over measured"),
+    "ratio_low": ("ratio_low", "1", "lower end of its 95 % band"),
+    "ratio_high": ("ratio_high", "1", "upper end of its 95 % band"),
+    "seconds": ("seconds", "s", "time of one value"),
+}
+#: Variable -> field of a group, unit and meaning.
+_OF_GROUPS: Final[Mapping[str, tuple[str, str, str]]] = {
+    "group_data_set": ("data_set", "1", "data set"),
+    "group_series": ("series", "1", "series"),
+    "group_models": ("models", "1", "models"),
+    "chi2": ("chi2", "1", "chi-square with the covariance of samples"),
+    "freedom": ("freedom", "1", "rows"),
+    "probability": ("probability", "1", "chance of a larger one"),
+    "chi2_status": ("status", "1", "why there is none"),
+}
+#: Variable -> field of a statement, unit and meaning.
+_OF_STATEMENTS: Final[Mapping[str, tuple[str, str, str]]] = {
+    f"statement_{name}": (name, "1", name) for name in ("data_set", "models", "says", "by", "verdict", "found")
+}
+
+
+def _variables(
+    dim: str, cls: type, things: Sequence[Any], columns: Mapping[str, tuple[str, str, str]]
+) -> dict[str, Any]:
+    """Return variables over a dimension, each a field of some things."""
+    kinds = {one.name: object if one.type is str else one.type for one in attrs.fields(cls)}
+    return {
+        name: (dim, np.array([getattr(one, field) for one in things], dtype=kinds[field]), about(unit, meaning))
+        for name, (field, unit, meaning) in columns.items()
+    }
 
 
 def _dataset(
@@ -347,57 +394,13 @@ def _dataset(
 ) -> "xr.Dataset":
     import xarray as xr
 
-    def texts(values: Iterable[str]) -> Any:
-        return np.array(list(values), dtype=object)
-
-    def numbers(values: Iterable[float]) -> Array:
-        return np.array(list(values), dtype=float)
-
-    of_rows = {
-        "data_set": texts(one.of[0] for one in rows),
-        "series": texts(one.of[1] for one in rows),
-        "models": texts(one.of[2] for one in rows),
-        "quantity": texts(one.quantity for one in rows),
-        "unit": texts(one.unit for one in rows),
-        "condition": texts(one.label for one in rows),
-        "verdict": texts(one.verdict for one in rows),
-        "status": texts(one.status for one in rows),
-    }
-    variables: dict[str, Any] = {
-        f"row_{name}": ("row", values, about("1", name.replace("_", " "))) for name, values in of_rows.items()
-    }
-    for name, meaning, values in (
-        ("measured", "measured value, in the unit of the row", (one.measured for one in rows)),
-        ("uncertainty", "standard uncertainty of it", (one.uncertainty for one in rows)),
-        ("calculated", "calculated value", (one.calculated for one in rows)),
-        ("calculated_low", "lower end of its 95 % band", (one.band[0] for one in rows)),
-        ("calculated_high", "upper end of its 95 % band", (one.band[1] for one in rows)),
-        ("ratio", "calculated over measured", (one.ratio for one in rows)),
-        ("ratio_low", "lower end of its 95 % band", (one.ratio_band[0] for one in rows)),
-        ("ratio_high", "upper end of its 95 % band", (one.ratio_band[1] for one in rows)),
-    ):
-        variables[name] = ("row", numbers(values), about("see row_unit" if "ratio" not in name else "1", meaning))
-    variables["seconds"] = ("row", numbers(one.seconds for one in rows), about("s", "time of one value"))
-    for name, taken in (("data_set", 0), ("series", 1), ("models", 2)):
-        variables[f"group_{name}"] = (
-            "group", texts(one.of[taken] for one in groups), about("1", name.replace("_", " "))
-        )  # fmt: skip
-    variables |= {
-        "chi2": ("group", numbers(one.chi2 for one in groups), about("1", "chi-square with the covariance of samples")),
-        "freedom": ("group", np.array([one.freedom for one in groups], dtype=int), about("1", "rows")),
-        "probability": ("group", numbers(one.probability for one in groups), about("1", "chance of a larger one")),
-        "chi2_status": ("group", texts(one.status for one in groups), about("1", "why there is none")),
-    }
-    for name, words in (
-        ("data_set", (one.of[0] for one in said)),
-        ("models", (one.of[1] for one in said)),
-        ("says", (one.says for one in said)),
-        ("by", (one.by_whom for one in said)),
-        ("verdict", (one.verdict for one in said)),
-        ("found", (one.found for one in said)),
-    ):
-        variables[f"statement_{name}"] = ("statement", texts(words), about("1", name))
-    dataset = xr.Dataset(variables)
+    dataset = xr.Dataset(
+        {
+            **_variables("row", Judged, rows, _OF_ROWS),
+            **_variables("group", Group, groups, _OF_GROUPS),
+            **_variables("statement", Said, said, _OF_STATEMENTS),
+        }
+    )
     sources = {
         one.name: {"description": one.description, "source": one.source, "estimated": dict(one.estimated),
                    "form": one.is_form}
