@@ -38,13 +38,13 @@ def print_models(what: str | None) -> None:
     what = _KINDS.get(what, what) if what is not None else None
     if what is None:
         for kind in offered_kinds():
-            many = [f"many of {o.name}: 'rollslip models {kind}'" for o in _usable() if o.kind == kind and o.is_family]
+            offers = [offer for offer in _offers() if offer.kind == kind and offer.state == "ok" and offer.is_family]
+            many = [f"many of {offer.name}: 'rollslip models {kind}'" for offer in offers]
             click.echo(f"{kind:<11} {', '.join([*available(kind), *many]) or 'none installed'}")
-        unusable = [offer for offer in _offers() if offer.state != "ok"]
-        for offer in unusable:
-            click.echo(
-                f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}", err=True
-            )
+        for offer in _offers():
+            if offer.state != "ok":
+                told = f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}"
+                click.echo(told, err=True)
         click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
     elif what in offered_kinds():
         print_table(("name", "package", "what it is"), [_summary(offer) for offer in _every(what)])
@@ -126,23 +126,15 @@ def _offers() -> list[Offer]:
     return [offer for offer in catalogue() if offer.kind in offered_kinds()]
 
 
-def _usable() -> list[Offer]:
-    return [offer for offer in _offers() if offer.state == "ok"]
-
-
 def _summary(offer: Offer) -> tuple[str, str, str]:
     try:
         thing = load(offer)
     except PluginError as error:
         return offer.name, offer.package, f"broken: {error}"
-    text = thing.description if get_kind(offer.kind).data else _doc(thing)[0]
+    text = thing.description if get_kind(offer.kind).data else (inspect.getdoc(thing) or "").partition("\n")[0]
     if synonyms := getattr(thing, "synonyms", ()):
         text += f"; also {', '.join(synonyms)}"
     return offer.name, f"{offer.package} {offer.version}", text
-
-
-def _doc(cls: type) -> list[str]:
-    return (inspect.getdoc(cls) or "").splitlines() or [""]
 
 
 def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
@@ -184,7 +176,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         for _, a in fields_of(thing)
     ]
     about |= {
-        "description": "\n".join(_doc(thing)),
+        "description": inspect.getdoc(thing) or "",
         "equation": getattr(thing, "equation", ""),  # an engine has none
         "parameters": parameters,
         "references": list(map(str, getattr(thing, "references", ()))),
