@@ -28,7 +28,7 @@ from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceM
 from rollslip.references import Citation
 from rollslip.scene.supply import DENSITY, SUPPLIES, Supplied
 from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene
-from rollslip.structure import Location, resolved, structure
+from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
 _optional = attrs.validators.optional(positive)
@@ -334,9 +334,8 @@ def _drags(raw: object, usual: Sequence[object], where: Location, problems: list
 
 def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
     """Return the name of the bearing and what is written of the cage, both empty where there is nothing."""
-    raw: Mapping[str, Any] = resolved(scene) if scene.raw is None else scene.raw
-    bearing = raw.get("bearing")
-    return str(bearing.get("name", "")) if isinstance(bearing, Mapping) else "", raw.get("cage") or {}
+    bearing = scene.tables.get("bearing")
+    return str(bearing.get("name", "")) if isinstance(bearing, Mapping) else "", scene.tables.get("cage") or {}
 
 
 def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:

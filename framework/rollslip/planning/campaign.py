@@ -168,10 +168,9 @@ class OfScene(Campaign):
     @property
     def given(self) -> "Scene":
         """The scene, read."""
-        from rollslip.scene.reading import load_scene
-        from rollslip.scene.values import Scene
+        from rollslip.scene.reading import as_scene
 
-        return self.scene if isinstance(self.scene, Scene) else load_scene(self.scene)
+        return as_scene(self.scene)
 
 
 @attrs.frozen(eq=False)

@@ -6,7 +6,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.results.dataset import about
-from rollslip.scene.reading import load_scene
+from rollslip.scene.reading import as_scene
 from rollslip.scene.values import Scene
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     """
     import xarray as xr
 
-    assembly = assemble(scene if isinstance(scene, Scene) else load_scene(scene))
+    assembly = assemble(as_scene(scene))
     loads = assembly.load_distribution(instants)
 
     orbit, rings, sense = np.radians(np.arange(361.0)), assembly.rings, assembly.kinematics.direction

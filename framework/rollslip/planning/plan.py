@@ -27,7 +27,7 @@ from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.planning.lines import caged, check, foreseen, of_bearing, of_studies, part_as_dict
 from rollslip.results.words import LOWER_BOUNDS, duration_range
 from rollslip.scene.named import unknown_names
-from rollslip.scene.reading import load_scene
+from rollslip.scene.reading import as_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
@@ -219,8 +219,7 @@ def plan(
         If a package it requires or a model it names is missing or broken.
     """
     begin = time.process_time()
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
+    scene = as_scene(scene)
     if scene.plugins.require:
         check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
     chosen, stated = _at_once(scene, study)

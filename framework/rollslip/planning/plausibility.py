@@ -40,8 +40,7 @@ def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
 
     What stands at keys that are ``moved`` is left to `implausible_along`.
     """
-    raw: Mapping[str, Any] = scene.raw if scene.raw is not None else resolved(scene)
-    where = Location(scene.origins)
+    raw, where = scene.tables, Location(scene.origins)
     found = [*_unusual_values(Scene, raw, where)]
     found += _unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
     found += _oil(scene, raw, where.at("lubricant"))
@@ -176,8 +175,7 @@ def _unusual_at(scene: Scene, of: Quantity, value: object, told_by_itself: set[A
         if told := unusual(of.attribute, number, None if of.unit is None else unit_given(value, of.unit)):
             yield of.key, told
     changed = evolve(scene, {of.key: value})
-    raw = resolved(changed) if changed.raw is None else changed.raw
-    for at, told in (*_unusual_relations(changed, raw, Location({})), *doubts(changed)):
+    for at, told in (*_unusual_relations(changed, changed.tables, Location({})), *doubts(changed)):
         if at.path not in told_by_itself or at.says("") == of.key:
             yield at.says(""), told
 

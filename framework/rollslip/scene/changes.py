@@ -12,7 +12,7 @@ from rollslip.fields import FieldError
 from rollslip.files import readable
 from rollslip.lubricant.pressure import FORMER_TABLE
 from rollslip.lubricant.table import OilTable
-from rollslip.scene.reading import checked_scene, load_scene
+from rollslip.scene.reading import as_scene, checked_scene
 from rollslip.scene.values import ModelChoice, Scene
 from rollslip.structure import bare_key, fields_of, resolved, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, loads, split_key
@@ -123,11 +123,11 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     PluginError
         If a bearing or surface that it names is not there.
     """
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    scene = as_scene(scene)
     if not (isinstance(changes, Mapping) and all(isinstance(key, str) for key in changes)):
         given = as_written(changes)
         raise SceneError([f"changes: values by key are expected, {{'operation.radial_load': '3 kN'}}, not {given}"])
-    raw: dict[str, Any] = dict(resolved(scene) if scene.raw is None else scene.raw)
+    raw: dict[str, Any] = dict(scene.tables)
     origins = dict(scene.origins)
     problems, changed = [], set[str]()
     for key, value in changes.items():

@@ -23,7 +23,7 @@ from rollslip.structure import FrozenTable, Location, structure, thawed
 from rollslip.toml import KeyPath, parse
 from rollslip.units import as_written
 
-__all__ = ["checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes"]
+__all__ = ["as_scene", "checked_scene", "from_raw", "load_scene", "parse_scene", "shipped_scenes"]
 
 
 def shipped_scenes() -> list[str]:
@@ -74,6 +74,11 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise SceneError([f"{source}: cannot be read: {reason}"]) from None
     return parse_scene(decoded(read, source), source)
+
+
+def as_scene(scene: Scene | str | os.PathLike[str]) -> Scene:
+    """Return a scene as it is, or one by name or file."""
+    return scene if isinstance(scene, Scene) else load_scene(scene)
 
 
 def _of_package(name: str) -> bytes:

@@ -17,7 +17,7 @@ import attrs
 from rollslip.datasets import Bearing, Surface
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
 from rollslip.scene.supply import Lubrication
-from rollslip.structure import FrozenTable
+from rollslip.structure import FrozenTable, resolved
 from rollslip.units import format_quantity
 
 __all__ = [
@@ -268,6 +268,11 @@ class Scene:
     origins: Mapping[tuple[str | int, ...], str] = attrs.field(
         factory=dict, eq=False, repr=False, metadata={"key": None}
     )
+
+    @property
+    def tables(self) -> Mapping[str, Any]:
+        """The tables as they are written; all values of a scene that was not read."""
+        return resolved(self) if self.raw is None else self.raw
 
     def __repr__(self) -> str:
         state = ((self.operation.radial_load, "N"), (self.operation.inner_speed, "rad/s"))

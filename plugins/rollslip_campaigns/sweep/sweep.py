@@ -34,7 +34,7 @@ from rollslip.planning.plausibility import implausible_along
 from rollslip.planning.provenance import cited, data_references
 from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, evolve, full_key, unknown
-from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
+from rollslip.scene.reading import as_scene, from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import FrozenTable, Location, resolved, structure
 from rollslip.studies.outputs import named_outputs
@@ -64,7 +64,7 @@ _AGAIN = "the same command as before, with --out {}, makes it again and takes up
 
 def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
     """Check a sweep and lay out its points; `asked` are settings of `SweepTable` in place of the scene's."""
-    given = scene if isinstance(scene, Scene) else load_scene(scene)
+    given = as_scene(scene)
     base, where, problems = _without_tables(given), Location(given.origins), list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
     over, outputs = {} if over is None else read_overs(over), listed(asked.pop("output", ()))

@@ -30,7 +30,7 @@ from rollslip.results.curves import or_none
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import secants
-from rollslip.structure import Location, resolved, thawed
+from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance, rollers
@@ -334,7 +334,7 @@ def _replaced(scene: Scene, few: Assembly, key: str, model: SliceModel, instead:
     """Return the bearing with the other law at a key: around the law that was, or with its parameters."""
     name, _, inner = instead.partition(".")
     _, kind, *_ = key.split(".")
-    known: Any = resolved(scene) if scene.raw is None else scene.raw
+    known: Any = scene.tables
     for part in key.split("."):
         known = known.get(part, {}) if isinstance(known, Mapping) else {}
     own: dict[str, Any] = thawed(known) if isinstance(known, Mapping) else {}
