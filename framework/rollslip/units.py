@@ -31,6 +31,7 @@ from rollslip.errors import RollslipError
 
 __all__ = [
     "GRAVITY",
+    "TypedRange",
     "UnitError",
     "as_written",
     "check_typed",
@@ -45,7 +46,6 @@ __all__ = [
     "quantity",
     "shown_unit",
     "typed",
-    "typed_range",
     "unit_given",
 ]
 
@@ -355,8 +355,8 @@ class _TypedNumber(float):
     """Any other number as it was typed, without a unit."""
 
 
-class _TypedRange(str):
-    """A range as it was typed, whose ends may have no unit."""
+class TypedRange(str):
+    """A range, "LOW:HIGH", as it was typed on a command line: its ends need units where a quantity has one."""
 
 
 def typed(value: object) -> Any:
@@ -384,14 +384,9 @@ def typed(value: object) -> Any:
     return [typed(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
-def typed_range(text: str) -> str:
-    """Return a range, "LOW:HIGH", that was typed on a command line: its ends need units where a quantity has one."""
-    return _TypedRange(text)
-
-
 def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
     """Refuse ends of a typed range that have no unit; of any other text nothing."""
-    for end in ends if isinstance(text, _TypedRange) and unit != "1" else ():
+    for end in ends if isinstance(text, TypedRange) and unit != "1" else ():
         if _NUMBER.fullmatch(end.strip()):
             raise UnitError(no_unit(end.strip(), unit))
 
@@ -477,7 +472,7 @@ def _without_comma(text: str, unit: str) -> str:
     number = _DECIMAL_COMMA.fullmatch(text)
     if number is None or len(text) > _LONGEST:
         return f"here {expectation(unit)}"
-    whole, digits, rest = number[1], number[2], number[3] or ""
+    whole, digits, rest = number.groups(default="")
     # Three digits may as well be thousands: show both.
     thousands = f" or '{whole}{digits}{rest}'" if len(digits) == 3 else ""
     return f"write '{whole}.{digits}{rest}'{thousands}"
@@ -525,12 +520,9 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
         return f"{value:.{digits}g}"
     if unit == "K":
         return f"{_shown(value - float(_CELSIUS_ZERO), digits)} degC"
-    shown, factor, magnitude = unit, 1.0, abs(value) or 1.0
-    for position, candidate in enumerate(_QUANTITIES.get(unit, ("", "", (unit,)))[2]):
-        scale = float(_unit(candidate)[0])
-        if position == 0 or magnitude >= scale:
-            shown, factor = candidate, scale
-    return f"{_shown(value / factor, digits)} {shown}"
+    smallest, *larger = _QUANTITIES.get(unit, ("", "", (unit,)))[2]
+    shown = next((one for one in reversed(larger) if (abs(value) or 1.0) >= float(_unit(one)[0])), smallest)
+    return f"{_shown(value / float(_unit(shown)[0]), digits)} {shown}"
 
 
 def _shown(number: float, digits: int) -> str:
@@ -561,7 +553,7 @@ def converted(values: Any, unit: str, given: str) -> Any:
     if not given or given == unit:
         return values
     size, zero = _scale(given, unit)
-    return (values - float(zero)) / float(size) if zero else values / float(size)
+    return (values - float(zero)) / float(size)
 
 
 def _scale(given: str, unit: str) -> tuple[Fraction, Fraction]:

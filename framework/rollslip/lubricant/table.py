@@ -108,13 +108,12 @@ class _Each:
 def _property(
     unit: str,
     doc: str,
-    allowed: Callable[[Any, Any, Any], object] | None = positive,
-    *,
+    *checks: Callable[[Any, Any, Any], object],
     usual: Span,
     possible: Span,
 ) -> Any:
-    """Declare a property of the oil: a constant or a table over temperature."""
-    each = within_possible if allowed is None else and_(allowed, within_possible)
+    """Declare a property of the oil, a constant or a table over temperature, with checks of each value."""
+    each = and_(*checks, within_possible)
     return field(unit=unit, doc=doc, default=None, validator=_Each(each), usual=usual, possible=possible)
 
 
@@ -159,16 +158,16 @@ class OilTable:
     density: Property = _property(
         "kg/m3",
         "density, between kinematic and dynamic viscosity, and for drags",
+        positive,
         usual=(600, 2000),
         possible=(100, 2e4),
     )
     pressure_viscosity: Property = _property(
-        "1/Pa", "pressure-viscosity coefficient alpha", usual=(2e-9, 6e-8), possible=(1e-12, 1e-6)
+        "1/Pa", "pressure-viscosity coefficient alpha", positive, usual=(2e-9, 6e-8), possible=(1e-12, 1e-6)
     )
     pressure_thermoviscosity: Property = _property(
         "1/(Pa K)",
         "its fall with temperature gamma = -dalpha/dT, of any sign",
-        None,
         usual=(-1e-9, 2e-9),
         possible=(-1e-6, 1e-6),
     )
@@ -185,9 +184,11 @@ class OilTable:
             "doc": f"how viscosity rises with pressure, by default {DEFAULT_LAW}",
         },
     )
-    conductivity: Property = _property("W/(m K)", "thermal conductivity", usual=(0.05, 0.7), possible=(1e-3, 100))
-    eyring_stress: Property = _property("Pa", "Eyring stress", usual=(2e5, 5e7), possible=(100, 1e11))
-    shear_modulus: Property = _property("Pa", "shear modulus", usual=(1e6, 1e10), possible=(100, 1e13))
+    conductivity: Property = _property(
+        "W/(m K)", "thermal conductivity", positive, usual=(0.05, 0.7), possible=(1e-3, 100)
+    )
+    eyring_stress: Property = _property("Pa", "Eyring stress", positive, usual=(2e5, 5e7), possible=(100, 1e11))
+    shear_modulus: Property = _property("Pa", "shear modulus", positive, usual=(1e6, 1e10), possible=(100, 1e13))
     eyring_stress_slope: float | None = field(
         default=None,
         unit="1",

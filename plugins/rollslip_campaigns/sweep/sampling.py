@@ -28,7 +28,7 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
 from rollslip.toml import thawed
-from rollslip.units import as_written, check_typed, evenly, format_quantity, typed_range, unit_given
+from rollslip.units import TypedRange, as_written, check_typed, evenly, format_quantity, unit_given
 from rollslip_studies.variation.distributions import Distribution, LogUniform, Uniform
 
 __all__ = [
@@ -151,7 +151,7 @@ def parse_over(text: str) -> tuple[str, object]:
     if not isinstance(value, str):
         return key, value
     if ":" in value:
-        return key, typed_range(value)
+        return key, TypedRange(value)
     return key, [parse_set(f"{key}={part}")[1] for part in value.split(",")]
 
 
