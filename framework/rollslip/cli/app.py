@@ -7,7 +7,6 @@ import functools
 import json
 import math
 import shlex
-import shutil
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -338,11 +337,6 @@ def interruptible(kept: Path, go_on: str) -> Iterator[None]:
         sys.exit(INTERRUPTED)
 
 
-def forget(kept: Path) -> None:
-    """Remove what a run has left for going on, now that it has ended."""
-    shutil.rmtree(kept, ignore_errors=True)
-
-
 # Meanwhile ------------------------------------------------------------------------------------------------------------
 
 
@@ -420,3 +414,11 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
 def print_json(value: object) -> None:
     """Print plain values as JSON."""
     click.echo(json.dumps(value, indent=2, allow_nan=False))
+
+
+def print_either(as_json: bool, value: object, text: object) -> None:
+    """Print plain values as JSON, or the text that says the same."""
+    if as_json:
+        print_json(value)
+    else:
+        click.echo(text)

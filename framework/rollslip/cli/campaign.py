@@ -3,6 +3,7 @@
 import functools
 import json
 import shlex
+import shutil
 import sys
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -20,7 +21,6 @@ from rollslip.cli.app import (
     complete_models,
     complete_scenes,
     engine_options,
-    forget,
     interruptible,
     json_option,
     print_json,
@@ -182,7 +182,7 @@ def _whole(asked: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, s
         first = asked.write(dataset, folder)
         results.show({name: dataset}, folder)
     if kept is not None:
-        forget(kept)
+        shutil.rmtree(kept, ignore_errors=True)
     return dataset, first
 
 

@@ -14,6 +14,7 @@ from rollslip.cli.app import (
     complete_models,
     complete_scenes,
     json_option,
+    print_either,
     print_json,
     scene_of,
     set_option,
@@ -41,13 +42,10 @@ def explain(code: str, as_json: bool) -> None:
     from rollslip.cli.models import explained
     from rollslip.results.answer import aligned
 
-    rows = explained(code.strip().upper())
-    if as_json:
-        print_json({"code": code.strip().upper()} | rows)
-    else:
-        click.echo(
-            "\n".join([code.strip().upper(), *aligned([*rows.items()], shutil.get_terminal_size((100, 24)).columns)])
-        )
+    code = code.strip().upper()
+    rows = explained(code)
+    lines = aligned([*rows.items()], shutil.get_terminal_size((100, 24)).columns)
+    print_either(as_json, {"code": code} | rows, "\n".join([code, *lines]))
 
 
 @click.command()
@@ -62,10 +60,7 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
     if target is not None and stored and changes:
         raise click.UsageError("--set changes a scene; a result cannot be changed")
     rows = console.info(target if target is None or stored else scene_of(target, changes))
-    if as_json:
-        print_json({section: dict(values) for section, values in rows.items()})
-    else:
-        click.echo(rows)
+    print_either(as_json, {section: dict(values) for section, values in rows.items()}, rows)
 
 
 @click.command()
@@ -90,10 +85,8 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
             found = citations_of(open_result(target))
     else:
         found = citations(plan(scene_of(target, changes)))
-    if as_json:
-        print_json(list(map(as_dict, found)))
-    else:
-        click.echo(as_bibtex(found) if bibtex else "\n".join(map(str, found)))
+    text = as_bibtex(found) if bibtex else "\n".join(map(str, found))
+    print_either(as_json, list(map(as_dict, found)), text)
 
 
 @click.command()
@@ -216,15 +209,12 @@ def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
 @json_option
 def doctor(as_json: bool) -> None:
     """Say whether this installation is healthy, and what to do where it is not; exit code 5 if there is a fault."""
+    import attrs
+
     from rollslip.cli.doctor import as_text, examine, healthy
 
     found = examine()
-    if as_json:
-        import attrs
-
-        print_json([attrs.asdict(finding) for finding in found])
-    else:
-        click.echo(as_text(found))
+    print_either(as_json, [attrs.asdict(finding) for finding in found], as_text(found))
     if not healthy(found):
         sys.exit(BAD_PLUGIN)
 
@@ -243,14 +233,10 @@ def plugins_list(requirements: bool, as_json: bool) -> None:
 
     if requirements:
         lines = inventory.requirements()
-        if as_json:
-            print_json(lines)
-        else:
-            click.echo("\n".join(lines))
-    elif as_json:
-        print_json(inventory.as_dicts(inventory.packages()))
+        print_either(as_json, lines, "\n".join(lines))
     else:
-        click.echo(inventory.as_text(inventory.packages()))
+        found = inventory.packages()
+        print_either(as_json, inventory.as_dicts(found), inventory.as_text(found))
 
 
 @plugins.command("check")
@@ -272,10 +258,7 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
         for one in ([kind] if kind is not None else kinds_of(name))
         for finding in testing.check_in_subprocess(one, name, time_limit)
     ]
-    if as_json:
-        print_json(with_units(testing.as_dict(findings)))
-    else:
-        click.echo(testing.format_findings(findings))
+    print_either(as_json, with_units(testing.as_dict(findings)), testing.format_findings(findings))
     if not passed(findings):
         sys.exit(BAD_PLUGIN)
 

@@ -179,10 +179,9 @@ def print_answer(answer: Answer) -> None:
 def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
     """Print of each study all that it found with errors and times, or only which errors are more than asked for."""
     for dataset in datasets:
-        lines = [*account_of(dataset).lines(dataset), *of_laws(dataset), accuracy_and_time(dataset)] if whole else []
-        lines += [accuracy_and_time(dataset)] if not whole and missed_errors(dataset) else []
-        if lines:
-            click.echo("\n  ".join((f"{dataset.attrs['study']}:", *lines)))
+        if whole or missed_errors(dataset):
+            found = [*account_of(dataset).lines(dataset), *of_laws(dataset)] if whole else []
+            click.echo("\n  ".join((f"{dataset.attrs['study']}:", *found, accuracy_and_time(dataset))))
 
 
 def missed_errors(dataset: "xr.Dataset") -> set[str]:

@@ -1,6 +1,7 @@
 """Commands about a scene and its studies: write one, run them, print their plan, write a report of stored results."""
 
 import shlex
+import shutil
 import sys
 from collections.abc import Sequence
 from functools import partial
@@ -17,7 +18,6 @@ from rollslip.cli.app import (
     Results,
     at_a_terminal,
     complete_models,
-    forget,
     interruptible,
     json_option,
     print_json,
@@ -198,7 +198,7 @@ def run(
         results.show(datasets, folder, shlex.join(changed))
     outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
     if "interrupted" not in outcomes:
-        forget(kept)
+        shutil.rmtree(kept, ignore_errors=True)  # it has ended, so nobody goes on
     found = answer(*datasets.values(), scene=shlex.join(changed), ignored=ignored)
     page = results.target / "report.html"
     found = attrs.evolve(

@@ -15,6 +15,7 @@ from rollslip.cli.app import (
     Results,
     engine_options,
     json_option,
+    print_either,
     print_json,
     progress,
     results_options,
@@ -110,10 +111,7 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     from rollslip_campaigns.sweep.folder import status
 
     found = status(folder, errors)
-    if as_json:
-        print_json(with_units(found.as_dict()))
-    else:
-        click.echo("\n".join(sweep_standing(found)))
+    print_either(as_json, with_units(found.as_dict()), "\n".join(sweep_standing(found)))
 
 
 def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Results) -> None:
