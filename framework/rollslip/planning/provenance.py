@@ -184,8 +184,13 @@ def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
 def data_told(offer: Offer) -> dict[str, Any]:
     """Return what is kept of a bearing, or of surfaces, that a scene takes by a name."""
     named = load(offer)
-    told = {"kind": offer.kind, "name": named.name, "source": named.source, "validity": named.validity}
-    return told | {"grades": dict(getattr(named, "grades", {}))}
+    return {
+        "kind": offer.kind,
+        "name": named.name,
+        "source": named.source,
+        "validity": named.validity,
+        "grades": dict(getattr(named, "grades", {})),
+    }
 
 
 def citations(plan: Plan) -> list[Citation]:

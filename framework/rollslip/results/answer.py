@@ -482,8 +482,7 @@ def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
         row["code"]: row for one in every for row in json.loads(one.attrs.get("consequences", "[]"))
     }
     for dataset in every:
-        judged = json.loads(dataset.attrs["validity"]) if dataset.attrs.get("validity") else {}
-        for one in judged.get("told", []):
+        for one in json.loads(dataset.attrs.get("validity") or "{}").get("told", []):
             code = one.get("code", "")
             row = at.get(code, {"moved": {}} if at else {})
             moved = row.get("moved")
@@ -494,8 +493,8 @@ def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
             key, rank = code or f"{one['law']} {one['made_for']}", (one["warned"], one["weight"])
             if key not in found or rank > found[key][0]:
                 found[key] = rank, note
-    ranked = sorted(found.values(), key=lambda each: each[0], reverse=True)
-    return tuple(note for _, note in sorted(ranked, key=lambda each: -_rank(each[1])))
+    ranked = sorted(found.values(), key=lambda each: (_rank(each[1]), each[0]), reverse=True)
+    return tuple(note for _, note in ranked)
 
 
 def _rank(note: Note) -> float:

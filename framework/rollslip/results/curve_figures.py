@@ -77,11 +77,8 @@ def over_slip(dataset: "xr.Dataset", name: str) -> "Figure":
 
 def new_figure() -> "tuple[Figure, Axes]":
     """Return a figure of one column with one panel."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    axes = figure.subplots()
-    return figure, axes
+    sheet = Sheet()
+    return sheet.figure, sheet.axes
 
 
 def draw_curve(

@@ -104,8 +104,11 @@ def _foreign(folder: Path) -> list[str]:
         known = {str(name): str(checksum) for name, checksum in written.items()}
     except (ValueError, KeyError, TypeError, AttributeError):
         return [MANIFEST]
-    names = [name for name in _files(folder) if name != MANIFEST]
-    return [name for name in names if name not in known or _checksum(folder / name) != known[name]]
+    return [
+        name
+        for name in _files(folder)
+        if name != MANIFEST and (name not in known or _checksum(folder / name) != known[name])
+    ]
 
 
 def _files(folder: Path, but: str = _LOCK) -> list[str]:

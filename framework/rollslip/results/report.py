@@ -16,7 +16,7 @@ import contextlib
 import json
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from html import escape, unescape
 from numbers import Integral, Real
 from pathlib import Path
@@ -39,9 +39,9 @@ from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
-from rollslip.results.words import capital, confidence, counted, html_table, of_laws, warned
+from rollslip.results.words import capital, confidence, counted, html_table, of_laws, warned, with_unit
 from rollslip.scene.schema import rows_of, schema
-from rollslip.units import UnitError, format_quantity
+from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def _warnings(datasets: "Datasets") -> str:
     if not more:
         return _list(first)
     body = ""
-    for heading, judged in _per_study(datasets, "validity", structured=True):
+    for heading, judged in _per_study(datasets, "validity"):
         if rest := [one["text"] for one in judged.get("told", ()) if one["text"] not in first]:
             body += heading + _list(rest)
     summary = counted(more).partition(":")[0]
@@ -229,7 +229,7 @@ def _figure(svg: str, number: int, name: str) -> str:
 
 def _plan(datasets: "Datasets") -> str:
     body = ""
-    for heading, parts in _per_study(datasets, "plan", structured=True):
+    for heading, parts in _per_study(datasets, "plan"):
         body += heading
         for caption, included in (("Modelled", True), ("Left out", False)):
             rows = [
@@ -240,7 +240,7 @@ def _plan(datasets: "Datasets") -> str:
             body += html_table(
                 ("part", "choice", "resolution", "estimated error", "estimated cost", "why"), rows, caption
             )
-    for heading, rows in _per_study(datasets, "accuracy", structured=True):
+    for heading, rows in _per_study(datasets, "accuracy"):
         body += heading + html_table(
             ("result", "tolerance", "estimated error", "error", "found"),
             [
@@ -254,7 +254,7 @@ def _plan(datasets: "Datasets") -> str:
             ],
             "Whether the plan kept its word",
         )
-    for _, cost in _per_study(datasets, "cost", structured=True):
+    for _, cost in _per_study(datasets, "cost"):
         actual, estimated = (format_quantity(cost[which], "s", 2) for which in ("actual", "estimated"))
         body += f"<p>Time of the processor: {actual}, estimated {estimated}.</p>"
     return body
@@ -281,13 +281,13 @@ def _models(datasets: "Datasets") -> str:
                 for m in models
             ],
         )
-        for heading, models in _per_study(datasets, "models", structured=True)
+        for heading, models in _per_study(datasets, "models")
     )
 
 
 def _input(datasets: "Datasets") -> str:
     body = ""
-    for heading, scene in _per_study(datasets, "scene_resolved", structured=True):
+    for heading, scene in _per_study(datasets, "scene_resolved"):
         rows, known = [], _known_keys(scene.get("study", {}))
         for key, value in _flat({k: v for k, v in scene.items() if k not in ("title", "description")}):
             unit, meaning = known.get(key, ("", ""))
@@ -318,17 +318,17 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
 
 def _oil(datasets: "Datasets") -> str:
     body = ""
-    for heading, oil in _per_study(datasets, "lubricant", structured=True):
+    for heading, oil in _per_study(datasets, "lubricant"):
         body += heading + _tag("p", f"Oil {oil['name']}. {oil['source'] or ''}")
         if grades := oil.get("grades"):  # results of before had none
             each = ", ".join(f"{key.replace('_', ' ')} ({grade})" for key, grade in grades.items())
             body += _tag("p", f"Data quality: {each}. {legend(grades.values())}.")
-    for heading, named in _per_study(datasets, "data", structured=True):
+    for heading, named in _per_study(datasets, "data"):
         for one in named:
             body += heading + _tag("p", f"{one['kind'].capitalize()} {one['name']}. {one['source']} {one['validity']}")
-    for heading, clearance in _per_study(datasets, "clearance", structured=True):
+    for heading, clearance in _per_study(datasets, "clearance"):
         body += heading + _tag("p", f"Clearance in operation: {clearance['text']}.")
-    for heading, rings in _per_study(datasets, "conditions", structured=True):
+    for heading, rings in _per_study(datasets, "conditions"):
         rows = [
             [meaning, *(_value(conditions.get(key), unit) for conditions in rings.values())]
             for key, (unit, meaning) in CONDITIONS.items()
@@ -343,7 +343,7 @@ def _regimes(datasets: "Datasets") -> str:
         if "load_parameter" not in dataset:
             continue
         for position, contact in enumerate(account_of(dataset).contacts(dataset)):
-            largest, light = float(dataset["load_parameter"][position]), ""
+            largest = float(dataset["load_parameter"][position])
             if "light_share" in dataset:
                 share = float(dataset["light_share"][position])
                 light = f"{percent(share)} of the force" if share > 0.0 else "none"
@@ -391,7 +391,7 @@ def _provenance(datasets: "Datasets") -> str:
         if (found := _distinct(datasets, key))
     ]
     body = html_table(("", "value"), rows)
-    for heading, packages in _per_study(datasets, "packages", structured=True):
+    for heading, packages in _per_study(datasets, "packages"):
         body += heading + html_table(("package", "version"), [list(item) for item in packages.items()])
     return body
 
@@ -413,7 +413,7 @@ def _linked(citation: Citation) -> str:
 def _scene(datasets: "Datasets") -> str:
     return "".join(
         f"{heading}<details><summary>show</summary>{_tag('pre', text)}</details>"
-        for heading, text in _per_study(datasets, "scene")
+        for heading, text in _per_study(datasets, "scene", str)
         if text
     )
 
@@ -430,13 +430,12 @@ def _distinct(datasets: "Datasets", attribute: str) -> list[tuple[list[str], Any
     return [(names, value) for value, names in found.items()]
 
 
-def _per_study(datasets: "Datasets", attribute: str, *, structured: bool = False) -> list[tuple[str, Any]]:
+def _per_study(
+    datasets: "Datasets", attribute: str, read: Callable[[str], Any] = json.loads
+) -> list[tuple[str, Any]]:
     """Values of an attribute, each under a heading that says whose it is unless all datasets have the same."""
     found = _distinct(datasets, attribute)
-    return [
-        (_tag("h3", ", ".join(names)) if len(found) > 1 else "", json.loads(value) if structured else value)
-        for names, value in found
-    ]
+    return [(_tag("h3", ", ".join(names)) if len(found) > 1 else "", read(value)) for names, value in found]
 
 
 def _value(value: object, unit: str, digits: int = 6) -> str:
@@ -451,10 +450,7 @@ def _value(value: object, unit: str, digits: int = 6) -> str:
         return f"{int(value):,}"
     if not isinstance(value, Real):
         return str(value)
-    try:
-        return format_quantity(float(value), unit or "1", digits)
-    except UnitError:  # a unit for which there is no other way to write it
-        return f"{float(value):.{digits}g} {unit}"
+    return with_unit(float(value), unit or "1", digits)
 
 
 def _tag(name: str, text: object) -> str:

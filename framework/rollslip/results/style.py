@@ -139,8 +139,9 @@ def _pdf(figure: "Figure", path: Path, caption: str, findings: str) -> None:
 
     set_plainly(figure)
     canvas: Any = FigureCanvasPdf(figure)
-    about = {"Title": caption, "Subject": findings, "Creator": "rollslip", "CreationDate": None}
-    canvas.print_pdf(path, metadata=about)
+    canvas.print_pdf(
+        path, metadata={"Title": caption, "Subject": findings, "Creator": "rollslip", "CreationDate": None}
+    )
 
 
 def _png(figure: "Figure", path: Path, caption: str, findings: str) -> None:

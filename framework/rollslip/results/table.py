@@ -87,8 +87,7 @@ def in_people_s_unit(name: str, values: Iterable[float], unit: str, given: str =
     shown = "%" if in_percent(name, unit) else given if given != "1" else ""
     if unit != "1" and not shown:
         shown = shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
-    told = [float(f"{converted(x, unit, shown):.12g}") if math.isfinite(x) else None for x in values]
-    return shown, told
+    return shown, [float(f"{converted(x, unit, shown):.12g}") if math.isfinite(x) else None for x in values]
 
 
 def _has_points(dataset: "xr.Dataset") -> bool:

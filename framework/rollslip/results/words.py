@@ -100,7 +100,7 @@ def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list
     others, bounds, every = dict[str, None](), dict[tuple[str, str], dict[str, Any]](), list(datasets)
     in_rows = [IN_ROWS] if not laws and any("makers_least_load" in one for one in every) else []
     for dataset in every:
-        said = json.loads(dataset.attrs["validity"]).get("told", []) if dataset.attrs.get("validity") else []
+        said = json.loads(dataset.attrs.get("validity") or "{}").get("told", [])
         texts = {one["text"] for one in said}
         warnings = json.loads(dataset.attrs.get("warnings", "[]"))
         others |= dict.fromkeys(text for text in warnings if text not in texts and not text.startswith(REST)
@@ -214,12 +214,12 @@ def in_percent(name: str, unit: str) -> bool:
     return unit == "1" and "slip" in name
 
 
-def with_unit(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str, digits: int = 4) -> str:
     """Return a value of a result as people read it."""
     try:
-        return format_quantity(value, unit, 4)
+        return format_quantity(value, unit, digits)
     except UnitError:  # a unit for which there is no other way to write it
-        return f"{value:.4g} {unit.partition(',')[0]}"
+        return f"{value:.{digits}g} {unit.partition(',')[0]}"
 
 
 def two(value: float) -> str:
