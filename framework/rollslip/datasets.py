@@ -308,12 +308,6 @@ class MountedClearance:
         return f"{text} = {found:.3g} um" if abs(found) < 999.5 else f"{text} = {found:.0f} um"
 
 
-def _radial_clearance(bearing: "Bearing") -> float:
-    gap = bearing.outer_raceway_diameter - bearing.inner_raceway_diameter - 2 * bearing.roller_diameter
-    # The subtraction leaves rounding noise: on a grid of a picometre a nominal clearance of zero is zero (not -0.0).
-    return round(gap, 12) + 0.0
-
-
 @attrs.frozen(kw_only=True)
 class Bearing:
     """Geometry and material of a cylindrical roller bearing."""
@@ -332,7 +326,7 @@ class Bearing:
         unit="m", doc="outer raceway diameter", validator=positive, usual=(6e-3, 3.5), possible=(1e-4, 50)
     )
     radial_clearance: float = field(
-        default=attrs.Factory(_radial_clearance, takes_self=True),
+        default=attrs.Factory(lambda bearing: bearing.nominal_clearance, takes_self=True),
         unit="m",
         doc="radial internal clearance in operation (full play); if left out, what mounting leaves, or the diameters",
         usual=(-3e-4, 2e-3),
@@ -355,7 +349,9 @@ class Bearing:
     @property
     def nominal_clearance(self) -> float:
         """What the diameters leave [m]."""
-        return _radial_clearance(self)
+        gap = self.outer_raceway_diameter - self.inner_raceway_diameter - 2 * self.roller_diameter
+        # The subtraction leaves rounding noise: on a grid of a picometre a nominal clearance of zero is zero (not -0.0).
+        return round(gap, 12) + 0.0
 
     def material_of(self, ring: str) -> Material:
         """Return what a raceway is of, by default the bearing's material."""

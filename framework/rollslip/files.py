@@ -20,7 +20,6 @@ import attrs
 
 from rollslip.errors import OutputError, SceneError, nearest
 from rollslip.fields import FieldError
-from rollslip.structure import attributes
 from rollslip.units import UnitError, as_written, expectation, quantity
 
 _REMEDY: Final = "free space, or name another place"
@@ -116,7 +115,7 @@ def read_columns(
     Lines that start with ``#`` are comments. The columns are the fields of an attrs class, in any order; those without
     a default are required.
     """
-    known = {attribute.name: attribute for attribute in attributes(row)}
+    known = {attribute.name: attribute for attribute in attrs.fields(row)}
     required = [name for name, attribute in known.items() if attribute.default is attrs.NOTHING]
     stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
     rows = [(number, _cells(line)) for number, line in stripped if line and not line.startswith("#")]

@@ -31,9 +31,7 @@ __all__ = [
     "FrozenTable",
     "Location",
     "SceneHashes",
-    "attributes",
     "bare_key",
-    "key_of",
     "resolved",
     "scene_hash",
     "structure",
@@ -71,6 +69,12 @@ def _dotted(path: KeyPath) -> str:
             plain = re.fullmatch(r"[\w-]{1,80}", part, re.ASCII) is not None
             text += ("." if text else "") + (part if plain else as_written(part))
     return text
+
+
+#: What is expected of a value of a plain type.
+_EXPECTED: Final[Mapping[Any, str]] = {
+    int: "a whole number is expected", str: "a text is expected", bool: "true or false is expected"
+}  # fmt: skip
 
 
 class _Missing:
@@ -141,15 +145,9 @@ def _layout(
     cls: "type[Any]",
 ) -> "tuple[str | None, dict[str, attrs.Attribute[Any]], dict[str, attrs.Attribute[Any]], attrs.Attribute[Any] | None]":
     """Return of a class the key of a bare name, its fields by name and by key, and the one that takes what is left."""
-    fields = {a.name: a for a in attributes(cls) if a.init}
+    fields = {a.name: a for a in attrs.fields(cls) if a.init}
     by_key = {key: a for key, a in fields_of(cls) if a.init and not a.metadata.get("rest")}
     return bare_key(cls), fields, by_key, next((a for a in fields.values() if a.metadata.get("rest")), None)
-
-
-def attributes(cls: Any) -> "tuple[attrs.Attribute[Any], ...]":
-    """Return the fields of an attrs class."""
-    every: tuple[attrs.Attribute[Any], ...] = attrs.fields(cls)
-    return every
 
 
 @cache
@@ -158,20 +156,14 @@ def types_of(cls: "type[Any]") -> dict[str, Any]:
     return get_type_hints(cls)
 
 
-def key_of(attribute: "attrs.Attribute[Any]") -> str | None:
-    """Return the name of a field's key in a scene; None if it has none."""
-    key: str | None = attribute.metadata.get("key", attribute.name)
-    return key
-
-
 def fields_of(cls: Any) -> "list[tuple[str, attrs.Attribute[Any]]]":
     """Return key and field of all fields of a class that have a key in a scene."""
-    return [(key, attribute) for attribute in attributes(cls) if (key := key_of(attribute)) is not None]
+    return [(key, a) for a in attrs.fields(cls) if (key := a.metadata.get("key", a.name)) is not None]
 
 
 def bare_key(cls: Any) -> str | None:
     """Return the key that a string in place of the table fills, if the class has one."""
-    return next((key_of(a) for a in attributes(cls) if a.metadata.get("bare")), None)
+    return next((key for key, attribute in fields_of(cls) if attribute.metadata.get("bare")), None)
 
 
 def _unknown(key: str, known: Collection[str]) -> str:
@@ -183,8 +175,7 @@ def _unknown(key: str, known: Collection[str]) -> str:
 def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
     doc, unit = attribute.metadata.get("doc"), attribute.metadata.get("unit")
     what = f" ({doc})" if doc else ""
-    kinds = {int: "a whole number is expected", str: "a text is expected", bool: "true or false is expected"}
-    expected = expectation(unit) if unit else kinds.get(kind, "")  # type: ignore[call-overload]
+    expected = expectation(unit) if unit else _EXPECTED.get(kind, "")
     return f"missing, but required{what}" + (f"; {_such_as(expected, attribute)}" if expected else "")
 
 
@@ -250,7 +241,6 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
     if kind is FrozenTable:
         if isinstance(raw, Mapping):
             return _frozen(raw, where, faults)
-        expected = "a table"
     elif fields:
         value = structure(kind, raw, where, faults, own=unit)
         return MISSING if value is None else value
@@ -260,13 +250,11 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         if isinstance(raw, Mapping):
             items = {key: _converted(arguments[1], value, unit, where.at(key), faults) for key, value in raw.items()}
             return MISSING if MISSING in items.values() else FrozenTable(items)
-        expected = "a table"
     elif origin is tuple:
         if isinstance(raw, str | Mapping) and attrs.has(arguments[0]) and bare_key(arguments[0]):
             raw = (raw,)  # of things that have names one may stand alone
         if isinstance(raw, list | tuple):
             return _list(arguments, raw, unit, where, faults)
-        expected = "a list"
     elif kind is float:
         try:
             return quantity(raw, unit)
@@ -279,19 +267,15 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         raw = int(raw) if isinstance(raw, float) and raw.is_integer() else raw
         if isinstance(raw, Integral) and not isinstance(raw, bool) and _storable(raw):
             return int(raw)
-        expected = "a whole number"
-    elif kind is bool:
-        if isinstance(raw, bool):
+    elif kind in (bool, str):
+        if isinstance(raw, kind):
             return raw
-        expected = "true or false"
-    elif kind is str:
-        if isinstance(raw, str):
-            return raw
-        expected = "a text"
     else:
         raise TypeError(f"{_dotted(where.path)}: a field of type {kind} cannot be read from a scene")
-    alone = "; put it in [ ]" if origin is tuple else ""
-    faults.append(where.says(f"{expected} is expected, not {as_written(raw)}{alone}"))
+    told = f"{_EXPECTED.get(kind, 'a table is expected')}, not {as_written(raw)}"
+    if origin is tuple:
+        told = f"a list is expected, not {as_written(raw)}; put it in [ ]"
+    faults.append(where.says(told))
     return MISSING
 
 

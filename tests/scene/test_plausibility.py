@@ -21,7 +21,7 @@ from rollslip.planning.plausibility import implausible, implausible_along
 from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
 from rollslip.scene.relations import RELATIONS
 from rollslip.scene.values import Scene
-from rollslip.structure import FrozenTable, attributes, key_of, types_of
+from rollslip.structure import FrozenTable, types_of
 from rollslip.studies.study import study_class
 from rollslip_plugins.traction.shear_thinning import Carreau
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
@@ -173,8 +173,8 @@ TABLES = [Scene, OilTable, OilPoint, OverTemperature, Cage, PlanarSettings, *map
 
 def fields_with_a_unit(cls: type, prefix: str = "") -> "list[tuple[str, attrs.Attribute[object]]]":
     found = []
-    for attribute in attributes(cls):
-        key, kind = key_of(attribute), types_of(cls)[attribute.name]
+    for attribute in attrs.fields(cls):
+        key, kind = attribute.metadata.get("key", attribute.name), types_of(cls)[attribute.name]
         if key is not None and attrs.has(kind) and kind is not FrozenTable:
             found += fields_with_a_unit(kind, f"{prefix}{key}.")
         elif key is not None and attribute.metadata.get("unit") not in (None, "1"):
@@ -209,8 +209,8 @@ def laws_of_the_box() -> "list[tuple[str, type]]":
 PARAMETERS = [
     pytest.param(a, id=f"{law}: {a.name}")
     for law, cls in laws_of_the_box()
-    for a in attributes(cls)
-    if key_of(a) is not None and a.metadata.get("unit") is not None
+    for a in attrs.fields(cls)
+    if a.metadata.get("key", a.name) is not None and a.metadata.get("unit") is not None
 ]
 
 

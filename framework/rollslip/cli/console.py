@@ -317,9 +317,8 @@ def result_info(path: Path) -> Groups:
     from rollslip.results.accounts import telling
     from rollslip.results.dataset import open_result
 
-    dataset = open_result(path)
     with telling(path):
-        return _held(dataset)
+        return _held(open_result(path))
 
 
 def _held(dataset: "xr.Dataset") -> Groups:

@@ -28,7 +28,6 @@ class BaseOil:
 
     called: str  # what it is, in words
     density: tuple[float, float]  # at 15 and 100 degC [kg/m3]
-    density_scatter: float  # its relative half width [1]
     viscosity_index: float  # of an oil of which only the grade is known [1]
     conductivity: float  # [W/(m K)]
     eyring_stress: float  # [Pa]
@@ -56,7 +55,6 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
         "mineral": BaseOil(
             called="mineral oil",
             density=(902.0, 858.0),
-            density_scatter=0.03,
             viscosity_index=95.0,
             conductivity=0.134,
             eyring_stress=5e6,
@@ -70,7 +68,6 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
         "pao": BaseOil(
             called="polyalphaolefin",
             density=(859.0, 819.0),
-            density_scatter=0.03,
             viscosity_index=150.0,
             conductivity=0.15,
             eyring_stress=5e6,
@@ -84,7 +81,6 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
         "ester": BaseOil(
             called="ester",
             density=(915.0, 852.0),
-            density_scatter=0.08,
             viscosity_index=140.0,
             conductivity=0.15,
             eyring_stress=4e6,
@@ -100,7 +96,6 @@ BASE_OILS: Final[Mapping[str, BaseOil]] = MappingProxyType(
         "pag": BaseOil(
             called="polyalkylene glycol",
             density=(1030.0, 966.0),
-            density_scatter=0.06,
             viscosity_index=220.0,
             conductivity=0.15,
             eyring_stress=4e6,

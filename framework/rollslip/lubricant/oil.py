@@ -200,22 +200,19 @@ class Lubricant:
                 f"{_celsius(self.maximum_temperature)}; change the temperature, choose another oil, or widen "
                 f"lubricant.minimum_temperature or lubricant.maximum_temperature if you can vouch for its laws there"
             )
-        eta0, _ = _evaluate(self.viscosity, temperature)
         alpha = self.pressure_viscosity_law.coefficient(temperature)
-        fixed = not math.isnan(alpha)
-        if not fixed:
-            alpha, _ = _evaluate(self.pressure_viscosity, temperature)
         beta0, gamma = self.falls(temperature)
-        conductivity, _ = _evaluate(self.conductivity, temperature)
+        if math.isnan(alpha):
+            alpha = _value(self.pressure_viscosity, temperature)
+        else:
+            gamma = math.nan
         return OilState(
             temperature=temperature,
-            viscosity=self.viscosity_factor * eta0,
+            viscosity=self.viscosity_factor * self.viscosity(temperature),
             pressure_viscosity=self.pressure_viscosity_factor * alpha,
             thermoviscosity=beta0,
-            pressure_thermoviscosity=(
-                self.pressure_thermoviscosity_factor * self.pressure_viscosity_factor * (math.nan if fixed else gamma)
-            ),
-            conductivity=conductivity,
+            pressure_thermoviscosity=self.pressure_thermoviscosity_factor * self.pressure_viscosity_factor * gamma,
+            conductivity=_value(self.conductivity, temperature),
             eyring_stress=_value(self.eyring_stress, temperature),
             shear_modulus=_value(self.shear_modulus, temperature),
         )

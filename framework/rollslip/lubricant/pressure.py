@@ -91,14 +91,22 @@ def default_law() -> PressureViscosity:
 
 def alpha_of_oil() -> Any:
     """Declare which alpha a law takes, one of `ALPHAS`: no key of a scene, the oil says it."""
-    said = {"key": None, "unit": None, "doc": "which alpha the oil gives", "of_oil": "alpha"}
-    return attrs.field(default="tangent", kw_only=True, validator=one_of(*ALPHAS), metadata=said)
+    return attrs.field(
+        default="tangent",
+        kw_only=True,
+        validator=one_of(*ALPHAS),
+        metadata={"key": None, "unit": None, "doc": "which alpha the oil gives", "of_oil": "alpha"},
+    )
 
 
 def factor_of_oil() -> Any:
     """Declare the factor on ln(eta/eta0) [1] that a law takes: no key of a scene, the oil says it."""
-    said = {"key": None, "unit": "1", "doc": "factor on ln(eta/eta0)", "of_oil": "factor"}
-    return attrs.field(default=1.0, kw_only=True, validator=positive, metadata=said)
+    return attrs.field(
+        default=1.0,
+        kw_only=True,
+        validator=positive,
+        metadata={"key": None, "unit": "1", "doc": "factor on ln(eta/eta0)", "of_oil": "factor"},
+    )
 
 
 def from_oil() -> Any:
@@ -112,8 +120,12 @@ def from_oil() -> Any:
 
 def slope_of_oil(doc: str) -> Any:
     """Declare a slope with pressure [1] that is the oil's: no key of a scene, put in when the bearing is assembled."""
-    said = {"key": None, "unit": "1", "doc": doc, "slope_of_oil": True}
-    return attrs.field(default=0.0, kw_only=True, validator=non_negative, metadata=said)
+    return attrs.field(
+        default=0.0,
+        kw_only=True,
+        validator=non_negative,
+        metadata={"key": None, "unit": "1", "doc": doc, "slope_of_oil": True},
+    )
 
 
 def with_law(model: Any, law: PressureViscosity, slopes: Mapping[str, float] = NO_SLOPES) -> Any:

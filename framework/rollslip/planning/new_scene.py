@@ -169,7 +169,9 @@ def new(bearing: str, **given: str) -> Scene:
 
 def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) -> str:
     """Return the text of a scene."""
-    values, template = _values(**given) | _marks(assumed), _template()
+    values = _values(**given) | _marks(assumed)
+    file = importlib.resources.files("rollslip.planning") / "new_scene.toml.in"
+    template = string.Template(file.read_text(encoding="utf-8"))
     left = parse_scene(template.substitute(values, clearance="", radial_clearance=""), source).bearing
     told = {"clearance": left.mounted or "of a bearing without clearance classes"}
     told["radial_clearance"] = format_quantity(left.radial_clearance, "m", 3)
@@ -178,11 +180,6 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
         text = _CAGE_TABLE.sub(_NO_CAGE, text)
     assemble(parse_scene(text, source)).load_distribution()
     return text
-
-
-def _template() -> string.Template:
-    place = importlib.resources.files("rollslip.planning") / "new_scene.toml.in"
-    return string.Template(place.read_text(encoding="utf-8"))
 
 
 def _marks(assumed: frozenset[str]) -> dict[str, str]:

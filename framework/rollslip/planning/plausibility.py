@@ -27,7 +27,7 @@ from rollslip.scene.clearance import unused
 from rollslip.scene.relations import RELATIONS
 from rollslip.scene.rings import rings_of, yielding
 from rollslip.scene.values import Scene, model_kind
-from rollslip.structure import Location, attributes, fields_of, resolved, types_of
+from rollslip.structure import Location, fields_of, resolved, types_of
 from rollslip.studies.study import study_class
 from rollslip.toml import parse, split_key
 from rollslip.units import UnitError, as_written, quantity, unit_given
@@ -197,7 +197,7 @@ def _unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Lo
             continue
         for inner, table, place in _tables(kinds[attribute.name], value, at):
             yield from _unusual_values(inner, table, place)
-            for a in attributes(inner):
+            for a in attrs.fields(inner):
                 if a.metadata.get("own_unit"):  # a property over temperature: its values are those of the property
                     yield from _unusual(attribute, table.get(a.name), place.at(a.name))
         yield from _unusual(attribute, value, at)

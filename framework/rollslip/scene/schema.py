@@ -8,7 +8,7 @@ import attrs
 from rollslip.fields import span_in_words
 from rollslip.scene.named import NAMED
 from rollslip.scene.values import Scene
-from rollslip.structure import FrozenTable, attributes, bare_key, fields_of, types_of
+from rollslip.structure import FrozenTable, bare_key, fields_of, types_of
 from rollslip.units import format_quantity
 
 __all__ = ["SchemaRow", "rows_of", "schema", "shown_default", "shown_range", "shown_type"]
@@ -62,7 +62,7 @@ def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
     """Return what a field takes, in words, with the choices where there are some."""
     validator = getattr(attribute.validator, "validator", attribute.validator)  # that of an optional value
     choices = [str(one) for one in (*getattr(validator, "options", ()), *attribute.metadata.get("words", ()))]
-    kinds = [one for one in get_args(kind) if one is not type(None)] if get_args(kind) else [kind]
+    kinds = [one for one in get_args(kind) or (kind,) if one is not type(None)]
     many = get_origin(kind) is tuple
     words = {float: "quantity" if attribute.metadata.get("unit") not in (None, "1") else "number", int: "whole number"}
     words |= {bool: "true or false", str: "text", Any: "a name, or a table"}
@@ -92,7 +92,7 @@ def shown_default(attribute: "attrs.Attribute[Any]") -> str:
     if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
         return "derived"
     if attrs.has(type(default)):
-        bare = (a.name for a in attributes(type(default)) if a.metadata.get("bare"))
+        bare = (a.name for a in attrs.fields(type(default)) if a.metadata.get("bare"))
         return str(getattr(default, next(bare)))
     if isinstance(default, float) and unit:
         return format_quantity(default, unit)

@@ -18,7 +18,7 @@ from rollslip.catalogue.kinds import Kind
 from rollslip.fields import field, one_of, positive
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
-from rollslip.structure import FrozenTable, attributes
+from rollslip.structure import FrozenTable
 from rollslip.units import format_quantity
 from rollslip_campaigns.measurement.rig import FilmRow, Rig, RigData, TractionRow
 
@@ -172,7 +172,7 @@ def _shown(key: str, value: object) -> object:
 
 
 _RIG_UNITS: Final = {
-    attribute.name: attribute.metadata["unit"] for row in (TractionRow, FilmRow) for attribute in attributes(row)
+    attribute.name: attribute.metadata["unit"] for row in (TractionRow, FilmRow) for attribute in attrs.fields(row)
 }
 
 
