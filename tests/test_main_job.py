@@ -57,31 +57,31 @@ def test_a_run_computes_nothing_for_readers(nothing_for_readers):
     assert result.sel(ring="inner").critical_status == "found"
 
 
-@pytest.mark.parametrize(
-    "ask",
-    [
-        lambda result, _: result.answer,
-        lambda result, _: result.notes,
-        lambda result, _: result.warnings,
-        lambda result, _: result.studies,
-        lambda result, _: result.attrs["models"],
-        lambda result, _: repr(result),
-        lambda result, _: result._repr_html_(),
-        lambda result, _: rollslip.answer(result),
-        lambda result, _: rollslip.table(result),
-        lambda result, path: save(result, path / "result.nc"),
-        lambda result, path: result.to_netcdf(path / "result.nc", engine="h5netcdf"),
-    ],
-    ids=["answer", "notes", "warnings", "studies", "attrs", "repr", "html", "rollslip.answer", "table", "save", "to_netcdf"],
-)
-def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(ask, tmp_path, monkeypatch):
+#: What a reader may ask of a result, given a folder to write to.
+ASKED = {
+    "answer": lambda result, _: result.answer,
+    "notes": lambda result, _: result.notes,
+    "warnings": lambda result, _: result.warnings,
+    "studies": lambda result, _: result.studies,
+    "attributes": lambda result, _: result.attrs["models"],
+    "repr": lambda result, _: repr(result),
+    "html": lambda result, _: result._repr_html_(),
+    "rollslip.answer": lambda result, _: rollslip.answer(result),
+    "table": lambda result, _: rollslip.table(result),
+    "save": lambda result, path: save(result, path / "result.nc"),
+    "to_netcdf": lambda result, path: result.to_netcdf(path / "result.nc", engine="h5netcdf"),
+}
+
+
+@pytest.mark.parametrize("asked", ASKED)
+def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(asked, tmp_path, monkeypatch):
     calls = []
     bands = band.bands
     monkeypatch.setattr(band, "bands", lambda *given: calls.append(given) or bands(*given))
     result = rollslip.run(SCENE, STUDY)
     assert not calls
     for _ in range(2):
-        ask(result, tmp_path)
+        ASKED[asked](result, tmp_path)
     assert len(calls) == 1
     assert {"band", "consequences", "validity", "cost", "plan", "models", "citations"} <= result.attrs.keys()
     assert json.loads(result.attrs["warnings"])

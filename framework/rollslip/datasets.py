@@ -350,7 +350,7 @@ class Bearing:
     def nominal_clearance(self) -> float:
         """What the diameters leave [m]."""
         gap = self.outer_raceway_diameter - self.inner_raceway_diameter - 2 * self.roller_diameter
-        # The subtraction leaves rounding noise: on a grid of a picometre a nominal clearance of zero is zero (not -0.0).
+        # The subtraction leaves rounding noise; on a grid of a picometre a nominal clearance of zero is 0.0, not -0.0.
         return round(gap, 12) + 0.0
 
     def material_of(self, ring: str) -> Material:

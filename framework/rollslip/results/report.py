@@ -430,9 +430,7 @@ def _distinct(datasets: "Datasets", attribute: str) -> list[tuple[list[str], Any
     return [(names, value) for value, names in found.items()]
 
 
-def _per_study(
-    datasets: "Datasets", attribute: str, read: Callable[[str], Any] = json.loads
-) -> list[tuple[str, Any]]:
+def _per_study(datasets: "Datasets", attribute: str, read: Callable[[str], Any] = json.loads) -> list[tuple[str, Any]]:
     """Values of an attribute, each under a heading that says whose it is unless all datasets have the same."""
     found = _distinct(datasets, attribute)
     return [(_tag("h3", ", ".join(names)) if len(found) > 1 else "", read(value)) for names, value in found]

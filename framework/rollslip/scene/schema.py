@@ -91,8 +91,9 @@ def shown_default(attribute: "attrs.Attribute[Any]") -> str:
         return "required"
     if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
         return "derived"
-    if attrs.has(type(default)):
-        bare = (a.name for a in attrs.fields(type(default)) if a.metadata.get("bare"))
+    cls: Any = type(default)
+    if attrs.has(cls):
+        bare = (a.name for a in attrs.fields(cls) if a.metadata.get("bare"))
         return str(getattr(default, next(bare)))
     if isinstance(default, float) and unit:
         return format_quantity(default, unit)
