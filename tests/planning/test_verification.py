@@ -32,26 +32,16 @@ def plan():
 
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 2.0])
-def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p):
-    """Of a curve that is off by m^-p on m positions, and has no maximum."""
-
-    class Straight:
-        slip_range, followed, averaged, curves_of, judged = 0.5, False, True, None, {}
-        together = classmethod(lambda *_: None)
-
-        def curves(self, assembly, slip, instants):
-            return np.array([[1.0 + m**-p * slip / slip.max()] for m in instants])
-
-    study, resolution = Straight(), Resolution(instants=4)
-    bearing = SimpleNamespace(resolution=resolution, at=lambda _: bearing)
+def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p, monkeypatch):
+    """Of a curve that is off by m^-p on m positions: four, and half as many, are compared with nine."""
+    monkeypatch.setattr(_Run, "solution", lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0)))
+    study, bearing, orders = SimpleNamespace(followed=False), SimpleNamespace(resolution=Resolution(instants=4)), {}
     run = _Run(study=study, curved=study, assembly=bearing, few=bearing, dataset=None, accuracy=SCENE.accuracy)
-    orders = {}
     errors = run.of_instants(bearing, orders)
-    # half as many are compared with 9 positions, as those of the run are
-    of_order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
-    assert orders["friction"] == pytest.approx(of_order)
+    order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
+    assert orders["friction"] == pytest.approx(order)
     change = (4**-p - 9**-p) / (1.0 + 9**-p)
-    assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(of_order, 2.0)))
+    assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(order, 2.0)))
     assert _order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
     assert (4**-p - 9**-p) / apart(4, 9, p) == pytest.approx(4**-p)
 
