@@ -12,12 +12,8 @@ from typing import Any, Final
 import numpy as np
 from hypothesis import assume
 
-from rollslip.bearing.cage import Separator
 from rollslip.catalogue.kinds import kind_of, usable_kinds
-from rollslip.datasets import SceneData
-from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
-from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import (
     ContactModel,
@@ -32,11 +28,6 @@ from rollslip.models import (
     TractionModel,
 )
 from rollslip.references import Reference
-from rollslip.rings import RingModel
-from rollslip.studies.steady_slip.torque import TorqueFormula
-from rollslip.studies.study import Study
-from rollslip.studies.surface_damage.model import DamageModel
-from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown, with_scene
 from rollslip_kernels.slices import Slices
 
@@ -100,11 +91,11 @@ def kinds_of(model: object) -> Iterator[type | str]:
         yield from () if of is None else (of.name,)
         return
     yield "value"
-    beside = (Engine, Lubricant, SceneData, Study, ThermalModel, DamageModel, TorqueFormula, RingModel, Separator)
-    yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
+    yield from (kind for kind in (*MODELS, *STAGES) if isinstance(model, kind))
     of = kind_of(model) or kind_of(type(model))
-    if of is not None and of.rules:  # a kind that brings its own
-        importlib.import_module(of.rules)
+    if of is not None:
+        if of.rules:  # a kind that brings its own
+            importlib.import_module(of.rules)
         yield of.base
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"
