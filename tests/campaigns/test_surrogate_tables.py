@@ -3,6 +3,8 @@
 import json
 import math
 import re
+import shutil
+import subprocess
 import xml.etree.ElementTree as ET
 from types import SimpleNamespace
 
@@ -15,7 +17,7 @@ import rollslip
 from rollslip.errors import SceneError
 from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings, surrogate
-from rollslip_campaigns.surrogate.exports import Csv, Ross, _description, c_header
+from rollslip_campaigns.surrogate.exports import C, Csv, Ross, _description, c_header
 from rollslip_campaigns.surrogate.surrogate import _drags
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
@@ -24,10 +26,16 @@ RI, RO = 0.08, 0.1
 SMALL, STEP = 1e-4, 0.5  # slide-roll ratios are even in asinh of them over the first, by the second
 
 
-def dataset(rise=1e-3, largest=0.05, resistance=0.0, drags=(0.0, 0.0, 0.0, 0.0), forces=(1000.0, 1200.0)):
-    """Friction that rises by so much from node to node, on each ring with one force and resistance."""
+def dataset(
+    rise=1e-3, largest=0.05, resistance=0.0, drags=(0.0, 0.0, 0.0, 0.0), forces=(1000.0, 1200.0), growth=(0, 0, 0, 0)
+):
+    """Friction that rises by so much from node to node, on each ring with one force and resistance.
+
+    It grows by a share along temperature, load, cage ratio and rolling speed.
+    """
     size = (2, 2, 2, 2, 2)
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed")
+    grown = 1.0 + np.tensordot(growth, np.indices(size[1:]), axes=1)[..., None]
     force = np.broadcast_to(np.reshape(forces, (2, 1, 1, 1, 1)), size)
     cages = np.sinh(np.arange(8))
     numbers = {"inner_radius": RI, "outer_radius": RO, "roller_radius": 0.01, "orbit_radius": 0.09, "roller_mass": 0.02,
@@ -40,7 +48,7 @@ def dataset(rise=1e-3, largest=0.05, resistance=0.0, drags=(0.0, 0.0, 0.0, 0.0),
     lead["drag_cage"] = (("temperature", "rolling_speed"), np.tile(drags[2] * share, (2, 1)))
     return xr.Dataset(
         {
-            "mean_friction": ((*dims, "slide_roll"), np.broadcast_to(rise * np.arange(25.0), (*size, 25))),
+            "mean_friction": ((*dims, "slide_roll"), np.broadcast_to(rise * grown * np.arange(25.0), (*size, 25))),
             "largest_friction": (dims, np.full(size, largest)),
             "ring_resistance": (dims, np.full(size, resistance)),
             "ring_force": (dims, force),
@@ -174,11 +182,54 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
     assert drags(lambda w, wi, wo, n: 1e-3 * w * wi)[1] > 0.1
 
 
+DRIVER = r"""
+#include <stdio.h>
+#include <stdlib.h>
+int main(void) {
+    bearing *b = malloc(bearing_size());
+    double *v = bearing_values(b), T, W, inner, outer, slip;
+    while (scanf("%lf %lf %lf %lf %lf", &T, &W, &inner, &outer, &slip) == 5) {
+        bearing_init(b);
+        v[B_TEMPERATURE] = T, v[B_RADIAL_LOAD] = W, v[B_INNER_SPEED] = inner, v[B_OUTER_SPEED] = outer;
+        v[B_FIRST_CAGE_SLIP] = slip;
+        bearing_start(b);
+        printf("%.17g %.17g %.17g\n", v[B_TORQUE], v[B_OUTER_TORQUE], v[B_POWER_LOSS]);
+    }
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="an export in C is run by what a C compiler makes of it")
+def test_an_export_in_c_reads_along_every_axis_what_the_tables_hold(tmp_path):
+    """Torques of both rings and the power loss, with rollers half-way between the rings."""
+    result = dataset(resistance=2.0, drags=(0.02, 0.03, 1e-4, 0.1), growth=(0.1, 0.2, 0.3, 0.4))
+    (tmp_path / "driver.c").write_text(f"{C('c').of(result).text}\n{DRIVER}", encoding="utf-8")
+    subprocess.run(["cc", "-std=c11", "driver.c", "-o", "driver", "-lm"], cwd=tmp_path, check=True)
+    operations = [(345.0, 1.2e3, 100.0, -7.0, 0.02), (357.0, 2.7e3, 40.0, 15.0, 0.3), (341.0, 2e3, 3.0, 2.0, -0.4)]
+    lines = "".join(f"{' '.join(map(str, one))}\n" for one in operations)
+    done = subprocess.run([tmp_path / "driver"], input=lines, capture_output=True, text=True, check=True)
+    for (T, W, inner, outer, slip), told in zip(operations, done.stdout.splitlines(), strict=True):
+        one = Tables.of(result).at(T, W)
+        w = np.array([(RI * inner + RO * outer) / (RI + RO) * (1.0 - slip)])
+        ahead, behind = RI * (inner - w), RO * (w - outer)
+        surface = 0.5 * (ahead + behind)
+        Fi, Si = one.pull(0, w, ahead - surface, 0.5 * (ahead + surface))
+        Fo, So = one.pull(1, w, surface - behind, 0.5 * (surface + behind))
+        by_inner, by_outer = 0.02 * (inner - w), 0.03 * (outer - w)
+        loss = Fi * (ahead - surface) + Fo * (surface - behind) + Si * (ahead + surface) + So * (surface + behind)
+        loss += by_inner * inner + by_outer * outer - one.drag(w, inner, outer) * w
+        expected = [RI * (Fi + Si) + by_inner, RO * (Fo - So) + by_outer, loss]
+        assert [float(value) for value in told.split()] == pytest.approx(np.concatenate(expected), rel=1e-6)
+
+
 def test_files_for_other_programs_hold_the_numbers_of_the_tables():
     result = dataset()
     text, guid = c_header(result)
     numbers = {name: float(value) for name, value in re.findall(r"#define (\w+) ([-\d.e]+)\n", text)}
     assert (numbers["X_STEPS"], numbers["X_SMALL"]) == (pytest.approx(1.0 / STEP), SMALL)
+    steps = {"T": 20.0, "W": math.log(3.0), "R": math.log(100.0), "U": math.log(500.0)}
+    assert {letter: numbers[f"{letter}_STEP"] for letter in steps} == pytest.approx(steps)
     assert (numbers["FIRST_INNER"], numbers["FIRST_OUTER"], numbers["RI"]) == (100.0, -7.0, RI)
     root = ET.fromstring(_description(result, guid, False))
     assert "friction within 1 % of nobody's" in root.get("description")
