@@ -603,29 +603,34 @@ def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
     assert not (tmp_path / "o.unfinished").exists()
 
 
+def silent(*told):
+    """Show nothing of how far a family is."""
+
+
 def test_what_is_kept_of_another_scene_or_other_choices_is_refused(tmp_path):
     kept = tmp_path / "kept"
-    run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept)
+    run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept, silent)
     other = evolve(SCENE, {"operation.radial_load": "3000 N"})
     for scene, choices in ((other, "slices"), (SCENE, "traction")):
         made = ParetoSettings(scene, study="friction-curve", choices=choices, rounds=1).plan()
         with pytest.raises(OutputError, match=r"kept: holds a run of another scene, or of other .* without --resume"):
-            run_family(made, kept)
+            run_family(made, kept, silent)
     next(kept.glob("journal-*")).write_text("{" * 999)
     with pytest.raises(OutputError, match=r"journal-000000.sqlite: is not a journal that can be read .*; move it away"):
-        run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept)
+        run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept, silent)
 
 
 def test_what_cannot_be_kept_says_so(tmp_path):
     (tmp_path / "file").write_text("in the way")
+    family = ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan()
     with pytest.raises(OutputError, match="file: cannot be written"):
-        run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), tmp_path / "file")
+        run_family(family, tmp_path / "file", silent)
 
 
-def test_progress_is_told_with_the_time_that_is_left():
+def test_progress_is_told_with_the_time_that_is_left(tmp_path):
     told = []
     family = ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=2).plan()
-    run_family(family, show=lambda *given: told.append(given))
+    run_family(family, tmp_path, lambda *given: told.append(given))
     shares = [share for _, share, _ in told]
     assert len(told) == 3 + 2 * 3
     assert shares == sorted(shares)

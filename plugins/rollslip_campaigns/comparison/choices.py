@@ -1,6 +1,7 @@
 """A model that takes its place in a scene: by name, as a table, or made; and what the scene then says."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, Final
 
 import attrs
@@ -18,6 +19,13 @@ Model = str | Mapping[str, object] | SliceModel
 KINDS: Final = ("contact", "film", "traction")
 #: Kind -> the child of a composed model whose place is taken by a model that is not composed.
 CHILD: Final = {"film": "film", "traction": "hydrodynamic"}
+
+
+def loadable(kind: str) -> Iterator[tuple[str, Any]]:
+    """Yield name and class of what is offered of a kind; what a broken package offers is left out."""
+    for name in available(kind):
+        with suppress(PluginError):
+            yield name, get_class(kind, name)
 
 
 @attrs.frozen

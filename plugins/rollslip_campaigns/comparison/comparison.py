@@ -9,7 +9,6 @@
   other combination.
 """
 
-import contextlib
 import itertools
 import time
 from collections.abc import Callable, Collection, Mapping
@@ -43,7 +42,7 @@ from rollslip_campaigns.comparison.attribution import (
     law_to_sort_by,
     seconds_per_slice,
 )
-from rollslip_campaigns.comparison.choices import CHILD, KINDS, Choice, Model, read_choice, refuse
+from rollslip_campaigns.comparison.choices import CHILD, KINDS, Choice, Model, loadable, read_choice, refuse
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -149,20 +148,9 @@ def _study(scene: Scene, study: str | None) -> str:
     if study is None:
         study = next((name for name in scene.study if study_class(name, scene).curves_of is not None), DEFAULT_STUDY)
     if study_class(study, scene).of(scene).curves_of is None:
-        raise SceneError(
-            [f"study {study!r} cannot be compared, only {' and '.join(_with_curves())} can; name one by --study"]
-        )
+        others = [name for name, cls in loadable("study") if cls.curves_of is not None]
+        raise SceneError([f"study {study!r} cannot be compared, only {' and '.join(others)} can; name one by --study"])
     return study
-
-
-def _with_curves() -> list[str]:
-    """Names of the studies that give friction curves; a broken package offers none."""
-    found = list[str]()
-    for name in available("study"):
-        with contextlib.suppress(PluginError):
-            if study_class(name).curves_of is not None:
-                found.append(name)
-    return found
 
 
 def _by_kind(

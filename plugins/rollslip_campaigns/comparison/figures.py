@@ -4,6 +4,7 @@ Dashes tell models apart here, beside their colours; elsewhere dashed is only th
 """
 
 from collections.abc import Iterator
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -92,30 +93,32 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
                 f"{k + 1}", place, (5, (0, 6, -6)[k % 3]), textcoords="offset points", va="center_baseline", zorder=5
             )
     cage = of.over == "ring"
-    panels["curves"].set_ylabel(axis_label(dataset[of.variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–"))
-    panels["curves"].set_ylim(min(0.0, np.nanmin(one[of.variable])))
+    friction = axis_label(dataset[of.variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–")
+    panels["curves"].set(ylabel=friction, ylim=(min(0.0, np.nanmin(one[of.variable])), None))
     panels["curves"].tick_params(labelbottom=False)
     spread = np.nanmax(abs(difference), initial=0.0) > _SPREAD
     if spread:
         panels["differences"].set_yscale("symlog", linthresh=_LINEAR)
         panels["differences"].yaxis.set_major_formatter("{x:g}")
     beyond = f",\nlogarithmic beyond ±{_LINEAR:g} %" if spread else ""
-    panels["differences"].set_ylabel(f"Relative difference [%]{beyond}")
     against = {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
-    panels["differences"].set_xlabel(axis_label(dataset[of.slip], unit="%", **against))
+    slip = axis_label(dataset[of.slip], unit="%", **against)
+    panels["differences"].set(xlabel=slip, ylabel=f"Relative difference [%]{beyond}")
     for name in ("curves", "differences"):
         panels[name].set_xlim(0.0, 100 * float(one[of.slip][-1]))
     shown = np.log10(100 * error[error > 0.0])
     panels["costs"].loglog()
-    panels["costs"].set_xlim(0.8, 1.3 * max(2.0, np.nanmax(cost)))
-    panels["costs"].set_ylim(10 ** np.floor(shown.min(initial=1.0)), 10 ** np.ceil(shown.max(initial=0.0)))
+    panels["costs"].set(
+        xlim=(0.8, 1.3 * max(2.0, np.nanmax(cost))),
+        ylim=(10 ** np.floor(shown.min(initial=1.0)), 10 ** np.ceil(shown.max(initial=0.0))),
+        xlabel="Time for a lamina over that of the fastest [–]",
+        ylabel="Relative difference, root mean square [%]",
+    )
     for axis in (panels["costs"].xaxis, panels["costs"].yaxis):
         decades = np.ptp(np.log10(axis.get_view_interval()))
         axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2.5 else (1,)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    panels["costs"].set_xlabel("Time for a lamina over that of the fastest [–]")
-    panels["costs"].set_ylabel("Relative difference, root mean square [%]")
     longest = max(len(str(handle.get_label())) for handle in sheet.handles)
     return sheet.done(columns=max(1, min(4, int(140 / (6 + longest)))))
 
@@ -125,18 +128,15 @@ def _styles(dataset: "xr.Dataset") -> list[dict[str, Any]]:
     kinds = [dataset[kind].to_numpy().tolist() for kind in ("contact", "film", "traction")]
     main = max(kinds, key=lambda names: len(set(names)))
     others = list(zip(*(names for names in kinds if names is not main), strict=True))
-    colours, dashes = list(dict.fromkeys(main)), list(dict.fromkeys(others))
-    styles = []
-    for label, name, rest in zip(dataset["combination"].to_numpy(), main, others, strict=True):
-        colour = colours.index(name)
-        dash = dashes.index(rest) if len(dashes) > 1 else colour
-        styles.append(
-            {"color": "black", "linewidth": 2.2, "zorder": 1}
-            if label == dataset.attrs["reference"]
-            else {
-                "color": MODEL_COLOURS[colour % len(MODEL_COLOURS)],
-                "linestyle": DASHES[dash % len(DASHES)],
-                "linewidth": 1.1,
-            }
-        )
-    return styles
+    if len(set(others)) == 1:
+        others = [(name,) for name in main]
+    colours, dashes = (
+        dict(zip(dict.fromkeys(names), cycle(styles), strict=False))
+        for names, styles in ((main, MODEL_COLOURS), (others, DASHES))
+    )
+    return [
+        {"color": "black", "linewidth": 2.2, "zorder": 1}
+        if label == dataset.attrs["reference"]
+        else {"color": colours[name], "linestyle": dashes[rest], "linewidth": 1.1}
+        for label, name, rest in zip(dataset["combination"].to_numpy(), main, others, strict=True)
+    ]

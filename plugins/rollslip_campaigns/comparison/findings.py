@@ -11,6 +11,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Story, Table
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves, curve_names, or_none
+from rollslip.results.dataset import rows_along
 from rollslip.results.words import two
 from rollslip.units import format_quantity
 
@@ -143,19 +144,18 @@ def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
 
 def _bins(one: "xr.Dataset") -> list[dict[str, Any]]:
     """Bins that hold friction, those of the most contact force first, each with how much its grouping explains."""
-    explained = dict(zip(one["grouping"].to_numpy(), one["explained"].to_numpy(), strict=True))
-    names = ("bin", "bin_grouping", "bin_share", "bin_difference", "bin_contribution")
+    explained = {row["grouping"]: row["explained"] for row in rows_along(one, "grouping")}
     found = [
         {
-            "bin": str(name),
-            "grouping": str(grouping),
-            "explained": float(explained[grouping]),
-            "share": float(share),
-            "difference": float(difference),
-            "contribution": float(contribution),
+            "bin": row["bin"],
+            "grouping": row["bin_grouping"],
+            "explained": explained[row["bin_grouping"]],
+            "share": row["bin_share"],
+            "difference": row["bin_difference"],
+            "contribution": row["bin_contribution"],
         }
-        for name, grouping, share, difference, contribution in zip(*(one[n].to_numpy() for n in names), strict=True)
-        if not np.isnan(difference)
+        for row in rows_along(one, "bin")
+        if not math.isnan(row["bin_difference"])
     ]
     return sorted(found, key=lambda bin: -float(bin["share"]))
 
@@ -246,32 +246,26 @@ class AlternativesAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each, best first."""
-        rows, ratios = json.loads(dataset.attrs["rows"]), _ratios(dataset)
-        head = ("alternative", "verdict", *_HEADS.values(), "ratio")
+        rows, head = json.loads(dataset.attrs["rows"]), ("alternative", "verdict", *_HEADS.values(), "ratio")
         body = []
-        for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
-            if label not in rows:
-                body.append([label, "failed", *[""] * len(_HEADS), ""])
-                continue
-            low, high = ratios[k]
+        for k, one in enumerate(rows_along(dataset, "alternative")):
+            low, high = one["ratio_low"], one["ratio_high"]
             ratio = "" if k == 0 or math.isnan(low) else f"{two(low)}\u00a0to\u00a0{two(high)}"
-            body.append(
-                [label, str(dataset["verdict"][k].item()), *(rows[label].get(key, "") for key in _HEADS), ratio]
-            )
+            cells = rows.get(one["alternative"], {})
+            verdict = one["verdict"] if one["alternative"] in rows else "failed"
+            body.append([one["alternative"], verdict, *(cells.get(key, "") for key in _HEADS), ratio])
         return [Table("", head, body)]
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Say which is best, how surely, and what failed."""
-        labels = dataset["alternative"].to_numpy().tolist()
-        ratios = _ratios(dataset)[: int((dataset["status"] == "done").sum())]
-        failed = [
-            f"{label}: {why}" for label, why in zip(labels, dataset["message"].to_numpy().tolist(), strict=True) if why
-        ]
-        if len(ratios) < 2:
+        rows = rows_along(dataset, "alternative")
+        failed = [f"{one['alternative']}: {one['message']}" for one in rows if one["message"]]
+        done = [one for one in rows if one["status"] == "done"]
+        if len(done) < 2:
             return failed
-        slips, first = np.abs(dataset["cage_slip"].to_numpy()), labels[0]
-        others = [(label, *ends) for label, ends in zip(labels[1:], ratios[1:], strict=False)]
-        small = [label for k, (label, *_) in enumerate(others, 1) if max(slips[0], slips[k]) < _SMALL]
+        first, least = done[0]["alternative"], abs(done[0]["cage_slip"])
+        others = [(one["alternative"], one["ratio_low"], one["ratio_high"]) for one in done[1:]]
+        small = [one["alternative"] for one in done[1:] if max(least, abs(one["cage_slip"])) < _SMALL]
         same = [label for label, low, high in others if label not in small and low == high == 1.0]
         unknown = [label for label, low, _ in others if label not in small and math.isnan(low)]
         close = [label for label, low, _ in others if label not in (*small, *same) and low <= _CLEAR]
@@ -293,20 +287,13 @@ class AlternativesAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the rows, best first."""
-        found = []
-        for k, label in enumerate(dataset["alternative"].to_numpy().tolist()):
-            at = dataset.isel(alternative=k)
-            values = {
-                str(name): or_none(one.item()) if one.dtype.kind == "f" else one.item()
-                for name, one in at.data_vars.items()
-            }
-            found.append({"alternative": label, **values})
-        return {"alternatives": found}
-
-
-def _ratios(dataset: "xr.Dataset") -> list[tuple[float, float]]:
-    """Between what the slip of each is, over that of the first, 5 and 95 %."""
-    return list(zip(*(dataset[f"ratio_{end}"].to_numpy().tolist() for end in ("low", "high")), strict=True))
+        names = ("alternative", *dataset.data_vars)
+        return {
+            "alternatives": [
+                {str(name): or_none(one[name]) if isinstance(one[name], float) else one[name] for name in names}
+                for one in rows_along(dataset, "alternative")
+            ]
+        }
 
 
 @hookimpl

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
+from rollslip.results.dataset import rows_along
 from rollslip.results.words import first_line
 from rollslip.units import format_quantity
 
@@ -41,19 +42,18 @@ def headline(dataset: "xr.Dataset") -> str:
 def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
     """Return rows of parameter, value, standard error, 68 % and 95 % interval and status."""
     rows = []
-    for name in dataset["parameter"].values:
-        parameter = dataset.sel(parameter=name)
-        unit, value, error = parameter["unit"].item(), float(parameter["value"]), float(parameter["standard_error"])
+    limits = zip(dataset["interval"].to_numpy(), dataset["limit_status"].to_numpy(), strict=True)
+    for one, (intervals, statuses) in zip(rows_along(dataset, "parameter"), limits, strict=True):
+        unit, value, error = one["unit"], one["value"], one["standard_error"]
         share = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
-        unknown = [UNKNOWN in status for status in parameter["limit_status"].values]
-        intervals = (_interval(limits, unit, unknown) for limits in parameter["interval"].values)
+        unknown = [UNKNOWN in status for status in statuses]
         rows.append(
             (
-                str(name),
+                one["parameter"],
                 format_quantity(value, unit, 4),
                 "-" if math.isnan(error) else share,
-                *intervals,
-                parameter["status"].item(),
+                *(_interval(ends, unit, unknown) for ends in intervals),
+                one["status"],
             )
         )
     return rows
@@ -133,23 +133,20 @@ class FitAccount(Account):
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return a fit as plain values; a value without meaning is null, with its status beside it."""
         a = dataset.attrs
+        others = dataset["with_parameter"].to_numpy().tolist()
         parameters = {}
-        for name in dataset["parameter"].values:
-            parameter = dataset.sel(parameter=name)
-            levels = dict(zip(("68 %", "95 %"), parameter["interval"].values, strict=True))
-            parameters[str(name)] = {
-                "unit": parameter["unit"].item(),
-                "meaning": parameter["meaning"].item(),
-                "value": float(parameter["value"]),
-                "start_value": float(parameter["start_value"]),
-                "standard_error": or_none(parameter["standard_error"]),
-                "status": parameter["status"].item(),
-                **{f"interval {level}": [or_none(limit) for limit in limits] for level, limits in levels.items()},
-                "limit_status": dict(zip(("lower", "upper"), map(str, parameter["limit_status"].values), strict=True)),
-                "correlation": {
-                    str(other): or_none(value)
-                    for other, value in zip(dataset["with_parameter"].values, parameter["correlation"], strict=True)
-                },
+        for k, one in enumerate(rows_along(dataset, "parameter")):
+            intervals, statuses, correlation = (
+                dataset[name].to_numpy()[k].tolist() for name in ("interval", "limit_status", "correlation")
+            )
+            parameters[one["parameter"]] = {
+                **{name: one[name] for name in ("unit", "meaning", "value", "start_value")},
+                "standard_error": or_none(one["standard_error"]),
+                "status": one["status"],
+                "interval 68 %": [*map(or_none, intervals[0])],
+                "interval 95 %": [*map(or_none, intervals[1])],
+                "limit_status": dict(zip(("lower", "upper"), statuses, strict=True)),
+                "correlation": dict(zip(others, map(or_none, correlation), strict=True)),
             }
         return {
             "rollslip": json.loads(a["packages"])["rollslip"],
@@ -163,7 +160,7 @@ class FitAccount(Account):
             "scatter": float(a["scatter"]),
             "uncertainties": a["uncertainties"],
             "parameters": parameters,
-            "spread": [or_none(value) for value in dataset["spread"]],
+            "spread": [*map(or_none, dataset["spread"].to_numpy())],
             "warnings": json.loads(a["warnings"]),
             "evaluations": int(a["evaluations"]),
             "wall_time": float(a["wall_time"]),

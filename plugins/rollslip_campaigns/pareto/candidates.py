@@ -12,15 +12,16 @@
 - The finest is not exact either. One half as fine tells how far: nothing is known of errors below that.
 """
 
-import contextlib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.catalogue.discovery import available, get_class
+from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError, did_you_mean, nearest
 from rollslip.planning.campaign import listed
@@ -28,7 +29,7 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies.study import AXES, Study
-from rollslip_campaigns.comparison.choices import choice_of
+from rollslip_campaigns.comparison.choices import choice_of, loadable
 
 if TYPE_CHECKING:
     from rollslip_campaigns.pareto import ParetoSettings
@@ -126,7 +127,12 @@ def plan_family(asked: "ParetoSettings") -> Family:
     """Return the family of choices for a scene."""
     scene, rounds = asked.given, asked.rounds
     wanted, laws, films = (tuple(listed(names)) for names in (asked.choices, asked.traction, asked.film))
-    problems = [_unknown(name) for name in wanted if name not in AXES]
+    problems = list[str]()
+    for name in wanted:
+        if name not in AXES:
+            near = nearest(name, AXES, cutoff=0.4)
+            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(AXES)}"
+            problems.append(f"choices: nothing to choose is called {name!r}; {hint}")
     if rounds < 1:
         problems.append(f"rounds: must be at least 1, not {rounds}")
     if problems:
@@ -136,7 +142,7 @@ def plan_family(asked: "ParetoSettings") -> Family:
     made = plan(scene, asked.study)
     named = [axis for axis, names in (("traction", laws), ("film", films)) if names]
     wanted = tuple(dict.fromkeys((*wanted, *named))) if wanted else tuple(AXES)
-    varied = {_film_label(scene, name): _with_film(scene, name) for name in films or _others(scene)}
+    varied = _films(scene, films)
     found: list[Choice] = []
     for name, one in made.studies.items():
         found += _of_study(made, name, [axis for axis in wanted if axis in one.acts], laws, varied)
@@ -156,21 +162,15 @@ def plan_family(asked: "ParetoSettings") -> Family:
         )
     return Family(
         plan=made,
-        studies={name: _bare(one) for name, one in made.studies.items()},
+        # without what is no result here, so that it costs nothing
+        studies={
+            name: one.without(frozenset(one.outputs.keys() - set(one.judged.values())))
+            for name, one in made.studies.items()
+        },
         choices=tuple(found),
         rounds=rounds,
         notes=tuple(notes),
     )
-
-
-def _unknown(name: str) -> str:
-    hint = did_you_mean(nearest(name, AXES, cutoff=0.4), f"there are: {', '.join(AXES)}")
-    return f"choices: nothing to choose is called {name!r}; {hint}"
-
-
-def _bare(study: Study) -> Study:
-    """Return a study without what is no result here, so that it costs nothing."""
-    return study.without(frozenset(study.outputs.keys() - set(study.judged.values())))
 
 
 # One study ------------------------------------------------------------------------------------------------------------
@@ -195,40 +195,30 @@ def _of_study(
             integrator_tolerance=base.integrator_tolerance or own["integrator_tolerance"],
         )
         best = attrs.evolve(best, friction=own["friction"])
-    exact = _exact(best, law)
+    # the exact model: the equation solved that the law is a form of, friction of every slice
+    traction = get_class("traction", law).solved_by or best.traction
+    exact = attrs.evolve(best, traction=traction, friction=best.friction and "conventional")
+    choice = partial(Choice, study=study, scene=scene)
     found = [
-        Choice(study=study, label=label, kind="reference", scene=scene, resolution=resolution)
+        choice(label=label, kind="reference", resolution=resolution)
         for label, resolution in ((FINEST, best), (HALF, _coarser(scene, best)), (EXACT, exact))
         if label == FINEST or resolution != best
     ]
-    found.append(Choice(study=study, label=PLANNED, kind="numerical", scene=scene, resolution=base))
+    found.append(choice(label=PLANNED, kind="numerical", resolution=base))
     seen = {base}
-    for changes in _numerical(made, study, base, axes):
+    own_models = [(one.traction, one.friction) for one in (best, base)]
+    for changes in (*_numerical(made, study, base, axes), *_modelling(axes, laws, law)):
         resolution = attrs.evolve(base, **changes)
         if resolution not in seen:
             seen.add(resolution)
-            label = _label(base, resolution)
-            found.append(Choice(study=study, label=label, kind="numerical", scene=scene, resolution=resolution))
-    for changes in _modelling(made, base, axes, laws, law):
-        resolution = attrs.evolve(base, **changes)
-        if resolution not in seen:
-            seen.add(resolution)
-            same = (resolution.traction, resolution.friction) == (best.traction, best.friction)
-            kind = "numerical" if same else "modelling"
-            label = _label(base, resolution)
-            found.append(Choice(study=study, label=label, kind=kind, scene=scene, resolution=resolution))
+            kind = "numerical" if (resolution.traction, resolution.friction) in own_models else "modelling"
+            found.append(choice(label=_label(base, resolution), kind=kind, resolution=resolution))
     if "film" in axes:
         found += [
             Choice(study=study, label=f"film {name}", kind="film", scene=changed, resolution=base)
             for name, changed in films.items()
         ]
     return found
-
-
-def _exact(best: Resolution, law: str) -> Resolution:
-    """Return the finest of the exact model: the equation solved that a law is a form of, friction of every slice."""
-    traction = get_class("traction", law).solved_by or best.traction
-    return attrs.evolve(best, traction=traction, friction=best.friction and "conventional")
 
 
 def _coarser(scene: Scene, best: Resolution) -> Resolution:
@@ -270,60 +260,36 @@ def _numerical(made: Plan, study: str, base: Resolution, axes: Sequence[str]) ->
         yield {"compiled": False}
 
 
-def _modelling(
-    made: Plan, base: Resolution, axes: Sequence[str], laws: Sequence[str], law: str
-) -> Iterable[dict[str, Any]]:
-    """Other laws, and the other friction of dynamics."""
+def _modelling(axes: Sequence[str], laws: Sequence[str], law: str) -> Iterable[dict[str, Any]]:
+    """Other laws, by default all forms of the same equation and what solves it, and the other friction of dynamics."""
     if "traction" in axes:
-        for name in laws or _forms(law):
+        solves = get_class("traction", law).solved_by or law
+        forms = [name for name, cls in loadable("traction") if cls.solved_by == solves]
+        for name in laws or (*forms, solves):
             yield {"traction": "named" if name == law else name}
     if "friction" in axes:
         yield from ({"friction": name} for name in ("conventional", "effective"))
 
 
-def _forms(law: str) -> list[str]:
-    """Laws that are forms of the same equation as one is; the last solves it."""
-    solves, found = get_class("traction", law).solved_by or law, list[str]()
-    for name in available("traction"):
-        with contextlib.suppress(PluginError):
-            if get_class("traction", name).solved_by == solves:
-                found.append(name)
-    return [*found, solves]
-
-
 def _integrators(made: Plan, study: str) -> list[str | None]:
     """Implicit integrators that are there, with the packages that they need; None for the scene's own."""
     own, found = made.studies[study].chosen(made.assembly).get("integrator"), list[str | None]()
-    for name in available("integrator"):
+    for name, cls in loadable("integrator"):
         if own == name:
             found.append(None)
-            continue
-        with contextlib.suppress(PluginError):  # one that lacks its package is no choice
-            if not get_class("integrator", name).explicit:
+        elif not cls.explicit:
+            with suppress(PluginError):  # one that lacks its package is no choice
                 get_model("integrator", name).solver()
                 found.append(name)
     return found
 
 
-# Films ----------------------------------------------------------------------------------------------------------------
-
-
-def _others(scene: Scene) -> list[str]:
-    """Films that say that fronts are to take them, without the scene's."""
-    own, found = _film_label(scene, None), list[str]()
-    for name in available("film"):
-        with contextlib.suppress(PluginError):
-            if name != own and get_class("film", name).on_fronts:
-                found.append(name)
-    return found
-
-
-def _film_label(scene: Scene, name: str | None) -> str:
-    return choice_of(scene, "film", name).label
-
-
-def _with_film(scene: Scene, name: str) -> Scene:
-    return evolve(scene, {"models.film": choice_of(scene, "film", name).table})
+def _films(scene: Scene, names: Sequence[str]) -> dict[str, Scene]:
+    """Return the scene with each of some films in it, by their labels; by default those that say they are to be."""
+    own = choice_of(scene, "film", None).label
+    names = names or [name for name, cls in loadable("film") if name != own and cls.on_fronts]
+    choices = [choice_of(scene, "film", name) for name in names]
+    return {one.label: evolve(scene, {"models.film": one.table}) for one in choices}
 
 
 # Words ----------------------------------------------------------------------------------------------------------------

@@ -133,8 +133,7 @@ def _panel(
         axis.set_minor_locator(LogLocator(subs=tuple(range(2, 10)) if decades < 4.0 else (1,), numticks=99))
         axis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_xlabel("Processor time of the study [ms]")
-    axes.set_ylabel(f"Relative {number} [–]")
+    axes.set(xlabel="Processor time of the study [ms]", ylabel=f"Relative {number} [–]")
     return numbered
 
 

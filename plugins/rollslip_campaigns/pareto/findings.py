@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
+from rollslip.results.dataset import rows_along
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -64,15 +65,8 @@ def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
                 str(name): {key: _plain(row[key].values[j]) for key in row.data_vars if row[key].dims == ("result",)}
                 for j, name in enumerate(one["result"].values)
             }
-            found.append({key: _plain(value) if isinstance(value, float) else value for key, value in record.items()})
+            found.append({key: _plain(value) for key, value in record.items()})
     return found
-
-
-def floors(dataset: "xr.Dataset") -> dict[str, float]:
-    """Return the error below which nothing is known, of each result."""
-    return {
-        str(name): float(value) for name, value in zip(dataset["result"].values, dataset["floor"].values, strict=True)
-    }
 
 
 class ParetoAccount(Account):
@@ -134,7 +128,7 @@ class ParetoAccount(Account):
         return {
             "studies": json.loads(dataset.attrs["studies"]),
             "rounds": int(dataset.attrs["rounds"]),
-            "floors": {name: _plain(value) for name, value in floors(dataset).items()},
+            "floors": {one["result"]: _plain(one["floor"]) for one in rows_along(dataset, "result")},
             "choices": records(dataset),
             "findings": ParetoAccount.sentences(dataset),
         }

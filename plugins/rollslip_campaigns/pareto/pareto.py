@@ -10,11 +10,10 @@
 """
 
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
@@ -82,11 +81,29 @@ class Record:
     evaluations: int = 0
 
 
-def run_family(family: Family, folder: Path | None = None, show: "Shown | None" = None) -> "xr.Dataset":
+def run_family(family: Family, folder: Path, show: "Shown") -> "xr.Dataset":
     """Run all choices of a family, or what is left of them in a folder."""
-    place = TemporaryDirectory() if folder is None else nullcontext(folder)
-    with place as at, Kept(Path(at), _digest(family)) as kept:
-        return _run(family, kept, show)
+    begin = time.perf_counter()
+    with Kept(folder, _digest(family)) as kept:
+        records = [Record(**kept.known.get(k, {})) for k in range(len(family.choices))]
+        resumed = bool(kept.known)
+        for study in family.studies:  # what is loaded at first use is to be loaded before anything is timed
+            _take(family, family.of(study, "numerical")[0], Record())
+        timed = [k for k, one in enumerate(family.choices) if one.kind != "reference"]
+        turns = [(k, 0) for k in range(len(family.choices)) if k not in timed]
+        turns += [(k, n) for n in range(family.rounds) for k in timed]
+        last: dict[int, float] = {}
+        for done, (k, n) in enumerate(turns):
+            choice, record = family.choices[k], records[k]
+            if len(record.seconds) > n or record.status not in ("", "done"):
+                continue
+            show(f"{choice.study}: {choice.label}", done / len(turns), _left(turns[done:], last))
+            started = time.perf_counter()
+            _take(family, choice, record)
+            if k in timed:  # a reference says nothing of the others
+                last[k] = time.perf_counter() - started
+            kept.keep(k, attrs.asdict(record))
+        return _dataset(family, records, time.perf_counter() - begin, resumed)
 
 
 def _digest(family: Family) -> str:
@@ -94,29 +111,6 @@ def _digest(family: Family) -> str:
     choices = [f"{one.study} {one.label} {scene_hash(one.scene)} {one.resolution}" for one in family.choices]
     studies = [f"{name} {study}" for name, study in family.studies.items()]
     return sha256("\n".join([scene_hash(family.plan.scene), *studies, *choices]).encode()).hexdigest()
-
-
-def _run(family: Family, kept: Kept, show: "Shown | None") -> "xr.Dataset":
-    begin = time.perf_counter()
-    records = [Record(**kept.known.get(k, {})) for k in range(len(family.choices))]
-    resumed = bool(kept.known)
-    for study in family.studies:  # what is loaded at first use is to be loaded before anything is timed
-        _take(family, family.of(study, "numerical")[0], Record())
-    turns = [(k, 0) for k, one in enumerate(family.choices) if one.kind == "reference"]
-    turns += [(k, n) for n in range(family.rounds) for k, one in enumerate(family.choices) if one.kind != "reference"]
-    last: dict[int, float] = {}
-    for done, (k, n) in enumerate(turns):
-        choice, record = family.choices[k], records[k]
-        if len(record.seconds) > n or record.status not in ("", "done"):
-            continue
-        if show is not None:
-            show(f"{choice.study}: {choice.label}", done / len(turns), _left(turns[done:], last))
-        started = time.perf_counter()
-        _take(family, choice, record)
-        if choice.kind != "reference":  # which says nothing of the others
-            last[k] = time.perf_counter() - started
-        kept.keep(k, attrs.asdict(record))
-    return _dataset(family, records, time.perf_counter() - begin, resumed)
 
 
 def _left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
@@ -148,10 +142,9 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
     record.seconds.append(spent / count)
     if not record.status:
         record.status = "done"
-        record.results = {
-            name: ([list(row) for row in one.values], one.status) for name, one in study.compared(dataset).items()
-        }
-        record.tolerances = {name: one.tolerance for name, one in study.compared(dataset).items()}
+        for name, one in study.compared(dataset).items():
+            record.results[name] = [*map(list, one.values)], one.status
+            record.tolerances[name] = one.tolerance
         record.evaluations = assembly.inner.chain.evaluated
         if dataset.attrs.get("friction") == "conventional":  # the motion counts for itself
             record.evaluations += int(dataset.attrs.get("contacts_evaluated", 0))
@@ -300,11 +293,9 @@ def _origin(
     if resumed:
         warned.append("the run was interrupted and gone on with: not all rounds met the same machine")
     warned += implausible(family.plan.scene)
-    others = (_plan_of(family.plan, one) for one in family.choices if one.kind in ("modelling", "film"))
-    plans = [family.plan, *filter(None, others)]
-    first = next(iter(family.studies))
     evaluations = sum(record.evaluations for record in records)
-    origins = [run_origin(made, evaluations, wall_time) | models_origin(made, first) for made in plans]
+    first = next(iter(family.studies))
+    origins = [run_origin(made, evaluations, wall_time) | models_origin(made, first) for made in _plans(family)]
     return origins[0] | origin(
         warnings=warned,
         plan=family.plan.parts_of(first),
@@ -316,9 +307,10 @@ def _origin(
     )
 
 
-def _plan_of(made: Plan, choice: Choice) -> Plan | None:
-    """The plan with the models of a choice, None where they cannot be had."""
-    try:
-        return attrs.evolve(made, assembly=assemble(choice.scene, choice.resolution))
-    except Exception:  # its status says so
-        return None
+def _plans(family: Family) -> Iterator[Plan]:
+    """Yield the plan, and it with the models of each choice where they can be had: its status says so."""
+    yield family.plan
+    for one in family.choices:
+        if one.kind in ("modelling", "film"):
+            with suppress(Exception):
+                yield attrs.evolve(family.plan, assembly=assemble(one.scene, one.resolution))
