@@ -57,7 +57,7 @@ def command_of(cls: type[Campaign]) -> Any:
     return click.command(cls.name)(with_settings(cls, run))
 
 
-def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Callable[..., None]:
+def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
     """Add arguments and options of a campaign to what runs it, which gets `asked` and, as text, what it is `about`."""
     arguments, options = options_of(cls, arguments=True), options_of(cls)
     shared = {"engine", "time_limit"} if issubclass(cls, OfPoints) else set()
@@ -79,8 +79,7 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Callable[...
     made = set_option(made) if issubclass(cls, OfScene) else made
     for one in reversed((*arguments, *options)):
         made = (_argument if one.metadata["argument"] else _option)(one)(made)
-    found: Callable[..., None] = made
-    return found
+    return made
 
 
 def _option(one: "attrs.Attribute[Any]") -> Callable[[Any], Any]:

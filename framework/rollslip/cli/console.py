@@ -73,7 +73,7 @@ def clearance_told(mounted: "MountedClearance") -> str:
 
 def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
     """First line for models by kind, name and what they are called here; packages of others stand behind theirs."""
-    offers = [(kind, called, find(kind, name)) for kind, name, called in models]
+    offers = ((kind, called, find(kind, name)) for kind, name, called in models)
     used = ((kind, called, offer.package, offer.version) for kind, called, offer in offers)
     return first_line(importlib.metadata.version("rollslip"), scene.source, scene_hash(scene), used)
 

@@ -113,17 +113,22 @@ def _graph(folder: Path, datasets: Mapping[Path, "xr.Dataset"]) -> list[_Entity]
 
 def _file(path: Path) -> _Entity:
     kind = _NETCDF if path.suffix == ".nc" else mimetypes.guess_type(path.name)[0] or "application/octet-stream"
-    size = str(path.stat().st_size)
-    return {"@id": quote(path.name), "@type": "File", "name": path.name, "encodingFormat": kind, "contentSize": size}
+    return {
+        "@id": quote(path.name),
+        "@type": "File",
+        "name": path.name,
+        "encodingFormat": kind,
+        "contentSize": str(path.stat().st_size),
+    }
 
 
 def _variable(path: Path, name: object, variable: "xr.Variable") -> _Entity:
     unit = str(variable.attrs.get("units", ""))
-    described = {"name": str(name), "description": str(variable.attrs.get("long_name", name))}
     return {
         "@id": f"#{quote(path.name)}/{quote(str(name))}",
         "@type": "PropertyValue",
-        **described,
+        "name": str(name),
+        "description": str(variable.attrs.get("long_name", name)),
         **({"unitText": unit} if unit else {}),
         "subjectOf": {"@id": quote(path.name)},
     }

@@ -461,7 +461,7 @@ def lubricant_from_table(
         if base is not None:
             return evolve(base, **changes)
         made = Lubricant(**{"name": "own oil", "description": "", **changes})
-        return _with_scatter(made, guessed, "the grade" if table.iso_grade is not None else "")
+        return _with_scatter(made, guessed, graded=table.iso_grade is not None)
     except FieldError as error:
         raise SceneError([where.at(error.field).says(error.reason)]) from error
     except ValueError as error:  # from a fit
@@ -470,8 +470,7 @@ def lubricant_from_table(
 
 def _over(known: object, new: object) -> object:
     """Constants of a law over those that an oil has."""
-    both = isinstance(known, Mapping) and isinstance(new, Mapping)
-    return FrozenTable({**known, **new}) if both else new  # type: ignore[dict-item]
+    return FrozenTable({**known, **new}) if isinstance(known, Mapping) and isinstance(new, Mapping) else new
 
 
 def index_of(data: Mapping[str, object]) -> float:
@@ -499,7 +498,7 @@ def _as_it_is_read(data: Mapping[str, object]) -> Mapping[str, object]:
     return rest | {"pressure_viscosity_law": {"model": law, **constants}}
 
 
-def _with_scatter(oil: Lubricant, guessed: Mapping[str, Any], graded: str) -> Lubricant:
+def _with_scatter(oil: Lubricant, guessed: Mapping[str, Any], *, graded: bool) -> Lubricant:
     """Return an own oil with the grades and the scatter of what its kind of base oil gives."""
     if oil.base_oil is None:
         return oil
@@ -510,7 +509,7 @@ def _with_scatter(oil: Lubricant, guessed: Mapping[str, Any], graded: str) -> Lu
         exponent_factor(default_law(), of.exponent, middle.viscosity, middle.pressure_viscosity) if known else 0.0
     )
     scatter = scatter_of(
-        0.1 if graded else 0.0, "(B)", "ISO 3448 allows a grade 10 % either way",
+        0.1 * graded, "(B)", "ISO 3448 allows a grade 10 % either way",
         of.alpha_scatter if "pressure_viscosity" in guessed else 0.0, of.alpha_source, exponent,
     )  # fmt: skip
     kept = [one for one in scatter if one.quantity in guessed or one.quantity.endswith("_factor")]

@@ -108,10 +108,8 @@ def foreseen(assembly: Assembly, studies: Mapping[str, Study], seconds: float, e
     """Return in words what somebody should know before a plan is run; empty if there is nothing."""
     scene = assembly.scene
     said = [
-        f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05; nothing "
-        f'finer is computed than with accuracy.{name} = "exact"'
-        if name == "tolerance"
-        else f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
+        f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
+        + '; nothing finer is computed than with accuracy.tolerance = "exact"' * (name == "tolerance")
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
     ]

@@ -207,9 +207,8 @@ def cited(models: Iterable[SliceModel], others: Iterable[Citation]) -> list[Cita
 
 def data_references(assembly: "Assembly") -> list[Citation]:
     """Citations of the oil and of all else that the scene takes by its name."""
-    named = (get_class(offer.kind, offer.name) for offer in named_data(assembly.scene.raw or {}))
-    oil = assembly.lubricant
-    used = (one for data in named for one in data.references)
+    oil, offers = assembly.lubricant, named_data(assembly.scene.raw or {})
+    used = (one for offer in offers for one in get_class(offer.kind, offer.name).references)
     return [*used, *oil.references, *oil.pressure_viscosity_law.references]
 
 

@@ -210,19 +210,15 @@ def _figure(svg: str, number: int, name: str) -> str:
         return escape(unescape(found[1]) if found else default)
 
     caption, findings = metadata("title", name), metadata("description", "")
-    begin = svg.index("<svg")
-    end = svg.index(">", begin)
-    root, drawing = (
-        svg[begin:end],
-        re.sub(r"<metadata>.*?</metadata>|<title>.*?</title>", "", svg[end:], flags=re.DOTALL),
-    )
+    root, _, drawing = svg[svg.index("<svg") :].partition(">")
+    drawing = re.sub(r"<metadata>.*?</metadata>|<title>.*?</title>", "", drawing, flags=re.DOTALL)
     drawing = re.sub(r'(\sid="|href="#|url\(#)', rf"\g<1>figure{number}-", drawing)
     width = _width(svg)
     kind = f' class="wide-one" style="{_LEAST}: {_READABLE * width:.0f}px"' if _WIDE < width < math.inf else ""
     root = re.sub(r' (?:width|height)="[^"]*"', "", root)
     label = f'role="img" aria-label="{caption} {findings}"'
     return (
-        f'<figure{kind}><div class="sheet">{root} {label}{drawing}</div>'
+        f'<figure{kind}><div class="sheet">{root} {label}>{drawing}</div>'
         f"<figcaption>Figure {number}. {caption}</figcaption></figure>\n"
     )
 

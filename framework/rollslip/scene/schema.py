@@ -91,9 +91,8 @@ def shown_default(attribute: "attrs.Attribute[Any]") -> str:
         return "required"
     if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
         return "derived"
-    cls: Any = type(default)
-    if attrs.has(cls):
-        bare = (a.name for a in attrs.fields(cls) if a.metadata.get("bare"))
+    if attrs.has(type(default)):
+        bare = (a.name for _, a in fields_of(type(default)) if a.metadata.get("bare"))
         return str(getattr(default, next(bare)))
     if isinstance(default, float) and unit:
         return format_quantity(default, unit)
