@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import PluginError, SceneError, did_you_mean, nearest
+from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
