@@ -24,14 +24,14 @@ PROMISED = {
         run sweep uncertainty""",
     "rollslip.bearing.cage": "Separator",
     "rollslip.cli": "main",
-    "rollslip.datasets": "BearingData Family FitData SceneData SurfaceData",
+    "rollslip.datasets": "BearingData Family SceneData SurfaceData",
     "rollslip.engine": "Engine cores",
     "rollslip.errors": """BusyError ConvergenceError DomainError EngineError OutputError PluginError
         RollslipDeprecationWarning RollslipError SceneError""",
     "rollslip.fields": "FieldError at_least field in_range non_negative one_of parameter positive",
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
-        fits hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws
+        hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws
         ring_models scene_formats scenes separators studies surfaces thermal_models torque_formulas
         traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable

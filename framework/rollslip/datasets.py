@@ -17,7 +17,6 @@ __all__ = [
     "BearingData",
     "Catalogue",
     "Family",
-    "FitData",
     "FormPart",
     "Material",
     "MountedClearance",
@@ -481,24 +480,6 @@ class OwnCage(NamedTuple):
     make: str  #: What it is of: "brass", "steel" or "polyamide"; empty for a full complement, which has none.
     guidance: str  #: What guides it: "roller", or the land of the "inner" or "outer" ring.
     letters: str = ""  #: Those of the designation that say so; empty where it is what makers put into such a bearing.
-
-
-@attrs.frozen(kw_only=True)
-class FitData(_Named):
-    """A fit of a shaft or a housing, which a scene names under ``[bearing.mounting]``."""
-
-    ring: str  #: "inner" for a shaft, "outer" for a housing.
-    #: Up to which nominal diameter, lower and upper deviation of the seat, those of the ring [m]; ascending.
-    limits: tuple[tuple[float, float, float, float, float], ...]
-
-    def interference(self, diameter: float) -> tuple[float, float]:
-        """Return mean and standard deviation of the interference [m], seat and ring even over their tolerances."""
-        for up_to, low, high, ring_low, ring_high in self.limits:
-            if diameter <= up_to:
-                mean = 0.5 * (low + high - ring_low - ring_high)
-                return mean if self.ring == "inner" else -mean, math.hypot(high - low, ring_high - ring_low) / 12**0.5
-        most = format_quantity(self.limits[-1][0], "m")
-        raise ValueError(f"{self.name} is known up to {most}, not for {format_quantity(diameter, 'm')}")
 
 
 class Family(abc.ABC):

@@ -36,7 +36,6 @@ HOOKS: Final = {
     "bearings": "Bearings: values of `rollslip.datasets.BearingData`.",
     "measurements": "Data sets: values of `rollslip_campaigns.measurement.Measurement`.",
     "surfaces": "Surfaces: values of `rollslip.datasets.SurfaceData`.",
-    "fits": "Fits: values of `rollslip.datasets.FitData`.",
     "scenes": "Scenes: values of `rollslip.datasets.SceneData`.",
 }
 

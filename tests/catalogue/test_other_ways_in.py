@@ -312,7 +312,7 @@ def test_named_data_are_offered_as_they_are():
     [
         (42, "42 cannot be registered: a class derived from, or a value of, one of Account, BearingData, Campaign, "
              "ContactModel, DamageModel, "
-             "Drag, Engine, FilmModel, FitData, SceneFormat, IntegratorModel, Lubricant, Measurement, PressureModel, "
+             "Drag, Engine, FilmModel, SceneFormat, IntegratorModel, Lubricant, Measurement, PressureModel, "
              "PressureViscosity, RingModel, SceneData, Separator, Study, "
              "SurfaceData, "
              "ThermalModel, TorqueFormula, TractionModel can; "

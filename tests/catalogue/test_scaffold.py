@@ -242,7 +242,7 @@ def test_the_name_of_another_kind_is_free(tmp_path: Path) -> None:
     ("kind", "sentence"),
     [
         ("tracton", "kind: no kind of model is called 'tracton'; did you mean 'traction'?"),
-        ("zzz", "there are: account, bearing, campaign, contact, damage, drag, engine, film, fit, format, integrator"),
+        ("zzz", "there are: account, bearing, campaign, contact, damage, drag, engine, film, format, integrator"),
     ],
 )
 def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) -> None:

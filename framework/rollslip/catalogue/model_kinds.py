@@ -3,7 +3,7 @@
 from typing import Any, Final
 
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.datasets import BearingData, FitData, SceneData, SurfaceData
+from rollslip.datasets import BearingData, SceneData, SurfaceData
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, PressureModel, TractionModel
@@ -77,5 +77,4 @@ LUBRICANT: Final = _data(
 )
 BEARING: Final = _data("bearing", BearingData, "bearings")
 SURFACE: Final = _data("surface", SurfaceData, "surfaces")
-FIT: Final = _data("fit", FitData, "fits", listed=False)
 SCENE: Final = _data("scene", SceneData, "scenes", listed=False)

@@ -15,8 +15,11 @@ G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + de
 """
 
 import contextlib
+import csv
 import math
 from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
 from typing import Any, Final
 
 import attrs
@@ -28,7 +31,7 @@ from rollslip.structure import Location
 from rollslip.units import as_written, format_quantity
 
 __all__ = [
-    "FOLLOWS", "before_mounting", "clearance_scatter", "in_operation", "listed", "operating", "share",
+    "FOLLOWS", "before_mounting", "clearance_scatter", "in_operation", "interference", "listed", "operating", "share",
     "spun", "unused", "usual_fit",
 ]  # fmt: skip
 
@@ -44,6 +47,41 @@ _FITTED: Final = 293.15
 def usual_fit(bore: float) -> str:
     """Return the fit that is assumed of a shaft under a ring that turns; ``bore`` in m."""
     return next(fit for up_to, fit in _USUAL if bore <= up_to)
+
+
+@cache
+def tolerance_classes() -> dict[str, dict[str, str]]:
+    """Return limits [um] by tolerance class and diameter [mm], as the heading of ``iso_286.csv`` describes them."""
+    with Path(__file__).with_name("iso_286.csv").open(encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return {row.pop("class"): row for row in rows}
+
+
+def interference(fit: str, diameter: float) -> tuple[float, float]:
+    """Return mean and standard deviation of the interference of a fit [m], seat and ring even over their tolerances.
+
+    Parameters
+    ----------
+    fit : str
+        Tolerance class of the seat: small letters are shafts, capital ones housings.
+    diameter : float
+        Nominal diameter of the seat [m].
+
+    Examples
+    --------
+    >>> round(interference("m5", 0.08)[0], 12)
+    2.5e-05
+    """
+    classes = tolerance_classes()
+    ring = classes["bore" if fit.islower() else "outside"]
+    seats = {up_to: limits for up_to, limits in classes[fit].items() if limits}
+    for up_to, limits in seats.items():
+        if diameter <= 1e-3 * float(up_to):
+            low, high, ring_low = (round(1e-6 * float(one), 12) for one in (*limits.split(), ring[up_to]))
+            mean = 0.5 * (low + high - ring_low)
+            return mean if fit.islower() else -mean, math.hypot(high - low, ring_low) / 12**0.5
+    most = format_quantity(1e-3 * max(map(float, seats)), "m")
+    raise ValueError(f"{fit} is known up to {most}, not for {format_quantity(diameter, 'm')}")
 
 
 def share(ring: Material, raceway: float, seat: float, beyond: float, other: Material | None = None) -> float:
@@ -177,8 +215,6 @@ def operating(
 
 def _seat(m: Mounting, part: str, usual: str, diameter: float, bare: bool) -> tuple[str, float, float]:
     """Return name, mean interference and its standard deviation [m] of a seat."""
-    from rollslip.catalogue.discovery import families, get_class  # only a bearing on seats needs a plugin
-
     given = getattr(m, f"{part}_interference")
     if bare:
         for key in (f"{part}_fit", f"{part}_interference", f"{part}_material"):
@@ -190,20 +226,17 @@ def _seat(m: Mounting, part: str, usual: str, diameter: float, bare: bool) -> tu
     if given is not None:
         return f"{part} fit", given, 0.0
     key, name = f"{part}_fit", getattr(m, f"{part}_fit") or usual
-    ring = "inner" if part == "shaft" else "outer"
-    try:
-        fit = get_class("fit", name)
-    except PluginError:
-        every = [one for _, family in families("fit") for one in family.names]
-        there = ", ".join(one for one in every if one[0].islower() == (part == "shaft"))
+    fit, fits = name.replace(" ", ""), [*tolerance_classes()][2:]  # the first two are those of rings
+    if fit not in fits:
+        there = ", ".join(one for one in fits if one.islower() == (part == "shaft"))
         raise FieldError(
             key,
             f"no fit of a {part} is called {as_written(name)}; there are {there}, or give an interference",
-        ) from None
-    if fit.ring != ring:
+        )
+    if fit.islower() != (part == "shaft"):
         raise FieldError(key, f"{name!r} is no fit of a {part}: shafts have small letters, housings capital ones")
     try:
-        return fit.name, *fit.interference(diameter)
+        return fit, *interference(fit, diameter)
     except ValueError as error:
         raise FieldError(key, f"{error}; give an interference in its place") from None
 
