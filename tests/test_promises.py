@@ -24,7 +24,7 @@ PROMISED = {
         run sweep uncertainty""",
     "rollslip.bearing.cage": "Separator",
     "rollslip.cli": "main",
-    "rollslip.datasets": "BearingData Family SceneData SurfaceData",
+    "rollslip.datasets": "BearingData Family SceneData",
     "rollslip.engine": "Engine cores",
     "rollslip.errors": """BusyError ConvergenceError DomainError EngineError OutputError PluginError
         RollslipDeprecationWarning RollslipError SceneError""",
@@ -32,7 +32,7 @@ PROMISED = {
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
         hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws
-        ring_models scene_formats scenes separators studies surfaces thermal_models torque_formulas
+        ring_models scene_formats scenes separators studies thermal_models torque_formulas
         traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
         PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",

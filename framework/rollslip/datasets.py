@@ -1,9 +1,9 @@
-"""Bearings and surfaces as values, and named sets of them that plugins ship, each with its source and validity."""
+"""Bearings and surfaces as values, and named sets of them, each with its source and validity."""
 
 import abc
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import attrs
 
@@ -13,6 +13,7 @@ from rollslip.toml import FrozenTable
 from rollslip.units import format_quantity
 
 __all__ = [
+    "SURFACES",
     "Bearing",
     "BearingData",
     "Catalogue",
@@ -27,7 +28,6 @@ __all__ = [
     "Scatter",
     "SceneData",
     "Surface",
-    "SurfaceData",
 ]
 
 
@@ -422,21 +422,25 @@ class Surface:
     roller_roughness: float = _roughness("the rollers", 0.1e-6)
 
 
+#: Surfaces that a scene can name, ``[surface] name = "ground"``: roughness, and between which values it is recalled.
+SURFACES: Final = {
+    "ground": (Surface(), "raceways 0.1 to 0.25 um, rollers 0.05 to 0.15 um"),
+    "superfinished": (
+        Surface(inner_raceway_roughness=5e-8, outer_raceway_roughness=5e-8, roller_roughness=3e-8),
+        "raceways 0.03 to 0.08 um, rollers 0.02 to 0.05 um",
+    ),
+}
+
+
 @attrs.frozen(kw_only=True)
-class _Named:
-    """What a scene can name."""
+class BearingData:
+    """A bearing that a scene can name, ``[bearing] name = "1032930"``; other keys of the table change its values."""
 
     name: str  #: What a scene calls it.
     description: str  #: What it is, in one line.
     source: str  #: Where the values come from, and which are assumed.
     validity: str  #: What they hold for: whether the clearance is one in operation, for example.
     references: tuple[Citation, ...] = ()  #: One citation each, see `rollslip.references`.
-
-
-@attrs.frozen(kw_only=True)
-class BearingData(_Named):
-    """A bearing that a scene can name, ``[bearing] name = "1032930"``; other keys of the table change its values."""
-
     bearing: Bearing  #: The values.
     #: A letter of `rollslip.lubricant.GRADES` for each key that is not printed in the source.
     grades: Mapping[str, str] = attrs.field(default=FrozenTable(), converter=FrozenTable)
@@ -446,18 +450,6 @@ class BearingData(_Named):
     def data(self) -> Bearing:
         """The values."""
         return self.bearing
-
-
-@attrs.frozen(kw_only=True)
-class SurfaceData(_Named):
-    """Surfaces that a scene can name, ``[surface] name = "ground"``; other keys of the table change their values."""
-
-    surface: Surface  #: The values.
-
-    @property
-    def data(self) -> Surface:
-        """The values."""
-        return self.surface
 
 
 @attrs.frozen

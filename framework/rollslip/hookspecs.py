@@ -35,7 +35,6 @@ HOOKS: Final = {
     "lubricants": "Lubricants: values of `rollslip.lubricant.Lubricant`.",
     "bearings": "Bearings: values of `rollslip.datasets.BearingData`.",
     "measurements": "Data sets: values of `rollslip_campaigns.measurement.Measurement`.",
-    "surfaces": "Surfaces: values of `rollslip.datasets.SurfaceData`.",
     "scenes": "Scenes: values of `rollslip.datasets.SceneData`.",
 }
 

@@ -1,4 +1,4 @@
-"""Bearings and surfaces as data of plugins: a scene names a set and changes values of it."""
+"""Bearings as data of plugins, and surfaces: a scene names a set and changes values of it."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from packages import install, python
 from rollslip import evolve, load_scene, plan
 from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import get_model
-from rollslip.datasets import BearingData, SurfaceData
+from rollslip.datasets import SURFACES, BearingData
 from rollslip.errors import PluginError, SceneError
 from rollslip.planning.provenance import citations
 from rollslip.references import KLEBANOV
@@ -18,7 +18,6 @@ from rollslip.scene import Bearing, Material, Profile, Surface, resolved, scene_
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.schema import schema
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_plugins.bibliography import MARTIN_1916
 from rollslip_plugins.data.bearings import bearing_1032930, bearings
 
 SHIPPED = load_scene("1032930-70C")
@@ -40,21 +39,14 @@ CROWNED = BearingData(
         material=Material(elastic_modulus=300e9, density=3200.0),
     ),
 )
-POLISHED = SurfaceData(
-    name="polished",
-    description="surfaces of a test",
-    source="none",
-    validity="nothing",
-    references=(MARTIN_1916,),
-    surface=Surface(inner_raceway_roughness=2e-8, outer_raceway_roughness=3e-8, roller_roughness=1e-8),
-)
+SMOOTH = Surface(inner_raceway_roughness=5e-8, outer_raceway_roughness=5e-8, roller_roughness=3e-8)
 
 
 @pytest.fixture(autouse=True)
 def named(monkeypatch):
     """The sets of this module under their names, and that of the box until its entry point is installed."""
     monkeypatch.setattr(discovery, "_registered", {})
-    for kind, thing in [("bearing", CROWNED), ("surface", POLISHED), ("bearing", bearing_1032930)]:
+    for kind, thing in [("bearing", CROWNED), ("bearing", bearing_1032930)]:
         discovery.add(kind, thing, replace=True)
 
 
@@ -80,17 +72,18 @@ def test_the_bearing_in_the_box_is_that_of_the_shipped_scenes():
 
 
 def test_a_name_stands_for_all_values():
-    read = scene("name = 'crowned'", "name = 'polished'")
+    read = scene("name = 'crowned'", "name = 'superfinished'")
     assert read.bearing == CROWNED.bearing
-    assert read.surface == POLISHED.surface
+    assert read.surface == SMOOTH
+    assert scene("name = 'crowned'", "name = 'Super-Finished'").surface == SMOOTH
+    assert scene("name = 'crowned'", "name = 'ground'").surface == Surface()
     assert read.raw["bearing"] == {"name": "crowned"}
 
 
 def test_what_a_scene_takes_by_its_name_is_cited():
-    by_name = citations(plan(scene("name = 'crowned'", "name = 'polished'")))
-    assert {*CROWNED.references, MARTIN_1916} <= set(by_name)
-    plain = scene("name = '1032930'", models="pressure = 'hertz'", cage="drag = []")  # the defaults cite Martin, too
-    assert not {*CROWNED.references, MARTIN_1916} & set(citations(plan(plain)))
+    by_name = citations(plan(scene("name = 'crowned'")))
+    assert {*CROWNED.references} <= set(by_name)
+    assert not {*CROWNED.references} & set(citations(plan(scene("name = '1032930'"))))
     sweep = plan_sweep(scene("name = 'crowned'"), over={"operation.radial_load": [500.0, 1000.0]})
     assert {*CROWNED.references} <= set(sweep.citations)
     assert sweep.citations[0] == KLEBANOV
@@ -106,9 +99,11 @@ def test_a_scene_with_a_name_is_the_scene_with_its_values():
 
 
 def test_other_keys_change_the_values():
-    read = scene("name = 'crowned'\nrollers = 18\nprofile = 'none'", "name = 'polished'\nroller_roughness = '0.5 um'")
+    read = scene(
+        "name = 'crowned'\nrollers = 18\nprofile = 'none'", "name = 'superfinished'\nroller_roughness = '0.5 um'"
+    )
     assert read.bearing == attrs.evolve(CROWNED.bearing, rollers=18, profile=Profile())
-    assert read.surface == attrs.evolve(POLISHED.surface, roller_roughness=5e-7)
+    assert read.surface == attrs.evolve(SMOOTH, roller_roughness=5e-7)
 
 
 def test_a_table_of_values_is_filled_and_a_choice_is_taken_whole():
@@ -126,9 +121,9 @@ def test_changes_start_from_the_name():
     read = scene("name = 'crowned'")
     changed = evolve(read, {"bearing.name": "1032930", "bearing.material.density": "7000 kg/m3"})
     assert changed.bearing == attrs.evolve(bearing_1032930.bearing, material=Material(density=7000.0))
-    changed = evolve(read, {"bearing.material.density": "7000 kg/m3", "surface.name": "polished"})
+    changed = evolve(read, {"bearing.material.density": "7000 kg/m3", "surface.name": "superfinished"})
     assert changed.bearing.material == attrs.evolve(CROWNED.bearing.material, density=7000.0)
-    assert changed.surface == POLISHED.surface
+    assert changed.surface == SMOOTH
 
 
 def faults(error, read, *arguments, **tables):
@@ -143,15 +138,12 @@ def test_an_unknown_name_gets_the_nearest():
         f"scene.toml:3: bearing.name: no bearing is called 'crown'; did you mean 'crowned'? {hint}"
     ]
     assert faults(PluginError, evolve, SHIPPED, {"surface.name": "rusty"}) == [
-        "changes: surface.name: no surface is called 'rusty'; there are: ground, polished, superfinished "
-        "('rollslip models surface' lists them)"
+        "changes: surface.name: no surface is called 'rusty'; there are: ground, superfinished"
     ]
 
 
 def test_faults_of_changed_values_have_their_lines():
-    assert faults(
-        SceneError, scene, "name = 'crowned'\nrollers = 60\nlength = 1", "name = 'polished'\nrougness = 1"
-    ) == [
+    assert faults(SceneError, scene, "name = 'crowned'\nrollers = 60\nlength = 1", "name = 'ground'\nrougness = 1") == [
         "scene.toml:4: bearing.length: unknown key, did you mean 'roller_length'?",
         "scene.toml:7: surface.rougness: unknown key, did you mean 'roller_roughness'?",
     ]
@@ -166,32 +158,34 @@ def test_a_name_is_a_text():
 
 def test_a_name_that_gives_nothing_is_said():
     """As where a name is set in a scene that spells everything out: its values would stay, unnoticed."""
-    assert faults(SceneError, evolve, SHIPPED, {"surface.name": "polished"}) == [
-        "changes: surface.name: 'polished' gives nothing, every value is written out; leave out what it gives"
+    assert faults(SceneError, evolve, SHIPPED, {"surface.name": "ground"}) == [
+        "changes: surface.name: 'ground' gives nothing, every value is written out; leave out what it gives"
     ]
 
 
 def test_named_data_take_no_parameters():
-    with pytest.raises(PluginError, match="surface takes no parameters here, got roller_roughness; set them in"):
-        get_model("surface", "polished", roller_roughness=1e-7)
+    with pytest.raises(PluginError, match="bearing takes no parameters here, got rollers; set them in"):
+        get_model("bearing", "crowned", rollers=20)
 
 
 def test_the_schema_has_the_names():
     rows = {row.key: row for row in schema()}
-    for kind in ("bearing", "surface"):
-        assert rows[f"{kind}.name"].doc == f"a {kind} that a plugin offers, whose values the other keys change"
+    for kind, what in (("bearing", "a bearing that a plugin offers"), ("surface", "ground or superfinished")):
+        assert rows[f"{kind}.name"].doc == f"{what}, whose values the other keys change"
+    assert [*SURFACES] == ["ground", "superfinished"]
 
 
 # From packages -------------------------------------------------------------------------------------------------------
 
-SURFACES = """\
-from rollslip.datasets import SurfaceData
+BEARINGS = """\
+from rollslip.datasets import BearingData
 from rollslip.hookspecs import hookimpl
-from rollslip.scene import Surface
+from rollslip_plugins.data.bearings import bearing_1032930
 
 @hookimpl
-def surfaces():
-    return [SurfaceData(name="NAME", description="d", source="s", validity="v", surface=Surface(roller_roughness=1e-8))]
+def bearings():
+    bearing = bearing_1032930.bearing
+    return [BearingData(name="NAME", description="d", source="s", validity="v", bearing=bearing)]
 """
 
 READ = """
@@ -201,17 +195,17 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 scene = load_scene(%r)
 print({"rollslip.catalogue.discovery", "pluggy"} & set(sys.modules))
-raw = {"surface": {"name": %r}}
+raw = {"bearing": {"name": %r}}
 try:
-    print(evolve(scene, raw).surface.roller_roughness)
+    print(evolve(scene, raw).bearing.rollers)
 except PluginError as error:
     print(repr(str(error)))
 """
 
 
-def test_a_package_offers_surfaces_and_a_scene_without_a_name_loads_none(tmp_path):
-    install(tmp_path, "rollslip-smooth", SURFACES, kind="surface", name="smooth")
-    assert python(READ % (str(FILE), "smooth"), tmp_path, fresh=True) == [set(), 1e-8]
+def test_a_package_offers_a_bearing_and_a_scene_without_a_name_loads_none(tmp_path):
+    install(tmp_path, "rollslip-same", BEARINGS, kind="bearing", name="same")
+    assert python(READ % (str(FILE), "same"), tmp_path, fresh=True) == [set(), 28]
 
 
 SCENES = """\
@@ -256,13 +250,13 @@ def test_the_box_offers_a_bearing():
 
 
 def test_data_of_the_wrong_kind_are_the_packages_fault(tmp_path):
-    install(tmp_path, "rollslip-wrong", SURFACES.replace("SurfaceData(", "dict("), kind="surface", name="wrong")
+    install(tmp_path, "rollslip-wrong", BEARINGS.replace("BearingData(", "dict("), kind="bearing", name="wrong")
     thing = "type('T', (), {'name': 'NAME', '__repr__': lambda self: 'T()'})()"
-    install(tmp_path, "rollslip-odd", SURFACES.split("    return")[0] + f"    return [{thing}]\n", kind="surface")
+    install(tmp_path, "rollslip-odd", BEARINGS.split("    return")[0] + f"    return [{thing}]\n", kind="bearing")
     said = [python(READ % ("1032930-70C", name), tmp_path)[1] for name in ("wrong", "odd")]
     assert said == [
-        "changes: surface.name: surface 'wrong' of package rollslip-wrong 1.0: its surfaces() offers None, but its "
+        "changes: bearing.name: bearing 'wrong' of package rollslip-wrong 1.0: its bearings() offers None, but its "
         "entry point promises 'wrong'",
-        "changes: surface.name: surface 'odd' of package rollslip-odd 1.0 cannot be used, T() is not a SurfaceData; "
+        "changes: bearing.name: bearing 'odd' of package rollslip-odd 1.0 cannot be used, T() is not a BearingData; "
         "repair or uninstall rollslip-odd",
     ]

@@ -18,13 +18,11 @@ from rollslip.catalogue import discovery
 from rollslip.catalogue.packages import packages, requirements
 from rollslip.catalogue.registry import catalogue, find, get_class
 from rollslip.catalogue.session import model, register
-from rollslip.datasets import SurfaceData
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import parameter, positive
 from rollslip.foreign import EVALUATE, SlicesStruct, capsule_from_address, numba_slices
 from rollslip.models import FINITE, POSITIVE, ContactModel, FilmModel, TractionModel
 from rollslip.planning.plan import plan
-from rollslip.scene import Surface
 from rollslip.testing import conformance
 from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
@@ -297,14 +295,14 @@ def test_a_class_is_offered_under_its_kind():
 
 
 def test_named_data_are_offered_as_they_are():
-    clean = SurfaceData(name="clean", description="d", source="s", validity="v", surface=Surface(roller_roughness=1e-9))
-    register(clean)
-    assert get_model("surface", "clean") is clean
+    bearing = attrs.evolve(get_model("bearing", "1032930"), name="my-bearing")
+    register(bearing)
+    assert get_model("bearing", "my-bearing") is bearing
     oil = attrs.evolve(get_model("lubricant", "mil-prf-7808"), name="my-oil")
     register(oil)
-    scene = evolve(load_scene("1032930-70C"), {"lubricant.name": "my-oil", "surface": {"name": "clean"}})
+    scene = evolve(load_scene("1032930-70C"), {"lubricant.name": "my-oil", "bearing": {"name": "my-bearing"}})
     assert plan(scene).assembly.lubricant.name == "my-oil"
-    assert scene.surface.roller_roughness == 1e-9
+    assert scene.bearing == bearing.bearing
 
 
 @pytest.mark.parametrize(
@@ -314,7 +312,6 @@ def test_named_data_are_offered_as_they_are():
              "ContactModel, DamageModel, "
              "Drag, Engine, FilmModel, SceneFormat, IntegratorModel, Lubricant, Measurement, PressureModel, "
              "PressureViscosity, RingModel, SceneData, Separator, Study, "
-             "SurfaceData, "
              "ThermalModel, TorqueFormula, TractionModel can; "
              "a function can with @model(kind, name, reads=...)"),
         (Constant(), "Constant(coefficient=0.05, transition=0.001) cannot be registered: a class derived from, or a"),

@@ -3,7 +3,7 @@
 from typing import Any, Final
 
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.datasets import BearingData, SceneData, SurfaceData
+from rollslip.datasets import BearingData, SceneData
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, PressureModel, TractionModel
@@ -76,5 +76,4 @@ LUBRICANT: Final = _data(
     ),
 )
 BEARING: Final = _data("bearing", BearingData, "bearings")
-SURFACE: Final = _data("surface", SurfaceData, "surfaces")
 SCENE: Final = _data("scene", SceneData, "scenes", listed=False)

@@ -67,7 +67,7 @@ def register(thing: T, *, replace: bool = False) -> T:
     ----------
     thing : type or value
         A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel``, ``IntegratorModel``,
-        ``Engine`` or ``Study``, or a ``Lubricant``, ``BearingData`` or ``SurfaceData``.
+        ``Engine`` or ``Study``, or a ``Lubricant`` or ``BearingData``.
     replace : bool
         Whether it may take the place of one with its name, for this process.
 

@@ -27,7 +27,6 @@ _KINDS = {
     "oils": "lubricant",
     "lubricants": "lubricant",
     "bearings": "bearing",
-    "surfaces": "surface",
 }
 #: Of the scatter of a datum, what stands before and behind its parameters.
 _SAID = ("quantity", "distribution", "grade", "source")

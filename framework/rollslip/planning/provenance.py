@@ -20,6 +20,7 @@ import attrs
 
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.catalogue.registry import Offer, find, get_class
+from rollslip.datasets import SURFACES
 from rollslip.fields import submodels
 from rollslip.models import SliceModel
 from rollslip.planning.lines import own_cage
@@ -27,6 +28,7 @@ from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
 from rollslip.results.dataset import CITED
 from rollslip.scene.changes import CHANGES, NOTED
+from rollslip.scene.named import surface_name
 from rollslip.scene.values import Scene
 from rollslip.structure import resolved, scene_hash
 
@@ -80,7 +82,8 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
     """Return the attributes that describe the models and data of a result of a study, and what to cite for them."""
     scene, assembly = plan.scene, plan.assemblies[study]
     models = [pair for kind, model in plan.models for pair in ((kind, model), *submodels(model))]
-    offers = [*(find(kind, model.name) for kind, model in models), *named_data(scene.raw or {})]
+    raw: Mapping[str, Any] = scene.raw or {}
+    offers = [*(find(kind, model.name) for kind, model in models), *named_data(raw)]
     own = own_cage(scene, plan.studies)
     return as_attributes(
         packages=packages_of(offers),
@@ -88,7 +91,7 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
         lubricant=lubricant_told(assembly.lubricant),
         **({"bound_below": 1} if "cage" in assembly.known_cage and assembly.cage.drags.bound_below else {}),
         **({"own_cage": own} if own else {}),
-        data=[data_told(offer) for offer in named_data(scene.raw or {}) if offer.kind != "lubricant"],
+        data=[data_told(offer) for offer in named_data(raw) if offer.kind != "lubricant"] + surfaces_told(raw),
         film_limits=film_limits_told(assembly),
         conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},
         **citations_told(citations(plan)),
@@ -182,7 +185,7 @@ def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
 
 
 def data_told(offer: Offer) -> dict[str, Any]:
-    """Return what is kept of a bearing, or of surfaces, that a scene takes by a name."""
+    """Return what is kept of a bearing that a scene takes by a name."""
     named = load(offer)
     return {
         "kind": offer.kind,
@@ -191,6 +194,24 @@ def data_told(offer: Offer) -> dict[str, Any]:
         "validity": named.validity,
         "grades": dict(getattr(named, "grades", {})),
     }
+
+
+def surfaces_told(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return what is kept of the surfaces that a scene takes by a name, if it does."""
+    table = raw.get("surface", {})
+    if "name" not in table:
+        return []
+    name = surface_name(table["name"])
+    told = "Ra as recalled of measured cylindrical roller bearings (C)"
+    return [
+        {
+            "kind": "surface",
+            "name": name,
+            "source": f"{told}: {SURFACES[name][1]}. Makers print none; measure yours.",
+            "validity": "New, run-in raceways; the roughness that counts lies along the rolling direction.",
+            "grades": {},
+        }
+    ]
 
 
 def citations(plan: Plan) -> list[Citation]:

@@ -1,4 +1,4 @@
-"""What the names in a scene stand for: values of a bearing and of surfaces that plugins offer, and a bearing's cage.
+"""What the names in a scene stand for: values of a bearing that plugins offer and of surfaces, and a bearing's cage.
 
 They are filled in before a scene is checked, since it is complete once it is read; only then is a plugin loaded.
 """
@@ -8,16 +8,17 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.errors import PluginError
+from rollslip.datasets import SURFACES
+from rollslip.errors import PluginError, UnknownNameError
 from rollslip.scene.clearance import FOLLOWS, before_mounting, listed
 from rollslip.scene.values import Models, model_kind
 from rollslip.structure import Location, bare_key, fields_of, resolved
 from rollslip.units import as_written
 
-__all__ = ["NAMED", "unknown_names", "with_named_data", "with_own_cage"]
+__all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_own_cage"]
 
-#: Tables that may start from the values of a named set that a plugin offers; they are of the kind of that name.
-NAMED: Final = ("bearing", "surface")
+#: Tables that may start from the values of a named set, and what such a name is of.
+NAMED: Final = {"bearing": "a bearing that a plugin offers", "surface": " or ".join(SURFACES)}
 #: Keys of models, each the kind that it takes.
 _KINDS: Final = frozenset(key for key, _ in fields_of(Models))
 
@@ -39,7 +40,7 @@ def with_named_data(raw: dict[str, object], where: Location, problems: list[str]
                     get_class(kind, str(name))  # says what is called so: 6312 is a ball bearing
                 problems.append(at.says(f"a text is expected, not {as_written(name)}"))
                 continue
-            data = get_class(kind, name).data
+            data = SURFACES[surface_name(name)][0] if kind == "surface" else get_class(kind, name).data
             if kind == "bearing":
                 data = listed(own, name, data, where.at(kind), problems)
             complete[kind] = filled = _filled(own, data)
@@ -51,6 +52,15 @@ def with_named_data(raw: dict[str, object], where: Location, problems: list[str]
         if not gives:  # as when a name is set in a scene that spells all values out
             problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
     return complete
+
+
+def surface_name(written: str) -> str:
+    """Return the name that `SURFACES` has for surfaces, however it is spelled."""
+    from rollslip.catalogue.discovery import folded  # only a scene that names data needs it
+
+    if (name := next((one for one in SURFACES if folded(one) == folded(written)), None)) is None:
+        raise UnknownNameError(f"no surface is called {as_written(written)}; there are: {', '.join(SURFACES)}")
+    return name
 
 
 def with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:

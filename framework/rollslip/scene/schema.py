@@ -46,7 +46,7 @@ def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
                     f"{key}.name",
                     "",
                     "",
-                    f"a {key} that a plugin offers, whose values the other keys change",
+                    f"{NAMED[key]}, whose values the other keys change",
                     type="text",
                 )
             yield from rows_of(kind, f"{key}.")
