@@ -22,7 +22,6 @@ PROMISED = {
     "rollslip": """Chain Conditions RollslipDeprecationWarning Slices available compare evolve explore fit
         get_include get_model limit load_distribution load_scene model open_result pareto plan plot register
         run sweep uncertainty""",
-    "rollslip.bearing.cage": "Separator",
     "rollslip.cli": "main",
     "rollslip.datasets": "BearingData Family SceneData",
     "rollslip.engine": "Engine cores",
@@ -32,7 +31,7 @@ PROMISED = {
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
         hookimpl hookspec integrator_models lubricants measurements pressure_models pressure_viscosity_laws
-        ring_models scene_formats scenes separators studies thermal_models torque_formulas
+        ring_models scene_formats scenes studies thermal_models torque_formulas
         traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
         PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",

@@ -13,6 +13,7 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
+from rollslip.scene.values import Separator
 from rollslip.studies.study import study_class
 from rollslip_campaigns.sweep.definition import SweepTable
 
@@ -66,11 +67,12 @@ def known_keys():
     keys = {f"{table}.{field.name}" for table, cls in tables.items() for field in attrs.fields(cls)}
     stages = {
         f"models.{kind}.{field.name}"
-        for kind in ("contact", "film", "traction", "separator")
+        for kind in ("contact", "film", "traction")
         for name in available(kind)
         for field in attrs.fields(get_class(kind, name))
     }
     # tables as a whole can be given, too
+    keys |= {f"models.separator.{field.name}" for field in attrs.fields(Separator)}
     return keys | stages | {row.key for row in schema()} | {"uncertainty.lubricant", "uncertainty.correlation"}
 
 

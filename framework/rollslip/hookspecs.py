@@ -26,7 +26,6 @@ HOOKS: Final = {
     "damage_models": "Damage models: classes derived from `rollslip.studies.surface_damage.model.DamageModel`.",
     "torque_formulas": "Formulas of the friction torque: classes derived from "
     "`rollslip.studies.steady_slip.torque.TorqueFormula`.",
-    "separators": "What may keep rollers apart: classes derived from `rollslip.bearing.cage.Separator`.",
     "engines": "Engines of sweeps: classes derived from `rollslip.engine.Engine`.",
     "studies": "Studies: classes derived from `rollslip.studies.study.Study`.",
     "campaigns": "Campaigns: classes derived from `rollslip.planning.campaign.Campaign`.",

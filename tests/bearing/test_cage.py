@@ -67,9 +67,7 @@ def test_a_cage_is_read_with_its_units():
         land_width=0.008,
         land_clearance=2e-4,
         unbalance=2e-5,
-        separator=cage.separator,
     )
-    assert cage.separator.name == "cage"
     assert not cage.drags
 
 

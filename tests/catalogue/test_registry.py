@@ -11,7 +11,6 @@ import pytest
 
 from packages import python
 from rollslip import available, get_model, hookspecs
-from rollslip.bearing.cage import Separator
 from rollslip.catalogue import discovery, installed
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.registry import catalogue, find, get_class
@@ -153,8 +152,7 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
     beside = {
-        "thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "separator": Separator,
-        "ring": RingModel,
+        "thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "ring": RingModel,
     }  # fmt: skip
     classes = {**BASES, **beside, "engine": Engine, "study": Study, "campaign": Campaign}
     if kind in classes:

@@ -129,6 +129,19 @@ def test_what_is_stated_of_a_cage_that_is_not_there_is_refused():
         _ = assemble(evolve(NONE, {"cage.drag": ["pocket-friction"]})).cage
 
 
+@pytest.mark.parametrize(
+    ("separator", "told"),
+    [
+        ({"model": "cage", "coefficient": 0.1}, r"coefficient: only read for model = 'none', not for 'cage'"),
+        ({"model": "none", "coefficient": -0.1}, r"coefficient: must be at least 0, not -0\.1"),
+        ({"model": "spring"}, r"models\.separator\.model: .*cage.*none.*not 'spring'"),
+    ],
+)
+def test_neighbours_only_brake_and_only_where_no_cage_is_between_them(separator, told):
+    with pytest.raises(SceneError, match=told):
+        apart(PAPER, **separator)
+
+
 @pytest.mark.parametrize("level", ["cage-set", "pocket", "planar"])
 def test_a_motion_in_time_without_a_cage_is_refused(level):
     with pytest.raises(SceneError, match="need a cage; for a full complement take the study of steady slips"):
@@ -139,10 +152,10 @@ def test_a_motion_in_time_without_a_cage_is_refused(level):
 def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage():
     bare = apart(PAPER, model="none")
     bare = evolve(bare, {"models.separator": "none"})
-    assert assemble(evolve(bare, {"models.separator.coefficient": 0.05})).separator.coefficient == 0.05
+    assert assemble(evolve(bare, {"models.separator.coefficient": 0.05})).scene.models.neighbour_friction == 0.05
     study = SteadySlip(acceptable_slip=None)
     assert study.only(assemble(bare), frozenset({"steady_slip"})) is not None
-    assert math.isclose(assemble(bare).separator.coefficient, 0.1)
+    assert math.isclose(assemble(bare).scene.models.neighbour_friction, 0.1)
 
 
 # In time -------------------------------------------------------------------------------------------------------------

@@ -67,7 +67,7 @@ def test_static_ratings_that_lengths_were_made_of_come_out(name, rating):
 
 def test_a_new_scene_of_one_has_no_cage_and_its_friction_may_be_set():
     scene = new("SL182210", speed="600 rpm", load="3 kN")
-    assert assemble(scene).separator.coefficient == 0.1
+    assert assemble(scene).scene.models.neighbour_friction == 0.1
     assert scene.bearing.rollers == CATALOGUE["NCF2210V"].bearing.rollers
     assert implausible(scene) == []
     with pytest.raises(SceneError, match="is a full complement bearing, which has none"):
@@ -76,8 +76,8 @@ def test_a_new_scene_of_one_has_no_cage_and_its_friction_may_be_set():
 
 def test_another_name_brings_a_cage_and_takes_it_away():
     caged, without = new("NU2210E"), new("NCF2210V")
-    assert assemble(evolve(caged, {"bearing.name": "NCF2210V"})).separator.coefficient == 0.1
-    assert assemble(evolve(without, {"bearing.name": "NU2210E"})).separator.coefficient is None
+    assert assemble(evolve(caged, {"bearing.name": "NCF2210V"})).scene.models.neighbour_friction == 0.1
+    assert assemble(evolve(without, {"bearing.name": "NU2210E"})).scene.models.neighbour_friction is None
 
 
 def test_with_a_roller_missing_the_play_is_told():

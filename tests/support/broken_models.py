@@ -19,7 +19,6 @@ import attrs
 import numpy as np
 
 from foreign_stages import compiled_capsule, foreign_capsule
-from rollslip.bearing.cage import Separator
 from rollslip.catalogue.registry import get_model
 from rollslip.engine import Engine
 from rollslip.errors import DomainError
@@ -1046,16 +1045,6 @@ class Squeezed(RingModel):
 
     def shapes(self, bearing, ring, turns):
         return RingShapes(np.ones((1, 1), complex), np.array([1e9]), pushes=np.array([-1e5]))
-
-
-@breaks("check_neighbours_rub_by_a_coefficient_or_have_a_cage_between_them")
-class Driven(Separator):
-    """Neighbours drive each other's spin."""
-
-    name = "driven"
-    equation = "M = -mu r N"
-    references = SOURCE
-    coefficient: float = parameter(default=-0.1, unit="1", doc="coefficient of friction")
 
 
 # Thermal models ------------------------------------------------------------------------------------------------------

@@ -124,10 +124,6 @@ class TestRings(Conformance):
     )
 
 
-class TestSeparators(Conformance):
-    models = box("separator")
-
-
 DATA = [kind for kind in kinds() if get_kind(kind).data or get_kind(kind).waits]
 
 
@@ -137,7 +133,7 @@ class TestData(Conformance):
 
 def test_no_kind_is_left_out():
     classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
-    assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "separator", "ring", *DATA}
+    assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "ring", *DATA}
 
 
 def test_laws_of_the_box_that_python_runs_are_what_others_are_held_against():

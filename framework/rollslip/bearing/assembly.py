@@ -10,7 +10,7 @@ from typing import Any, Final, TypeVar
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, Separator, filled, read_cage, scene_values, with_drags
+from rollslip.bearing.cage import Cage, filled, read_cage, scene_values, with_drags
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
@@ -130,12 +130,6 @@ class Assembly:
         """Weight of a roller over what presses it besides, F_r/Z + F_c."""
         pressed = self.scene.operation.radial_load / self.scene.bearing.rollers + self.centrifugal_force
         return self.roller_mass * GRAVITY / pressed if pressed > 0.0 else math.inf
-
-    @property
-    def separator(self) -> Separator:
-        """What keeps the rollers apart."""
-        made: Separator = self._read_cage().separator
-        return made
 
     def _read_cage(self) -> Cage:
         """The cage as it is read, with its drags as they are named."""

@@ -6,18 +6,15 @@
 - A drag takes from the scene what it is not given itself. What the scene does not have either is a fault of the scene.
 """
 
-import abc
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
-from typing import Any, ClassVar, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import attrs
 
 from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
-from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
@@ -25,39 +22,12 @@ from rollslip.fields import FieldError, field, non_negative, one_of, positive, s
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
-from rollslip.references import Citation
 from rollslip.scene.supply import DENSITY, SUPPLIES, Supplied
 from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene
 from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
 _optional = attrs.validators.optional(positive)
-
-
-class Separator(abc.ABC):
-    """What keeps rollers apart; its parameters are its attrs fields."""
-
-    name: ClassVar[str]
-    equation: ClassVar[str]
-    references: ClassVar[tuple[Citation, ...]]
-    #: Coefficient of friction of a roller against its neighbours [1]; None where a cage is between them.
-    coefficient: float | None = None
-    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
-    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
-
-
-SEPARATOR: Final = Kind(
-    name="separator", hook="separators", base=Separator,
-)  # fmt: skip
-
-
-def _separator(scene: Scene) -> Separator:
-    problems, choice = list[str](), scene.models.separator
-    raw = {"model": "cage"} if choice is None else {"model": choice.name, **choice.parameters}
-    made: Separator = structure_model("separator", raw, Location(scene.origins, ("models", "separator")), problems)
-    if problems:
-        raise SceneError(problems)
-    return made
 
 
 def train_play(bearing: Bearing) -> float:
@@ -203,7 +173,6 @@ class Cage:
         "churning and, where a ring guides the cage, its land",
     )
     named: tuple[Any, ...] = attrs.field(default=(), repr=False, metadata={"key": None})
-    separator: Any = attrs.field(default=None, repr=False, metadata={"key": None})  # a `Separator`
     drags: Drags = attrs.field(factory=Drags, metadata={"key": None})
 
     def __attrs_post_init__(self) -> None:
@@ -303,8 +272,8 @@ def read_cage(scene: Scene) -> Cage:
     `with_drags` binds these. Without a cage only these are of use.
     """
     where, problems = Location(scene.origins, ("cage",)), list[str]()
-    table, apart = dict[str, object](scene.cage or {}), _separator(scene)
-    if apart.coefficient is not None and (problems := _without(table, where)):
+    table = dict[str, object](scene.cage or {})
+    if scene.models.neighbour_friction is not None and (problems := _without(table, where)):
         raise SceneError(problems)
     estimates = _estimates(scene.bearing, table)
     usual = default_drags(scene, table.get("guidance", estimates["guidance"]))
@@ -316,7 +285,7 @@ def read_cage(scene: Scene) -> Cage:
     ]
     if cage is None or problems:
         raise SceneError(problems)
-    return attrs.evolve(cage, named=tuple(models), separator=apart)
+    return attrs.evolve(cage, named=tuple(models))
 
 
 def _drags(raw: object, usual: Sequence[object], where: Location, problems: list[str]) -> object:
@@ -341,7 +310,7 @@ def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
 def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
     """Return what a cage is, in words, and how that is known."""
     name, written = _written(scene)
-    if (friction := cage.separator.coefficient) is not None:
+    if (friction := scene.models.neighbour_friction) is not None:
         play = format_quantity(train_play(scene.bearing), "m", 2)
         return "none, full complement", f"rollers rub against each other at {friction:g}, play of their train {play}"
     guide = "the rollers" if cage.guidance == "roller" else f"the {cage.guidance} ring"
@@ -369,7 +338,7 @@ def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
     except RollslipError:  # who needs it says so
         return
     b, where, own = scene.bearing, Location(scene.origins, ("cage",)), own_cage(name)
-    if cage.separator.coefficient is not None:
+    if scene.models.neighbour_friction is not None:
         if (play := train_play(b)) > b.roller_diameter:
             shown, other = format_quantity(play, "m", 3), format_quantity(b.roller_diameter, "m")
             told = f"without a cage {b.rollers} rollers of {other} have a play of {shown}, room for more of them"
@@ -406,7 +375,7 @@ def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubr
     values = scene_values(scene, kinematics, lubricant) | _of_land(cage, supplied(scene, lubricant))
     given = [filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]
     given = [with_law(model, lubricant.pressure_viscosity_law) for model in given]
-    drags = _by_sort(given, where, problems, caged=cage.separator.coefficient is None)
+    drags = _by_sort(given, where, problems, caged=scene.models.neighbour_friction is None)
     if problems:
         raise SceneError(problems)
     return attrs.evolve(cage, drags=drags)

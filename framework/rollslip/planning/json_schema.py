@@ -14,7 +14,7 @@ from typing import Any, Final
 from rollslip.catalogue.discovery import available
 from rollslip.planning.keys import keys
 from rollslip.scene.schema import SchemaRow
-from rollslip.scene.values import model_kind
+from rollslip.scene.values import SEPARATORS, model_kind
 
 __all__ = ["json_schema"]
 
@@ -72,7 +72,9 @@ def _put(at: dict[str, Any], name: str, row: SchemaRow) -> None:
     if row.unit not in ("", "1"):
         said["description"] += f" [{row.unit}]"
     kind = re.fullmatch(r"models\.(\w+)(\.model)?", row.key)
-    names = {"enum": [*available(model_kind(kind[1]))]} if kind else {}
+    names: dict[str, Any] = {}
+    if kind:
+        names = {"enum": [*(SEPARATORS if kind[1] == "separator" else available(model_kind(kind[1])))]}
     if row.type.startswith("a name, or a table"):
         table = {"type": "object", "properties": {}, "additionalProperties": False}
         of: dict[str, Any] = {"anyOf": [{"type": "string", **names}, table]}

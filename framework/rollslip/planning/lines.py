@@ -101,7 +101,7 @@ def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
         return ""
     cage = read_cage(scene)
     told = "; ".join(in_words(scene, cage))
-    return f"the cage is the bearing's own, {told}" if cage.separator.coefficient is None else f"cage: {told}"
+    return f"the cage is the bearing's own, {told}" if scene.models.neighbour_friction is None else f"cage: {told}"
 
 
 def foreseen(assembly: Assembly, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:

@@ -20,7 +20,7 @@ __all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_ow
 #: Tables that may start from the values of a named set, and what such a name is of.
 NAMED: Final = {"bearing": "a bearing that a plugin offers", "surface": " or ".join(SURFACES)}
 #: Keys of models, each the kind that it takes.
-_KINDS: Final = frozenset(key for key, _ in fields_of(Models))
+_KINDS: Final = frozenset(key for key, _ in fields_of(Models)) - {"separator"}
 
 
 def with_named_data(raw: dict[str, object], where: Location, problems: list[str]) -> dict[str, object]:

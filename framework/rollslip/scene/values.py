@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Final
 import attrs
 
 from rollslip.datasets import Bearing, Surface
-from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
+from rollslip.fields import FieldError, Scatter, at_least, field, in_range, non_negative, one_of, positive
 from rollslip.scene.supply import Lubrication
 from rollslip.structure import FrozenTable, resolved
 from rollslip.units import format_quantity
@@ -133,6 +133,40 @@ class ModelChoice:
     parameters: FrozenTable = field(default=FrozenTable(), doc="parameters of the model", rest=True)
 
 
+#: What may keep rollers apart; none is a full complement.
+SEPARATORS: Final = ("cage", "none")
+
+
+@attrs.frozen(kw_only=True)
+class Separator:
+    """What keeps rollers apart: a cage, or nothing, so that they push their neighbours and rub against each other.
+
+    Neighbours spin the same way: they slide at the sum of their surface speeds, and the entrainment speed of their
+    contact, half of the difference, is next to nothing. So no film is drawn in, and friction is that of the boundary:
+    the law of the boundary friction of raceways tends to 0.1 where sliding is far more than rolling (B).
+    """
+
+    name: str = field(key="model", doc="cage, or none for a full complement", validator=one_of(*SEPARATORS), bare=True)
+    coefficient: float | None = field(
+        default=None,
+        unit="1",
+        doc="friction coefficient of rollers against their neighbours, 0.1 by default (D)",
+        validator=attrs.validators.optional(non_negative),
+        usual=(0, 0.3),
+        possible=(0, 1),
+        scatter=Scatter(
+            distribution="lognormal",
+            parameters={"deviation_of_ln": 0.5},
+            grade="(D)",
+            source="0.02 to 0.15: boundary friction (B), less where a hot film of opposite surface speeds carries (C)",
+        ),
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if self.name == "cage" and self.coefficient is not None:
+            raise FieldError("coefficient", "only read for model = 'none', not for 'cage'")
+
+
 def model_kind(key: str) -> str:
     """Return the kind of what a key of `Models` names: both rings are of one."""
     return "ring" if key in ("inner_ring", "outer_ring") else key
@@ -146,7 +180,7 @@ class Models:
     film: ModelChoice = field(default=ModelChoice(name="inlet-correction"), doc="thickness of the oil film")
     pressure: ModelChoice = field(default=ModelChoice(name="light-contact"), doc="pressure in the film")
     traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
-    separator: ModelChoice | None = field(
+    separator: Separator | None = field(
         default=None,
         doc="what keeps rollers apart: cage, or none for a full complement; by default what the bearing's name says, "
         "else a cage",
@@ -168,6 +202,13 @@ class Models:
         default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),
         doc="formulas of the friction torque that stand beside the losses: one, several, or [] for none",
     )
+
+    @property
+    def neighbour_friction(self) -> float | None:
+        """Friction coefficient of rollers against their neighbours; None where a cage is between them."""
+        if self.separator is None or self.separator.name == "cage":
+            return None
+        return 0.1 if self.separator.coefficient is None else self.separator.coefficient
 
 
 #: What drags rollers and cage where ``cage.drag`` does not say, and what does besides where the land of a ring guides.

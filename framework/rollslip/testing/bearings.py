@@ -15,7 +15,6 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import Separator
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError
 from rollslip.rings import RingModel, Rings, RingShapes
@@ -60,10 +59,8 @@ def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
         )
 
 
-@rule(ThermalModel, DamageModel, TorqueFormula, RingModel, Separator)
-def check_has_an_equation_and_references(
-    model: ThermalModel | DamageModel | TorqueFormula | RingModel | Separator,
-) -> None:
+@rule(ThermalModel, DamageModel, TorqueFormula, RingModel)
+def check_has_an_equation_and_references(model: ThermalModel | DamageModel | TorqueFormula | RingModel) -> None:
     """A name, an equation, and references."""
     refuse_unless(isinstance(model.equation, str) and model.equation.strip(), "it has no equation")
     refuse_unless(model.references and all(map(is_citation, model.references)), CITATIONS_WANTED)
@@ -305,11 +302,3 @@ def check_a_preloaded_bearing_rests_in_it_and_presses_less(model: RingModel) -> 
         rings = Rings(*((RingShapes(), shapes) if ring == "outer" else (shapes, RingShapes())))
         loads = attrs.evolve(assemble(scene), rings=rings, known_loads={}).load_distribution()
         refuse_unless(loads.inner_force.mean() <= rigid.mean() * (1.0 + 1e-9), f"a yielding {ring} ring presses more")
-
-
-@rule(Separator)
-def check_neighbours_rub_by_a_coefficient_or_have_a_cage_between_them(model: Separator) -> None:
-    """A coefficient of friction is None, for a cage, or a number from 0 to 1: neighbours only brake."""
-    mu = model.coefficient
-    fits = mu is None or (isinstance(mu, float) and 0.0 <= mu <= 1.0)
-    refuse_unless(fits, f"coefficient is {mu!r}; give a number from 0 to 1, or None where a cage is between rollers")

@@ -80,7 +80,7 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
         losses += _rolling(balance, orbit, balance.drags.resistance, rolled)
     if balance.drags.pocket_friction is not None:
         losses.append(Loss(balance.drags.pocket_friction.name, "pocket", all_rollers(pocket * spin)))
-    if balance.assembly.separator.coefficient is not None:
+    if balance.assembly.scene.models.neighbour_friction is not None:
         losses.append(Loss("rubbing of neighbours", "pocket", all_rollers(pocket * spin)))
     put_in = [all_rollers(lever) for lever in levers]
     ring_speeds = [k.direction * k.inner_speed, k.direction * k.outer_speed]

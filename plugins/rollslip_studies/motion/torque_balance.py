@@ -118,7 +118,7 @@ class TorqueBalance:
         self._ways: dict[tuple[float, int], WayUp] = {}
         friction = drags.pocket_friction
         self._pocket = 0.0 if friction is None else friction.coefficient
-        self._rubbing = assembly.separator.coefficient or 0.0
+        self._rubbing = assembly.scene.models.neighbour_friction or 0.0
 
     @cached_property
     def motions(self) -> Motions:

@@ -563,7 +563,7 @@ class SteadySlip(Study):
 
 def _by_play(assembly: Assembly, states: list[Orbit]) -> dict[str, float]:
     """How much slower play makes a train of rollers without a cage; nothing with one."""
-    if assembly.separator.coefficient is None:
+    if assembly.scene.models.neighbour_friction is None:
         return {}
     play, orbit = train_play(assembly.scene.bearing), assembly.kinematics.orbit_radius
     return {"train_play": play, "slower_by_play": slower_by_play(play, states[0].force[0], orbit)}

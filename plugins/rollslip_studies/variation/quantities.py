@@ -18,7 +18,7 @@ from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import Known, Quantity
-from rollslip.scene.values import LubricantTable, ModelChoice, Scene, model_kind
+from rollslip.scene.values import LubricantTable, ModelChoice, Scene, Separator, model_kind
 from rollslip.structure import Location, fields_of
 from rollslip.units import UnitError, quantity
 
@@ -31,7 +31,6 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     found = [*_named(scene), *(one for table in _tables(scene) for one in _of(getattr(scene, table), table))]
     found += _of_supply(assembly)
     found += _of_oil(assembly)
-    models = {**assembly.models, "separator": assembly.separator}
     for attribute in attrs.fields(type(scene.models)):
         kind, choice = attribute.name, getattr(scene.models, attribute.name)
         if isinstance(choice, ModelChoice) and (of := model_kind(kind)) != kind:
@@ -40,7 +39,11 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
             found += _of(made, f"models.{kind}")
         elif isinstance(choice, ModelChoice):
             found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
-            found += _of(models.get(kind) or _thermal(scene), f"models.{kind}")
+            found += _of(assembly.models.get(kind) or _thermal(scene), f"models.{kind}")
+        elif isinstance(choice, Separator):
+            key, field = f"models.{kind}.coefficient", attrs.fields(Separator).coefficient
+            found.append(_choice(f"models.{kind}", attribute, choice.name, ""))
+            found += _single(key, float, field, scene.models.neighbour_friction)
         elif isinstance(choice, tuple):  # of several each is told by its name
             for one in choice:
                 made = structure_model(kind, {"model": one.name, **one.parameters}, Location({}), [])

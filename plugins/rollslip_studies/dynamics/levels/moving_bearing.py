@@ -40,10 +40,10 @@ def unknowns(level: str, assembly: Assembly) -> int:
 def check_moves(assembly: Assembly, level: str) -> None:
     """Refuse a bearing that is known at steady slips alone, or at another level."""
     operation, heavy = assembly.scene.operation, assembly.weight_share > assembly.scene.accuracy.tolerance
-    caged = assembly.separator.coefficient is None
+    bare = assembly.scene.models.neighbour_friction is not None
     weighs = operation.gravity_direction is not None and heavy and level != "planar"
     for table, key, there, told in (
-        ("models", "separator", not caged, "need a cage; for a full complement take the study of steady slips"),
+        ("models", "separator", bare, "need a cage; for a full complement take the study of steady slips"),
         (
             "operation",
             "carrier",
