@@ -40,7 +40,7 @@ def with_named_data(raw: dict[str, object], where: Location, problems: list[str]
                     get_class(kind, str(name))  # says what is called so: 6312 is a ball bearing
                 problems.append(at.says(f"a text is expected, not {as_written(name)}"))
                 continue
-            data = SURFACES[surface_name(name)][0] if kind == "surface" else get_class(kind, name).data
+            data: Any = SURFACES[surface_name(name)][0] if kind == "surface" else get_class(kind, name).data
             if kind == "bearing":
                 data = listed(own, name, data, where.at(kind), problems)
             complete[kind] = filled = _filled(own, data)
