@@ -1,6 +1,5 @@
 """Tables of a surrogate whose friction is known in closed form: what lies between nodes, balances and files."""
 
-import json
 import math
 import re
 import shutil
@@ -14,10 +13,11 @@ import xarray as xr
 from scipy.optimize import brentq
 
 import rollslip
+from rollslip.catalogue import discovery
 from rollslip.errors import SceneError
 from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings, surrogate
-from rollslip_campaigns.surrogate.exports import C, Csv, Ross, _description, c_header
+from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
 from rollslip_campaigns.surrogate.surrogate import _drags
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
@@ -252,26 +252,10 @@ def test_a_row_without_a_balance_has_empty_cells():
     assert Csv("csv").of(made).text.splitlines()[1] == "350,1000,100,,,,,0.5"
 
 
-def test_elements_of_ross_go_over_speeds_forwards_and_tell_what_they_leave_out():
-    axes = {"temperature": [340.0, 350.0], "radial_load": [1e3, 3e3], "inner_speed": [-50.0, 100.0, 200.0]}
-    size = tuple(map(len, axes.values()))
-    values = {"stiffness_along": np.arange(12.0).reshape(size), "stiffness_across": np.full(size, 2.0),
-              "stiffness_oblique": np.zeros(size), "steady_cage_slip": np.full(size, 0.1),
-              "friction_torque": np.full(size, math.nan)}  # fmt: skip
-    made = xr.Dataset(
-        {name: (tuple(axes), value) for name, value in values.items()}
-        | {"first_load": 2.9e3, "first_temperature": 349.0},
-        coords=axes,
-    )
-    told = json.loads(Ross("ross").of(made).text)
-    assert next(iter(told)) == "BearingElement_3000 N 350 K"  # that of the scene
-    first = told["BearingElement_3000 N 350 K"]
-    assert (first["frequency"], first["kxx"], first["cxx"]) == ([100.0, 200.0], [10.0, 11.0], [0.0, 0.0])
-    assert told["rollslip"]["beside"]["3000 N 350 K"]["friction_torque"] == [None, None]
-    assert any(one.startswith("damping") for one in told["rollslip"]["not_modelled"])
-    with pytest.raises(SceneError, match="rings that yield have no stiffness"):
-        Ross("ross").of(made.assign(stiffness_along=made["stiffness_along"] * math.nan))
+def test_of_two_endings_the_longer_one_says_the_format(monkeypatch):
+    class Longer(Csv):
+        endings = (".tables.json",)
 
-
-def test_of_two_endings_the_longer_one_says_the_format():
-    assert [format_of(name).name for name in ("a.ross.json", "ross.json", "b.JSON")] == ["ross", "json", "json"]
+    monkeypatch.setattr(discovery, "_registered", {})
+    discovery.add("format", Longer("longer"))
+    assert [format_of(name).name for name in ("a.tables.json", "tables.json", "b.JSON")] == ["longer", "json", "json"]

@@ -1,4 +1,4 @@
-"""Tables of a surrogate for other programs: FMU, C, CSV and bearing elements of ROSS.
+"""Tables of a surrogate for other programs: FMU, C and CSV.
 
 - Formats of the kind that scenes have: found by the ending, written by ``rollslip export --result surrogate.nc``. They
   hold no scene, so that nothing is read from them.
@@ -35,7 +35,7 @@ from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["VARIABLES", "c_header", "scene_formats", "sources"]
+__all__ = ["VARIABLES", "TablesFormat", "c_header", "scene_formats", "sources"]
 
 #: Name, unit, causality, start and meaning of the variables of an FMU, in the order of bearing.h.
 VARIABLES: Final = (
@@ -123,7 +123,7 @@ def sources(result: "xr.Dataset") -> tuple[dict[str, str], str]:
 
 
 @attrs.frozen
-class _OfTables(SceneFormat):
+class TablesFormat(SceneFormat):
     """A format that holds tables of a surrogate, and no scene."""
 
     def read(self, content: bytes, source: str) -> Read:
@@ -145,7 +145,7 @@ class _OfTables(SceneFormat):
 
 
 @attrs.frozen
-class Fmu(_OfTables):
+class Fmu(TablesFormat):
     """A co-simulation unit of FMI 2.0."""
 
     endings: ClassVar[tuple[str, ...]] = (".fmu",)
@@ -249,7 +249,7 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
 
 
 @attrs.frozen
-class C(_OfTables):
+class C(TablesFormat):
     """One file of C with the tables and the motion, for programs that link it."""
 
     endings: ClassVar[tuple[str, ...]] = (".c",)
@@ -268,7 +268,7 @@ _COLUMNS: Final = ("steady_cage_slip", "friction_torque", "outer_torque", "power
 
 
 @attrs.frozen
-class Csv(_OfTables):
+class Csv(TablesFormat):
     """A row for each temperature, load and speed: where the bearing runs at constant speeds."""
 
     endings: ClassVar[tuple[str, ...]] = (".csv",)
@@ -287,56 +287,7 @@ class Csv(_OfTables):
         return Written(text.getvalue())
 
 
-#: What elements for rotor dynamics are not, as their file says.
-_NOT_IN_SPRINGS: Final = (
-    "damping: cxx and the others are 0; state your own",
-    "films: stiffness is that of the dry contacts between rigid rings",
-    "friction: kxy is that of the load zone, which is symmetric, and has no part that drives whirl",
-    "the passage of the rollers: stiffness is the mean over a roller pitch",
-    "loads that change: a rotor that loads the bearing otherwise needs the element of that load",
-)
-
-
-@attrs.frozen
-class Ross(_OfTables):
-    """Bearing elements of ROSS, stiffness over speed, one for each load and temperature, that of the scene first."""
-
-    endings: ClassVar[tuple[str, ...]] = (".ross.json",)
-
-    def of(self, result: "xr.Dataset") -> Written:
-        """Return what ``ross.BearingElement.load`` reads: x along the load, y across it; friction torques beside."""
-        axes = ("temperature", "radial_load")
-        speeds = result["inner_speed"].to_numpy()
-        used = np.flatnonzero(speeds >= 0.0) if (speeds > 0.0).any() else np.arange(speeds.size)
-        used = used[np.argsort(np.abs(speeds[used]))]
-
-        def row(name: str, at: dict[str, int]) -> list[float | None]:
-            values = result[name].isel(at).to_numpy()[used].tolist()
-            return [None if np.isnan(value) else value for value in values]
-
-        first = [float(result[name]) for name in ("first_temperature", "first_load")]
-        off = [np.abs(np.log(result[name].to_numpy() / of)) for name, of in zip(axes, first, strict=True)]
-        far = np.add.outer(*off)
-        elements, beside = dict[str, Any](), dict[str, Any]()
-        for place in sorted(np.ndindex(far.shape), key=far.__getitem__):
-            at = dict(zip(axes, place, strict=True))
-            T, W = (float(result[name][at[name]]) for name in axes)
-            tag = f"{W:.5g} N {T:.5g} K"
-            along, across, oblique = (row(f"stiffness_{name}", at) for name in ("along", "across", "oblique"))
-            if None in along:
-                raise SceneError(["format ross: rings that yield have no stiffness here; take rigid ones"])
-            elements[f"BearingElement_{tag}"] = {
-                "n": 0, "tag": tag, "frequency": np.abs(speeds[used]).tolist(), "kxx": along, "kyy": across,
-                "kxy": oblique, "kyx": oblique, "cxx": [0.0] * used.size,
-            }  # fmt: skip
-            beside[tag] = {"radial_load": W, "temperature": T, "friction_torque": row("friction_torque", at),
-                           "steady_cage_slip": row("steady_cage_slip", at)}  # fmt: skip
-        told = {"x": "along the load", "y": "across it", "units": "SI", "not_modelled": [*_NOT_IN_SPRINGS]}
-        text = json.dumps(elements | {"rollslip": told | {"beside": beside}}, indent=1)
-        return Written(text + "\n", tuple(f"not in it: {one}" for one in _NOT_IN_SPRINGS))
-
-
 @hookimpl
 def scene_formats() -> list[SceneFormat]:
     """Offer the formats."""
-    return [Fmu("fmu"), C("c"), Csv("csv"), Ross("ross")]
+    return [Fmu("fmu"), C("c"), Csv("csv")]

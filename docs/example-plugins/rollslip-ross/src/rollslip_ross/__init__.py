@@ -1,0 +1,1 @@
+"""Bearing elements of ROSS, found through the entry point in pyproject.toml."""
