@@ -18,6 +18,7 @@ HEADERS = {
     "held_h": "motion/held.h",
     "friction_table_h": "motion/friction_table.h",
     "system_h": "motion/system.h",
+    "bearing_h": "motion/bearing.h",
     "planar_columns_h": "motion/planar_columns.h",
     "carried_columns_h": "motion/carried_columns.h",
     "table_h": "stages/table.h",
@@ -164,7 +165,7 @@ def items(text: str) -> Iterator[str]:
         if depth == 0 and character in ";}":
             item = " ".join(text[start : k + 1].split())
             if character == ";" or re.match(r"[^{;]*\) ?\{", item):
-                item = re.sub(r"\b(?:static|inline|__restrict|RS_[A-Z_]+) ", "", item)
+                item = re.sub(r"^(?:(?:static|inline|RS_[A-Z_]+) )+|\b__restrict ", "", item)
                 yield item.replace("( ", "(").replace(" )", ")")
                 start = k + 1
 

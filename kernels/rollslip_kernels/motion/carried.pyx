@@ -36,54 +36,24 @@ At level cage-set P is what carries the roller round at a steady speed, H = 0.
 
 import numpy as np
 
-from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
-from cpython.pycapsule cimport PyCapsule_GetPointer
+from cpython.exc cimport PyErr_SetObject
 from libc.math cimport INFINITY, NAN, fabs, fmin, isfinite, sqrt
 from libc.string cimport memcpy, memset
 
 from carried_columns_h cimport *
-from rollslip_abi cimport rs_drag
 from rollslip_arrow cimport RS_RAISED
-from rollslip_drag cimport rs_drag_of, rs_torque_then
-from rollslip_errors cimport rs_raise_pending
-from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
-from rollslip_raceway cimport (
-    RS_CONVENTIONAL, RS_RACEWAY, rs_box_holds, rs_box_reaches, rs_contact_outputs, rs_film_speed, rs_held,
-    rs_held_damping, rs_held_friction, rs_held_off, rs_place_held, rs_raceway, rs_raceway_friction, rs_raceway_held,
-    rs_thinnest,
+from rollslip_bearing cimport (
+    rs_by_table, rs_drag_on_cage, rs_film_above, rs_outputs, rs_reach, rs_refusal, rs_refuse_drag, rs_ring_friction,
+    rs_set_common, rs_shares, rs_slip_above, rs_until_bar,
 )
-from rollslip_system cimport RS_SHARES, rs_new_system, rs_shares, rs_system, rs_tells_nothing, rs_until
-
-from rollslip_kernels.motion.raceway import OUTPUTS, refusal
-
-cdef enum:
-    INNER
-    OUTER
-    RINGS
+from rollslip_pocket cimport rs_bars, rs_pocket_bars
+from rollslip_raceway cimport rs_film_speed
+from rollslip_system cimport rs_new_system, rs_system
 
 cdef enum:
-    MAX_DRAGS = 16
+    RINGS = 2
     MAX_CELLS = 2048
-    HEAD = 2   # theta, w_c
-
-cdef enum:  # ledger, behind the head
-    WORK_RINGS = HEAD
-    WORK_DRAG
-    LOST_INNER
-    LOST_OUTER
-    LOST_ROLLING
-    LOST_POCKETS
-    IMPULSE_INNER
-    IMPULSE_OUTER
-    IMPULSE_DRAG
-    ALL
-
-cdef enum:  # who refused
-    NOBODY
-    RACEWAY_INNER
-    RACEWAY_OUTER
-    LOADS
-    DRAG
+    LOADS_REFUSED = LEVEL_REFUSED
 
 #: Recorded unknowns, in order, with their unit.
 LEDGER: dict[str, str] = {
@@ -101,30 +71,15 @@ cdef struct cell_t:
 
 
 cdef struct carried_t:
-    rs_carried c
+    rs_bearing c
     void *owner
-    double direction
-    double cage_inertia
     # loads, by intervals of centrifugal force up to the top: those known so far, and the one that held a roller last
     double top
     cell_t *cells
-    size_t n_cells, slices
+    size_t n_cells
     size_t *last
-    rs_raceway raceway[RINGS]
-    rs_drag drags[MAX_DRAGS]
-    size_t n_drags
-    bint in_time   # a drag varies in time
-    rs_pocket cage
-    double epicyclic_speed, critical_slip, film_limit
-    int refused
     size_t refused_roller
-    size_t shares  # of each roller, behind the ledger; 0 or RS_SHARES
-    double *load   # [channels x Z x slices], where friction asks for slices
-    # friction as it is held, since when; room [2 Z]
-    rs_held held[RINGS]
-    double held_at
-    int still
-    double *room
+    double held_at   # since when forces and friction are held
 
 
 cdef inline double _risen(double d, double soft) noexcept nogil:
@@ -156,7 +111,7 @@ cdef int _find_cell(carried_t *p, double pull, size_t *last) noexcept nogil:
 cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) noexcept nogil:
     """Loads of the slices of roller j, at a share of the way from one centrifugal force to the next."""
     cdef double place, x, y0, y1, d0, d1, value
-    cdef size_t k, i, row = p.c.channels * p.slices, channel
+    cdef size_t k, i, row = p.c.channels * p.c.slices, channel
     cdef const double *a
     cdef const double *b
     cdef const double *e
@@ -173,37 +128,35 @@ cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) n
     b = a + 2 * row
     e = cell.above + 2 * row * k
     g = e + 2 * row
-    for channel in range(p.c.channels):
-        out = p.load + (channel * p.c.rollers + j) * p.slices
-        for i in range(p.slices):
+    for channel in range(<size_t>RINGS):   # resistances come with forces that are not conventional
+        out = p.c.load_of[channel] + j * p.c.slices
+        for i in range(p.c.slices):
             value = ((1.0 - f) * (y0 * a[i] + d0 * a[row + i] + y1 * b[i] + d1 * b[row + i])
                      + f * (y0 * e[i] + d0 * e[row + i] + y1 * g[i] + d1 * g[row + i]))
             out[i] = value if value > 0.0 else 0.0
-        a += p.slices
-        b += p.slices
-        e += p.slices
-        g += p.slices
+        a += p.c.slices
+        b += p.c.slices
+        e += p.c.slices
+        g += p.c.slices
 
 
-cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint film, bint hold) noexcept nogil:
-    """Fill force, speeds and friction of all contacts, and load where friction needs it.
+cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint film, int friction) noexcept nogil:
+    """Fill force, speeds and friction of all contacts, and loads per length where friction needs them.
 
-    A centrifugal force beyond the top is refused. With ``film`` conventional friction is that of the slices; with
-    ``hold`` friction and forces are held, and tractions are to be had from that.
+    A centrifugal force beyond the top is refused. With ``film`` conventional friction is that of the slices; what is
+    renewed is held, as forces are, and tractions are to be had from that.
     """
     cdef size_t j, Z = p.c.rollers
     cdef double pull
-    cdef double *resistance
-    cdef double *force
     cdef cell_t *cell
     cdef int status, ring
-    cdef bint sliced = False
+    cdef bint conventional, sliced = False
     rs_carried_speeds(&p.c, head, rollers)
     rs_carried_places(&p.c, head)
     for j in range(Z):
         pull = p.c.pull[j]
         if not (pull <= p.top and isfinite(p.c.turns[j])):
-            p.refused, p.refused_roller = LOADS, j
+            p.c.refused, p.refused_roller = LOADS_REFUSED, j
             return 1
         cell = &p.cells[p.last[j]]
         if not cell.low <= pull <= cell.high:
@@ -211,74 +164,54 @@ cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint
                 return RS_RAISED
             cell = &p.cells[p.last[j]]
         rs_carried_forces(&p.c, j, cell.powers, (pull - cell.low) / (cell.high - cell.low))
-        if hold:
+        if friction == RENEWED:
             rs_carried_force_rates(&p.c, j, cell.powers, (pull - cell.low) / (cell.high - cell.low))
     for ring in range(RINGS):
-        force, resistance = p.c.force + ring * Z, p.c.force + (RINGS + ring) * Z
-        if hold and rs_box_holds(
-                &p.raceway[ring], &p.held[ring], force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
-                p.c.traction + ring * Z, resistance):
+        if rs_by_table(&p.c, ring, friction, film):
             continue
-        if p.raceway[ring].friction == RS_CONVENTIONAL:
-            if not (film or hold) and rs_box_reaches(
-                    &p.raceway[ring], force, p.c.sliding + ring * Z, p.c.rolling + ring * Z, p.c.traction + ring * Z,
-                    resistance):
-                continue
-            if not sliced:
-                for j in range(Z):
-                    cell = &p.cells[p.last[j]]
-                    _slices(p, j, cell, (p.c.pull[j] - cell.low) / (cell.high - cell.low))
-                sliced = True
-        elif p.c.channels == RINGS:
-            resistance = NULL   # zero for good
-        if hold:
-            status = rs_raceway_held(
-                &p.raceway[ring], &p.held[ring], p.load + ring * Z * p.slices, force, p.c.sliding + ring * Z,
-                p.c.rolling + ring * Z, resistance, p.room)
-        else:
-            status = rs_raceway_friction(
-                &p.raceway[ring], p.load + ring * Z * p.slices, force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
-                p.c.traction + ring * Z, resistance)
+        conventional = p.c.raceway[ring].friction == RS_CONVENTIONAL
+        if conventional and not sliced:
+            for j in range(Z):
+                cell = &p.cells[p.last[j]]
+                _slices(p, j, cell, (p.c.pull[j] - cell.low) / (cell.high - cell.low))
+            sliced = True
+        status = rs_ring_friction(&p.c, ring, friction, conventional or p.c.channels > RINGS)
         if status != 0:
-            p.refused = RACEWAY_INNER + ring
             return status
     return 0
 
 
 cdef inline void _held_friction(carried_t *p, double t) noexcept nogil:
     """Forces and tractions at a time and the speeds of the columns, by what is held."""
-    cdef size_t Z = p.c.rollers, ring
+    cdef int ring
     rs_carried_held_forces(&p.c, t - p.held_at)
-    for ring in range(<size_t>RINGS):
-        rs_held_friction(&p.held[ring], Z, p.c.force + ring * Z, p.c.sliding + ring * Z, p.c.traction + ring * Z,
-                         p.c.force + (RINGS + ring) * Z)
+    for ring in range(RINGS):
+        rs_held_tractions(&p.c, ring)
 
 
 cdef int _renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
-    cdef size_t Z = p.c.rollers, ring, j
-    cdef double gone = 0.0, all = 1e-300, sense
-    cdef double *before = p.room + Z
+    cdef size_t Z = p.c.rollers, i, j
+    cdef double sense
+    cdef double *before = p.c.room + Z
     cdef int status
     if compared:
         rs_carried_speeds(&p.c, y, y + HEAD)
         _held_friction(p, t)
-        memcpy(before, p.c.traction, RINGS * Z * sizeof(double))
-    status = _contacts(p, y, y + HEAD, False, True)
+        memcpy(before, p.c.traction[INNER], RINGS * Z * sizeof(double))   # and those behind
+    status = _contacts(p, y, y + HEAD, False, RENEWED)
     if status != 0:
         return status
     p.held_at = t
-    told[0] = rs_held_damping(&p.held[INNER], &p.held[OUTER], Z, p.c.force, p.c.force + Z, p.c.mass)
-    if p.c.channels > RINGS:   # resistances that come with the loads, with the sense of rolling
-        for j in range(RINGS * Z):
-            sense = p.c.rolling[j] / rs_film_speed(p.c.rolling[j])
-            p.c.force_then[RINGS * Z + j] *= sense
-            p.c.force_rate[RINGS * Z + j] *= sense
+    told[0] = rs_held_damping(&p.c)
+    for i in range(<size_t>RINGS, p.c.channels):   # resistances that come with the loads, with the sense of rolling
+        for j in range(Z):
+            sense = p.c.rolling[i - RINGS][j] / rs_film_speed(p.c.rolling[i - RINGS][j])
+            p.c.force_then[i][j] *= sense
+            p.c.force_rate[i][j] *= sense
     if compared:
         _held_friction(p, t)
-        for ring in range(<size_t>RINGS):
-            rs_held_off(Z, before + ring * Z, p.c.traction + ring * Z, p.c.force + ring * Z, &gone, &all)
-        told[1] = gone / all
+        told[1] = rs_held_gone(&p.c, before)
     return 0
 
 
@@ -291,76 +224,63 @@ cdef int _held(
     _held_friction(p, t)
     _bars(p, y)
     if half > 0.0:
-        rs_carried_implicit(&p.c, &p.held[INNER], &p.held[OUTER], half, before + HEAD)
+        rs_carried_implicit(&p.c, half, before + HEAD)
     return _summed(p, t, y, rates)
 
 
 cdef double _flight(double t, const double *y, const double *rates, double most, void *state) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
-    return rs_carried_free(&p.c, y, y + HEAD, rates + HEAD, rates, _reach(p), most)
-
-
-cdef inline double _reach(const carried_t *p) noexcept nogil:
-    """From the middle of the pocket to where a bar may touch; a film reaches across its gap."""
-    return p.cage.half_clearance - RS_POCKET_TOUCH / p.cage.stiffness if p.cage.film == 0.0 else -1.0
+    return rs_carried_free(&p.c, y, y + HEAD, rates + HEAD, rates, rs_reach(&p.c.pocket), most)
 
 
 cdef inline void _bars(carried_t *p, const double *head) noexcept nogil:
     """What the rollers do to the bars of their pockets."""
-    cdef double reach = _reach(p)
+    cdef double reach = rs_reach(&p.c.pocket)
     cdef double rate, slides
     cdef rs_bars bars
     cdef size_t j
     for j in range(p.c.rollers):
         p.c.push[j] = p.c.moment[j] = p.c.lost[j] = 0.0
-        if fabs(p.c.at[j]) <= reach:
+        if fabs(p.c.unknown[PLACE][j]) <= reach:
             continue
-        rate = p.c.orbit * (p.c.speed[j] - head[1])
-        bars = rs_pocket_bars(&p.cage, p.c.at[j], rate)
+        rate = p.c.orbit_radius * (p.c.unknown[SPEED][j] - head[1])
+        bars = rs_pocket_bars(&p.c.pocket, p.c.unknown[PLACE][j], rate)
         p.c.push[j] = bars.ahead - bars.behind
         p.c.lost[j] = ((bars.ahead - bars.spring_ahead) - (bars.behind - bars.spring_behind)) * rate
-        if p.cage.friction > 0.0:
-            slides = p.c.radius * (p.c.spin[j] + head[1])
+        if p.c.pocket.friction > 0.0:
+            slides = p.c.roller_radius * (p.c.unknown[SPIN][j] + head[1])
             slides /= sqrt(slides * slides + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
-            p.c.moment[j] = p.cage.friction * (bars.ahead + bars.behind) * p.c.radius * slides
+            p.c.moment[j] = p.c.pocket.friction * (bars.ahead + bars.behind) * p.c.roller_radius * slides
 
 
 cdef inline double _inertia(const carried_t *p) noexcept nogil:
     """What the cage turns with: at level cage-set the orbital motion of the rollers too."""
-    if p.c.pocket:
-        return p.cage_inertia
-    return p.cage_inertia + <double>p.c.rollers * p.c.mass * p.c.orbit * p.c.orbit
+    if p.c.pocketed:
+        return p.c.cage_inertia
+    return p.c.cage_inertia + <double>p.c.rollers * p.c.roller_mass * p.c.orbit_radius * p.c.orbit_radius
 
 
 cdef inline void _receive(const carried_t *p, const double *sums, double *row) noexcept nogil:
     """Add what rollers add to a row of rates of head and ledger."""
     row[1] += sums[TO_TORQUE] / _inertia(p)
-    row[WORK_RINGS] += sums[TO_WORK_RINGS]
-    row[LOST_INNER] += sums[TO_LOST_INNER]
-    row[LOST_OUTER] += sums[TO_LOST_OUTER]
-    row[LOST_ROLLING] += sums[TO_LOST_ROLLING]
-    row[LOST_POCKETS] += sums[TO_LOST_POCKETS]
-    row[IMPULSE_INNER] += sums[TO_IMPULSE_INNER]
-    row[IMPULSE_OUTER] += sums[TO_IMPULSE_OUTER]
+    rs_carried_ledger(sums, row)
 
 
 cdef int _columns(carried_t *p, const double *head, const double *rollers) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status
-    cdef size_t ring
-    if p.still:
+    cdef int status, ring
+    if p.c.still:
         rs_carried_speeds(&p.c, head, rollers)
-        memcpy(p.c.force, p.c.force_then, p.c.channels * p.c.rollers * sizeof(double))
-        for ring in range(<size_t>RINGS):
-            rs_held_friction(&p.held[ring], p.c.rollers, p.c.force + ring * p.c.rollers, p.held[ring].sliding,
-                             p.c.traction + ring * p.c.rollers, p.c.force + (RINGS + ring) * p.c.rollers)
+        memcpy(p.c.force[INNER], p.c.force_then[INNER], p.c.channels * p.c.rollers * sizeof(double))
+        for ring in range(RINGS):
+            rs_held_tractions(&p.c, ring)
     else:
-        status = _contacts(p, head, rollers, False, False)
+        status = _contacts(p, head, rollers, False, EVALUATED)
         if status != 0:
             return status
-    if p.c.pocket:
+    if p.c.pocketed:
         _bars(p, head)
-    rs_carried_rates(&p.c, head, p.cage.friction, RS_POCKET_SLIDING)
+    rs_carried_rates(&p.c, head)
     return 0
 
 
@@ -369,33 +289,27 @@ cdef int _roller_rates(
 ) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
     cdef double one[ADDED]
-    cdef size_t j, k, row = ALL + p.shares, Z = p.c.rollers
+    cdef size_t j, k, row = ALL + p.c.shares, Z = p.c.rollers
     cdef int status = _columns(p, head, rollers)
     if status != 0:
         return status
-    rs_carried_blocks(&p.c, rates)
+    rs_scatter(&p.c, rates)
     memset(added, 0, Z * row * sizeof(double))
     for j in range(Z):
         for k in range(<size_t>ADDED):
             one[k] = p.c.added[k][j]
         _receive(p, one, added + j * row)
-        if p.shares:
-            _shares(p, j, added + j * row + ALL)
+        rs_shares(&p.c, TO_LOST_INNER, j, added + j * row + ALL)
     return 0
-
-
-cdef inline void _shares(const carried_t *p, size_t j, double *rates) noexcept nogil:
-    rs_shares(p.c.added[TO_LOST_INNER][j], p.c.added[TO_LOST_OUTER][j], p.c.sliding[j],
-              p.c.sliding[p.c.rollers + j], rates)
 
 
 cdef int _rates(double t, const double *y, double *rates, void *state) noexcept nogil:
     """All rates, the sums over the rollers without what each adds."""
     cdef carried_t *p = <carried_t *>state
-    cdef int status = _contacts(p, y, y + HEAD, False, False)
+    cdef int status = _contacts(p, y, y + HEAD, False, EVALUATED)
     if status != 0:
         return status
-    if p.c.pocket:
+    if p.c.pocketed:
         _bars(p, y)
     return _summed(p, t, y, rates)
 
@@ -408,33 +322,25 @@ cdef int _summed(carried_t *p, double t, const double *y, double *rates) noexcep
     cdef int status = _head_rates(t, y, row, p)
     if status != 0:
         return status
-    rs_carried_rates(&p.c, y, p.cage.friction, RS_POCKET_SLIDING)
+    rs_carried_rates(&p.c, y)
     for k in range(<size_t>ADDED):
         sums[k] = rs_total(p.c.added[k], p.c.rollers)
     _receive(p, sums, row)
     rates[0], rates[1] = row[0], row[1]
-    rs_carried_blocks(&p.c, rates + HEAD)
+    rs_scatter(&p.c, rates + HEAD)
     for k in range(<size_t>(ALL - HEAD)):
         rates[behind + k] = row[HEAD + k]
-    if p.shares:
-        for k in range(p.c.rollers):
-            _shares(p, k, rates + behind + ALL - HEAD + k * p.shares)
+    for k in range(p.c.rollers):
+        rs_shares(&p.c, TO_LOST_INNER, k, rates + behind + ALL - HEAD + k * p.c.shares)
     return 0
 
 
 cdef int _head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
-    cdef double torque = 0.0
+    cdef double torque = rs_drag_on_cage(&p.c, head[1], t)
     cdef size_t k
-    for k in range(p.n_drags):
-        torque += p.direction * rs_torque_then(
-            &p.drags[k], p.direction * head[1], p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, t)
     if not isfinite(torque):
-        with gil:
-            if PyErr_Occurred() != NULL:
-                return -1
-        p.refused = DRAG
-        return 1
+        return rs_refuse_drag(&p.c)
     for k in range(<size_t>ALL):
         rates[k] = 0.0
     rates[0] = head[1]
@@ -447,30 +353,26 @@ cdef int _head_rates(double t, const double *head, double *rates, void *state) n
 cdef int _watch(double t, const double *y, double *values, void *state) noexcept nogil:
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, if watched."""
     cdef carried_t *p = <carried_t *>state
-    cdef int status, ring
-    values[0] = 1.0 - y[1] / p.epicyclic_speed - p.critical_slip if p.critical_slip == p.critical_slip else -1.0
-    if p.film_limit == p.film_limit:
-        status = _contacts(p, y, y + HEAD, True, False)
+    cdef int status
+    values[0] = rs_slip_above(&p.c, y[1])
+    if p.c.film_limit == p.c.film_limit:
+        status = _contacts(p, y, y + HEAD, True, EVALUATED)
         if status != 0:
             return status
-        values[1] = 1e308
-        for ring in range(RINGS):
-            values[1] = rs_thinnest(&p.raceway[ring], values[1], p.c.sliding + ring * p.c.rollers)
-        values[1] -= p.film_limit
+        values[1] = rs_film_above(&p.c)
     return 0
 
 
 cdef double _until_contact(double t, const double *y, void *state) noexcept nogil:
     """Time [s] until a roller meets a bar of its pocket at the present speeds."""
     cdef carried_t *p = <carried_t *>state
-    cdef double soft = RS_POCKET_TOUCH / p.cage.stiffness, soonest = INFINITY, rate
+    cdef double soonest = INFINITY
     cdef const double *roller
     cdef size_t j
     for j in range(p.c.rollers):
-        roller = y + HEAD + 3 * j
-        rate = p.c.orbit * (roller[1] - y[1])
-        soonest = fmin(soonest, rs_until(p.cage.half_clearance - soft - roller[2], rate))
-        soonest = fmin(soonest, rs_until(p.cage.half_clearance - soft + roller[2], -rate))
+        roller = y + HEAD + BLOCK * j
+        soonest = fmin(soonest, rs_until_bar(
+            &p.c.pocket, roller[PLACE], p.c.orbit_radius * (roller[SPEED] - y[1])))
     return soonest
 
 
@@ -479,10 +381,33 @@ cdef int _drift(double h, double *y, void *state) noexcept nogil:
     cdef double *roller
     cdef size_t j
     y[0] += h * y[1]
-    if p.c.pocket:
+    if p.c.pocketed:
         for j in range(p.c.rollers):
-            roller = y + HEAD + 3 * j
-            roller[2] += h * p.c.orbit * (roller[1] - y[1])
+            roller = y + HEAD + BLOCK * j
+            roller[PLACE] += h * p.c.orbit_radius * (roller[SPEED] - y[1])
+    return 0
+
+
+cdef int _outputs(const double *y, double *pockets, size_t step, void *state) noexcept nogil:
+    """Evaluate a state, and tell the tangential forces of rollers on the cage."""
+    cdef rs_bearing *c = &(<carried_t *>state).c
+    cdef const double *roller
+    cdef double inner, outer
+    cdef rs_bars bars
+    cdef size_t j
+    cdef int status = _contacts(<carried_t *>state, y, y + HEAD, True, EVALUATED)
+    if status != 0:
+        return status
+    for j in range(c.rollers):
+        if c.pocketed:
+            roller = y + HEAD + BLOCK * j
+            bars = rs_pocket_bars(&c.pocket, roller[PLACE], c.orbit_radius * (roller[SPEED] - y[1]))
+            pockets[j] = bars.ahead - bars.behind
+        else:
+            inner, outer = c.traction[INNER][j], c.traction[OUTER][j]
+            pockets[j] = (c.roller_radius * (inner - c.resistance[INNER][j] - outer - c.resistance[OUTER][j])
+                          + c.inner_radius * (inner + c.resistance[INNER][j])
+                          + c.outer_radius * (outer - c.resistance[OUTER][j])) / c.orbit_radius
     return 0
 
 
@@ -518,7 +443,7 @@ cdef class Carried:
     cdef tuple kept
     cdef list tables
     cdef object cell
-    cdef double[::1] scale, kicked, widths
+    cdef double[::1] scale, kicked, widths, memory
 
     def __init__(
         self, bint pocket, bearing: Mapping[str, float],
@@ -528,68 +453,41 @@ cdef class Carried:
     ):
         cdef carried_t *p = &self.p
         cdef size_t Z = bearing["rollers"], n
-        p.shares = RS_SHARES if each else 0
-        p.c.pocket, p.c.rollers, p.c.block = pocket, Z, 3 if pocket else 1
-        p.direction, p.epicyclic_speed = bearing["direction"], bearing["epicyclic_speed"]
+        cdef rs_pocket *c = &p.c.pocket
+        p.c.pocketed, p.c.rollers, p.c.block = pocket, Z, BLOCK if pocket else 1
+        p.c.direction, p.c.epicyclic_speed = bearing["direction"], bearing["epicyclic_speed"]
         p.c.inner_radius, p.c.outer_radius = bearing["inner_radius"], bearing["outer_radius"]
-        p.c.radius, p.c.orbit = bearing["radius"], bearing["orbit"]
+        p.c.roller_radius, p.c.orbit_radius = bearing["radius"], bearing["orbit"]
         p.c.inner_speed, p.c.outer_speed = bearing["inner_speed"], bearing["outer_speed"]
-        p.c.mass, p.c.spin_inertia = bearing["mass"], bearing["spin_inertia"]
-        p.cage_inertia = bearing["cage_inertia"]
-        p.cage.half_clearance, p.cage.stiffness = cage["half_clearance"], cage["stiffness"]
-        p.cage.damping, p.cage.friction = cage["damping"], cage["friction"]
-        p.cage.film, p.cage.roughness = cage["film"], cage["roughness"]
-        p.critical_slip, p.film_limit = critical_slip, film_limit
-
+        p.c.roller_mass, p.c.roller_inertia = bearing["mass"], bearing["spin_inertia"]
+        p.c.cage_inertia = bearing["cage_inertia"]
+        c.half_clearance, c.stiffness, c.damping = cage["half_clearance"], cage["stiffness"], cage["damping"]
+        c.friction, c.film, c.roughness = cage["friction"], cage["film"], cage["roughness"]
         p.top, wide, self.cell = loads
         cells = np.zeros(MAX_CELLS * sizeof(cell_t), dtype=np.uint8)
         p.owner, p.cells, p.n_cells = <void *>self, <cell_t *><size_t>cells.ctypes.data, 0
         p.c.positions = p.c.channels = 0
         self.tables = []
-        cdef double[::1] widths = np.array(wide, dtype=float)
+        self.widths = np.array(wide, dtype=float)
         cdef size_t[::1] last = np.zeros(Z, dtype=np.uintp)
-        self.widths = widths
-        p.slices, p.last = widths.shape[0], &last[0]
-        for ring, capsule in enumerate((inner, outer)):
-            p.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(capsule, RS_RACEWAY))[0]
-            if p.raceway[ring].rollers != Z or p.raceway[ring].slices != p.slices:
+        p.c.slices, p.last = self.widths.shape[0], &last[0]
+        rs_set_common(&p.c, (inner, outer), drags, critical_slip, film_limit, each)
+        self.memory = np.zeros(rs_memory_of(&p.c))
+        rs_place_columns(&p.c, &self.memory[0])
+        for ring in range(RINGS):
+            if p.c.raceway[ring].rollers != Z or p.c.raceway[ring].slices != p.c.slices:
                 raise ValueError("raceways and loads are made for other numbers of rollers or slices")
-        self._more(min(p.c.mass * p.c.orbit * p.epicyclic_speed ** 2, p.top))
-
-        if len(drags) > MAX_DRAGS:
-            raise ValueError(f"at most {MAX_DRAGS} drags act on a cage, got {len(drags)}")
-        p.in_time = False
-        for k, capsule in enumerate(drags):
-            p.drags[k] = rs_drag_of(capsule)
-            p.in_time = p.in_time or p.drags[k].torque_at != NULL
-        p.n_drags = len(drags)
-
+            p.c.raceway[ring].turns = p.c.turns
+        self._more(min(p.c.roller_mass * p.c.orbit_radius * p.c.epicyclic_speed ** 2, p.top))
         self.scale = np.array(scale, dtype=float)
-        n = ALL + Z * (p.c.block + p.shares)
+        n = ALL + Z * (p.c.block + p.c.shares)
         if <size_t>self.scale.shape[0] != n:
             raise ValueError(f"{n} unknowns need as many scales, got {self.scale.shape[0]}")
         self.kicked = np.ones(n)
         self.kicked[0] = 0.0
-        if p.c.pocket:
-            self.kicked[HEAD + 2:HEAD + 3 * Z:3] = 0.0
-        cdef double[::1] load = np.zeros(p.c.channels * Z * p.slices)
-        cdef double[::1] columns = np.zeros((11 + 10 + ADDED + 8 + 14 + 5) * Z)
-        cdef double *room = &columns[0]
-        cdef size_t i
-        p.load = &load[0]
-        p.c.spin, p.c.speed, p.c.at, p.c.turns, p.c.pull = room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z
-        p.c.spin_rate, p.c.speed_rate, p.c.at_rate = room + 5 * Z, room + 6 * Z, room + 7 * Z
-        p.c.push, p.c.moment, p.c.lost = room + 8 * Z, room + 9 * Z, room + 10 * Z
-        p.c.force, p.c.sliding, p.c.rolling, p.c.traction = room + 11 * Z, room + 15 * Z, room + 17 * Z, room + 19 * Z
-        for i in range(<size_t>ADDED):
-            p.c.added[i] = room + (21 + i) * Z
-        room += (21 + ADDED) * Z
-        p.c.force_then, p.c.force_rate, p.room = room, room + 4 * Z, room + 8 * Z
-        room += 13 * Z
-        for ring in range(RINGS):
-            room = rs_place_held(&p.held[ring], Z, room)
-            p.raceway[ring].turns = p.c.turns
-        self.kept = (inner, outer, tuple(drags), load, columns, last, cells)
+        if p.c.pocketed:
+            self.kicked[HEAD + PLACE:HEAD + BLOCK * Z:BLOCK] = 0.0
+        self.kept = (inner, outer), tuple(drags), last, cells
 
     cdef _more(self, double pull):
         """Take the cell that holds a centrifugal force from the owner of the loads."""
@@ -601,9 +499,9 @@ cdef class Carried:
         below, above = tables
         if not p.n_cells:
             p.c.positions, p.c.channels = below.shape[0] - 1, below.shape[2]
-        shape = p.c.positions + 1, 2, p.c.channels, p.slices
+        shape = p.c.positions + 1, 2, p.c.channels, p.c.slices
         if any(np.shape(table) != shape for table in tables) or p.c.channels not in (RINGS, 2 * RINGS) or shape[0] < 2:
-            raise ValueError(f"tables of loads are of one shape (K + 1, 2, 2 or 4, {p.slices}), got "
+            raise ValueError(f"tables of loads are of one shape (K + 1, 2, 2 or 4, {p.c.slices}), got "
                              f"{', '.join(str(np.shape(table)) for table in tables)}")
         if not low <= pull <= high > low:
             raise ValueError(f"{pull:g} N is not between centrifugal forces of {low:g} and {high:g} N")
@@ -623,17 +521,17 @@ cdef class Carried:
     def system(self):
         """Return the capsule "rollslip.system.v1"."""
         cdef rs_system s
-        s.head, s.rollers, s.block, s.ledger = HEAD, self.p.c.rollers, self.p.c.block, ALL - HEAD
-        s.roller_rates, s.head_rates = _roller_rates, _head_rates
-        s.watched, s.watch = 1 if self.p.film_limit != self.p.film_limit else 2, _watch
-        s.jacobian, s.scale, s.autonomous, s.state = NULL, &self.scale[0], not self.p.in_time, &self.p
-        rs_tells_nothing(&s)
-        s.rates, s.kicked, s.drift, s.shares = _rates, &self.kicked[0], _drift, self.p.shares
-        if self.p.c.pocket:   # one roller against the cage
-            s.contact_frequency = sqrt(self.p.cage.stiffness * (
-                1.0 / self.p.c.mass + self.p.c.orbit * self.p.c.orbit / self.p.cage_inertia))
+        cdef const rs_bearing *c = &self.p.c
+        memset(&s, 0, sizeof(s))
+        s.head, s.rollers, s.block, s.ledger, s.shares = HEAD, c.rollers, c.block, ALL - HEAD, c.shares
+        s.roller_rates, s.head_rates, s.rates, s.drift = _roller_rates, _head_rates, _rates, _drift
+        s.watched, s.watch = 1 if c.film_limit != c.film_limit else 2, _watch
+        s.scale, s.kicked, s.autonomous, s.state = &self.scale[0], &self.kicked[0], not c.in_time, &self.p
+        if c.pocketed:   # one roller against the cage
+            s.contact_frequency = sqrt(c.pocket.stiffness * (
+                1.0 / c.roller_mass + c.orbit_radius * c.orbit_radius / c.cage_inertia))
             s.until_contact = _until_contact
-            s.renew, s.held, s.still, s.flight = _renew, _held, &self.p.still, _flight
+            s.renew, s.held, s.still, s.flight = _renew, _held, &self.p.c.still, _flight
         return rs_new_system(&s, self)
 
     @property
@@ -647,21 +545,16 @@ cdef class Carried:
     @property
     def contacts_evaluated(self) -> int:
         """Slices evaluated so far; contacts, where friction is not conventional."""
-        return self.p.raceway[INNER].evaluated + self.p.raceway[OUTER].evaluated
+        return self.p.c.raceway[INNER].evaluated + self.p.c.raceway[OUTER].evaluated
 
     def refusal(self) -> tuple[str, Any] | None:
         """Return who refused an evaluation last, "inner", "outer", "loads" or "drag", and why; None if nobody.
 
         For a ring that is what ``Chain.run`` returns, for the loads the number of the roller, for a drag None.
         """
-        if self.p.refused == NOBODY:
-            return None
-        if self.p.refused == LOADS:
+        if self.p.c.refused == LOADS_REFUSED:
             return "loads", self.p.refused_roller
-        if self.p.refused == DRAG:
-            return "drag", None
-        ring = self.p.refused - RACEWAY_INNER
-        return ("inner", "outer")[ring], refusal(self.kept[ring])
+        return rs_refusal(&self.p.c, self.kept[0])
 
     def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.
@@ -670,51 +563,16 @@ cdef class Carried:
         (smallest; NaN without load or where friction knows no film), ``rolling_resistance`` [N], and ``pocket_force``
         [N], the tangential one of a roller on the cage. None, if an evaluation was refused.
         """
-        cdef double[:, ::1] states = np.array(y, dtype=float, ndmin=2, order="C")
-        cdef size_t Z = self.p.c.rollers, i, j
-        cdef int status, ring
-        cdef double spin
-        cdef rs_bars bars
-        if states.shape[1] != self.scale.shape[0]:
-            raise ValueError(f"states are of shape (m, {self.scale.shape[0]}), got {np.shape(y)}")
-        found = np.empty((len(OUTPUTS), states.shape[0], RINGS, Z))
-        pockets = np.zeros((states.shape[0], Z))
-        cdef double[:, :, :, ::1] to = found
-        cdef double[:, ::1] push = pockets
-        cdef const double *row
-        cdef carried_t *p = &self.p
-        for i in range(<size_t>states.shape[0]):
-            row = &states[i, 0]
-            status = _contacts(p, row, row + HEAD, True, False)
-            if status == -1:
-                rs_raise_pending()
-            if status != 0:
-                return None
-            for ring in range(RINGS):
-                rs_contact_outputs(
-                    &p.raceway[ring], p.c.force + ring * Z, p.c.traction + ring * Z, p.c.sliding + ring * Z,
-                    p.c.rolling + ring * Z, p.c.force + (RINGS + ring) * Z, &to[0, i, ring, 0],
-                    RINGS * Z * <size_t>states.shape[0])
-            for j in range(Z):
-                if p.c.pocket:
-                    bars = rs_pocket_bars(
-                        &p.cage, row[HEAD + 3 * j + 2], p.c.orbit * (row[HEAD + 3 * j + 1] - row[1]))
-                    push[i, j] = bars.ahead - bars.behind
-                else:
-                    spin = p.c.radius * (
-                        p.c.traction[j] - p.c.force[2 * Z + j] - p.c.traction[Z + j] - p.c.force[3 * Z + j])
-                    push[i, j] = (spin + p.c.inner_radius * (p.c.traction[j] + p.c.force[2 * Z + j])
-                                  + p.c.outer_radius * (p.c.traction[Z + j] - p.c.force[3 * Z + j])) / p.c.orbit
-        return dict(zip(OUTPUTS, found, strict=True)) | {"pocket_force": pockets}
+        return rs_outputs(&self.p.c, y, self.scale.shape[0], _outputs, &self.p, ("pocket_force",))
 
     def stored_energy(self, x: ArrayLike) -> Array:
         """Return the elastic energy [J] of pockets whose rollers are at ``x`` [m], of any shape."""
         cdef double[::1] at = np.array(x, dtype=float).ravel()
         energy = np.zeros(at.shape[0])
         cdef double[::1] to = energy
-        cdef double soft = RS_POCKET_TOUCH / self.p.cage.stiffness
+        cdef const rs_pocket *c = &self.p.c.pocket
+        cdef double soft = RS_POCKET_TOUCH / c.stiffness
         cdef Py_ssize_t i
         for i in range(at.shape[0]):
-            to[i] = self.p.cage.stiffness * (
-                _risen(at[i] - self.p.cage.half_clearance, soft) + _risen(-at[i] - self.p.cage.half_clearance, soft))
+            to[i] = c.stiffness * (_risen(at[i] - c.half_clearance, soft) + _risen(-at[i] - c.half_clearance, soft))
         return energy.reshape(np.shape(x))

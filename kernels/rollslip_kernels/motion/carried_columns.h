@@ -4,49 +4,36 @@
  * - What the rollers add to the rates of head and ledger stays apart until it is summed, or told roller by roller. */
 #ifndef ROLLSLIP_CARRIED_COLUMNS_H
 #define ROLLSLIP_CARRIED_COLUMNS_H
-#include "motion/held.h"
+#include "motion/bearing.h"
 
+enum { SPIN, SPEED, PLACE, BLOCK };   /* block of a roller: s, and at level pocket w and x; below w is that of the cage */
 enum {   /* what a roller adds: torque on the cage, and rates of the ledger */
     TO_TORQUE, TO_WORK_RINGS, TO_LOST_INNER, TO_LOST_OUTER, TO_LOST_ROLLING, TO_LOST_POCKETS, TO_IMPULSE_INNER,
     TO_IMPULSE_OUTER, ADDED
 };
+enum {   /* row of rates: head, theta and w_c, and ledger */
+    HEAD = 2, WORK_RINGS = HEAD, WORK_DRAG, LOST_INNER, LOST_OUTER, LOST_ROLLING, LOST_POCKETS, IMPULSE_INNER,
+    IMPULSE_OUTER, IMPULSE_DRAG, ALL
+};
 
-typedef struct {
-    size_t rollers, block;
-    int pocket;
-    double inner_radius, outer_radius, radius, orbit;
-    double inner_speed, outer_speed, load_direction;   /* the operation, which may vary */
-    double mass, spin_inertia;
-    size_t positions, channels;                  /* of the loads: 2, or 4 with rolling resistances */
-    /* columns [Z] */
-    double *spin, *speed, *at;                   /* s; w, that of the cage at level cage-set; x, 0 there */
-    double *spin_rate, *speed_rate, *at_rate;
-    double *turns;                               /* position in the orbit, 0 to 1 */
-    double *pull;                                /* centrifugal force */
-    double *force;                               /* [4 Z] inner, outer, rolling resistances */
-    double *sliding, *rolling, *traction;        /* [2 Z] inner, outer */
-    double *push, *moment, *lost;                /* force on the cage, friction in the pocket, power lost there */
-    double *force_then, *force_rate;             /* [4 Z] forces when they were held, and their rates */
-    double *added[ADDED];
-} rs_carried;
+/* Add what rollers add to the ledger to a row. */
+static void rs_carried_ledger(const double *sums, double *row) {
+    static const int to[] = {
+        WORK_RINGS, LOST_INNER, LOST_OUTER, LOST_ROLLING, LOST_POCKETS, IMPULSE_INNER, IMPULSE_OUTER
+    };
+    for (int k = TO_WORK_RINGS; k < ADDED; k++) row[to[k - TO_WORK_RINGS]] += sums[k];
+}
 
 /* Columns of the rollers, and their speeds at the raceways. */
-static void rs_carried_speeds(rs_carried *c, const double *head, const double *rollers) {
+static void rs_carried_speeds(rs_bearing *c, const double *head, const double *rollers) {
     const size_t n = c->rollers;
-    const double r = c->radius, Ri = c->inner_radius, Ro = c->outer_radius, wi = c->inner_speed, wo = c->outer_speed;
-    rs_column s = c->spin, w = c->speed, x = c->at;
-    rs_column Vi = c->sliding, Vo = c->sliding + n, ui = c->rolling, uo = c->rolling + n;
-    if (c->pocket)
-        for (size_t j = 0; j < n; j++) {
-            s[j] = rollers[3 * j];
-            w[j] = rollers[3 * j + 1];
-            x[j] = rollers[3 * j + 2];
-        }
-    else
-        for (size_t j = 0; j < n; j++) {
-            s[j] = rollers[j];
-            w[j] = head[1];
-        }
+    const double r = c->roller_radius, Ri = c->inner_radius, Ro = c->outer_radius, wi = c->inner_speed;
+    const double wo = c->outer_speed;
+    rs_gather(c, rollers);
+    if (!c->pocketed)
+        for (size_t j = 0; j < n; j++) c->unknown[SPEED][j] = head[1];
+    rs_given s = c->unknown[SPIN], w = c->unknown[SPEED];
+    rs_column Vi = c->sliding[0], Vo = c->sliding[1], ui = c->rolling[0], uo = c->rolling[1];
     RS_EACH(j, n) {
         double a = r * (s[j] + w[j]), in = Ri * (wi - w[j]), out = Ro * (w[j] - wo);
         Vi[j] = in - a;
@@ -57,11 +44,12 @@ static void rs_carried_speeds(rs_carried *c, const double *head, const double *r
 }
 
 /* Where the rollers are in the orbit, and their centrifugal forces. */
-static void rs_carried_places(rs_carried *c, const double *head) {
+static void rs_carried_places(rs_bearing *c, const double *head) {
     const size_t n = c->rollers;
-    const double turn = 1.0 / (2.0 * 3.14159265358979323846), pitch = 1.0 / (double)n, per_orbit = turn / c->orbit;
-    const double inertia = c->mass * c->orbit, at0 = (head[0] - c->load_direction) * turn, first = at0 - floor(at0);
-    rs_given w = c->speed, x = c->at;
+    const double turn = 1.0 / (2.0 * 3.14159265358979323846), pitch = 1.0 / (double)n, R = c->orbit_radius;
+    const double per_orbit = turn / R, inertia = c->roller_mass * R;
+    const double at0 = (head[0] - c->load_direction) * turn, first = at0 - floor(at0);
+    rs_given w = c->unknown[SPEED], x = c->unknown[PLACE];
     rs_column turns = c->turns, pull = c->pull;
     int far = 0;
     for (size_t j = 0; j < n; j++) {   /* from -0.5 to 2.5 turns, but for rollers that are far from their pocket */
@@ -81,7 +69,7 @@ static void rs_carried_places(rs_carried *c, const double *head) {
 }
 
 /* Forces of roller j in a cell of loads [positions x 2 x 4 x channels]: powers of the place, below and above. */
-static inline void rs_carried_forces_of(rs_carried *c, size_t j, const double *powers, double share, size_t channels) {
+static inline void rs_carried_forces_of(rs_bearing *c, size_t j, const double *powers, double share, size_t channels) {
     const double place = c->turns[j] * (double)c->positions;
     size_t k = (size_t)place;
     k = k < c->positions ? k : c->positions - 1;
@@ -90,11 +78,11 @@ static inline void rs_carried_forces_of(rs_carried *c, size_t j, const double *p
         double low = a[i] + x * (a[channels + i] + x * (a[2 * channels + i] + x * a[3 * channels + i]));
         double high = b[i] + x * (b[channels + i] + x * (b[2 * channels + i] + x * b[3 * channels + i]));
         double value = low + share * (high - low);
-        c->force[i * c->rollers + j] = value > 0.0 ? value : 0.0;
+        c->force[0][i * c->rollers + j] = value > 0.0 ? value : 0.0;   /* and resistances behind forces */
     }
 }
 
-static inline void rs_carried_forces(rs_carried *c, size_t j, const double *powers, double share) {
+static inline void rs_carried_forces(rs_bearing *c, size_t j, const double *powers, double share) {
     if (c->channels == 2)
         rs_carried_forces_of(c, j, powers, share, 2);
     else
@@ -102,9 +90,9 @@ static inline void rs_carried_forces(rs_carried *c, size_t j, const double *powe
 }
 
 /* The same, to be held: with its rate, which is that of the place at the present speed. */
-static inline void rs_carried_force_rates(rs_carried *c, size_t j, const double *powers, double share) {
+static inline void rs_carried_force_rates(rs_bearing *c, size_t j, const double *powers, double share) {
     const double place = c->turns[j] * (double)c->positions;
-    const double pace = c->speed[j] * (double)c->positions / (2.0 * 3.14159265358979323846);
+    const double pace = c->unknown[SPEED][j] * (double)c->positions / (2.0 * 3.14159265358979323846);
     const size_t channels = c->channels;
     size_t k = (size_t)place;
     k = k < c->positions ? k : c->positions - 1;
@@ -112,42 +100,38 @@ static inline void rs_carried_force_rates(rs_carried *c, size_t j, const double 
     for (size_t i = 0; i < channels; i++) {
         double low = a[channels + i] + x * (2.0 * a[2 * channels + i] + 3.0 * x * a[3 * channels + i]);
         double high = b[channels + i] + x * (2.0 * b[2 * channels + i] + 3.0 * x * b[3 * channels + i]);
-        double force = c->force[i * c->rollers + j];
-        c->force_then[i * c->rollers + j] = force;
-        c->force_rate[i * c->rollers + j] = force > 0.0 ? pace * (low + share * (high - low)) : 0.0;
+        double force = c->force[0][i * c->rollers + j];
+        c->force_then[i][j] = force;
+        c->force_rate[i][j] = force > 0.0 ? pace * (low + share * (high - low)) : 0.0;
     }
 }
 
 /* Forces some time after they were held. */
-static void rs_carried_held_forces(rs_carried *c, double since) {
-    rs_given then = c->force_then, rate = c->force_rate;
-    rs_column force = c->force;
-    RS_EACH(j, c->channels * c->rollers) {
+static void rs_carried_held_forces(rs_bearing *c, double since) {
+    rs_given then = c->force_then[0], rate = c->force_rate[0];
+    rs_column force = c->force[0];
+    RS_EACH(j, c->channels * c->rollers) {   /* one behind another */
         double value = then[j] + rate[j] * since;
         force[j] = value > 0.0 ? value : 0.0;
     }
 }
 
 /* Tractions as they are in the middle of a step of 2 half, for which spin and speed had the rates `before` [block by
- * block]: with D what those slopes make of the rates by the speeds, rates r at extrapolated speeds become
- * before + (1 - half D)^-1 (r - before), and speeds half of that change further. */
-static void rs_carried_implicit(rs_carried *c, const rs_held *inner, const rs_held *outer, double half, rs_given before) {
-    const size_t n = c->rollers;
-    const double r = c->radius, R = c->orbit, p = c->inner_radius + r, q = c->outer_radius - r;
-    const double per_J = 1.0 / c->spin_inertia, per_I = 1.0 / (c->mass * R * R);
-    rs_given Qi = c->force, Qo = c->force + n, Si = c->force + 2 * n, So = c->force + 3 * n;
+ * block]. */
+static void rs_carried_implicit(rs_bearing *c, double half, rs_given before) {
+    const double r = c->roller_radius, R = c->orbit_radius, p = c->inner_radius + r, q = c->outer_radius - r;
+    const double per_J = 1.0 / c->roller_inertia, per_I = 1.0 / (c->roller_mass * R * R);
+    rs_given Qi = c->force[0], Qo = c->force[1], Si = c->resistance[0], So = c->resistance[1];
     rs_given push = c->push, moment = c->moment;
-    rs_column s = c->spin, w = c->speed, Fi = c->traction, Fo = c->traction + n;
-    rs_column Vi = c->sliding, Vo = c->sliding + n, ui = c->rolling, uo = c->rolling + n;
-    RS_EACH(j, n) {
-        double ki = rs_held_slope(inner, Qi[j], j), ko = rs_held_slope(outer, Qo[j], j);
+    rs_column s = c->unknown[SPIN], w = c->unknown[SPEED], Fi = c->traction[0], Fo = c->traction[1];
+    rs_column Vi = c->sliding[0], Vo = c->sliding[1], ui = c->rolling[0], uo = c->rolling[1];
+    RS_EACH(j, c->rollers) {
+        double ki = rs_held_slope(&c->held[0], Qi[j], j), ko = rs_held_slope(&c->held[1], Qo[j], j), ds, dw;
         double spin = (r * (Fi[j] - Si[j] - Fo[j] - So[j]) - moment[j]) * per_J - before[3 * j];
         double speed = (p * Fi[j] + q * Fo[j] + (c->inner_radius - r) * Si[j] - (c->outer_radius + r) * So[j]
                         - R * push[j]) * per_I - before[3 * j + 1];
-        double both = half * r * (ko * q - ki * p), ss = 1.0 + half * r * r * (ki + ko) * per_J, sw = -both * per_J;
-        double ws = -both * per_I, ww = 1.0 + half * (p * p * ki + q * q * ko) * per_I;
-        double per_det = half / (ss * ww - sw * ws), ds = (ww * spin - sw * speed) * per_det;
-        double dw = (ss * speed - ws * spin) * per_det, inside = -p * dw - r * ds, outside = r * ds - q * dw;
+        rs_implicit_change(half, r, p, q, ki, ko, per_J, per_I, spin, speed, &ds, &dw);
+        double inside = -p * dw - r * ds, outside = r * ds - q * dw;
         s[j] += ds;
         w[j] += dw;
         Vi[j] += inside;
@@ -162,11 +146,11 @@ static void rs_carried_implicit(rs_carried *c, const rs_held *inner, const rs_he
 /* Time until a roller comes to a bar, `reach` from the middle of its pocket, at the present accelerations; at most
  * `most`, 0 where one is there. */
 static double rs_carried_free(
-    rs_carried *c, const double *head, const double *rollers, const double *rates, const double *head_rates,
+    rs_bearing *c, const double *head, const double *rollers, const double *rates, const double *head_rates,
     double reach, double most
 ) {
     const size_t n = c->rollers;
-    const double R = c->orbit, wc = head[1], ac = head_rates[1];
+    const double R = c->orbit_radius, wc = head[1], ac = head_rates[1];
     rs_column time = c->pull;   /* room, of no evaluation */
     double least = most;
     int there = 0;
@@ -184,16 +168,18 @@ static double rs_carried_free(
     return least;
 }
 
-/* Rates of the rollers' unknowns, and what they add; mu the friction in pockets, which fades below a sliding speed. */
-static void rs_carried_rates(rs_carried *c, const double *head, double mu, double fading) {
+/* Rates of the rollers' unknowns, and what they add. */
+static void rs_carried_rates(rs_bearing *c, const double *head) {
     const size_t n = c->rollers;
-    const double r = c->radius, Ri = c->inner_radius, Ro = c->outer_radius, R = c->orbit, wc = head[1];
-    const double per_spin = 1.0 / c->spin_inertia, per_orbit = 1.0 / (c->mass * R * R), per_R = 1.0 / R;
+    const double mu = c->pocket.friction, fading = RS_POCKET_SLIDING;
+    const double r = c->roller_radius, Ri = c->inner_radius, Ro = c->outer_radius, R = c->orbit_radius, wc = head[1];
+    const double per_spin = 1.0 / c->roller_inertia, per_orbit = 1.0 / (c->roller_mass * R * R), per_R = 1.0 / R;
     const double drive_i = Ri * c->inner_speed, drive_o = Ro * c->outer_speed;
-    rs_given s = c->spin, w = c->speed, Fi = c->traction, Fo = c->traction + n, Si = c->force + 2 * n;
-    rs_given So = c->force + 3 * n, Vi = c->sliding, Vo = c->sliding + n, ui = c->rolling, uo = c->rolling + n;
+    rs_given s = c->unknown[SPIN], w = c->unknown[SPEED], Fi = c->traction[0], Fo = c->traction[1];
+    rs_given Si = c->resistance[0], So = c->resistance[1], Vi = c->sliding[0], Vo = c->sliding[1];
+    rs_given ui = c->rolling[0], uo = c->rolling[1];
     rs_column push = c->push, moment = c->moment, lost = c->lost;
-    rs_column spin = c->spin_rate, speed = c->speed_rate, at = c->at_rate;
+    rs_column spin = c->rate_of[SPIN], speed = c->rate_of[SPEED], at = c->rate_of[PLACE];
     rs_column torque = c->added[TO_TORQUE], rings = c->added[TO_WORK_RINGS], rolled = c->added[TO_LOST_ROLLING];
     rs_column lost_i = c->added[TO_LOST_INNER], lost_o = c->added[TO_LOST_OUTER], rubbed = c->added[TO_LOST_POCKETS];
     rs_column turned_i = c->added[TO_IMPULSE_INNER], turned_o = c->added[TO_IMPULSE_OUTER];
@@ -208,7 +194,7 @@ static void rs_carried_rates(rs_carried *c, const double *head, double mu, doubl
         lost_o[j] = Fo[j] * Vo[j];
         rolled[j] = 2.0 * (Si[j] * ui[j] + So[j] * uo[j]);
     }
-    if (!c->pocket) {
+    if (!c->pocketed) {
         RS_EACH(j, n) push[j] = speed[j] * per_R;
         if (mu > 0.0) RS_EACH(j, n) {
             double slides = r * (s[j] + wc);
@@ -222,18 +208,6 @@ static void rs_carried_rates(rs_carried *c, const double *head, double mu, doubl
         speed[j] = (speed[j] - R * push[j]) * per_orbit;
         at[j] = R * (w[j] - wc);
     }
-}
-
-/* Rates of the rollers' unknowns, block by block. */
-static void rs_carried_blocks(const rs_carried *c, double *rates) {
-    if (c->pocket)
-        for (size_t j = 0; j < c->rollers; j++) {
-            rates[3 * j] = c->spin_rate[j];
-            rates[3 * j + 1] = c->speed_rate[j];
-            rates[3 * j + 2] = c->at_rate[j];
-        }
-    else
-        for (size_t j = 0; j < c->rollers; j++) rates[j] = c->spin_rate[j];
 }
 
 #endif

@@ -37,7 +37,7 @@ static inline void rs_lagrange_slopes(double t, double *w) {
 }
 
 /* Traction with the sign of V and magnitude of the rolling resistance of n contacts; 1 where one lies outside. */
-static inline int rs_box_evaluated(
+RS_INLINED int rs_box_evaluated(
     const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
     double *traction, double *resistance, const rs_held *held
 ) {
@@ -115,19 +115,13 @@ static inline int rs_box_evaluated(
     return 0;
 }
 
+/* The same, and what is to be held, if anything; compiled once for each. */
 static int rs_box_friction(
-    const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
-    double *traction, double *resistance
-) {
-    return rs_box_evaluated(t, n, force, sliding, rolling, traction, resistance, NULL);
-}
-
-/* The same, to be held */
-static int rs_box_held(
     const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
     double *traction, double *resistance, const rs_held *held
 ) {
-    return rs_box_evaluated(t, n, force, sliding, rolling, traction, resistance, held);
+    if (held) return rs_box_evaluated(t, n, force, sliding, rolling, traction, resistance, held);
+    return rs_box_evaluated(t, n, force, sliding, rolling, traction, resistance, NULL);
 }
 
 #endif

@@ -39,24 +39,4 @@ RS_INLINED double rs_held_slope(const rs_held *h, double force, size_t j) {
     return force * h->force_slope[j] + (h->rooted ? sqrt(force) * h->root_slope[j] : 0.0);
 }
 
-/* Largest rate at which tractions damp a roller's speed of mass m and its spin: no less than the larger of the two */
-static inline double rs_held_damping(
-    const rs_held *inner, const rs_held *outer, size_t n, rs_given inner_force, rs_given outer_force, double m
-) {
-    double most = 0.0;
-    for (size_t j = 0; j < n; j++) {   /* at a rim J/r^2 is m/2, and on the orbit arms are R: 4 and 2 over m */
-        double rate = 3.0 * (rs_held_slope(inner, inner_force[j], j) + rs_held_slope(outer, outer_force[j], j)) / m;
-        most = rate > most ? rate : most;
-    }
-    return most;
-}
-
-/* Sum over the rollers of how far what was held had gone, and of the tractions themselves. */
-static inline void rs_held_off(size_t n, rs_given held, rs_given evaluated, rs_given force, double *off, double *all) {
-    for (size_t j = 0; j < n; j++) {
-        *off += fabs(held[j] - evaluated[j]);
-        *all += fabs(evaluated[j]) + 1e-3 * force[j];
-    }
-}
-
 #endif

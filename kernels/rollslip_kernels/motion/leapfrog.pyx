@@ -1,6 +1,6 @@
 """Leapfrog with extrapolated speeds, for systems of arrow shape that swing and are hardly damped.
 
-Places q, whose rates are sums of speeds, and all other unknowns v (`kicked` of rollslip_system.pxd), the ledger among
+Places q, whose rates are sums of speeds, and all other unknowns v (`kicked` of system.h), the ledger among
 them; a_old is the rate of v in the middle of the step before::
 
     q+ = q + h/2 q'(v)     v~ = v + h/2 a_old     a = a(t + h/2, q+, v~)     v += h a     q = q+ + h/2 q'(v)
@@ -170,12 +170,10 @@ cdef class Leapfrog(Stepper):
         """All that the next steps depend on, as for the other methods, the rates of the step before, and where friction
         was evaluated that is held."""
         known = [1.0 if self.evaluated else 0.0, self.lag, <double>self.count]
-        signs = [self.signs[i] for i in range(self.c.watched)]
-        memory = [self.t, self.h, self.previous_step, self.previous_error, *signs, *self.y, *known]
         rates = self._array(self.f) if self.evaluated else np.zeros(self.n)
         flags = 1.0 if self.implicit else 0.0, 1.0 if self.clear else 0.0, <double>self.parts
         held = [self.held_at, self.interval, self.damping, *flags, *self._array(self.y_held)]
-        return np.array([*memory, *rates, *(held if self.holds else ())])
+        return np.array([*Stepper.state.__get__(self), *known, *rates, *(held if self.holds else ())])
 
     @state.setter
     def state(self, values: ArrayLike):

@@ -49,70 +49,29 @@ forces come from the energy, and no force is written down twice::
 
 import numpy as np
 
-from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, M_PI, NAN, cos, fabs, fmax, fmin, sin, sqrt
 from libc.string cimport memcpy, memset
 
 from planar_columns_h cimport *
-from rollslip_abi cimport ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
-from rollslip_drag cimport rs_drag_of, rs_torque_then
-from rollslip_errors cimport rs_raise_pending
+from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_bearing cimport (
+    rs_by_table, rs_drag_on_cage, rs_film_above, rs_outputs, rs_reach, rs_refusal, rs_refuse_drag, rs_ring_friction,
+    rs_set_common, rs_shares, rs_slip_above, rs_until_bar,
+)
 from rollslip_land cimport (
     ALL_OF_LAND, INNER_LAND, LAND_FILM, LAND_METAL, ROLLERS, rs_land, rs_land_force, rs_land_forces,
 )
-from rollslip_pocket cimport (
-    RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_damping, rs_pocket, rs_pocket_bars,
-)
-from rollslip_raceway cimport (
-    RS_CONVENTIONAL, RS_RACEWAY, rs_box_holds, rs_box_reaches, rs_by_slices, rs_contact_outputs, rs_film_speed, rs_held,
-    rs_held_damping, rs_held_off, rs_place_held, rs_raceway, rs_raceway_friction, rs_raceway_held,
-    rs_thinnest,
-)
-from rollslip_system cimport RS_SHARES, rs_new_system, rs_shares, rs_system, rs_tells_nothing, rs_until
+from rollslip_pocket cimport rs_bars, rs_damping, rs_pocket_bars
+from rollslip_raceway cimport rs_by_slices, rs_film_speed
+from rollslip_system cimport rs_new_system, rs_system, rs_until
 
 from rollslip_kernels.chain import bound
-from rollslip_kernels.motion.raceway import OUTPUTS, refusal as raceway_refusal
 from rollslip_kernels.stages.simd import active
 
-cdef enum:
-    INNER
-    OUTER
-
-cdef enum:   # ledger, behind the head in what is added
-    WORK_RINGS = HEAD
-    WORK_LOAD
-    WORK_GRAVITY
-    WORK_DRAG
-    WORK_RACEWAYS
-    WORK_CAGE
-    LOST_INNER
-    LOST_OUTER
-    LOST_ROLLING
-    LOST_DAMPING
-    LOST_POCKETS
-    LOST_LAND
-    IMPULSE_RINGS
-    IMPULSE_LOAD
-    IMPULSE_GRAVITY
-    IMPULSE_DRAG
-    ROW
-    LEDGER = ROW - HEAD
-
-cdef enum:
-    MOST_DRAGS = 16
-
-cdef enum:   # what is done about friction
-    EVALUATED
-    RENEWED    # and held
-    KEPT       # as it is held
-
 cdef enum:   # who refused an evaluation
-    NOBODY
-    FRICTION_REFUSED              # + ring
-    DEFLECTION_REFUSED = 3        # + ring
-    DRAG_REFUSED = 5
-    DISPLACED                     # + 1 for the cage, 2 for a shape
+    DEFLECTION_REFUSED = LEVEL_REFUSED   # + ring
+    DISPLACED = DEFLECTION_REFUSED + 2   # + 1 for the cage, 2 for a shape
 
 #: Recorded unknowns, in order, with their unit; the work that elastic forces did is what is stored, negative.
 LEDGER_UNITS: Mapping[str, str] = {
@@ -136,41 +95,27 @@ NUMBERS: tuple[str, ...] = (
 )
 
 ctypedef struct planar_t:
-    rs_plane c
+    rs_bearing c
     const rs_plane_loops *loops
-    size_t slices
     size_t heads           # unknowns before the rollers: HEAD, amplitudes of all shapes, their rates, angles of forms
-    size_t shares          # of each roller, behind the ledger; 0 or RS_SHARES
     double *on_shapes      # forces on them
-    double ring_mass, cage_mass, cage_inertia, unbalance
-    rs_pocket pocket
+    double ring_mass, cage_mass, unbalance
     rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
     rs_land land
     const double *drop
     const double *widths
     rs_model deflection[2]
     rs_slices contact[2]   # room for Z n slices each
-    rs_raceway raceway[2]
-    rs_drag drags[MOST_DRAGS]
-    size_t n_drags
-    bint in_time   # a drag varies in time
-    double direction       # -1 where the speeds are those of the mirror image
     size_t evaluated       # slices of the deflection law
     # rolling resistance at equal steps of sqrt(Q), where friction is not conventional
     size_t resistance_cells[2]
     double resistance_step[2]
     const double *resistance_nodes[2]
-    double epicyclic_speed, critical_slip, film_limit
-    int refused
     double displaced       # by how much, where that was refused
-    double *load_of[2]     # per length, by roller and slice
     size_t *first[2]       # where the slices of a roller begin among those in contact
     int *touch             # whether a bar may touch the roller
     size_t *near           # those it may
-    rs_held held[2]        # friction
-    int still              # the tractions do not follow the speeds
     int apart              # what touches is left out where friction is held
-    double *room           # [5 Z]
     double head[HEAD]      # where held was asked last, while what touches is apart
 
 cdef double SOON = 2.0    # times a part of a step in which a bar may be touched: forces change speeds in it
@@ -190,8 +135,8 @@ cdef inline void cage_acceleration(
 ) noexcept nogil:
     """M^-1 of the cage whose unbalance stands at (c, s): adds to the rates of its speeds, row of a head."""
     cdef double along = (c * fx + s * fy) / p.cage_mass, across = c * fy - s * fx
-    cdef double det = p.cage_mass * p.cage_inertia - p.unbalance * p.unbalance
-    cdef double swing = (p.cage_inertia * across - p.unbalance * torque) / det
+    cdef double det = p.cage_mass * p.c.cage_inertia - p.unbalance * p.unbalance
+    cdef double swing = (p.c.cage_inertia * across - p.unbalance * torque) / det
     rates[CAGE_VX] += c * along - s * swing
     rates[CAGE_VY] += s * along + c * swing
     rates[CAGE_SPEED] += (p.cage_mass * torque - p.unbalance * across) / det
@@ -209,11 +154,11 @@ cdef inline int displacement(const double *head, planar_t *p) noexcept nogil:
     for body in range(2):
         x = head + (CAGE_X if body else RING_X)
         if x[0] * x[0] + x[1] * x[1] > FAR * FAR * p.c.roller_radius * p.c.roller_radius:
-            p.refused, p.displaced = DISPLACED + <int>body, sqrt(x[0] * x[0] + x[1] * x[1])
+            p.c.refused, p.displaced = DISPLACED + <int>body, sqrt(x[0] * x[0] + x[1] * x[1])
             return 1
     for k in range(HEAD, half_of(p)):
         if fabs(head[k]) > FAR * p.c.roller_radius:
-            p.refused, p.displaced = DISPLACED + 2, fabs(head[k])
+            p.c.refused, p.displaced = DISPLACED + 2, fabs(head[k])
             return 1
     return 0
 
@@ -228,7 +173,7 @@ cdef int forces_by_slices(planar_t *p, int ring) noexcept nogil:
     for j in range(p.c.rollers):
         p.first[ring][j] = n
         if gap[j] > p.c.lowest_drop:
-            for k in range(p.slices):
+            for k in range(p.c.slices):
                 slices.approach[n] = gap[j] - p.drop[k]
                 n += slices.approach[n] > 0.0   # the next one overwrites a slice out of contact
     p.first[ring][p.c.rollers] = n
@@ -236,19 +181,19 @@ cdef int forces_by_slices(planar_t *p, int ring) noexcept nogil:
     p.evaluated += n
     status = p.deflection[ring].evaluate(slices, p.deflection[ring].params) if n else 0
     if status != 0:
-        p.refused = DEFLECTION_REFUSED + ring
+        p.c.refused = DEFLECTION_REFUSED + ring
         return status
     for j in range(p.c.rollers):
         factor = 1.0 + rs_damping(p.c.damping * p.c.rate[ring][j])
         total = 0.0
         n = p.first[ring][j]
-        for k in range(p.slices):
+        for k in range(p.c.slices):
             if n < p.first[ring][j + 1] and gap[j] - p.drop[k] > 0.0:
                 total += slices.load[n] * p.widths[k]
-                p.load_of[ring][j * p.slices + k] = slices.load[n] * factor
+                p.c.load_of[ring][j * p.c.slices + k] = slices.load[n] * factor
                 n += 1
             else:
-                p.load_of[ring][j * p.slices + k] = 0.0
+                p.c.load_of[ring][j * p.c.slices + k] = 0.0
         p.c.elastic[ring][j] = total
     p.loops.damped(&p.c, ring)
     return 0
@@ -267,8 +212,8 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
     if p.c.bent:
         p.loops.bent(&p.c, head)
     for ring in range(2):
-        resistance, conventional = p.c.resistance[ring], p.raceway[ring].friction == RS_CONVENTIONAL
-        sliced = friction != KEPT and (rs_by_slices(&p.raceway[ring]) or (conventional and film))
+        resistance, conventional = p.c.resistance[ring], p.c.raceway[ring].friction == RS_CONVENTIONAL
+        sliced = friction != KEPT and (rs_by_slices(&p.c.raceway[ring]) or (conventional and film))
         if not sliced and p.c.table[ring].cells and not p.loops.forces(&p.c, ring):
             p.loops.damped(&p.c, ring)
         else:
@@ -279,36 +224,20 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
         if not conventional and p.resistance_cells[ring]:
             for j in range(Z):
                 resistance[j] = tabulated_resistance(p, ring, p.c.force[ring][j])
-        if friction == KEPT:
-            p.loops.tractions(
-                &p.c, ring, &p.held[ring], p.held[ring].sliding if p.still else p.c.sliding[ring])
         if friction != EVALUATED and not conventional and p.resistance_cells[ring]:
             for j in range(Z):
                 resistance[j] *= p.c.rolling[ring][j] / rs_film_speed(p.c.rolling[ring][j])
-        if friction == KEPT or (friction == RENEWED and rs_box_holds(
-                &p.raceway[ring], &p.held[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
-                p.c.traction[ring], resistance)):
+        if friction == KEPT:
+            p.loops.tractions(&p.c, ring)
             continue
-        if conventional:
-            if friction == EVALUATED and not film and rs_box_reaches(
-                    &p.raceway[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring], p.c.traction[ring],
-                    resistance):
-                continue
-            status = 0 if sliced else forces_by_slices(p, ring)
+        if rs_by_table(&p.c, ring, friction, film):
+            continue
+        if conventional and not sliced:
+            status = forces_by_slices(p, ring)
             if status != 0:
                 return status
-        elif not p.resistance_cells[ring]:
-            resistance = NULL   # zero for good
-        if friction == RENEWED:
-            status = rs_raceway_held(
-                &p.raceway[ring], &p.held[ring], p.load_of[ring], p.c.force[ring], p.c.sliding[ring],
-                p.c.rolling[ring], resistance, p.room)
-        else:
-            status = rs_raceway_friction(
-                &p.raceway[ring], p.load_of[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
-                p.c.traction[ring], resistance)
+        status = rs_ring_friction(&p.c, ring, friction, conventional or p.resistance_cells[ring] > 0)
         if status != 0:
-            p.refused = FRICTION_REFUSED + ring
             return status
     if p.c.bent:
         p.loops.turning(&p.c)
@@ -318,25 +247,21 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p, bint f
 cdef int renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
     cdef planar_t *p = <planar_t *>state
     cdef size_t Z = p.c.rollers, ring
-    cdef double gone = 0.0, all = 1e-300
-    cdef double *before = p.room + Z
+    cdef double *before = p.c.room + Z
     cdef int status
     if compared:
         status = contacts(y, y + p.heads, p, False, KEPT)
         if status != 0:
             return status
-        for ring in range(2):
-            memcpy(before + ring * Z, p.c.traction[ring], Z * sizeof(double))
+        memcpy(before, p.c.traction[INNER], 2 * Z * sizeof(double))   # and those behind
     status = contacts(y, y + p.heads, p, False, RENEWED)
     if status != 0:
         return status
-    told[0] = rs_held_damping(&p.held[INNER], &p.held[OUTER], Z, p.c.force[INNER], p.c.force[OUTER], p.c.roller_mass)
-    if not compared:
-        return 0
-    for ring in range(2):
-        p.loops.tractions(&p.c, ring, &p.held[ring], p.c.sliding[ring])
-        rs_held_off(Z, before + ring * Z, p.c.traction[ring], p.c.force[ring], &gone, &all)
-    told[1] = gone / all
+    told[0] = rs_held_damping(&p.c)
+    if compared:
+        for ring in range(2):
+            p.loops.tractions(&p.c, ring)
+        told[1] = rs_held_gone(&p.c, before)
     return 0
 
 
@@ -353,28 +278,19 @@ cdef int held(
     else:
         bars(y, p)
     if half > 0.0:
-        p.loops.implicit(&p.c, y, &p.held[INNER], &p.held[OUTER], half, before + p.heads)
+        p.loops.implicit(&p.c, y, half, before + p.heads)
     return summed(t, y, rates, LAND_FILM if p.apart else ALL_OF_LAND, p)
 
 
 cdef inline double rubbing(const planar_t *p, double force, double speed) noexcept nogil:
     if force == 0.0:
         return 0.0
-    return p.pocket.friction * force * speed / sqrt(speed * speed + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
-
-
-cdef inline double reach(const planar_t *p) noexcept nogil:
-    """Place from the middle of a pocket up to which no bar touches a roller: a film reaches across its gap."""
-    return p.pocket.half_clearance - RS_POCKET_TOUCH / p.pocket.stiffness if p.pocket.film == 0.0 else -1.0
-
-
-cdef inline double radial_reach(const planar_t *p) noexcept nogil:
-    return p.guide.half_clearance - RS_POCKET_TOUCH / p.pocket.stiffness
+    return p.c.pocket.friction * force * speed / sqrt(speed * speed + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
 
 
 cdef inline void places_in_pockets(const double *head, double time, planar_t *p) noexcept nogil:
     """Places in the pockets, and whether a bar may touch within a time."""
-    p.loops.pockets(&p.c, head, time, reach(p), radial_reach(p), p.touch)
+    p.loops.pockets(&p.c, head, time, rs_reach(&p.c.pocket), rs_reach(&p.guide), p.touch)
 
 
 cdef inline void no_bars(planar_t *p) noexcept nogil:
@@ -391,7 +307,7 @@ cdef void free_of_bars(const double *head, planar_t *p) noexcept nogil:
 
 cdef inline void bars_of(planar_t *p, size_t j, double closing, double rising, double spin) noexcept nogil:
     """What the bars do to a roller at its place, and its power; `spin` the speed of its rim against the cage."""
-    cdef rs_bars pocket = rs_pocket_bars(&p.pocket, p.c.place[j], closing)
+    cdef rs_bars pocket = rs_pocket_bars(&p.c.pocket, p.c.place[j], closing)
     cdef rs_bars guide = rs_pocket_bars(&p.guide, p.c.height[j], rising)
     cdef double pushed = pocket.spring_ahead - pocket.spring_behind, lifted = guide.spring_ahead - guide.spring_behind
     # every bar rubs on its own side of the roller, those opposite in opposite directions by the spin
@@ -433,7 +349,8 @@ cdef inline bint land_is_touched(const planar_t *p, const double *head, double t
 
 cdef int clear(double h, void *state) noexcept nogil:
     cdef planar_t *p = <planar_t *>state
-    return p.loops.clear(&p.c, h, reach(p), radial_reach(p)) and not land_is_touched(p, p.head, h)
+    return (p.loops.clear(&p.c, h, rs_reach(&p.c.pocket), rs_reach(&p.guide))
+            and not land_is_touched(p, p.head, h))
 
 
 cdef void drift_near(const planar_t *p, double h, double *y, size_t near) noexcept nogil:
@@ -459,13 +376,13 @@ cdef void touched(planar_t *p, double h, double *y, size_t near, double turned, 
     The cage has turned since the columns of angles were made.
     """
     cdef double *ledger = y + p.heads + p.c.rollers * BLOCK
-    cdef double *pulled = p.room   # rates of orbit, spin and rise, cos and sin of the angle [5 Z]
+    cdef double *pulled = p.c.room   # rates of orbit, spin and rise, cos and sin of the angle [5 Z]
     cdef double *roller
     cdef double *mine
     cdef double head[HEAD]
     cdef double rates[ROW]   # of head and ledger, by speeds alone
     cdef double R = p.c.orbit_radius, r = p.c.roller_radius, m = p.c.roller_mass, per_J = 1.0 / p.c.roller_inertia
-    cdef double within = reach(p), radially_within = radial_reach(p)
+    cdef double within = rs_reach(&p.c.pocket), radially_within = rs_reach(&p.guide)
     cdef double c, s, w, v, radius, fx, fy, torque, along, across, part, cage_cos, cage_sin
     cdef size_t j, k, time
     for k in range(near):
@@ -548,17 +465,7 @@ cdef inline void receive(const planar_t *p, double c, double s, const double *su
     row[RING_VX] += sums[TO_RING_X] / p.ring_mass
     row[RING_VY] += sums[TO_RING_Y] / p.ring_mass
     cage_acceleration(p, c, s, sums[TO_CAGE_X], sums[TO_CAGE_Y], sums[TO_CAGE_TORQUE], row)
-    row[WORK_RINGS] += sums[TO_WORK_RINGS]
-    row[WORK_GRAVITY] += sums[TO_WORK_GRAVITY]
-    row[WORK_RACEWAYS] += sums[TO_WORK_RACEWAYS]
-    row[WORK_CAGE] += sums[TO_WORK_CAGE]
-    row[LOST_INNER] += sums[TO_LOST_INNER]
-    row[LOST_OUTER] += sums[TO_LOST_OUTER]
-    row[LOST_ROLLING] += sums[TO_LOST_ROLLING]
-    row[LOST_DAMPING] += sums[TO_LOST_DAMPING]
-    row[LOST_POCKETS] += sums[TO_LOST_POCKETS]
-    row[IMPULSE_RINGS] += sums[TO_IMPULSE_RINGS]
-    row[IMPULSE_GRAVITY] += sums[TO_IMPULSE_GRAVITY]
+    rs_plane_ledger(sums, row)
 
 
 cdef inline void spread(const planar_t *p, const double *row, double *rates) noexcept nogil:
@@ -567,15 +474,9 @@ cdef inline void spread(const planar_t *p, const double *row, double *rates) noe
     memcpy(rates + p.heads, row + HEAD, LEDGER * sizeof(double))
 
 
-cdef inline void shares_of(const planar_t *p, size_t j, double *rates) noexcept nogil:
-    if p.shares:
-        rs_shares(p.c.added[TO_LOST_INNER][j], p.c.added[TO_LOST_OUTER][j], p.c.sliding[INNER][j],
-                  p.c.sliding[OUTER][j], rates)
-
-
 cdef int roller_columns(const double *head, const double *rollers, planar_t *p) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status = contacts(head, rollers, p, False, KEPT if p.still else EVALUATED)
+    cdef int status = contacts(head, rollers, p, False, KEPT if p.c.still else EVALUATED)
     if status == 0:
         bars(head, p)
         p.loops.rates(&p.c, head)
@@ -591,11 +492,11 @@ cdef int roller_rates(
     cdef double row[ROW]
     cdef double *to
     cdef const rs_bent_ring *bent
-    cdef size_t j, k, width = p.heads + LEDGER + p.shares
+    cdef size_t j, k, width = p.heads + LEDGER + p.c.shares
     cdef int ring, status = roller_columns(head, rollers, p)
     if status != 0:
         return status
-    rs_plane_blocks(&p.c, rates)
+    rs_scatter(&p.c, rates)
     memset(added, 0, p.c.rollers * width * sizeof(double))
     for j in range(p.c.rollers):
         to = added + j * width
@@ -603,7 +504,7 @@ cdef int roller_rates(
         rs_plane_one(&p.c, j, one)
         receive(p, c, s, one, row)
         spread(p, row, to)
-        shares_of(p, j, to + p.heads + LEDGER)
+        rs_shares(&p.c, TO_LOST_INNER, j, to + p.heads + LEDGER)
         for ring in range(2):
             bent = &p.c.ring[ring]
             if bent.shapes:
@@ -645,11 +546,11 @@ cdef int summed(double t, const double *y, double *rates, int land, planar_t *p)
             rates[bent.speeds + k] += p.on_shapes[k] / bent.mass[k]
     for k in range(HEAD):
         rates[k] = row[k]
-    rs_plane_blocks(&p.c, rates + p.heads)
+    rs_scatter(&p.c, rates + p.heads)
     for k in range(LEDGER):
         rates[behind + k] = row[HEAD + k]
     for k in range(p.c.rollers):
-        shares_of(p, k, rates + behind + LEDGER + k * p.shares)
+        rs_shares(&p.c, TO_LOST_INNER, k, rates + behind + LEDGER + k * p.c.shares)
     return 0
 
 
@@ -714,7 +615,7 @@ cdef int own_rates(
     """Rates of head and ledger without rollers; (c, s) of the cage's angle, what of the land acts."""
     cdef size_t k
     cdef double w = head[CAGE_SPEED]
-    cdef double load = p.c.load, drag = 0.0, load_x = load, load_y = 0.0
+    cdef double load = p.c.load, drag = rs_drag_on_cage(&p.c, w, t), load_x = load, load_y = 0.0
     # the cage's weight acts at its centre of mass
     cdef double fx = p.cage_mass * p.c.gravity_x, fy = p.cage_mass * p.c.gravity_y
     cdef double weight = p.unbalance * (p.c.gravity_y * c - p.c.gravity_x * s), torque = weight
@@ -731,15 +632,8 @@ cdef int own_rates(
                            + fx * head[CAGE_VX] + fy * head[CAGE_VY] + weight * w)
     rates[IMPULSE_GRAVITY] = (p.ring_mass * (p.c.gravity_y * head[RING_X] - p.c.gravity_x * head[RING_Y])
                               + fy * head[CAGE_X] - fx * head[CAGE_Y] + weight)
-    for k in range(p.n_drags):
-        drag += p.direction * rs_torque_then(
-            &p.drags[k], p.direction * w, p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, t)
     if drag != drag:
-        with gil:
-            if PyErr_Occurred() != NULL:
-                return -1
-        p.refused = DRAG_REFUSED
-        return 1
+        return rs_refuse_drag(&p.c)
     torque += drag
     rates[WORK_DRAG] = drag * w
     rates[IMPULSE_DRAG] = drag
@@ -755,40 +649,31 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, NaN where it is
     not watched; an approach at the inner ring, below zero the largest."""
     cdef planar_t *p = <planar_t *>state
-    cdef size_t ring
     cdef int status = displacement(y, p)
     if status != 0:
         return status
-    values[0], values[1], values[2] = -1.0, NAN, rs_plane_deepest(&p.c, p.loops, y, y + p.heads)
-    if p.critical_slip == p.critical_slip:
-        values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
-    if p.film_limit == p.film_limit:
+    values[0], values[1] = rs_slip_above(&p.c, y[CAGE_SPEED]), NAN
+    values[2] = rs_plane_deepest(&p.c, p.loops, y, y + p.heads)
+    if p.c.film_limit == p.c.film_limit:
         status = contacts(y, y + p.heads, p, True, EVALUATED)
         if status != 0:
             return status
-        values[1] = 1e308
-        for ring in range(2):
-            values[1] = rs_thinnest(&p.raceway[ring], values[1], p.c.sliding[ring])
-        values[1] -= p.film_limit
+        values[1] = rs_film_above(&p.c)
     return 0
 
 
 cdef double until_contact(double t, const double *y, void *state) noexcept nogil:
     """Time [s] until a roller meets a bar of its pocket, or the cage its land, at the present speeds."""
     cdef planar_t *p = <planar_t *>state
-    cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness, soonest = INFINITY, place, rate
+    cdef double soonest = INFINITY, place
     cdef double dx = y[CAGE_X], dy = y[CAGE_Y], vx = y[CAGE_VX], vy = y[CAGE_VY]
     cdef size_t j
     p.loops.places(&p.c, y, y + p.heads)
     places_in_pockets(y, 0.0, p)
     for j in range(p.c.rollers):
-        place, rate = p.c.place[j], p.c.closing[j]
-        soonest = fmin(soonest, rs_until(p.pocket.half_clearance - soft - place, rate))
-        soonest = fmin(soonest, rs_until(p.pocket.half_clearance - soft + place, -rate))
+        soonest = fmin(soonest, rs_until_bar(&p.c.pocket, p.c.place[j], p.c.closing[j]))
         if p.land.guidance == ROLLERS:
-            place, rate = p.c.height[j], p.c.rising[j]
-            soonest = fmin(soonest, rs_until(p.guide.half_clearance - soft - place, rate))
-            soonest = fmin(soonest, rs_until(p.guide.half_clearance - soft + place, -rate))
+            soonest = fmin(soonest, rs_until_bar(&p.guide, p.c.height[j], p.c.rising[j]))
     if p.land.guidance != ROLLERS:
         if p.land.guidance == INNER_LAND:
             dx, dy, vx, vy = y[RING_X] - dx, y[RING_Y] - dy, y[RING_VX] - vx, y[RING_VY] - vy
@@ -808,6 +693,22 @@ cdef int drift(double h, double *y, void *state) noexcept nogil:
         roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
         roller[RADIAL] += h * roller[RISE]
     return 0
+
+
+cdef int outputs_of(const double *y, double *pockets, size_t step, void *state) noexcept nogil:
+    """Evaluate a state, and tell what the bars bear."""
+    cdef planar_t *p = <planar_t *>state
+    cdef rs_bars f
+    cdef size_t j
+    cdef int status = contacts(y, y + p.heads, p, True, EVALUATED)
+    if status == 0:
+        places_in_pockets(y, 0.0, p)
+        for j in range(p.c.rollers):
+            f = rs_pocket_bars(&p.c.pocket, p.c.place[j], p.c.closing[j])
+            pockets[j] = f.ahead - f.behind
+            f = rs_pocket_bars(&p.guide, p.c.height[j], p.c.rising[j])
+            pockets[step + j] = f.ahead - f.behind
+    return status
 
 
 cdef class Planar:
@@ -864,35 +765,29 @@ cdef class Planar:
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k
-        cdef double *room
         cdef double[::1] nodes
         if numbers.keys() != set(NUMBERS):
             raise TypeError(f"planar motion needs the numbers {', '.join(NUMBERS)}; given {', '.join(numbers)}")
         if any(len(slices) != Z * n for slices in contacts):
             raise ValueError(f"tables must have room for {n} slices of {Z} rollers")
-        p.c.rollers, p.slices, p.land.guidance = Z, n, guidance
+        p.c.rollers, p.c.slices, p.land.guidance = Z, n, guidance
         p.loops = rs_plane_loops_of(active() != "baseline")
-        p.critical_slip, p.film_limit = critical_slip, film_limit
+        p.c.block, p.c.pitch, p.c.deepest = BLOCK, 2.0 * M_PI / Z, 0
+        rs_set_common(&p.c, raceways, drags, critical_slip, film_limit, each)
         (p.c.inner_radius, p.c.outer_radius, p.c.roller_radius, p.c.orbit_radius, p.c.half_clearance,
          p.c.inner_speed, p.c.outer_speed, p.c.roller_mass, p.c.roller_inertia, p.ring_mass, p.cage_mass,
-         p.cage_inertia, p.unbalance, p.c.gravity_x, p.c.gravity_y, p.c.damping, p.c.load, p.direction,
-         p.epicyclic_speed,
-         p.pocket.half_clearance, p.guide.half_clearance, p.pocket.stiffness, p.pocket.damping, p.pocket.friction,
-         p.pocket.film, p.pocket.roughness, p.land.radius, p.land.clearance, p.land.film,
-         p.land.shear, p.land.floor, p.land.stiffness, p.land.damping, p.land.friction) = (
+         p.c.cage_inertia, p.unbalance, p.c.gravity_x, p.c.gravity_y, p.c.damping, p.c.load, p.c.direction,
+         p.c.epicyclic_speed, p.c.pocket.half_clearance, p.guide.half_clearance, p.c.pocket.stiffness,
+         p.c.pocket.damping, p.c.pocket.friction, p.c.pocket.film, p.c.pocket.roughness, p.land.radius,
+         p.land.clearance, p.land.film, p.land.shear, p.land.floor, p.land.stiffness, p.land.damping,
+         p.land.friction) = (
             float(numbers[name]) for name in NUMBERS)
-        p.guide.stiffness, p.guide.damping = p.pocket.stiffness, p.pocket.damping
+        p.guide.stiffness, p.guide.damping = p.c.pocket.stiffness, p.c.pocket.damping
         self.drop = np.array(drop, dtype=float)
         self.widths = np.array(widths, dtype=float)
         if <size_t>self.widths.shape[0] != n:
             raise ValueError(f"{self.widths.shape[0]} widths for {n} slices of a roller")
         p.drop, p.widths, p.c.lowest_drop = &self.drop[0], &self.widths[0], np.min(drop)
-        if len(drags) > MOST_DRAGS:
-            raise ValueError(f"at most {MOST_DRAGS} drags act on a cage, got {len(drags)}")
-        p.n_drags, p.in_time = len(drags), False
-        for k in range(p.n_drags):
-            p.drags[k] = rs_drag_of(drags[k])
-            p.in_time = p.in_time or p.drags[k].torque_at != NULL
         self.deflections = tuple(deflections)
         self.forces = tuple(np.array(values, dtype=float, order="C") for _, values in forces or ())
         for ring in range(<size_t>len(self.forces)):
@@ -910,42 +805,20 @@ cdef class Planar:
         stages = [chain.as_stage() for chain in self.deflections]
         tables = [bound(slices) for slices in contacts]
         self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
-        self.memory = np.zeros((10 + 2 * BLOCK + 2 * (8 + n) + 4 + ADDED + 14 + 5) * Z)
+        self.memory = np.zeros(rs_memory_of(&p.c))
+        rs_place_columns(&p.c, &self.memory[0])
         self.begins = np.zeros(2 * (Z + 1) + Z, dtype=np.uintp)
         self.touches = np.zeros(Z, dtype=np.intc)
-        p.touch, p.near, room = &self.touches[0], &self.begins[2 * (Z + 1)], &self.memory[0]
-        p.c.push, p.c.lift, p.c.moment, p.c.stored, p.c.lost = (   # one after another, see `bars`
-            room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z)
-        room += 5 * Z
-        p.c.pitch_cos, p.c.pitch_sin, p.c.cosine, p.c.sine, p.c.small = (
-            room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z)
-        room += 5 * Z
-        p.c.place, p.c.closing, p.c.height, p.c.rising = room, room + Z, room + 2 * Z, room + 3 * Z
-        room += 4 * Z
-        p.c.pitch, p.c.deepest = 2.0 * M_PI / Z, 0
+        p.touch, p.near = &self.touches[0], &self.begins[2 * (Z + 1)]
         for k in range(Z):
             p.c.pitch_cos[k], p.c.pitch_sin[k] = cos(2.0 * M_PI * k / Z), sin(2.0 * M_PI * k / Z)
-        for k in range(BLOCK):
-            p.c.unknown[k], p.c.rate_of[k] = room, room + Z
-            room += 2 * Z
-        for k in range(ADDED):
-            p.c.added[k] = room
-            room += Z
         for ring in range(2):
-            p.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceways[ring], RS_RACEWAY))[0]
-            if p.raceway[ring].rollers != Z or p.raceway[ring].slices not in (1, n):
+            if p.c.raceway[ring].rollers != Z or p.c.raceway[ring].slices not in (1, n):
                 raise ValueError("friction is made for another number of rollers or slices")
             p.deflection[ring] = (<const rs_model *>PyCapsule_GetPointer(stages[ring], ROLLSLIP_MODEL))[0]
             p.contact[ring] = (<const rs_slices *>PyCapsule_GetPointer(tables[ring], "rollslip.slices"))[0]
             p.first[ring] = &self.begins[ring * (Z + 1)]
-            (p.c.gap[ring], p.c.rate[ring], p.c.elastic[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
-             p.c.traction[ring], p.c.resistance[ring]) = (room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z,
-                                                          room + 5 * Z, room + 6 * Z, room + 7 * Z)
-            p.load_of[ring] = room + 8 * Z
-            room = rs_place_held(&p.held[ring], Z, room + (8 + n) * Z)
-        p.room = room
-        p.shares = RS_SHARES if each else 0
-        self.n = p.heads + Z * (BLOCK + p.shares) + LEDGER
+        self.n = p.heads + Z * (BLOCK + p.c.shares) + LEDGER
         self.scale = np.array(scale, dtype=float)
         if self.scale.shape[0] != <Py_ssize_t>self.n:
             raise ValueError(f"{self.scale.shape[0]} magnitudes for {self.n} unknowns")
@@ -999,31 +872,27 @@ cdef class Planar:
             if turns:   # kicked, as its rate may follow time
                 p.c.ring[ring].angle = p.heads
                 p.heads += 1
-        numbers = np.zeros((2 * most + 6) * Z + shapes)
+        numbers = np.zeros(2 * most * Z + shapes)
         self.of_rings.append(numbers)
-        room = &numbers[0]
-        p.c.passing[INNER], p.c.passing[OUTER], p.c.driven = room, room + Z, room + 2 * Z
-        room += 3 * Z
-        p.c.slope[INNER], p.c.slope[OUTER], p.c.turning, p.c.wave_cos = room, room + Z, room + 2 * Z, room + 3 * Z
-        p.c.wave_sin, p.on_shapes = p.c.wave_cos + most * Z, p.c.wave_cos + 2 * most * Z
+        room = &numbers[0] if numbers.shape[0] else NULL
+        p.c.wave_cos, p.c.wave_sin, p.on_shapes = room, room + most * Z, room + 2 * most * Z
 
     def system(self, double swing_frequency=0.0):
         """Return the capsule "rollslip.system.v1"; with how fast rollers swing between the rings [rad/s], if known."""
         cdef rs_system s
         cdef const planar_t *p = &self.p
         cdef double cage = 1.0 / p.cage_mass
-        s.head, s.rollers, s.block, s.ledger = p.heads, p.c.rollers, BLOCK, LEDGER
-        s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
+        memset(&s, 0, sizeof(s))
+        s.head, s.rollers, s.block, s.ledger, s.shares = p.heads, p.c.rollers, BLOCK, LEDGER, p.c.shares
+        s.roller_rates, s.head_rates, s.rates, s.drift = roller_rates, head_rates, all_rates, drift
         s.watched, s.watch = 3, watch
-        s.scale, s.autonomous, s.state = &self.scale[0], not self.p.in_time, &self.p
-        rs_tells_nothing(&s)
-        s.rates, s.kicked, s.drift, s.shares = all_rates, &self.kicked[0], drift, p.shares
+        s.scale, s.kicked, s.autonomous, s.state = &self.scale[0], &self.kicked[0], not p.c.in_time, &self.p
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
-        s.renew, s.held, s.still = renew, held, &self.p.still
+        s.renew, s.held, s.still = renew, held, &self.p.c.still
         s.apart, s.go, s.clear = &self.p.apart, go, clear
         # one roller against the cage, which moves and turns; the cage against a ring
-        s.contact_frequency = sqrt(p.pocket.stiffness * (
-            1.0 / p.c.roller_mass + cage + p.c.orbit_radius * p.c.orbit_radius / p.cage_inertia))
+        s.contact_frequency = sqrt(p.c.pocket.stiffness * (
+            1.0 / p.c.roller_mass + cage + p.c.orbit_radius * p.c.orbit_radius / p.c.cage_inertia))
         if p.land.guidance != ROLLERS:
             if p.land.guidance == INNER_LAND:
                 cage += 1.0 / p.ring_mass
@@ -1045,19 +914,14 @@ cdef class Planar:
         ring"; why is what ``Chain.run`` returns, None for a drag, and of the last three, too far out, how far and the
         limit [m].
         """
-        cdef int who = self.p.refused
-        if who == NOBODY:
-            return None
+        cdef int who = self.p.c.refused
         if who >= DISPLACED:
             body = ("inner ring", "cage", "shape of a ring")[who - DISPLACED]
             return body, (self.p.displaced, FAR * self.p.c.roller_radius)
-        if who == DRAG_REFUSED:
-            return "drag", None
         if who >= DEFLECTION_REFUSED:
             ring = who - DEFLECTION_REFUSED
             return ("inner deflection", "outer deflection")[ring], self.deflections[ring].refusal(self.kept[1][ring])
-        ring = who - FRICTION_REFUSED
-        return ("inner", "outer")[ring], raceway_refusal(self.kept[0][ring])
+        return rs_refusal(&self.p.c, self.kept[0])
 
     def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.
@@ -1067,40 +931,12 @@ cdef class Planar:
         the cage bear, without friction: ``pocket_force`` along the orbit and ``pocket_radial_force`` [N]. None, if an
         evaluation was refused.
         """
-        cdef double[:, ::1] states = np.array(y, dtype=float, ndmin=2, order="C")
-        cdef size_t Z = self.p.c.rollers, ring, m, j
-        cdef planar_t *p = &self.p
-        cdef int status
-        if <size_t>states.shape[1] != self.n:
-            raise ValueError(f"states are of shape (m, {self.n}), got {np.shape(y)}")
-        found = np.empty((len(OUTPUTS), states.shape[0], 2, Z))
-        pockets = np.empty((2, states.shape[0], Z))
-        cdef double[:, :, :, ::1] to = found
-        cdef double[:, :, ::1] push = pockets
-        cdef rs_bars f
-        for m in range(<size_t>states.shape[0]):
-            status = contacts(&states[m, 0], &states[m, p.heads], p, True, EVALUATED)
-            if status == -1:
-                rs_raise_pending()
-            if status != 0:
-                return None
-            for ring in range(2):
-                rs_contact_outputs(
-                    &p.raceway[ring], p.c.force[ring], p.c.traction[ring], p.c.sliding[ring], p.c.rolling[ring],
-                    p.c.resistance[ring], &to[0, m, ring, 0], 2 * Z * <size_t>states.shape[0])
-            places_in_pockets(&states[m, 0], 0.0, p)
-            for j in range(Z):
-                f = rs_pocket_bars(&p.pocket, p.c.place[j], p.c.closing[j])
-                push[0, m, j] = f.ahead - f.behind
-                f = rs_pocket_bars(&p.guide, p.c.height[j], p.c.rising[j])
-                push[1, m, j] = f.ahead - f.behind
-        return dict(zip(OUTPUTS, found, strict=True)) | {
-            "pocket_force": pockets[0], "pocket_radial_force": pockets[1]}
+        return rs_outputs(&self.p.c, y, self.n, outputs_of, &self.p, ("pocket_force", "pocket_radial_force"))
 
     @property
     def contacts_evaluated(self) -> int:
         """Slices, or contacts where friction is not conventional, whose friction was evaluated."""
-        return self.p.raceway[INNER].evaluated + self.p.raceway[OUTER].evaluated
+        return self.p.c.raceway[INNER].evaluated + self.p.c.raceway[OUTER].evaluated
 
     @property
     def deflections_evaluated(self) -> int:

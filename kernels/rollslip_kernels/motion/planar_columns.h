@@ -5,7 +5,7 @@
  *   differences need it so. */
 #ifndef ROLLSLIP_PLANAR_COLUMNS_H
 #define ROLLSLIP_PLANAR_COLUMNS_H
-#include "motion/held.h"
+#include "motion/bearing.h"
 
 enum {   /* head */
     RING_X, RING_Y, RING_VX, RING_VY, CAGE_X, CAGE_Y, CAGE_VX, CAGE_VY, CAGE_SPEED, CAGE_ANGLE, HEAD
@@ -20,79 +20,42 @@ enum {   /* what a roller adds: forces on ring and cage, torque on the cage, and
     TO_IMPULSE_RINGS, TO_IMPULSE_GRAVITY, ADDED
 };
 
-/* Force of a roller on a raceway without damping, cubic on cells equal in the root of the gap from first touch. */
-typedef struct {
-    size_t cells;           /* 0: there is no table */
-    double per_root;        /* cells over the root of the deepest gap [m^-0.5] */
-    const double *values;   /* [cells x 4] coefficients of the powers of the place in a cell, 0 to 1 */
-} rs_gap_table;
+enum {   /* ledger, behind the head in a row of rates */
+    WORK_RINGS = HEAD, WORK_LOAD, WORK_GRAVITY, WORK_DRAG, WORK_RACEWAYS, WORK_CAGE,
+    LOST_INNER, LOST_OUTER, LOST_ROLLING, LOST_DAMPING, LOST_POCKETS, LOST_LAND,
+    IMPULSE_RINGS, IMPULSE_LOAD, IMPULSE_GRAVITY, IMPULSE_DRAG, ROW, LEDGER = ROW - HEAD
+};
 
-/* A ring that yields by sum q B(psi) away from the rollers, B = Re sum c_n exp(i n psi), and the form of its raceway
- * towards them, cubic on equal cells of the angle. */
-typedef struct {
-    size_t shapes, at, speeds;    /* how many; where amplitudes and their rates begin in the head */
-    size_t most;                  /* the highest n */
-    const double *re, *im;        /* [shapes x (most + 1)] c_n */
-    const double *mass, *stiffness, *damping, *push;   /* [shapes] */
-    double *place, *rate;         /* [2 (most + 1)] real and imaginary sum q c_n and that of the rates */
-    size_t cells;                 /* 0: it is round */
-    size_t angle;                 /* where in the head it is by which the form has turned with its ring; 0: it stands */
-    double per_angle;
-    const double *form;           /* [cells x 4] */
-} rs_bent_ring;
-
-typedef struct {
-    size_t rollers;
-    double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance;
-    double inner_speed, outer_speed, load_direction, load;   /* the operation, which may vary */
-    double roller_mass, roller_inertia;
-    double gravity_x, gravity_y;
-    double damping;
-    double lowest_drop;
-    rs_gap_table table[2];
-    /* columns [Z] */
-    double pitch, *pitch_cos, *pitch_sin;   /* 2 pi/Z; of its multiples */
-    double *unknown[BLOCK], *rate_of[BLOCK];
-    double *cosine, *sine, *small;
-    double *gap[2], *rate[2];            /* approach of a straight roller; d' */
-    double *elastic[2], *force[2];       /* without and with damping */
-    double *sliding[2], *rolling[2], *traction[2], *resistance[2];
-    double *place, *closing, *height, *rising;   /* in the pocket along the orbit and along the radius, with rates */
-    double *push, *lift, *moment, *stored, *lost;   /* what the bars do; power of their elastic forces, and lost */
-    double *added[ADDED];
-    rs_bent_ring ring[2];
-    int bent;                            /* whether any of these is not rigid and round */
-    size_t most;                         /* the highest n of both */
-    double *wave_cos, *wave_sin;         /* [most x Z] of n psi, from n = 1 on */
-    double *slope[2], *turning;          /* d gap/d psi by form and shapes [m]; torque by them [N m] */
-    double *passing[2], *driven;         /* rate [m/s] at which a form that turns opens a gap; its power [W] */
-    double cage_cos, cage_sin;           /* of the cage's angle */
-    int touched;                         /* whether the bars do anything */
-    size_t deepest;                      /* the roller that was, when it was looked for last */
-} rs_plane;
+/* Add what rollers add to the ledger to a row. */
+static void rs_plane_ledger(const double *sums, double *row) {
+    static const int to[] = {
+        WORK_RINGS, WORK_GRAVITY, WORK_RACEWAYS, WORK_CAGE, LOST_INNER, LOST_OUTER, LOST_ROLLING, LOST_DAMPING,
+        LOST_POCKETS, IMPULSE_RINGS, IMPULSE_GRAVITY
+    };
+    for (int k = TO_WORK_RINGS; k < ADDED; k++) row[to[k - TO_WORK_RINGS]] += sums[k];
+}
 
 /* Whether nothing is added there, since no bar touches a roller. */
-static inline int rs_plane_idle(const rs_plane *p, int k) {
+static inline int rs_plane_idle(const rs_bearing *p, int k) {
     return !p->touched && (k == TO_CAGE_X || k == TO_CAGE_Y || k == TO_CAGE_TORQUE || k == TO_WORK_CAGE
                            || k == TO_LOST_POCKETS);
 }
 
 /* The loops, of one instruction set */
 typedef struct {
-    void (*angles)(rs_plane *p, const double *head, const double *rollers);
-    void (*places)(rs_plane *p, const double *head, const double *rollers);
-    int (*forces)(rs_plane *p, int ring);
-    void (*damped)(rs_plane *p, int ring);
+    void (*angles)(rs_bearing *p, const double *head, const double *rollers);
+    void (*places)(rs_bearing *p, const double *head, const double *rollers);
+    int (*forces)(rs_bearing *p, int ring);
+    void (*damped)(rs_bearing *p, int ring);
     void (*pockets)(
-        rs_plane *p, const double *head, double time, double reach, double radial_reach, int *touch);
-    int (*clear)(const rs_plane *p, double time, double reach, double radial_reach);
-    void (*tractions)(rs_plane *p, int ring, const rs_held *held, const double *sliding);
-    void (*implicit)(
-        rs_plane *p, const double *head, const rs_held *inner, const rs_held *outer, double half, const double *before);
-    void (*rates)(rs_plane *p, const double *head);
-    void (*totals)(const rs_plane *p, double *sums);
-    void (*bent)(rs_plane *p, const double *head);
-    void (*turning)(rs_plane *p);
+        rs_bearing *p, const double *head, double time, double reach, double radial_reach, int *touch);
+    int (*clear)(const rs_bearing *p, double time, double reach, double radial_reach);
+    void (*tractions)(rs_bearing *p, int ring);
+    void (*implicit)(rs_bearing *p, const double *head, double half, const double *before);
+    void (*rates)(rs_bearing *p, const double *head);
+    void (*totals)(const rs_bearing *p, double *sums);
+    void (*bent)(rs_bearing *p, const double *head);
+    void (*turning)(rs_bearing *p);
 } rs_plane_loops;
 
 /* Cell of a form at an angle, and the place in it. */
@@ -139,12 +102,12 @@ static const rs_plane_loops *rs_plane_loops_of(int wider) {
 #endif
 
 /* What one roller adds. */
-static void rs_plane_one(const rs_plane *p, size_t j, double *sums) {
+static void rs_plane_one(const rs_bearing *p, size_t j, double *sums) {
     for (int k = 0; k < ADDED; k++) sums[k] = rs_plane_idle(p, k) ? 0.0 : p->added[k][j];
 }
 
 /* Forces on the shapes of a ring by all rollers, sum N B, or by one of them. */
-static void rs_ring_forces(const rs_plane *p, int ring, double *forces) {
+static void rs_ring_forces(const rs_bearing *p, int ring, double *forces) {
     const rs_bent_ring *r = &p->ring[ring];
     const size_t Z = p->rollers, m = r->most + 1;
     const double *N = p->force[ring];
@@ -156,7 +119,7 @@ static void rs_ring_forces(const rs_plane *p, int ring, double *forces) {
     }
 }
 
-static void rs_ring_forces_of(const rs_plane *p, int ring, size_t j, double *forces) {
+static void rs_ring_forces_of(const rs_bearing *p, int ring, size_t j, double *forces) {
     const rs_bent_ring *r = &p->ring[ring];
     const size_t Z = p->rollers, m = r->most + 1;
     for (size_t k = 0; k < r->shapes; k++) {
@@ -165,12 +128,6 @@ static void rs_ring_forces_of(const rs_plane *p, int ring, size_t j, double *for
             B += r->re[k * m + n] * p->wave_cos[(n - 1) * Z + j] - r->im[k * m + n] * p->wave_sin[(n - 1) * Z + j];
         forces[k] = p->force[ring][j] * B;
     }
-}
-
-/* Rates of the rollers' unknowns, block by block. */
-static void rs_plane_blocks(const rs_plane *p, double *rates) {
-    for (size_t j = 0; j < p->rollers; j++)
-        for (int k = 0; k < BLOCK; k++) rates[j * BLOCK + k] = p->rate_of[k][j];
 }
 
 /* cos and sin of an angle a little on from one whose own are known. */
@@ -182,7 +139,7 @@ static inline void rs_turned(double by, double cosine, double sine, double *c, d
 /* A gap at the inner ring, less that of first touch: below zero where no roller carries it, and then the largest.  One
  * roller that carries it is enough to know that it is carried. */
 static double rs_plane_deepest(
-    rs_plane *p, const rs_plane_loops *loops, const double *head, const double *rollers
+    rs_bearing *p, const rs_plane_loops *loops, const double *head, const double *rollers
 ) {
     const double x = head[RING_X], y = head[RING_Y], per_orbit = 1.0 / p->orbit_radius;
     const double least = p->half_clearance + p->lowest_drop;

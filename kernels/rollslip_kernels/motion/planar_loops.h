@@ -1,19 +1,12 @@
 /* The loops over rollers of planar_columns.h, which includes them once for each instruction set: RS_SET(name) is the name in
  * the set that is being compiled. */
 /* Columns of the rollers, and their angles. */
-static void RS_SET(rs_plane_angles)(rs_plane *p, const double *head, const double *rollers) {
+static void RS_SET(rs_plane_angles)(rs_bearing *p, const double *head, const double *rollers) {
     const size_t n = p->rollers;
     const double per_orbit = 1.0 / p->orbit_radius;
-    rs_column at = p->unknown[POSITION], w = p->unknown[ORBIT], spin = p->unknown[SPIN], rho = p->unknown[RADIAL];
-    rs_column v = p->unknown[RISE], small = p->small;
-    for (size_t j = 0; j < n; j++) {
-        const double *block = rollers + j * BLOCK;
-        at[j] = block[POSITION];
-        w[j] = block[ORBIT];
-        spin[j] = block[SPIN];
-        rho[j] = block[RADIAL];
-        v[j] = block[RISE];
-    }
+    rs_gather(p, rollers);
+    rs_given at = p->unknown[POSITION];
+    rs_column small = p->small;
     RS_EACH(j, n) small[j] = at[j] * per_orbit;
     p->cage_cos = cos(head[CAGE_ANGLE]);
     p->cage_sin = sin(head[CAGE_ANGLE]);
@@ -21,7 +14,7 @@ static void RS_SET(rs_plane_angles)(rs_plane *p, const double *head, const doubl
 }
 
 /* The same, and gaps and speeds at the raceways. */
-static void RS_SET(rs_plane_places)(rs_plane *p, const double *head, const double *rollers) {
+static void RS_SET(rs_plane_places)(rs_bearing *p, const double *head, const double *rollers) {
     const size_t n = p->rollers;
     const double r = p->roller_radius, Ri = p->inner_radius, Ro = p->outer_radius;
     const double x = head[RING_X], y = head[RING_Y], vx = head[RING_VX], vy = head[RING_VY];
@@ -47,7 +40,7 @@ static void RS_SET(rs_plane_places)(rs_plane *p, const double *head, const doubl
 }
 
 /* What shapes and forms of the rings make of the gaps, their rates and their slopes. */
-static void RS_SET(rs_plane_bent)(rs_plane *p, const double *head) {
+static void RS_SET(rs_plane_bent)(rs_bearing *p, const double *head) {
     const size_t Z = p->rollers;
     rs_given c = p->cosine, s = p->sine, w = p->unknown[ORBIT];
     for (size_t n = 1; n <= p->most; n++) {
@@ -101,7 +94,7 @@ static void RS_SET(rs_plane_bent)(rs_plane *p, const double *head) {
 }
 
 /* Torque on the rollers' orbits by what is sloped of the raceways, and what of it turning forms do. */
-static void RS_SET(rs_plane_turning)(rs_plane *p) {
+static void RS_SET(rs_plane_turning)(rs_bearing *p) {
     rs_given Ni = p->force[0], No = p->force[1], si = p->slope[0], so = p->slope[1];
     rs_given pi = p->passing[0], po = p->passing[1];
     rs_column turning = p->turning, driven = p->driven;
@@ -112,7 +105,7 @@ static void RS_SET(rs_plane_turning)(rs_plane *p) {
 }
 
 /* Forces without damping of a ring by its table; 1 where a gap lies beyond it. */
-static int RS_SET(rs_plane_forces)(rs_plane *p, int ring) {
+static int RS_SET(rs_plane_forces)(rs_bearing *p, int ring) {
     const rs_gap_table *t = &p->table[ring];
     const double per_root = t->per_root, end = (double)t->cells, last = end - 1.0, lowest = p->lowest_drop;
     const double *values = t->values;
@@ -137,7 +130,7 @@ static int RS_SET(rs_plane_forces)(rs_plane *p, int ring) {
 }
 
 /* Forces with damping, w_e g(c d'). */
-static void RS_SET(rs_plane_damped)(rs_plane *p, int ring) {
+static void RS_SET(rs_plane_damped)(rs_bearing *p, int ring) {
     const double damping = p->damping;
     rs_given elastic = p->elastic[ring], rate = p->rate[ring];
     rs_column force = p->force[ring];
@@ -149,7 +142,7 @@ static void RS_SET(rs_plane_damped)(rs_plane *p, int ring) {
 
 /* Where the rollers are in their pockets; which of them a bar may touch within a time, that is beyond the two reaches. */
 static void RS_SET(rs_plane_pockets)(
-    rs_plane *p, const double *head, double time, double reach, double radial_reach, int *touch
+    rs_bearing *p, const double *head, double time, double reach, double radial_reach, int *touch
 ) {
     const double x = head[CAGE_X], y = head[CAGE_Y], vx = head[CAGE_VX], vy = head[CAGE_VY], R = p->orbit_radius;
     const double wc = head[CAGE_SPEED];
@@ -173,7 +166,7 @@ static void RS_SET(rs_plane_pockets)(
 }
 
 /* Whether all rollers stay within the two reaches of their pockets for a time. */
-static int RS_SET(rs_plane_clear)(const rs_plane *p, double time, double reach, double radial_reach) {
+static int RS_SET(rs_plane_clear)(const rs_bearing *p, double time, double reach, double radial_reach) {
     rs_given place = p->place, closing = p->closing, height = p->height, rising = p->rising;
     int any = 0;
     for (size_t j = 0; j < p->rollers; j++)
@@ -183,11 +176,8 @@ static int RS_SET(rs_plane_clear)(const rs_plane *p, double time, double reach, 
 }
 
 /* Tractions as they are in the middle of a step of 2 half, for which speed and spin had the rates `before` [block by
- * block]: with D what those slopes make of the rates by the speeds, rates r at extrapolated speeds become
- * before + (1 - half D)^-1 (r - before), and speeds half of that change further. */
-static void RS_SET(rs_plane_implicit)(
-    rs_plane *p, const double *head, const rs_held *inner, const rs_held *outer, double half, rs_given before
-) {
+ * block]. */
+static void RS_SET(rs_plane_implicit)(rs_bearing *p, const double *head, double half, rs_given before) {
     const double r = p->roller_radius, R = p->orbit_radius, gx = p->gravity_x, gy = p->gravity_y;
     const double m = p->roller_mass, per_J = 1.0 / p->roller_inertia;
     const double x = head[RING_X], y = head[RING_Y], cx = head[CAGE_X], cy = head[CAGE_Y];
@@ -199,7 +189,7 @@ static void RS_SET(rs_plane_implicit)(
     rs_column dn = p->rate[1];
     rs_given turning = p->turning, si = p->slope[0], so = p->slope[1];
     RS_EACH(j, p->rollers) {
-        double ki = rs_held_slope(inner, Ni[j], j), ko = rs_held_slope(outer, No[j], j);
+        double ki = rs_held_slope(&p->held[0], Ni[j], j), ko = rs_held_slope(&p->held[1], No[j], j), ds, dw;
         double along = x * c[j] + y * s[j], across = y * c[j] - x * s[j], radius = R + rho[j];
         double cage_along = cx * c[j] + cy * s[j], cage_across = cy * c[j] - cx * s[j];
         double a = p->inner_radius + along + r, b = p->outer_radius - r, per_I = 1.0 / (m * radius * radius);
@@ -208,10 +198,8 @@ static void RS_SET(rs_plane_implicit)(
             - turning[j];
         double turned = (r * (Fi[j] - Si[j] - Fo[j] - So[j]) - moment[j]) * per_J - before[j * BLOCK + SPIN];
         double moved = torque * per_I - 2.0 * v[j] * w[j] / radius - before[j * BLOCK + ORBIT];
-        double both = half * r * (ko * b - ki * a), ss = 1.0 + half * r * r * (ki + ko) * per_J, sw = -both * per_J;
-        double ws = -both * per_I, ww = 1.0 + half * (a * a * ki + b * b * ko) * per_I;
-        double per_det = half / (ss * ww - sw * ws), ds = (ww * turned - sw * moved) * per_det;
-        double dw = (ss * moved - ws * turned) * per_det, inside = -a * dw - r * ds, outside = r * ds - b * dw;
+        rs_implicit_change(half, r, a, b, ki, ko, per_J, per_I, turned, moved, &ds, &dw);
+        double inside = -a * dw - r * ds, outside = r * ds - b * dw;
         spin[j] += ds;
         w[j] += dw;
         di[j] += (across + si[j]) * dw;
@@ -226,7 +214,7 @@ static void RS_SET(rs_plane_implicit)(
 }
 
 /* Rates of the rollers' unknowns, and what they add. */
-static void RS_SET(rs_plane_rates)(rs_plane *p, const double *head) {
+static void RS_SET(rs_plane_rates)(rs_bearing *p, const double *head) {
     const size_t n = p->rollers;
     const double r = p->roller_radius, Ri = p->inner_radius, Ro = p->outer_radius, R = p->orbit_radius;
     const double m = p->roller_mass, per_m = 1.0 / m, per_inertia = 1.0 / p->roller_inertia;
@@ -288,14 +276,12 @@ static void RS_SET(rs_plane_rates)(rs_plane *p, const double *head) {
 }
 
 /* Sums of what the rollers add [ADDED]. */
-static void RS_SET(rs_plane_totals)(const rs_plane *p, double *sums) {
+static void RS_SET(rs_plane_totals)(const rs_bearing *p, double *sums) {
     for (int k = 0; k < ADDED; k++) sums[k] = rs_plane_idle(p, k) ? 0.0 : rs_total(p->added[k], p->rollers);
 }
 
 /* Tractions of a ring as they are held. */
-static void RS_SET(rs_plane_tractions)(rs_plane *p, int ring, const rs_held *held, const double *sliding) {
-    rs_held_friction(held, p->rollers, p->force[ring], sliding, p->traction[ring], p->resistance[ring]);
-}
+static void RS_SET(rs_plane_tractions)(rs_bearing *p, int ring) { rs_held_tractions(p, ring); }
 
 static const rs_plane_loops RS_SET(rs_plane_loops) = {
     RS_SET(rs_plane_angles), RS_SET(rs_plane_places), RS_SET(rs_plane_forces), RS_SET(rs_plane_damped),

@@ -7,12 +7,8 @@ from libc.math cimport INFINITY
 from libc.stdlib cimport malloc
 from libc.string cimport memset
 
-from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
-from rollslip_raceway cimport (
-    RS_CONSTANT, RS_CONVENTIONAL, RS_EFFECTIVE, RS_RACEWAY, RS_REST_SPEED, rs_film_parameter, rs_raceway,
-    rs_box_reaches, rs_raceway_friction,
-)
+from rollslip_raceway cimport *
 from rollslip_stage cimport rs_capsule_context, rs_new_capsule
 
 from rollslip_kernels.chain import bound
@@ -132,7 +128,7 @@ def table_friction(raceway, force: ArrayLike, sliding: ArrayLike, rolling: Array
     cdef double[:, ::1] given = np.array(given_each, dtype=float)
     out = np.zeros((2, w.rollers))
     cdef double[:, ::1] results = out
-    if not rs_box_reaches(w, &given[0, 0], &given[1, 0], &given[2, 0], &results[0, 0], &results[1, 0]):
+    if not rs_box_reaches(w, NULL, &given[0, 0], &given[1, 0], &given[2, 0], &results[0, 0], &results[1, 0]):
         return None
     return out
 

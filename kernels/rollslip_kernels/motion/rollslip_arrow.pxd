@@ -260,15 +260,14 @@ cdef inline int rs_lu(double *a, size_t *order, size_t n) noexcept nogil:
 
 
 cdef inline void rs_lu_solve(const double *a, const size_t *order, size_t n, double *x, size_t m) noexcept nogil:
-    """Solve for the m right-hand sides x [n x m], in place; below the same for one, in registers."""
+    """Solve for the m right-hand sides x [n x m], in place."""
     cdef size_t i, j, k
     cdef double v
     for k in range(n):
-        if order[k] != k:
-            for j in range(m):
-                v = x[k * m + j]
-                x[k * m + j] = x[order[k] * m + j]
-                x[order[k] * m + j] = v
+        for j in range(m if order[k] != k else 0):
+            v = x[k * m + j]
+            x[k * m + j] = x[order[k] * m + j]
+            x[order[k] * m + j] = v
     for i in range(1, n):
         for k in range(i):
             v = a[i * n + k]
@@ -282,25 +281,6 @@ cdef inline void rs_lu_solve(const double *a, const size_t *order, size_t n, dou
         v = a[i * n + i]
         for j in range(m):
             x[i * m + j] *= v
-
-
-cdef inline void rs_lu_solve_one(const double *a, const size_t *order, size_t n, double *x) noexcept nogil:
-    cdef size_t i, k
-    cdef double v
-    for k in range(n):
-        v = x[order[k]]
-        x[order[k]] = x[k]
-        x[k] = v
-    for i in range(1, n):
-        v = x[i]
-        for k in range(i):
-            v -= a[i * n + k] * x[k]
-        x[i] = v
-    for i in range(n - 1, -1, -1):
-        v = x[i]
-        for k in range(i + 1, n):
-            v -= a[i * n + k] * x[k]
-        x[i] = v * a[i * n + i]
 
 
 cdef inline int rs_factorise(const rs_system *s, const rs_arrow *arrow, double shift, rs_factors *f) noexcept nogil:
@@ -347,12 +327,12 @@ cdef inline void rs_solve(const rs_system *s, const rs_arrow *arrow, rs_factors 
     cdef double v
     for j in range(Z):
         own, row = x + H + j * B, arrow.head_roller + j * W * B
-        rs_lu_solve_one(f.blocks + j * B * B, f.block_order + j * B, B, own)
+        rs_lu_solve(f.blocks + j * B * B, f.block_order + j * B, B, own, 1)
         for i in range(H):
             for k in range(B):
                 x[i] += row[i * B + k] * own[k]
         f.operations += B * B + H * B
-    rs_lu_solve_one(f.schur, f.schur_order, H, x)
+    rs_lu_solve(f.schur, f.schur_order, H, x, 1)
     f.operations += H * H
     for i in range(L):
         v = ledger[i]

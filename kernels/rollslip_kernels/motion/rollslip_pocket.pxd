@@ -6,22 +6,7 @@
 #   approach; parting, it cavitates.
 from libc.math cimport sqrt
 
-cdef extern from *:
-    """
-    #ifndef RS_POCKET_TOUCH
-    #define RS_POCKET_TOUCH 0.02     /* N */
-    #define RS_POCKET_SLIDING 1e-2   /* m/s over which pocket friction changes its sign */
-    #define RS_SQUEEZE 1e-4          /* m/s over which the squeeze film sets in */
-    #endif
-    """
-    const double RS_POCKET_TOUCH
-    const double RS_POCKET_SLIDING
-    const double RS_SQUEEZE
-
-ctypedef struct rs_pocket:
-    double half_clearance, stiffness, damping, friction
-    double film         # 13.33 eta l r^1.5; 0 without a film
-    double roughness
+from bearing_h cimport RS_POCKET_TOUCH, RS_SQUEEZE, rs_pocket
 
 
 cdef inline double rs_damping(double z) noexcept nogil:

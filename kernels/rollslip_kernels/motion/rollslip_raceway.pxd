@@ -14,54 +14,9 @@
 #   which vectorise, and then the cubic of its cell, four coefficients side by side.
 # - What is written here belongs to one thread: a raceway is part of one system.
 from libc.math cimport M_PI, NAN, fabs, sin, sqrt
-from libc.string cimport memcpy, memset
+from libc.string cimport memcpy
 
-from friction_table_h cimport *
-from held_h cimport *
-from rollslip_abi cimport rs_model, rs_slices
-
-cdef enum:
-    RS_CONSTANT
-    RS_EFFECTIVE
-    RS_CONVENTIONAL
-    RS_GROUP = 64   # contacts whose cells are kept on the stack
-
-cdef extern from *:
-    """
-    #define RS_RACEWAY "rollslip.raceway"   /* name of a capsule of rs_raceway */
-    #define RS_REST_SPEED 1e-3              /* u_0 [m/s] */
-    """
-    const char *RS_RACEWAY
-    const double RS_REST_SPEED
-
-
-# Piecewise cubic on equal cells of v = V/(|V| + V_s + S u) and, if it has rows, of e = u/(u + u_s).  Without rows a
-# cell holds the coefficients of the powers of the place in it, 0 to 1.  With rows a node holds mu, dmu/dv, dmu/de and
-# d2mu/dv de, the derivatives times the widths of a cell.  Beyond its ends it is held.
-ctypedef struct rs_friction_table:
-    const double *values   # [cells x 4]; with rows [(rows + 1) x (cells + 1) x 4]
-    int cells, rows
-    double sliding_scale, sliding_ratio   # V_s [m/s], S
-    double rolling_scale   # u_s [m/s]
-    double per_cell, before   # place v per_cell + before
-    double per_row, before_row
-
-
-ctypedef struct rs_raceway:
-    int friction
-    size_t rollers, slices         # Z; n, 1 unless friction is conventional
-    const double *widths             # [n] of the slices [m]; only where friction is conventional
-    const double *position           # [n] places of them [m], where a law asks
-    const double *turns              # [Z] places of the rollers on the orbit, 0 to 1, of a motion that has them
-    double across                    # largest transverse sliding speed over the orbit [m/s]
-    double coefficient, transition   # constant: mu_0; V_s [m/s]
-    rs_friction_table table          # effective
-    rs_slices gathered               # conventional: room for Z n slices
-    rs_model chain
-    size_t *first                    # [Z + 1]: the slices of roller j are first[j] to first[j + 1]
-    int resists                      # the chain fills the rolling resistance
-    rs_friction_box box              # its table; without nodes there is none
-    size_t evaluated                 # slices so far; contacts, where friction is not conventional
+from bearing_h cimport *
 
 
 cdef inline int rs_cell(double place, int cells, double *share) noexcept nogil:
@@ -82,13 +37,13 @@ cdef inline void rs_curve_traction(
     const rs_friction_table *t, size_t n, const double *force, const double *sliding, double *traction
 ) noexcept nogil:
     """mu(V) Q of n contacts by a table without rows."""
-    cdef double share[RS_GROUP]
-    cdef int cell[RS_GROUP]
+    cdef double share[RS_ROUND]
+    cdef int cell[RS_ROUND]
     cdef double V, x, scale = t.sliding_scale, per_cell = t.per_cell, before = t.before
     cdef int j, part, cells = t.cells
     cdef const double *a
     while n > 0:
-        part = <int>min(n, <size_t>RS_GROUP)
+        part = <int>min(n, <size_t>RS_ROUND)
         for j in range(part):
             V = sliding[j]
             cell[j] = rs_cell(V / (fabs(V) + scale) * per_cell + before, cells, &share[j])
@@ -175,17 +130,29 @@ cdef inline bint rs_by_slices(const rs_raceway *w) noexcept nogil:
 
 
 cdef inline bint rs_box_reaches(
-    rs_raceway *w, const double *force, const double *sliding, const double *rolling, double *traction,
+    rs_raceway *w, rs_held *held, const double *force, const double *sliding, const double *rolling, double *traction,
     double *resistance
 ) noexcept nogil:
-    """Conventional friction by its table, as `rs_raceway_friction` gives it; whether all contacts lie within it."""
+    """Conventional friction by its table, as `rs_raceway_friction` gives it; whether all contacts lie within it.
+
+    If something is given to hold it, it is held, and the resistance is its magnitude.
+    """
+    cdef double sense
     cdef size_t j
     if w.friction != RS_CONVENTIONAL or w.box.half == 0 or rs_box_friction(
-            &w.box, w.rollers, force, sliding, rolling, traction, resistance):
+            &w.box, w.rollers, force, sliding, rolling, traction, resistance, held):
         return False
     w.evaluated += w.rollers
+    if held != NULL:
+        memcpy(held.sliding, sliding, w.rollers * sizeof(double))
+        held.rooted, held.resists = True, w.resists
     for j in range(w.rollers if w.resists else 0):
-        resistance[j] *= rolling[j] / rs_film_speed(rolling[j])
+        sense = rolling[j] / rs_film_speed(rolling[j])
+        if held != NULL:
+            held.resistance[j] *= sense
+            held.resistance_slope[j] *= sense
+        else:
+            resistance[j] *= sense
     return True
 
 
@@ -222,73 +189,6 @@ cdef inline int rs_raceway_friction(
     return 0
 
 
-cdef inline bint rs_box_holds(
-    rs_raceway *w, rs_held *held, const double *force, const double *sliding, const double *rolling, double *traction,
-    double *resistance
-) noexcept nogil:
-    """As `rs_box_reaches`, with what is to be held."""
-    cdef double sense
-    cdef size_t j
-    if w.friction != RS_CONVENTIONAL or w.box.half == 0 or rs_box_held(
-            &w.box, w.rollers, force, sliding, rolling, traction, resistance, held):
-        return False
-    w.evaluated += w.rollers
-    memcpy(held.sliding, sliding, w.rollers * sizeof(double))
-    held.rooted, held.resists = True, w.resists
-    for j in range(w.rollers if w.resists else 0):
-        sense = rolling[j] / rs_film_speed(rolling[j])
-        held.resistance[j] *= sense
-        held.resistance_slope[j] *= sense
-    return True
-
-
-cdef inline int rs_raceway_held(
-    rs_raceway *w, rs_held *held, const double *load, const double *force, const double *sliding,
-    const double *rolling, double *resistance, double *room
-) noexcept nogil:
-    """Hold friction that no table gives, its slopes by differences; ``room`` [Z]. Returns as `rs_raceway_friction`.
-
-    Where friction is a coefficient it is evaluated of unit forces, so that it is known of rollers without load too.
-    """
-    cdef size_t j, n = w.rollers
-    cdef double *beside = room
-    cdef double *unit = held.by_root
-    cdef const double *by = force
-    cdef double unloaded
-    cdef int status
-    for j in range(n):
-        unit[j] = 1.0
-        beside[j] = sliding[j] + 1e-6 * (1.0 + fabs(sliding[j]))
-    held.resists = w.friction == RS_CONVENTIONAL and w.resists
-    if w.friction != RS_CONVENTIONAL:
-        by, resistance = unit, NULL
-    # the slopes first, so that what the chain leaves in its table is of these speeds
-    status = rs_raceway_friction(w, load, by, beside, rolling, held.force_slope, resistance)
-    if status == 0:
-        status = rs_raceway_friction(w, load, by, sliding, rolling, held.by_force, resistance)
-    if status != 0:
-        return status
-    for j in range(n):
-        unloaded = 1.0 / by[j] if by[j] > 0.0 else 0.0
-        held.force_slope[j] = (held.force_slope[j] - held.by_force[j]) / (beside[j] - sliding[j]) * unloaded
-        held.by_force[j] *= unloaded
-        if held.resists:
-            held.resistance[j], held.resistance_slope[j] = resistance[j], 0.0
-    memset(held.by_root, 0, n * sizeof(double))
-    memset(held.root_slope, 0, n * sizeof(double))
-    memcpy(held.sliding, sliding, n * sizeof(double))
-    held.rooted = held.resists
-    return 0
-
-
-cdef inline double *rs_place_held(rs_held *held, size_t n, double *room) noexcept nogil:
-    """Give what is held its columns, [7 n]; the room behind them."""
-    held.by_force, held.by_root, held.force_slope, held.root_slope = room, room + n, room + 2 * n, room + 3 * n
-    held.sliding, held.resistance, held.resistance_slope = room + 4 * n, room + 5 * n, room + 6 * n
-    held.rooted = held.resists = False
-    return room + 7 * n
-
-
 cdef inline void rs_film_parameter(const rs_raceway *w, double *smallest) noexcept nogil:
     """Smallest film parameter h/sigma of every roller as last evaluated, NaN without load or without a film."""
     cdef size_t i, j
@@ -310,18 +210,3 @@ cdef inline double rs_thinnest(const rs_raceway *w, double least, double *room) 
         if room[j] < least:
             least = room[j]
     return least
-
-
-cdef inline void rs_contact_outputs(
-    const rs_raceway *w, const double *force, const double *traction, const double *sliding, const double *rolling,
-    const double *resistance, double *to, size_t step
-) noexcept nogil:
-    """Write ``OUTPUTS`` of raceway.pyx for every roller, ``step`` values from one to the next."""
-    cdef size_t j
-    for j in range(w.rollers):
-        to[j] = force[j]
-        to[step + j] = traction[j]
-        to[2 * step + j] = sliding[j]
-        to[3 * step + j] = rolling[j]
-        to[5 * step + j] = resistance[j]
-    rs_film_parameter(w, to + 4 * step)

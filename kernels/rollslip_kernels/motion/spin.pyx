@@ -222,11 +222,6 @@ cdef class Spin:
         how = self._ended(ended)  # first: an error that Python code left is lost with the next call into Python
         return np.asarray(spin), np.asarray(cage), how
 
-    @property
-    def tractions(self) -> Array:
-        """Tractions of inner and outer contact at the last evaluation of all positions, (2, K) [N]."""
-        return np.array(self.work[2:4])
-
     def on_cage(
         self, const double[::1] slip, const double[:, ::1] tractions, const double[:, ::1] resistances
     ) -> Array:

@@ -1,6 +1,6 @@
 """Initial value problems y' = f(t, y) of arrow shape, seen from Python: rates, Jacobian, watched values.
 
-- A system is a capsule of ``rollslip_system.pxd``, made by whoever owns the numbers; here it is only asked.
+- A system is a capsule of ``system.h``, made by whoever owns the numbers; here it is only asked.
 - `System` is callable as SciPy's solvers want it, and its dense ``jacobian`` is what their implicit ones take.
 - `python_system` makes such a capsule of Python functions: of f alone, or of the head's and the rollers' parts.
 """
@@ -338,53 +338,6 @@ cdef int _take(result, shape, what, double *into) except -1:
     return 0
 
 
-cdef int _call_head(double t, const double *head, double *rates, void *state) noexcept nogil:
-    with gil:
-        try:
-            _head(<_PythonSystem>state, t, head, rates)
-        except BaseException as error:
-            return _status_of(<_PythonSystem>state, error)
-    return 0
-
-
-cdef int _call_rollers(
-    double t, const double *head, const double *rollers, double *rates, double *added, void *state
-) noexcept nogil:
-    with gil:
-        try:
-            _rollers(<_PythonSystem>state, t, head, rollers, rates, added)
-        except BaseException as error:
-            return _status_of(<_PythonSystem>state, error)
-    return 0
-
-
-cdef int _call_watch(double t, const double *y, double *values, void *state) noexcept nogil:
-    with gil:
-        try:
-            _watched(<_PythonSystem>state, t, y, values)
-        except BaseException as error:
-            return _status_of(<_PythonSystem>state, error)
-    return 0
-
-
-cdef int _call_jacobian(double t, const double *y, const rs_arrow *arrow, void *state) noexcept nogil:
-    with gil:
-        try:
-            _given_jacobian(<_PythonSystem>state, t, y, arrow)
-        except BaseException as error:
-            return _status_of(<_PythonSystem>state, error)
-    return 0
-
-
-cdef int _call_drift(double h, double *y, void *state) noexcept nogil:
-    with gil:
-        try:
-            _drift(<_PythonSystem>state, h, y)
-        except BaseException as error:
-            return _status_of(<_PythonSystem>state, error)
-    return 0
-
-
 cdef int _status_of(_PythonSystem s, error) noexcept:
     if isinstance(error, RefusedError):
         s.refused = error.reason
@@ -393,34 +346,51 @@ cdef int _status_of(_PythonSystem s, error) noexcept:
     return RS_RAISED
 
 
-cdef int _head(_PythonSystem s, double t, const double *head, double *rates) except -1:
-    return _take(s.head_rates(t, _copied(head, s.c.head)), (s.c.head + s.c.ledger,), "the rates", rates)
+cdef int _call_head(double t, const double *head, double *rates, void *state) noexcept with gil:
+    cdef _PythonSystem s = <_PythonSystem>state
+    try:
+        return _take(s.head_rates(t, _copied(head, s.c.head)), (s.c.head + s.c.ledger,), "the rates", rates)
+    except BaseException as error:
+        return _status_of(s, error)
 
 
-cdef int _drift(_PythonSystem s, double h, double *y) except -1:
+cdef int _call_rollers(
+    double t, const double *head, const double *rollers, double *rates, double *added, void *state
+) noexcept with gil:
+    cdef _PythonSystem s = <_PythonSystem>state
+    shape = (s.c.rollers, s.c.block)
+    try:
+        own, others = s.roller_rates(
+            t, _copied(head, s.c.head), _copied(rollers, s.c.rollers * s.c.block).reshape(shape))
+        _take(own, shape, "the rollers' rates", rates)
+        return _take(others, (s.c.rollers, s.c.head + s.c.ledger), "what the rollers add", added)
+    except BaseException as error:
+        return _status_of(s, error)
+
+
+cdef int _call_watch(double t, const double *y, double *values, void *state) noexcept with gil:
+    cdef _PythonSystem s = <_PythonSystem>state
+    try:
+        return _take(s.watch(t, _copied(y, rs_unknowns(&s.c))), (s.c.watched,), "the watched values", values)
+    except BaseException as error:
+        return _status_of(s, error)
+
+
+cdef int _call_jacobian(double t, const double *y, const rs_arrow *arrow, void *state) noexcept with gil:
+    cdef _PythonSystem s = <_PythonSystem>state
+    try:
+        return _take(s.jacobian(t, _copied(y, s.c.head)), (s.c.head, s.c.head), "the Jacobian", arrow.head_head)
+    except BaseException as error:
+        return _status_of(s, error)
+
+
+cdef int _call_drift(double h, double *y, void *state) noexcept with gil:
+    cdef _PythonSystem s = <_PythonSystem>state
     cdef double[::1] rates = np.empty(s.c.head)
     cdef size_t i
-    _head(s, 0.0, y, &rates[0])  # places know no time
-    for i in range(s.c.head):
-        if s.kicked[i] == 0.0:
-            y[i] += h * rates[i]
-    return 0
-
-
-cdef int _rollers(
-    _PythonSystem s, double t, const double *head, const double *rollers, double *rates, double *added
-) except -1:
-    shape = (s.c.rollers, s.c.block)
-    own, others = s.roller_rates(
-        t, _copied(head, s.c.head), _copied(rollers, s.c.rollers * s.c.block).reshape(shape)
-    )
-    _take(own, shape, "the rollers' rates", rates)
-    return _take(others, (s.c.rollers, s.c.head + s.c.ledger), "what the rollers add", added)
-
-
-cdef int _watched(_PythonSystem s, double t, const double *y, double *values) except -1:
-    return _take(s.watch(t, _copied(y, rs_unknowns(&s.c))), (s.c.watched,), "the watched values", values)
-
-
-cdef int _given_jacobian(_PythonSystem s, double t, const double *y, const rs_arrow *arrow) except -1:
-    return _take(s.jacobian(t, _copied(y, s.c.head)), (s.c.head, s.c.head), "the Jacobian", arrow.head_head)
+    cdef int status = _call_head(0.0, y, &rates[0], state)   # places know no time
+    if status == 0:
+        for i in range(s.c.head):
+            if s.kicked[i] == 0.0:
+                y[i] += h * rates[i]
+    return status

@@ -32,6 +32,11 @@ cdef enum:
     READ = 4            # of the operation: courses before those that rates do not read
     MAX_WATCHED = 3
 
+cdef enum:   # which rates
+    OF_ROLLERS
+    OF_HEAD
+    OF_ALL
+
 cdef enum:   # courses
     INNER_SPEED
     OUTER_SPEED
@@ -60,7 +65,7 @@ cdef struct box_t:
 
 cdef struct varying_t:
     void *owner
-    size_t rollers, block, rates, row   # rates: of head and ledger; row: also of the shares of a roller
+    size_t rollers, block, rates, row, unknowns   # rates: of head and ledger; row: also of the shares of a roller
     size_t axes
     int speed_axis        # axis that is |w_i - w_o| in place of a course; -1 for none
     int root_axis         # axis on which the root of its course counts; -1 for none
@@ -79,10 +84,7 @@ cdef struct varying_t:
     size_t which[MAX_AROUND]
     double weight[MAX_AROUND]
     size_t refused
-    double *roller_rates
-    double *added
-    double *head_rates
-    double *all_rates
+    double *own           # room for what one station gives
 
 
 cdef double _value(course_t *c, double t) noexcept nogil:
@@ -173,61 +175,52 @@ cdef inline void _blend(double weight, const double *part, double *into, size_t 
         into[i] = weight * part[i] + (0.0 if first else into[i])
 
 
+cdef int _evaluate(
+    const rs_system *s, int what, double t, const double *y, const double *rollers, double *rates, double *added
+) noexcept nogil:
+    """Rates of one station."""
+    if what == OF_ROLLERS:
+        return s.roller_rates(t, y, rollers, rates, added, s.state)
+    if what == OF_HEAD:
+        return s.head_rates(t, y, rates, s.state)
+    return s.rates(t, y, rates, s.state)
+
+
+cdef int _blended(
+    varying_t *v, int what, double t, const double *y, const double *rollers, double *rates, size_t n, double *added,
+    size_t n_added
+) noexcept nogil:
+    """Rates of the stations around the operation at a time, blended: n rates, and what is added to others."""
+    cdef size_t k
+    cdef int status = _look(v, t)
+    if status == 0 and v.used == 1:
+        v.refused = v.which[0]
+        return _evaluate(v.stations[v.refused].system, what, t, y, rollers, rates, added)
+    for k in range(v.used if status == 0 else 0):
+        v.refused = v.which[k]
+        status = _evaluate(v.stations[v.refused].system, what, t, y, rollers, v.own, v.own + n)
+        if status != 0:
+            return status
+        _blend(v.weight[k], v.own, rates, n, k == 0)
+        _blend(v.weight[k], v.own + n, added, n_added, k == 0)
+    return status
+
+
 cdef int _roller_rates(
     double t, const double *head, const double *rollers, double *rates, double *added, void *state
 ) noexcept nogil:
     cdef varying_t *v = <varying_t *>state
-    cdef const rs_system *s
-    cdef size_t k
-    cdef int status = _look(v, t)
-    if status != 0:
-        return status
-    for k in range(v.used):
-        s, v.refused = v.stations[v.which[k]].system, v.which[k]
-        if v.used == 1:
-            return s.roller_rates(t, head, rollers, rates, added, s.state)
-        status = s.roller_rates(t, head, rollers, v.roller_rates, v.added, s.state)
-        if status != 0:
-            return status
-        _blend(v.weight[k], v.roller_rates, rates, v.rollers * v.block, k == 0)
-        _blend(v.weight[k], v.added, added, v.rollers * v.row, k == 0)
-    return 0
+    return _blended(v, OF_ROLLERS, t, head, rollers, rates, v.rollers * v.block, added, v.rollers * v.row)
 
 
 cdef int _head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
     cdef varying_t *v = <varying_t *>state
-    cdef const rs_system *s
-    cdef size_t k
-    cdef int status = _look(v, t)
-    if status != 0:
-        return status
-    for k in range(v.used):
-        s, v.refused = v.stations[v.which[k]].system, v.which[k]
-        if v.used == 1:
-            return s.head_rates(t, head, rates, s.state)
-        status = s.head_rates(t, head, v.head_rates, s.state)
-        if status != 0:
-            return status
-        _blend(v.weight[k], v.head_rates, rates, v.rates, k == 0)
-    return 0
+    return _blended(v, OF_HEAD, t, head, NULL, rates, v.rates, NULL, 0)
 
 
 cdef int _rates(double t, const double *y, double *rates, void *state) noexcept nogil:
     cdef varying_t *v = <varying_t *>state
-    cdef const rs_system *s
-    cdef size_t k
-    cdef int status = _look(v, t)
-    if status != 0:
-        return status
-    for k in range(v.used):
-        s, v.refused = v.stations[v.which[k]].system, v.which[k]
-        if v.used == 1:
-            return s.rates(t, y, rates, s.state)
-        status = s.rates(t, y, v.all_rates, s.state)
-        if status != 0:
-            return status
-        _blend(v.weight[k], v.all_rates, rates, rs_unknowns(s), k == 0)
-    return 0
+    return _blended(v, OF_ALL, t, y, NULL, rates, v.unknowns, NULL, 0)
 
 
 cdef int _watch(double t, const double *y, double *values, void *state) noexcept nogil:
@@ -372,17 +365,16 @@ cdef class Varying:
         self.scale = np.array(scale, dtype=float)
         self._more([low for low, _ in ranges])
         s = v.stations[0].system
-        v.rollers, v.block, v.rates, v.row = s.rollers, s.block, s.head + s.ledger, rs_row(s)
+        v.rollers, v.block, v.rates = s.rollers, s.block, s.head + s.ledger
+        v.row, v.unknowns = rs_row(s), rs_unknowns(s)
         v.watched = s.watched
         if not 1 <= v.watched <= MAX_WATCHED or v.cage_speed >= s.head:
             raise ValueError(f"{v.watched} watched values, cage speed at {v.cage_speed}: at most {MAX_WATCHED}, and it "
                              f"is in the head of {s.head}")
-        if <size_t>self.scale.shape[0] != rs_unknowns(s):
-            raise ValueError(f"{rs_unknowns(s)} unknowns need as many scales, got {self.scale.shape[0]}")
-        room = np.zeros(v.rollers * (v.block + v.row) + v.rates + rs_unknowns(s))
-        v.roller_rates, v.added = &room[0], &room[v.rollers * v.block]
-        v.head_rates = v.added + v.rollers * v.row
-        v.all_rates = v.head_rates + v.rates
+        if <size_t>self.scale.shape[0] != v.unknowns:
+            raise ValueError(f"{v.unknowns} unknowns need as many scales, got {self.scale.shape[0]}")
+        room = np.zeros(v.rollers * (v.block + v.row) + v.unknowns)
+        v.own = &room[0]
         self.kept.append(room)
 
     cdef _more(self, place):
