@@ -37,7 +37,7 @@ def test_a_package_is_written_whole(kind: str, compiled: bool, tmp_path: Path) -
     source = "src/rollslip_my_law"
     expected = {".gitignore", "LICENSE", "README.md", "pyproject.toml", f"{source}/__init__.py", f"{source}/py.typed"}
     expected |= {".github/workflows/wheels.yml"}
-    expected |= {f"{source}/{kind}.py", f"tests/test_{kind}.py"}
+    expected |= {f"{source}/{kind}.py", f"tests/test_rollslip_my_law_{kind}.py"}
     expected |= {f"{source}/heun.py"} if kind == "integrator" else set()
     if compiled:
         expected |= {"setup.py", f"{source}/_{kind}.pyx", f"{source}/_{kind}.pyi"}
@@ -137,7 +137,7 @@ def test_several_models_make_one_package(compiled: bool, tmp_path: Path) -> None
     assert project["description"] == "A film model and a traction model for rollslip"
     for kind, cls in (("film", "OwnPair"), ("traction", "OwnOther")):
         assert f"class {cls}(" in texts[f"src/own_pair/{kind}.py"]
-        assert f"from own_pair.{kind} import {cls}\n" in texts[f"tests/test_{kind}.py"]
+        assert f"from own_pair.{kind} import {cls}\n" in texts[f"tests/test_own_pair_{kind}.py"]
         assert f"- `src/own_pair/{kind}.py`: the law" in texts["README.md"]
         assert (f"src/own_pair/_{kind}.pyx" in texts) == compiled
         assert (f"from own_pair import _{kind}\n" in texts[f"src/own_pair/{kind}.py"]) == compiled

@@ -153,7 +153,7 @@ def _files(kind: str, template: KindTemplate, module: str, compiled: bool) -> di
     """Return the files of a kind: path -> template."""
     file = _file(kind)
     found = {f"src/{module}/{name}.py": f"{name}.py" for name in (file, *template.beside)}
-    found[f"tests/test_{file}.py"] = f"test_{file}.py"
+    found[f"tests/test_{module}_{file}.py"] = f"test_{file}.py"  # no other package has a test of this name
     return found | ({f"src/{module}/_{file}.{end}": f"{file}.{end}" for end in ("pyx", "pyi")} if compiled else {})
 
 
