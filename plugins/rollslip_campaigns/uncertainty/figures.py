@@ -46,9 +46,9 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     one, p = dataset.sel(quantity=RESERVE), float(dataset.attrs["probability"])
     n, unknown = int(one["samples"]), int(one["unknown"])
     known = np.sort(one["value"].to_numpy()[:n])[: n - unknown]  # NaN is sorted last
-    shown = known[np.isfinite(known) & (known > 0.0)]
-    if shown.size:
-        below = np.arange(1, known.size + 1)[np.isfinite(known) & (known > 0.0)] / n
+    drawn = np.isfinite(known) & (known > 0.0)
+    if drawn.any():
+        shown, below = known[drawn], np.arange(1, known.size + 1)[drawn] / n
         label = f"drag reserve: share of {n} samples below"
         axes.plot(shown, 100 * below, color=MODEL_COLOURS[0], drawstyle="steps-post", label=label)
         if unknown:
@@ -86,12 +86,10 @@ def _of_inputs(dataset: "xr.Dataset", order: Any, each: float, names: Any, label
     sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
     for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
         bars(axes, places, k)
-        axes.set_title(textwrap.fill(str(name), 72 // len(names)))
-        axes.set_yticks(places, keys)
+        axes.set(title=textwrap.fill(str(name), 72 // len(names)), yticks=places, yticklabels=keys, xlabel=label)
         axes.tick_params(axis="y", length=0)
         axes.axvline(0.0, color="black", linewidth=0.6)
         axes.spines["left"].set_visible(False)
-        axes.set_xlabel(label)
     return sheet
 
 

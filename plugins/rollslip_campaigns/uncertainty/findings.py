@@ -11,7 +11,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
-from rollslip.results.dataset import UNITS
+from rollslip.results.dataset import UNITS, rows_along
 from rollslip.results.table import in_people_s_unit
 from rollslip.results.words import force, percent, plain, span, two
 from rollslip.units import format_quantity
@@ -28,6 +28,7 @@ LOAD: Final = "minimum load"
 #: How heads of columns of inputs begin.
 RANKED: Final = "rank correlation with "
 RUNAWAY: Final = "slip at which skidding begins"
+DRAG: Final = "limit drag torque"
 #: How well samples know a band: best.
 _KNOWN: Final = 3
 #: Rank correlation of slip and drag of running away below which the caveat is told.
@@ -148,25 +149,21 @@ class UncertaintyAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return what was found as plain values; what the samples cannot tell is null."""
-        units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
+        units, inputs = json.loads(dataset["quantity"].attrs.get(UNITS, "{}")), dataset["input"].to_numpy().tolist()
         quantities = {
-            str(name): {
-                "unit": units.get(str(name), "1"),
-                "samples": int(one["samples"]),
-                "known": int(one["known"]),
-                "beyond_the_range": int(one["beyond"]),
-                "unknown": int(one["unknown"]),
+            one["quantity"]: {
+                "unit": units.get(one["quantity"], "1"),
+                "samples": one["samples"],
+                "known": one["known"],
+                "beyond_the_range": one["beyond"],
+                "unknown": one["unknown"],
                 "quantiles": [
-                    {
-                        "probability": float(p),
-                        "value": or_none(one["quantile_value"].to_numpy()[k]),
-                        "low": or_none(one["quantile_low"].to_numpy()[k]),
-                        "high": or_none(one["quantile_high"].to_numpy()[k]),
-                    }
-                    for k, p in enumerate(one["probability"].to_numpy())
+                    {"probability": row["probability"]}
+                    | {end: or_none(row[f"quantile_{end}"]) for end in ("value", "low", "high")}
+                    for row in rows_along(dataset.isel(quantity=k), "probability")
                 ],
             }
-            for name, one in ((name, dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy())
+            for k, one in enumerate(rows_along(dataset, "quantity"))
         }
         found: dict[str, Any] = {
             "probability": float(dataset.attrs["probability"]),
@@ -175,11 +172,8 @@ class UncertaintyAccount(Account):
             "skidding": _ends(dataset, "skidding") if "skidding" in dataset else None,
             "reserve_is_a_lower_bound_in": int(dataset["bounded"]) if "bounded" in dataset else None,
             "rank_correlation": {
-                str(name): {
-                    str(key): or_none(dataset["rank_correlation"].sel(input=key, acted=name))
-                    for key in dataset["input"].to_numpy()
-                }
-                for name in dataset["acted"].to_numpy()
+                str(name): dict(zip(inputs, map(or_none, ranks), strict=True))
+                for name, ranks in zip(dataset["acted"].values, dataset["rank_correlation"].values.T, strict=True)
             },
             "points": json.loads(dataset.attrs["points"]),
             "quantities": quantities,
@@ -187,10 +181,13 @@ class UncertaintyAccount(Account):
         if "indexed" in dataset.coords:
             found["indices"] = {
                 str(name): {
-                    str(key): {order: _ends(one.sel(input=key), order) for order in ("first_order", "total_order")}
-                    for key in dataset["input"].to_numpy()
+                    key: {
+                        order: _ends(dataset.sel(indexed=name, input=key), order)
+                        for order in ("first_order", "total_order")
+                    }
+                    for key in inputs
                 }
-                for name, one in ((name, dataset.sel(indexed=name)) for name in dataset["indexed"].to_numpy())
+                for name in dataset["indexed"].to_numpy()
             }
         return found
 
@@ -202,7 +199,7 @@ def _ends(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float
 
 def _quantile(dataset: "xr.Dataset", name: str, probability: float) -> tuple[float, float, float]:
     """A quantile of what people act on, and the ends of its interval."""
-    one = dataset.sel(quantity=name, probability=probability, method=None)
+    one = dataset.sel(quantity=name, probability=probability)
     value, low, high = (float(one[f"quantile_{end}"]) for end in ("value", "low", "high"))
     return value, low, high
 
@@ -281,15 +278,13 @@ def _caveat(dataset: "xr.Dataset") -> list[str]:
 
 def _runs_away(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away: slip and drag, medians with their spread."""
-    slip = dataset["quantile_value"].sel(quantity=RUNAWAY)
-    drag = dataset["quantile_value"].sel(quantity="limit drag torque")
-    low, middle, high = (float(slip.sel(probability=p)) for p in (0.05, 0.5, 0.95))
+    low, middle, high = (_quantile(dataset, RUNAWAY, p)[0] for p in (0.05, 0.5, 0.95))
     if math.isnan(middle):
         return "no sample says where skidding begins"
     if math.isinf(middle):
         beyond, n = int(dataset["beyond"].sel(quantity=RUNAWAY)), int(dataset["samples"].sel(quantity=RUNAWAY))
         return f"no skidding was found in {beyond} of {n} samples up to the end of the range"
-    least, mean, most = (_torque(float(drag.sel(probability=p))) for p in (0.05, 0.5, 0.95))
+    least, mean, most = (_torque(_quantile(dataset, DRAG, p)[0]) for p in (0.05, 0.5, 0.95))
     return (
         f"skidding begins at a cage slip of {_percent(middle)}, limit drag torque {mean} "
         f"(medians; 5 to 95 %: {_percent(low)} to {_percent(high)}, {least} to {most})"
@@ -332,11 +327,10 @@ def margin(dataset: "xr.Dataset") -> str:
 
 
 def _shares(one: "xr.Dataset") -> str:
-    order = np.argsort(-one["total_order"].to_numpy())
+    inputs = rows_along(one, "input")
     parts = [
-        f"{one['input'].to_numpy()[k]} {one['total_order'].to_numpy()[k]:.2f} "
-        f"({one['total_order_low'].to_numpy()[k]:.2f} to {one['total_order_high'].to_numpy()[k]:.2f})"
-        for k in order
+        "{input} {total_order:.2f} ({total_order_low:.2f} to {total_order_high:.2f})".format(**inputs[k])
+        for k in np.argsort(-one["total_order"].to_numpy())
     ]
     beyond = int(one["indexed_beyond"])
     said = f"; {beyond} samples beyond the range count as at its end" if beyond else ""

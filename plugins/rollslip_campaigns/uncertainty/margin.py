@@ -22,6 +22,7 @@
 
 import json
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -42,17 +43,8 @@ from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
-from rollslip_campaigns.uncertainty.samples import (
-    DRAG,
-    LOAD,
-    LOWEST,
-    RESERVE,
-    RUNAWAY,
-    STEADY,
-    least_loads,
-    of_friction,
-    shares_of,
-)
+from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, RUNAWAY, STEADY
+from rollslip_campaigns.uncertainty.samples import LOWEST, least_loads, of_friction, shares_of
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.scatter import with_scatter
@@ -75,6 +67,8 @@ _SAMPLES, _LOADS = 1024, 64
 _RANKED: Final = 8
 #: Probabilities of the quantiles that are told beside that of the allowable slip.
 _TOLD: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
+#: What tells samples that are known, beyond a range, and unknown.
+_KNOWN: Final = (np.isfinite, np.isinf, np.isnan)
 _OUTPUTS: Final = (
     "drag_reserve", "steady_cage_slip", "runaway_slip", "runaway_drag", "critical_cage_slip", "critical_friction"
 )  # fmt: skip
@@ -185,13 +179,11 @@ def expected_seconds(made: Margin) -> dict[str, float]:
 
     With ``until`` those of running away are the most that there may be.
     """
-
-    def of_one(sweep: Sweep) -> float:
+    return {
         # the first time imports, and makes what samples share
-        work = sweep.work
-        return min(compute(work, ((0, {}),)).rows[0].seconds for _ in range(2))
-
-    return {name: len(sweep.numbers) * of_one(sweep) for name, sweep in made.sweeps.items()}
+        name: len(sweep.numbers) * min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
+        for name, sweep in made.sweeps.items()
+    }
 
 
 def run_margin(
@@ -284,6 +276,8 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
     probabilities = tuple(sorted({*_TOLD, round(1.0 - made.probability, 12), made.probability}))
     quantiles = np.array([[attrs.astuple(made.quantile(one, p)) for p in probabilities] for one in values.values()])
     over = ("quantity", "probability")
+    counts = np.array([[one.size, *(of(one).sum() for of in _KNOWN)] for one in values.values()])
+    ends = np.array([attrs.astuple(one) for _, one in batches])
     variables |= {
         "value": (
             ("quantity", "sample"),
@@ -293,28 +287,28 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
         "quantile_value": (over, quantiles[..., 0], about("1", "quantile of the known samples")),
         "quantile_low": (over, quantiles[..., 1], about("1", "low end of its 95 % interval")),
         "quantile_high": (over, quantiles[..., 2], about("1", "high end of its 95 % interval")),
-        "samples": ("quantity", np.array([one.size for one in values.values()]), about("1", "samples")),
-        "known": ("quantity", np.array([int(np.isfinite(one).sum()) for one in values.values()]), about("1", "known")),
-        "beyond": ("quantity", np.array([int(np.isinf(one).sum()) for one in values.values()]), about("1", "beyond")),
-        "unknown": ("quantity", np.array([int(np.isnan(one).sum()) for one in values.values()]), about("1", "unknown")),
+        "samples": ("quantity", counts[:, 0], about("1", "samples")),
+        "known": ("quantity", counts[:, 1], about("1", "known")),
+        "beyond": ("quantity", counts[:, 2], about("1", "beyond")),
+        "unknown": ("quantity", counts[:, 3], about("1", "unknown")),
         "batch_samples": ("batch", np.array([count for count, _ in batches]), about("1", "samples")),
-        "batch_allowable": ("batch", np.array([one.value for _, one in batches]), about("1", "allowable slip")),
-        "batch_low": ("batch", np.array([one.low for _, one in batches]), about("1", "low end of its interval")),
-        "batch_high": ("batch", np.array([one.high for _, one in batches]), about("1", "high end of its interval")),
+        "batch_allowable": ("batch", ends[:, 0], about("1", "allowable slip")),
+        "batch_low": ("batch", ends[:, 1], about("1", "low end of its interval")),
+        "batch_high": ("batch", ends[:, 2], about("1", "high end of its interval")),
+        "input_value": (
+            ("input", "sample"),
+            made.critical.design.samples[:n].T,
+            about("SI", "value of an uncertain quantity"),
+        ),
     }
-    inputs = [of.key for of in made.critical.design.sampled]
-    variables["input_value"] = (
-        ("input", "sample"), made.critical.design.samples[:n].T, about("SI", "value of an uncertain quantity")
-    )  # fmt: skip
     acted = [name for name in (RESERVE, STEADY, LOAD, RUNAWAY) if name in values]
     ranks = np.array([[_ranked(column, values[name]) for name in acted] for column in made.critical.design.samples.T])
     variables["rank_correlation"] = (
         ("input", "acted"), ranks, about("1", "rank correlation of an uncertain quantity with what is acted on")
     )  # fmt: skip
-    strong = _ranked(values[RUNAWAY], values[DRAG])
     variables["strength_correlation"] = (
         (),
-        strong,
+        _ranked(values[RUNAWAY], values[DRAG]),
         about("1", "rank correlation of the slip at which skidding begins and the limit drag torque"),
     )
     coords: dict[str, Any] = {
@@ -325,13 +319,14 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
             about("1", "what it is") | {UNITS: json.dumps({LOAD: "N", DRAG: "N m"})},
         ),
         "probability": ("probability", np.array(probabilities), about("1", "share of the distribution below")),
-        "input": ("input", np.array(inputs), about("1", "what is uncertain")),
+        "input": ("input", np.array(made.critical.design.keys), about("1", "what is uncertain")),
     }
     if made.varied is not None:
         found, names = _indices(made, points)
         variables |= found
         coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
-    failed = {name: _failures(one) for name, one in points.items()}
+    ended = {name: Counter(one["status"].to_numpy().tolist()) for name, one in points.items()}
+    failed = {name: dict(sorted(counts.items())) for name, counts in ended.items()}
     return xr.Dataset(variables, coords, _attributes(made, failed, json.loads(critical.attrs.get("left", "[]"))))
 
 
@@ -380,11 +375,6 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
             said = about("1", f"Sobol index, {order.replace('_', ' ')}")
             variables[f"{order}{end}"] = ("indexed", "input"), stacked[:, i], said
     return variables, names
-
-
-def _failures(points: "xr.Dataset") -> dict[str, int]:
-    names, counts = np.unique(points["status"].to_numpy(), return_counts=True)
-    return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
 
 
 def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]) -> dict[str, Any]:

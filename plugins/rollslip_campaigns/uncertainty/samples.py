@@ -5,21 +5,21 @@
 - A reserve of which a lower bound is known is that bound: its low quantiles are bounds too.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
+from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, RUNAWAY, STEADY
 from rollslip_studies.motion.torque_balance import AT_LEAST, DRIVEN, FOUND, NOWHERE, SKIDS
 from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DRAG", "LOAD", "LOWEST", "RESERVE", "RUNAWAY", "STEADY", "least_loads", "of_friction", "shares_of"]
+__all__ = ["LOWEST", "least_loads", "of_friction", "shares_of"]
 
-RESERVE, STEADY, LOAD = "drag reserve", "steady slip", "minimum load"
-RUNAWAY, DRAG, LOWEST = "slip at which skidding begins", "limit drag torque", "critical slip"
+LOWEST: Final = "critical slip"
 
 
 def of_friction(points: "xr.Dataset") -> dict[str, Array]:
@@ -28,8 +28,9 @@ def of_friction(points: "xr.Dataset") -> dict[str, Array]:
     away, drag = _runaway(points), _scalar(points, "runaway_drag")
     found = {RESERVE: _scalar(points, "drag_reserve"), STEADY: _steady(points)} if has_cage(points) else {}
     found |= {RUNAWAY: away, DRAG: np.where(np.isinf(away), np.inf, drag), LOWEST: np.asarray(slips.min(axis=0))}
-    found |= {f"{LOWEST}, {ring} ring": row for ring, row in zip(RINGS, slips, strict=True)}
-    return found | {f"peak friction, {ring} ring": row for ring, row in zip(RINGS, frictions, strict=True)}
+    for name, rows in ((LOWEST, slips), ("peak friction", frictions)):
+        found |= {f"{name}, {ring} ring": row for ring, row in zip(RINGS, rows, strict=True)}
+    return found
 
 
 def has_cage(points: "xr.Dataset") -> bool:
@@ -53,12 +54,12 @@ def least_loads(points: "xr.Dataset") -> Array:
 
 def _rings(points: "xr.Dataset", name: str) -> Array:
     """Critical slips or their friction, (2, n); a slip that is not in the range is beyond it, its friction unknown."""
-    status = points["status"].to_numpy()
-    found = np.full((len(RINGS), status.size), np.nan)
+    ok = points["status"].to_numpy() == "ok"
+    found = np.full((len(RINGS), ok.size), np.nan)
     if name in points:
         found[:] = points[name].transpose("ring", "sample").to_numpy()
     if name == "critical_cage_slip":
-        found[np.isnan(found) & (status == "ok")] = np.inf
+        found[np.isnan(found) & ok] = np.inf
     return found
 
 
