@@ -16,7 +16,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.errors import SceneError, did_you_mean, nearest
-from rollslip.files import content_of, decoded, readable
+from rollslip.files import readable
 from rollslip.references import Reference
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
@@ -24,7 +24,16 @@ from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure
 from rollslip.toml import parse
 from rollslip.units import UnitError, as_written, check_unit, quantity
-from rollslip_campaigns.measurement.rig import FilmRow, Rig, RigData, TractionRow, load_rig, read_data
+from rollslip_campaigns.measurement.rig import (
+    FilmRow,
+    Rig,
+    RigData,
+    TractionRow,
+    faults_of,
+    load_rig,
+    read_data,
+    text_named,
+)
 from rollslip_campaigns.measurement.values import (
     FORM,
     QUANTITIES,
@@ -45,7 +54,6 @@ __all__ = ["FILE", "load_measurement", "load_measurements"]
 FILE: Final = "measurement.toml"
 #: Columns of the value and of its standard uncertainty.
 MEASURED, UNCERTAINTY = "measured", "uncertainty"
-_MOST_FAULTS: Final = 20
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 #: The variable of a study.
 _OF_STUDY: Final = re.compile(r"[\w-]+/\w+", re.ASCII)
@@ -66,27 +74,17 @@ def load_measurements(folder: str | os.PathLike[str]) -> list[Measurement]:
 def load_measurement(folder: str | os.PathLike[str]) -> Measurement:
     """Read a data set."""
     base = Path(folder)
-    source = readable(os.fspath(base / FILE))
-    text = decoded(_content(base / FILE), source)
+    source, text = text_named(base / FILE)
     raw, origins = parse(text, source)
     problems: list[str] = []
     where = Location(origins)
     table = structure(MeasurementTable, raw, where, problems)
     if table is None:
         raise SceneError(problems)
-    reader = _Reader(base, table, where, problems)
-    made = reader.measurement()
+    made = _Reader(base, table, where, problems).measurement()
     if problems:
-        more = len(problems) - _MOST_FAULTS
-        raise SceneError(problems if more <= 0 else [*problems[:_MOST_FAULTS], f"{source}: and {more} faults more"])
+        raise faults_of(source, problems)
     return made
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return content_of(path)
-    except OSError as error:
-        raise SceneError([f"{readable(str(path))}: cannot be read: {error.strerror or error}"]) from None
 
 
 @attrs.define
@@ -160,26 +158,40 @@ class _Reader:
 
     def _check_source(self, source: SourceTable, has_values: bool) -> None:
         where = self.where.at("source")
-        if not source.licence.strip():
-            self.problems.append(where.at("licence").says("is empty; name the licence under which the values stand"))
-        if source.read == "digitised" and not source.by.strip():
-            self.problems.append(where.at("by").says("missing: digitised values name who read them off"))
-        if source.read == "digitised":
-            for k, one in enumerate(self.table.series):
-                if one.reading_error is None:
-                    at = self.where.at("series").at(k).at("reading_error")
-                    self.problems.append(at.says("missing: digitised values have an error of reading, such as '2 %'"))
-        if source.read == _TO_READ and has_values:
-            reason = "'to be digitised' has no values yet; say 'digitised', and by whom"
-            self.problems.append(where.at("read").says(reason))
-        if (source.licence == _CLOSED or not has_values) and not source.recipe.strip():
-            self.problems.append(
-                where.at("recipe").says("missing: values that are not here need a recipe of how to get them")
-            )
-        if source.licence == _CLOSED and has_values:
-            self.problems.append(
-                where.at("licence").says(f"{_CLOSED!r}, but the values stand here; leave them out and give the recipe")
-            )
+        digitised, closed = source.read == "digitised", source.licence == _CLOSED
+        without = [k for k, one in enumerate(self.table.series) if digitised and one.reading_error is None]
+        faults = [
+            (
+                not source.licence.strip(),
+                where.at("licence"),
+                "is empty; name the licence under which the values stand",
+            ),
+            (digitised and not source.by.strip(), where.at("by"), "missing: digitised values name who read them off"),
+            *(
+                (
+                    True,
+                    self.where.at("series").at(k).at("reading_error"),
+                    "missing: digitised values have an error of reading, such as '2 %'",
+                )
+                for k in without
+            ),
+            (
+                source.read == _TO_READ and has_values,
+                where.at("read"),
+                "'to be digitised' has no values yet; say 'digitised', and by whom",
+            ),
+            (
+                (closed or not has_values) and not source.recipe.strip(),
+                where.at("recipe"),
+                "missing: values that are not here need a recipe of how to get them",
+            ),
+            (
+                closed and has_values,
+                where.at("licence"),
+                f"{_CLOSED!r}, but the values stand here; leave them out and give the recipe",
+            ),
+        ]
+        self.problems += [at.says(reason) for wrong, at, reason in faults if wrong]
 
     def _check_estimates(self) -> None:
         """What is estimated stands in a scene, and scatters where it is a number."""
@@ -221,19 +233,18 @@ class _Reader:
 
     def _unit(self, one: SeriesTable | StatementTable, where: Location) -> str | None:
         """SI unit of the quantity, or None after noting what is wrong."""
-        known = QUANTITIES.get(one.quantity)
-        if known is not None:
-            return known.unit
-        if _OF_STUDY.fullmatch(one.quantity):
+        if one.quantity in QUANTITIES:
+            return QUANTITIES[one.quantity].unit
+        if not _OF_STUDY.fullmatch(one.quantity):
+            self._unknown(one.quantity, where)
+        elif not one.unit:
+            reason = "missing: the variable of a study needs its SI unit, '1' for none"
+            self.problems.append(where.at("unit").says(reason))
+        else:
             try:
-                if one.unit:
-                    return check_unit(one.unit)
-                reason = "missing: the variable of a study needs its SI unit, '1' for none"
-                self.problems.append(where.at("unit").says(reason))
+                return check_unit(one.unit)
             except UnitError as error:
                 self.problems.append(where.at("unit").says(str(error)))
-        else:
-            self._unknown(one.quantity, where)
         return None
 
     def _unknown(self, name: str, where: Location) -> None:
@@ -299,13 +310,10 @@ class _Reader:
 
     def _rows(self, one: SeriesTable, unit: str, scene: Scene | None, where: Location) -> Iterator[Row]:
         """Rows of a file; what is wrong with them is noted."""
-        try:
-            path = self._beside(one.data, where.at("data"))
-        except SceneError as error:
-            self.problems += error.problems
+        path = self._noted(lambda: self._beside(one.data, where.at("data")))
+        if path is None:
             return
-        source = readable(str(path))
-        text = decoded(_content(path), source)
+        source, text = text_named(path)
         stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
         lines = [(number, next(csv.reader([line], skipinitialspace=True))) for number, line in stripped
                  if line and not line.startswith("#")]  # fmt: skip
@@ -410,12 +418,9 @@ class _Reader:
 
 def _deep(table: Mapping[str, Any], path: list[str]) -> Any:
     """Value deep in tables, also under a key that was written in quotes."""
-    if ".".join(path) in table:
-        return table[".".join(path)]
-    for n in range(1, len(path) + 1):
-        head = ".".join(path[:n])
-        if head in table:
-            below = table[head]
+    for n in (len(path), *range(1, len(path))):
+        below = table.get(".".join(path[:n]))
+        if below is not None:
             return below if n == len(path) else _deep(below, path[n:]) if isinstance(below, Mapping) else None
     return None
 

@@ -11,7 +11,7 @@ Decisions:
 import hashlib
 import math
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -157,8 +157,7 @@ def read_data(path: str | os.PathLike[str], row: type = TractionRow) -> RigData:
     SceneError
         With every fault of the file, each as ``data.csv:7: friction: sentence``.
     """
-    source = readable(os.fspath(path))
-    content = _content(Path(path))
+    source, content = content_named(path)
     text = decoded(content, source)
     faults: list[str] = []
     given, lines = read_columns(text, source, row, faults, check=_check_loads)
@@ -169,8 +168,7 @@ def read_data(path: str | os.PathLike[str], row: type = TractionRow) -> RigData:
         if not faults:
             sha256 = hashlib.sha256(content).hexdigest()
             return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines)
-    more = len(faults) - _MOST_FAULTS
-    raise SceneError(faults if more <= 0 else [*faults[:_MOST_FAULTS], f"{source}: and {more} faults more"])
+    raise faults_of(source, faults)
 
 
 def _of_friction(columns: Mapping[str, Array], source: str) -> list[str]:
@@ -185,11 +183,25 @@ def _of_friction(columns: Mapping[str, Array], source: str) -> list[str]:
     ]
 
 
-def _content(path: Path) -> bytes:
+def content_named(path: str | os.PathLike[str]) -> tuple[str, bytes]:
+    """Return the name of a file as messages have it, and its content."""
+    source = readable(os.fspath(path))
     try:
-        return content_of(path)
+        return source, content_of(Path(path))
     except OSError as error:
-        raise SceneError([f"{path}: cannot be read: {error.strerror or error}"]) from None
+        raise SceneError([f"{source}: cannot be read: {error.strerror or error}"]) from None
+
+
+def text_named(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Return the name of a file as messages have it, and its text."""
+    source, content = content_named(path)
+    return source, decoded(content, source)
+
+
+def faults_of(source: str, faults: Sequence[str]) -> SceneError:
+    """Return the error of what is wrong with a file, of many faults the first ones."""
+    more = len(faults) - _MOST_FAULTS
+    return SceneError([*faults[:_MOST_FAULTS], *([f"{source}: and {more} faults more"] if more > 0 else [])])
 
 
 def _check_loads(names: Collection[str]) -> str:
@@ -260,12 +272,10 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
     SceneError
         With every fault of the file, each with file, line and key; if there is no such file, with an example of one.
     """
-    source = readable(os.fspath(path))
     if not Path(path).exists():
-        raise SceneError(
-            [f"{source}: there is no such file; it says what contact and oil data are of, for example:\n\n{EXAMPLE}"]
-        )
-    text = decoded(_content(Path(path)), source)
+        told = "there is no such file; it says what contact and oil data are of, for example:"
+        raise SceneError([f"{readable(os.fspath(path))}: {told}\n\n{EXAMPLE}"])
+    source, text = text_named(path)
     raw, origins = parse(text, source)
     problems: list[str] = []
     rig = structure(Rig, raw, Location(origins), problems)

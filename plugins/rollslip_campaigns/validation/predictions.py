@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import OutputError, SceneError
-from rollslip.files import content_of, decoded, readable, whole_file
+from rollslip.files import whole_file
 from rollslip.structure import FrozenTable
 from rollslip.units import as_written
 from rollslip_campaigns.measurement import Measurement, load_measurement
-from rollslip_campaigns.measurement.rig import load_rig, read_data
+from rollslip_campaigns.measurement.rig import load_rig, read_data, text_named
 from rollslip_campaigns.measurement.values import QUANTITIES, ContactSeries, Row, Series
 from rollslip_campaigns.validation.residuals import Value
 
@@ -153,7 +153,7 @@ def form(measurement: Measurement) -> str:
 
 def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> Predictions:
     """Read predictions for a data set."""
-    source, text = _read(path)
+    source, text = text_named(path)
     comments = dict(re.findall(r"^#\s*(program|parameters):\s*(.+?)\s*$", text, re.MULTILINE))
     lines = [(k, line) for k, line in enumerate(text.split("\n"), 1) if line.strip() and not line.startswith("#")]
     problems, values = list[str](), dict[tuple[str, int], tuple[float, float]]()
@@ -197,21 +197,12 @@ def data_set_of(path: str | os.PathLike[str], asked: Sequence[str]) -> str:
     """Return the data set that a file of predictions is of: the one that it names, or the only one asked for."""
     if len(asked) == 1:
         return asked[0]
-    source, text = _read(path)
+    source, text = text_named(path)
     rows = csv.DictReader(line for line in text.split("\n") if line.strip() and not line.startswith("#"))
     named = next((row["data_set"] for row in rows if row.get("data_set")), "")
     if not named:
         raise SceneError([f"{source}: has no column data_set; name the data set that it is of in the command"])
     return named
-
-
-def _read(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Name and content of a file."""
-    source = readable(os.fspath(path))
-    try:
-        return source, decoded(content_of(Path(path)), source)
-    except OSError as error:
-        raise SceneError([f"{source}: cannot be read: {error.strerror or error}"]) from None
 
 
 def _whole(text: str) -> int:
