@@ -46,7 +46,7 @@ def test_the_better_stands_first_and_what_failed_last(oils):
 
 
 def test_models_of_rings_are_alternatives_too():
-    tight = rollslip.evolve(SCENE, {"bearing.radial_clearance": "-5 um", "accuracy.tolerance": 1e-2})
+    tight = rollslip.evolve(SCENE, {"bearing.radial_clearance": "-5 um", "accuracy.tolerance": 5e-2})
     found = rollslip.compare(tight, outer_ring="rigid, annulus, rubber")
     assert sorted(found.alternative.values[:2]) == ["annulus", "rigid"]
     assert json.loads(found.attrs["differ"]) == ["models.outer_ring"]

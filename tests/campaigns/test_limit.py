@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 import promise_scenes
 import rollslip
+from coarse import coarse
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
@@ -132,7 +133,7 @@ def test_a_word_searches_what_its_key_does():
         ({"load": "0.5 kN:2 kN:3"}, "slip < 5 %"),
         ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %"),
     )
-    scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 9})
+    scene = coarse("gearbox")
     one, two = (rollslip.limit(scene, *asked, study="steady-slip", within=0.2) for asked in (words, keys))
     assert one.searched.identical(two.searched)
     assert one.result.identical(two.result)

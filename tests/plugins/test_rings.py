@@ -608,7 +608,7 @@ def test_a_mirrored_form_under_a_mirrored_rotation_gives_the_same_slip(study):
     def slip(speed, angle):
         made = scene(**{
             "bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "8 um", "angle": angle}],
-            "bearing.radial_clearance": "5 um", "operation.inner_speed": speed, "accuracy.slices": 5,
+            "bearing.radial_clearance": "5 um", "operation.inner_speed": speed, "accuracy.tolerance": 0.05,
             "study.dynamics": {
                 "level": "planar" if study == "planar" else "cage-set", "duration": "4 ms", "points": 5,
                 "friction": "conventional", "integrator": "rk45", "planar": {"inner_ring_mass": "5 kg"},
@@ -753,7 +753,7 @@ def test_slip_follows_lobes_and_the_housing_that_holds_them():
     # 50 um on two lobes in a housing of 10 mm: 2.14 % and 2.0 N m by the prototype with 12 n and slices of its own
     form = {"bearing.outer_raceway.form": [{"lobes": 2, "amplitude": "25 um", "angle": "90 deg"}]}
     housing = {"models.outer_ring": {"model": "annulus", "outside": "0.23 m"}}
-    result = run(scene(**form, **housing, **{"accuracy.slices": 15}), "steady-slip")
+    result = run(scene(**form, **housing, **{"accuracy.slices": 15, "accuracy.tolerance": 5e-3}), "steady-slip")
     assert 100 * float(result.steady_slip[0]) == pytest.approx(2.14, rel=0.02)
     assert float(result.largest_drag.max()) == pytest.approx(2.0, rel=0.02)
 
@@ -844,7 +844,7 @@ def drag(**changes):
     return made.studies["effective-friction"].runaway(assembly, assembly.resolution.instants).drag
 
 
-@pytest.mark.parametrize("outside", [None, 0.23, 0.21])
+@pytest.mark.parametrize("outside", [None, 0.21])
 @pytest.mark.parametrize(
     "state",
     [

@@ -56,6 +56,8 @@ def test_churning_alone_does_not_pass(bench):
 def test_the_torque_of_the_bench_is_that_of_the_study(bench):
     one = bench.scene("NU2216E", 4.6e5, 1, 1, "bath")
     quick, steady = bench.torque(assemble(one))
-    whole = run(evolve(one, {"accuracy.slices": "auto", "models.torque": []}), "steady-slip")
+    whole = run(
+        evolve(one, {"accuracy.slices": "auto", "accuracy.tolerance": 5e-3, "models.torque": []}), "steady-slip"
+    )
     assert steady == quick
     assert quick == pytest.approx(float(whole.friction_torque[0]), rel=0.021)

@@ -8,12 +8,13 @@ from click.testing import CliRunner
 
 import rollslip
 from architecture import ROOT
+from coarse import SET_COARSE, coarse
 from json_units import without_units
 from rollslip.cli.main import cli
 from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of
 
-COARSE = ("--set", "accuracy.slices=3")
+COARSE = ("--set", "accuracy.slices=3", *SET_COARSE)
 SAMPLED = ("--samples", "8", "--loads", "2", "--indices", "4", "--probability", "0.5", "--engine", "serial")
 COMMANDS = (
     ("run", "gearbox", "--study", "steady-slip"),
@@ -61,7 +62,7 @@ def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
 
 
 def test_units_are_those_of_the_variables():
-    result = rollslip.run("gearbox", "steady-slip")
+    result = rollslip.run(coarse("gearbox"), "steady-slip")
     units = with_units(account_of(result).record(result), result)["units"]
     shared = units.keys() & set(result.data_vars)
     assert {name: units[name] for name in shared} == {name: result[name].attrs["units"] for name in shared}

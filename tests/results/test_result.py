@@ -17,7 +17,7 @@ from rollslip.planning.execution import compute, execute
 from rollslip.results.dataset import VOLATILE, save
 from rollslip.results.words import in_python
 
-COARSE = {"accuracy.slices": 5, "study.effective-friction.map_points": 0}
+COARSE = {"accuracy.slices": 5, "accuracy.tolerance": 0.05, "study.effective-friction.map_points": 0}
 
 
 @pytest.fixture(scope="module")
