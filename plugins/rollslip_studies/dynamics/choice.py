@@ -77,55 +77,44 @@ class Movable(Protocol):
     @property
     def friction(self) -> str:
         """Friction of the raceways."""
-        ...
 
     @property
     def cage_slip(self) -> float:
         """Slip of the cage at the start."""
-        ...
 
     @property
     def roller_slip(self) -> float:
         """Slip of the rollers at the start."""
-        ...
 
     @property
     def level(self) -> str:
         """Level of detail."""
-        ...
 
     @property
     def duration(self) -> float:
         """Time to go through [s]."""
-        ...
 
     def evolved(self, **settings: Any) -> "Movable":
         """Return the study with other settings."""
-        ...
 
     @property
     def points(self) -> int:
         """Instants stored."""
-        ...
 
     @property
     def relative_tolerance(self) -> float:
         """Error of a step."""
-        ...
 
     def moving(self, assembly: Assembly) -> MovingBearing:
         """Return the bearing in motion."""
-        ...
 
     def tried(
         self, moving: MovingBearing, times: Array, tolerance: float, before: Trajectory | None = None
     ) -> Trajectory:
         """Return the motion at some times [s] and a relative tolerance, from its start or from what was before."""
-        ...
 
     def method(self, assembly: Assembly) -> IntegratorModel:
         """Return the integrator."""
-        ...
 
 
 @attrs.frozen(kw_only=True)
@@ -224,7 +213,9 @@ class _Trials:
     ) -> tuple[Array, Trajectory]:
         """Cage speed at some times, relative to the epicyclic one, and the motion, from its start or from before."""
         moving = self.moving(study)
-        found = _finished(study, study.tried(moving, times, tolerance, before))
+        found = study.tried(moving, times, tolerance, before)
+        if found.outcome != "finished":
+            raise ConvergenceError(f"{study.friction} friction at level {study.level}: {found.message}")
         return np.asarray(moving.split(found.y)["cage_speed"] / self.few.kinematics.epicyclic_cage_speed), found
 
     def friction(self, study: Movable) -> tuple[str, str, float | None]:
@@ -416,9 +407,3 @@ def _stiff(contact: float, damping: float) -> str:
         f"the motion is stiff: its strongest damping, {damping:.2g}/s, takes {damping * step:.2g} in a step of "
         f"{step:.2g} s that resolves its contacts, more than the {_STIFF:g} up to which explicit ones serve"
     )
-
-
-def _finished(study: Movable, found: Trajectory) -> Trajectory:
-    if found.outcome != "finished":
-        raise ConvergenceError(f"{study.friction} friction at level {study.level}: {found.message}")
-    return found

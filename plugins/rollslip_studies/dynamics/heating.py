@@ -64,11 +64,9 @@ class Warming(Movable, Protocol):
 
     def course(self, assembly: Assembly) -> History | None:
         """Return how the operation goes over time by the scene; None where it does not change."""
-        ...
 
     def moving_along(self, history: History | None, assembly: Assembly) -> MovingBearing:
         """Return the bearing in motion along a history."""
-        ...
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -91,28 +89,30 @@ def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[st
     """Return what is stored of temperatures at instants [s]: variables, and single values up to the last of them."""
     if heating is None:
         return {}, dict.fromkeys(VALUES, math.nan) | {"thermal_status": "no model lets temperatures follow from losses"}
-    of, model = heating, heating.model
-    k = int(np.searchsorted(of.times, times[-1], side="right")) - 1
-    until = of.temperatures[: k + 1]
-    variables = {"course_temperature": np.array([np.interp(times, of.times, one) for one in of.temperatures.T]).T}
-    if of.history is not None and of.history.path is not None and of.history.path.unit == "m":
-        variables["radial_clearance"] = of.history.path.courses[CLEARANCE].at(times)
+    model = heating.model
+    history = heating.history
+    k = int(np.searchsorted(heating.times, times[-1], side="right")) - 1
+    until = heating.temperatures[: k + 1]
+    rows = [np.interp(times, heating.times, one) for one in heating.temperatures.T]
+    variables = {"course_temperature": np.array(rows).T}
+    if history is not None and history.path is not None and history.path.unit == "m":
+        variables["radial_clearance"] = history.path.courses[CLEARANCE].at(times)
     values = (
         float(until.max()),
-        sum(float(one[k]) for one in of.heat.values()),
+        sum(float(one[k]) for one in heating.heat.values()),
         float(model.capacities() @ (until[-1] - until[0])),
-        float(of.carried[k]),
+        float(heating.carried[k]),
     )
     return variables, {
         **dict(zip(VALUES, values, strict=True)),
         "hottest_node": model.nodes[int(np.argmax(until.max(axis=0)))],
         "thermal": model.name,
         "thermal_model": repr(model),
-        "taken_from_bearing": json.dumps(from_bearing(of.assembly.scene, model)),
-        "thermal_passes": of.passes,
+        "taken_from_bearing": json.dumps(from_bearing(heating.assembly.scene, model)),
+        "thermal_passes": heating.passes,
         "thermal_status": "found in "
-        + ("one pass" if of.passes == 1 else f"{of.passes} passes")
-        + f"; the last one moved no temperature by more than {of.change:.2g} K",
+        + ("one pass" if heating.passes == 1 else f"{heating.passes} passes")
+        + f"; the last one moved no temperature by more than {heating.change:.2g} K",
     }
 
 
