@@ -185,9 +185,8 @@ class DynamicsAccount(Account):
             for what, passages in _passages(dataset).items()
             for time, rising in passages
         ]
-        known = {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()}
         return {
-            **known,
+            **history_findings.without_nan(values),
             "events": sorted(events, key=lambda event: float(event["time"])),
             **history_findings.record(dataset),
             **history_findings.heat_record(dataset),
@@ -303,14 +302,11 @@ def outcome(dataset: "xr.Dataset") -> str:
     """Say how the motion ended, and why if it did not come to its end."""
     a = dataset.attrs
     who = f"{a['level']}, {a['friction']} friction, {a['integrator']}"
-    end, why = f"{a['outcome']} at {_time(float(dataset['time'][-1]))}", _why(a)
+    end = f"{a['outcome']} at {_time(float(dataset['time'][-1]))}"
+    why = str(a["outcome_message"]).strip().rstrip(".") or "no reason is known"
     if a["outcome"] == "finished":
         return f"{who}: {end}"
     return f"{who}: {why if why.startswith(a['outcome']) else f'{end}: {why}'}; what was computed is kept"
-
-
-def _why(attributes: Mapping[str, Any]) -> str:
-    return str(attributes["outcome_message"]).strip().rstrip(".") or "no reason is known"
 
 
 def _is_steady(dataset: "xr.Dataset") -> bool:
@@ -411,12 +407,9 @@ def _films(dataset: "xr.Dataset") -> str:
     known = {ring: film for ring, film in smallest_film(dataset).items() if not math.isnan(film)}
     if not known:
         loaded = bool(np.any(dataset["normal_force"].to_numpy() > 0.0))
-        return f"film parameter unknown: {_film_status(dataset) if loaded else 'no roller was loaded'}"
+        why = dataset["film_parameter"].attrs["film_status"] if loaded else "no roller was loaded"
+        return f"film parameter unknown: {why}"
     return "smallest film parameter " + ", ".join(f"{film:.3g} at the {ring} ring" for ring, film in known.items())
-
-
-def _film_status(dataset: "xr.Dataset") -> str:
-    return str(dataset["film_parameter"].attrs["film_status"])
 
 
 def _cage(dataset: "xr.Dataset") -> list[str]:

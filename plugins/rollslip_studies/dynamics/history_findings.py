@@ -7,7 +7,7 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -136,14 +136,22 @@ def heat_in_words(dataset: "xr.Dataset") -> list[str]:
     return said
 
 
+def without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values with None in place of numbers that are not finite."""
+    return {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()}
+
+
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values of a history; nothing of a motion without one."""
-    if not along(dataset):
-        return {}
+    return without_nan(single_values(dataset)) if along(dataset) else {}
+
+
+def single_values(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the single values of a history; NaN where one is not known."""
     slip, when = largest(dataset)
     ahead, then = least(dataset)
     margin, near, _ = nearest(dataset)
-    values: dict[str, Any] = {
+    return {
         "history": json.loads(dataset.attrs["history"]),
         "largest_cage_slip_time": when,
         "least_cage_slip": ahead,
@@ -153,9 +161,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         "time_beyond_runaway": time_beyond(dataset),
         **{f"sliding_distance_{ring}": float(d.mean()) for ring, d in sliding_distance(dataset).items()},
         **{f"frictional_work_{ring}": work for ring, work in frictional_work(dataset).items()},
-    }
-    return {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()} | {
-        "largest_cage_slip": None if math.isnan(slip) else slip
+        "largest_cage_slip": slip,
     }
 
 

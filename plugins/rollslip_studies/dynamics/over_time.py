@@ -332,8 +332,8 @@ def told(dataset: "xr.Dataset") -> "xr.Dataset":
     if not history_findings.along(dataset):
         none = dict.fromkeys((name for name, output in OUTPUTS.items() if output.status == "history_status"), math.nan)
         return dataset.assign_attrs(none | {"history_status": "the operation does not change: there is no history"})
-    values = {k: v for k, v in history_findings.record(dataset).items() if not isinstance(v, list)}
-    return dataset.assign_attrs({key: math.nan if value is None else value for key, value in values.items()})
+    values = history_findings.single_values(dataset)
+    return dataset.assign_attrs({key: value for key, value in values.items() if not isinstance(value, list)})
 
 
 def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float, str]:

@@ -397,8 +397,7 @@ class Dynamics(Study):
         slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.unslipped(found.t)[0])[[0, -1]]
         regimes, found = regimes_of(raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found)
         warmed, warmth = heating.told(heat, found.t)
-        names = [] if heat is None else [*heat.model.nodes]
-        nodes = {"node": ("node", names, about("1", "part of the bearing"))} if names else {}
+        nodes = {} if heat is None else {"node": ("node", [*heat.model.nodes], about("1", "part of the bearing"))}
         return (
             self._dataset(assembly, moving, found, outputs, integrator)
             .assign(regimes)
@@ -468,16 +467,7 @@ class Dynamics(Study):
     ) -> MovingBearing:
         """Return the bearing in motion along a history, in which ``limit`` is the slip that is watched."""
         check_moves(assembly, self.level)
-        friction = self._frictions(critical_slip)
-        if history is not None:
-            planar = self._of_planar(assembly) if self.level == "planar" else None
-            return varying_motion(assembly, friction, history, level=self.level, planar=planar, limit=limit)
-        if self.level == "planar":
-            return planar_motion(assembly, self._of_planar(assembly), friction)
-        return carried_motion(assembly, friction, level=self.level)
-
-    def _frictions(self, critical_slip: float = math.nan) -> FrictionSettings:
-        return FrictionSettings(
+        friction = FrictionSettings(
             name=self.friction,
             effective_over=self.effective_over,
             coefficient=self.friction_coefficient,
@@ -485,6 +475,12 @@ class Dynamics(Study):
             critical_slip=critical_slip,
             film_limit=self.film_limit or math.nan,
         )
+        if history is not None:
+            planar = self._of_planar(assembly) if self.level == "planar" else None
+            return varying_motion(assembly, friction, history, level=self.level, planar=planar, limit=limit)
+        if self.level == "planar":
+            return planar_motion(assembly, self._of_planar(assembly), friction)
+        return carried_motion(assembly, friction, level=self.level)
 
     def _of_planar(self, assembly: Assembly) -> PlanarSettings:
         """Settings of level planar, which a scene that names it must give."""

@@ -67,6 +67,11 @@ class State:
     slope: float = np.nan  # how the excess torque rises with the slip there [N m]; NaN where it was not needed
 
     @property
+    def loss(self) -> float:
+        """All losses [W]; NaN if there is no steady state."""
+        return np.nan if self.power is None else self.power.total
+
+    @property
     def heat(self) -> dict[str, float]:
         """Losses by place [W]."""
         assert self.power is not None
@@ -246,7 +251,7 @@ class Heated:
             flow = self.model.inflows(T, heat)[1:]
             if n == 1 or float(np.abs(flow).max()) == 0.0:
                 return T
-            columns = [(self.model.inflows(T + _unit(n, k), heat)[1:] - flow) for k in range(1, n)]
+            columns = [self.model.inflows(T + one, heat)[1:] - flow for one in np.eye(n)[1:]]
             step = np.linalg.solve(np.array(columns).T, -flow)
             T[1:] += step
             if float(np.abs(step).max()) <= 1e-3 * _FOLLOWED:
@@ -406,11 +411,9 @@ class Heated:
         return power.total or 1.0
 
     def _jacobian(self, temperatures: Array) -> Array:
-        n = temperatures.size
         columns = [
-            (self.inflows(temperatures + _STEP * _unit(n, k)) - self.inflows(temperatures - _STEP * _unit(n, k)))
-            / (2.0 * _STEP)
-            for k in range(n)
+            (self.inflows(temperatures + step) - self.inflows(temperatures - step)) / (2.0 * _STEP)
+            for step in _STEP * np.eye(temperatures.size)
         ]
         return np.array(columns).T
 
@@ -452,9 +455,3 @@ def _foreseen(at: float, places: Mapping[float, Array]) -> Array:
         return places[near[0]]
     (a, b), (here, there) = near, (places[one] for one in near)
     return np.asarray(here + (at - a) / (b - a) * (there - here))
-
-
-def _unit(n: int, k: int) -> Array:
-    found = np.zeros(n)
-    found[k] = 1.0
-    return found

@@ -202,7 +202,7 @@ class ThermalBalance(Study):
         coords: dict[str, Any] = {"part": ("part", list(ROLES.values()), about("1", "part of the bearing"))}
         variables = self.variables(
             given_slip=given.slip,
-            given_loss=np.nan if given.power is None else given.power.total,
+            given_loss=given.loss,
             given_temperature=np.array(temperatures),
             given_status=given.refusal or "found",
         )
@@ -223,7 +223,6 @@ class ThermalBalance(Study):
     def _held(self, given: State, temperatures: "np.ndarray[Any, Any]") -> tuple[dict[str, Any], dict[str, Any]]:
         """Temperatures as they are given: one state, whose heat something outside carries away."""
         losses = () if given.power is None else given.power.losses
-        total = np.nan if given.power is None else given.power.total
         variables = self.variables(
             temperature=temperatures[:, None],
             stable=np.zeros(1, np.int8),
@@ -231,7 +230,7 @@ class ThermalBalance(Study):
             growth=np.full(1, np.nan),
             steady_slip=np.array([given.slip]),
             loss=np.array([[loss.power] for loss in losses]).reshape(len(losses), 1),
-            carried_away=np.array([[total]]),
+            carried_away=np.array([[given.loss]]),
             balance_error=np.full(1, np.nan),
             status=(status := given.refusal or "the temperatures are given"),
         )
@@ -241,7 +240,7 @@ class ThermalBalance(Study):
     def _settled(self, temperatures: Any, state: State, status: str) -> dict[str, Any]:
         """Return what a cold bearing settles at; with the slip the loss [W], by which that is judged."""
         found = self.variables(settled_temperature=temperatures, settled_slip=state.slip, settled_status=status)
-        found["settled_slip"][-1]["loss"] = np.nan if state.power is None else state.power.total
+        found["settled_slip"][-1]["loss"] = state.loss
         return found
 
     def _sought(self, heated: Heated, *, first: bool = False) -> tuple[Curve, dict[float, Any], list[Balance]]:
@@ -260,24 +259,22 @@ class ThermalBalance(Study):
         sinks = list(model.carried_away(start))
         powers = [one.state.power for one in balances]
         sources = [loss.source for loss in powers[0].losses] if powers and powers[0] else []
-        none = np.full(1, np.nan)
+        shown = balances or [Balance(np.full(start.size, np.nan), State(np.nan), np.nan, np.nan)]
         status = "found" if balances else self._none(heated, curve)
         settled = next((one for one in balances if one.stable), None)
         variables = self.variables(
-            temperature=np.array([one.temperatures for one in balances]).T
-            if balances
-            else none * np.ones((start.size, 1)),
-            stable=np.array([one.stable for one in balances] or [False]).astype(np.int8),
+            temperature=np.array([one.temperatures for one in shown]).T,
+            stable=np.array([one.stable for one in shown]).astype(np.int8),
             stability=np.array([_stability(one) for one in balances] or ["no balance"]),
-            growth=np.array([one.growth for one in balances]) if balances else none,
-            steady_slip=np.array([one.state.slip for one in balances]) if balances else none,
+            growth=np.array([one.growth for one in shown]),
+            steady_slip=np.array([one.state.slip for one in shown]),
             loss=np.array([[loss.power for loss in power.losses] for power in powers if power]).T.reshape(
-                len(sources), max(len(balances), 1)
+                len(sources), len(shown)
             ),
             carried_away=np.array([list(model.carried_away(one.temperatures).values()) for one in balances]).T
             if balances
-            else none * np.ones((len(sinks), 1)),
-            balance_error=np.array([one.error for one in balances]) if balances else none,
+            else np.full((len(sinks), 1), np.nan),
+            balance_error=np.array([one.error for one in shown]),
             status=status,
             jumps=_jumps(heated),
             leading_temperature=curve.temperature,

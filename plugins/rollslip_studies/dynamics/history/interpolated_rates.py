@@ -14,7 +14,7 @@
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Final
 
 import attrs
@@ -117,20 +117,16 @@ class Stations:
     tolerance: float  # largest error of the rates between nodes, over all axes, relative to their largest
     speeds_vary: bool  # whether the rings turn slower at times
     _made: dict[Place, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
-    _kept: dict[str, Array] = attrs.field(factory=dict, init=False, repr=False)
     #: Errors of the intervals that were looked at, by axis and ends: shared by all motions of the bearing through this
     #: operation.
     _errors: dict[tuple[int, int, int], float] = attrs.field(factory=dict, init=False, repr=False)
 
     def __attrs_post_init__(self) -> None:
-        of = self.speeds, self.top_speeds, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
-        key = of_bearing(self.assembly), *of, self._friction_key
-        object.__setattr__(self, "_errors", self.assembly.kept("errors between stations", key, dict))
-
-    @property
-    def _friction_key(self) -> tuple[object, ...]:
         f = self.friction
-        return f.name, f.effective_over, f.coefficient, f.transition, f.tolerance
+        of = self.speeds, self.top_speeds, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
+        of_friction = f.name, f.effective_over, f.coefficient, f.transition, f.tolerance
+        key = of_bearing(self.assembly), *of, of_friction
+        object.__setattr__(self, "_errors", self.assembly.kept("errors between stations", key, dict))
 
     @property
     def error(self) -> float:
@@ -198,13 +194,11 @@ class Stations:
     def _rates(self, motion: MovingBearing, like: MovingBearing) -> Array:
         return rates_of(motion, like, _SPEEDS if self.speeds_vary else _SPEEDS[:1])
 
-    @property
+    @cached_property
     def _largest(self) -> Array:
         """Largest rates at the highest end of all axes, as `off` takes them."""
-        if "largest" not in self._kept:
-            top = self.motion(tuple(axis.high for axis in self.axes))
-            self._kept["largest"] = sizes_of(self._rates(top, top), self._rollers)
-        return self._kept["largest"]
+        top = self.motion(tuple(axis.high for axis in self.axes))
+        return sizes_of(self._rates(top, top), self._rollers)
 
     @property
     def _least_force(self) -> float:

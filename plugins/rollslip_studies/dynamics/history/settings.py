@@ -351,7 +351,7 @@ class History:
     def speeds_in_proportion(self) -> bool:
         """Whether the ratio of the rings' speeds is that of one instant all the time, or one ring stands still."""
         inner, outer = self.courses["inner_speed"], self.courses["outer_speed"]
-        if all(span == (0.0, 0.0) for span in (outer.span(self.end),)) or inner.span(self.end) == (0.0, 0.0):
+        if (0.0, 0.0) in (self.spans["inner_speed"], self.spans["outer_speed"]):
             return True
         if not {"inner_speed", "outer_speed"} & {*self.varies}:
             return True

@@ -101,18 +101,13 @@ def table(time: Array, value: Array) -> Course:
 
 def through(time: Array, value: Array, slope: Array) -> Course:
     """Return the smooth course through values with these slopes, which stays at the last."""
-    return Course(*_cubics(time, value, slope))
-
-
-def _cubics(time: Array, value: Array, slope: Array) -> tuple[Array, Array]:
-    """Pieces through values and slopes, and a constant after them."""
     h, rise = np.diff(time), np.diff(value)
     powers = np.zeros((time.size, 4))
     powers[:, 0] = value
     powers[:-1, 1] = slope[:-1]
     powers[:-1, 2] = (3.0 * rise / h - 2.0 * slope[:-1] - slope[1:]) / h
     powers[:-1, 3] = (slope[:-1] + slope[1:] - 2.0 * rise / h) / h**2
-    return time, powers
+    return Course(time, powers)
 
 
 @attrs.frozen(kw_only=True)
@@ -202,7 +197,7 @@ class CourseSettings:
         if self.shape == "rotation":
             begin, left = p["from"] or 0.0, max(end - at, 0.0)
             turned = table(np.array([0.0, left]), begin + np.array([0.0, p["speed"] * left]))
-            return _after(at, begin, turned.begin, turned.powers, breaks=(at,))
+            return _after(at, begin, turned, breaks=(at,))
         before, after = (now, 0.0) if self.shape in ("coast-down", "emergency-stop") else (0.0, now)
         if self.shape in ("ramp", "step"):
             before = now
@@ -213,16 +208,17 @@ class CourseSettings:
             t = p["time_constant"] / _PER_CONSTANT * np.arange(_PER_CONSTANT * _CONSTANTS + 1)
             left = np.exp(-t / p["time_constant"])
             slope = -(start - end) / p["time_constant"] * left
-            return _after(at, start, *_cubics(t, end + (start - end) * left, slope), breaks=(at,))
+            return _after(at, start, through(t, end + (start - end) * left, slope), breaks=(at,))
         if self.shape == "run-up":
-            pieces = _cubics(np.array([0.0, p["within"]]), np.array([start, end]), np.zeros(2))
-            return _after(at, start, *pieces, breaks=(at, at + p["within"]))
-        straight = table(np.array([0.0, p["within"]]), np.array([start, end]))
-        return _after(at, start, straight.begin, straight.powers, breaks=(at, at + p["within"]))
+            change = through(np.array([0.0, p["within"]]), np.array([start, end]), np.zeros(2))
+        else:
+            change = table(np.array([0.0, p["within"]]), np.array([start, end]))
+        return _after(at, start, change, breaks=(at, at + p["within"]))
 
 
-def _after(at: float, value: float, begin: Array, powers: Array, breaks: tuple[float, ...]) -> Course:
-    """A course that holds a value until its pieces begin."""
+def _after(at: float, value: float, change: Course, breaks: tuple[float, ...]) -> Course:
+    """A course that holds a value until its change begins."""
+    begin, powers = change.begin, change.powers
     if at > 0.0:
         begin = np.concatenate(([0.0], begin + at))
         powers = np.concatenate(([[value, 0.0, 0.0, 0.0]], powers))
@@ -235,7 +231,7 @@ def _sine(mean: float, amplitude: float, period: float, phase: float, end: float
     count = int(np.ceil(end / period * _PER_PERIOD)) + 2
     t = np.linspace(0.0, period / _PER_PERIOD * (count - 1), count)
     angle = 2.0 * np.pi / period * t + phase
-    return Course(*_cubics(t, mean + amplitude * np.sin(angle), 2.0 * np.pi / period * amplitude * np.cos(angle)))
+    return through(t, mean + amplitude * np.sin(angle), 2.0 * np.pi / period * amplitude * np.cos(angle))
 
 
 def unordered(times: Array) -> tuple[int, str] | None:
