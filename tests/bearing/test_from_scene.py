@@ -5,9 +5,9 @@ from types import MappingProxyType
 import attrs
 import pytest
 
+from registrations import registrations_rolled_back
 from rollslip import evolve, get_model, load_scene, register
 from rollslip.bearing.assembly import assemble
-from rollslip.catalogue.discovery import taken_back
 from rollslip.errors import PluginError, SceneError
 from rollslip.models import POSITIVE, DragModel, IntegratorModel, TractionModel, from_scene
 
@@ -41,7 +41,7 @@ class Flange(DragModel):
 
 
 def test_a_law_of_a_contact_has_what_the_scene_gives():
-    with taken_back():
+    with registrations_rolled_back():
         register(Starved)
         scene = evolve(PAPER, {"models.traction": {"model": "starved", "load": "5 N"}})
         found = assemble(scene).traction
@@ -51,7 +51,7 @@ def test_a_law_of_a_contact_has_what_the_scene_gives():
 
 
 def test_a_bearing_that_is_put_together_like_another_takes_its_own():
-    with taken_back():
+    with registrations_rolled_back():
         register(Starved)
         cold = evolve(PAPER, {"models.traction": "starved"})
         warm = evolve(cold, {"operation.temperature": "90 degC"})
@@ -59,14 +59,14 @@ def test_a_bearing_that_is_put_together_like_another_takes_its_own():
 
 
 def test_a_drag_knows_the_load():
-    with taken_back():
+    with registrations_rolled_back():
         register(Flange)
         (drag,) = assemble(evolve(PAPER, {"cage.drag": ["flange"]})).cage.drags.torques
         assert drag.torque(300.0, 700.0, 0.0) == pytest.approx(-3415e-6, rel=1e-15)
 
 
 def test_under_another_load_a_law_and_a_drag_know_it():
-    with taken_back():
+    with registrations_rolled_back():
         register(Starved)
         register(Flange)
         for changes in ({"models.traction": "starved"}, {"cage.drag": ["flange"]}):
@@ -83,7 +83,7 @@ def test_what_a_scene_does_not_give_a_law_of_a_contact_is_said():
         name = "on-land"
         width: float = from_scene("land_width", doc="land")
 
-    with taken_back():
+    with registrations_rolled_back():
         register(OnLand)
         with pytest.raises(SceneError, match="traction 'on-land' needs it, and the scene gives no width of that land"):
             assemble(evolve(PAPER, {"models.traction": "on-land"}))

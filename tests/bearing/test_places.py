@@ -13,10 +13,10 @@ import pytest
 
 from foreign_stages import Stage
 from kit import failed
+from registrations import registrations_rolled_back
 from rollslip import Chain, Conditions, Slices, evolve, get_include, get_model, load_scene, register
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
-from rollslip.catalogue.discovery import taken_back
 from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip.fields import parameter
 from rollslip.foreign import capsule_from_address
@@ -67,7 +67,7 @@ def placed():
     def scene(of, factor=0.0, **changes):
         return evolve(PAPER, {"models.traction": {"model": "placed", "of": of, "factor": factor}, **changes})
 
-    with taken_back():
+    with registrations_rolled_back():
         register(Placed)
         yield scene
 

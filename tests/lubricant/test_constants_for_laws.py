@@ -3,9 +3,10 @@
 import attrs
 import pytest
 
+from registrations import registrations_rolled_back
 from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.catalogue.discovery import add, taken_back
+from rollslip.catalogue.discovery import add
 from rollslip.errors import SceneError
 
 PAPER = evolve(load_scene("1032930-70C"), {"models.traction": {"model": "lambda-blend", "hydrodynamic": "muraki"}})
@@ -37,7 +38,7 @@ def test_an_oil_of_a_package_brings_them_and_a_scene_changes_some():
     oil = attrs.evolve(
         get_model("lubricant", "mil-prf-7808"), name="offered", models={"muraki": {"flash": 0.5}, "elsewhere": {"x": 1}}
     )
-    with taken_back():
+    with registrations_rolled_back():
         add("lubricant", oil)
         offered = evolve(PAPER, {"lubricant.name": "offered"})
         assert assemble(offered).traction.hydrodynamic.flash == 0.5

@@ -10,10 +10,10 @@ from scipy.integrate import quad
 
 from foreign_stages import _new_capsule
 from kit import failed
+from registrations import registrations_rolled_back
 from rollslip import evolve, get_model, load_scene, register, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.drags import torque_capsule
-from rollslip.catalogue.discovery import taken_back
 from rollslip.errors import DomainError
 from rollslip.fields import non_negative, parameter, positive
 from rollslip.models import DragModel, from_scene
@@ -63,7 +63,7 @@ class LoadedLip(DragModel):
 
 @pytest.fixture(autouse=True)
 def known():
-    with taken_back():
+    with registrations_rolled_back():
         register(RunningIn)
         register(LoadedLip)
         yield

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from kit import failed
+from registrations import registrations_rolled_back
 from rollslip import evolve, load_scene, register
 from rollslip.bearing.assembly import assemble
-from rollslip.catalogue.discovery import taken_back
 from rollslip.fields import non_negative, parameter
 from rollslip.models import POSITIVE, ResistanceModel, from_scene
 from rollslip_studies.motion.losses import power_balance
@@ -63,7 +63,7 @@ PRELOADED = evolve(
 
 @pytest.fixture(autouse=True)
 def known():
-    with taken_back():
+    with registrations_rolled_back():
         register(FlangeTorque)
         yield
 

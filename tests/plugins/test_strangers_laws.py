@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import rollslip
+from registrations import registrations_rolled_back
 from rollslip import Chain, Conditions, Slices, evolve, load_scene, register, run
 from rollslip.bearing.assembly import assemble
-from rollslip.catalogue.discovery import taken_back
 from rollslip.testing import conformance, format_findings
 from strangers_laws import (
     LAWS,
@@ -47,7 +47,7 @@ CONTACT = {"pressure": 6e8, "film_thickness": 4e-7, "film_viscosity": 180.0}
 
 @pytest.fixture(autouse=True)
 def alone():
-    with taken_back():
+    with registrations_rolled_back():
         yield
 
 

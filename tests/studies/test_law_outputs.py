@@ -7,8 +7,8 @@ import attrs
 import numpy as np
 import pytest
 
+from registrations import registrations_rolled_back
 from rollslip import evolve, load_scene, plot, register
-from rollslip.catalogue.discovery import taken_back
 from rollslip.errors import PluginError
 from rollslip.results.words import of_laws
 from rollslip_kernels.slices import Slices
@@ -42,7 +42,7 @@ class Sharing(Muraki):
 
 @pytest.fixture
 def scene():
-    with taken_back():
+    with registrations_rolled_back():
         register(Sharing)
         changes = {"models.traction": {"model": "sharing"}, "models.film": "moes", **QUICK}
         yield evolve(load_scene("1032930-70C"), changes)
