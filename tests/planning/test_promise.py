@@ -122,7 +122,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     orbit = JUMPS.bearing.rollers * epicyclic.estimated[STUDY].resolution.slices * 40
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
-            patched.setattr("rollslip.studies.error_estimate._MOST_SLICES", most)
+            patched.setattr("rollslip.studies.error_estimate._MAX_SLICES", most)
             assert (then(epicyclic, off, {"friction": 1.0}) is not None) == made
     hidden = then(epicyclic, {"friction": 1e-4}, {}, {"friction": 2e-3})  # parts err against each other
     assert hidden.resolution.instants == math.ceil(10 * math.sqrt(2.0 / 0.7))

@@ -18,7 +18,7 @@ from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.scene.reading import from_raw
 from rollslip.studies.answers import Part
 from rollslip.studies.bounds import LightContacts
-from rollslip.studies.error_estimate import ErrorEstimate, _growth, _order, _Run, apart, by_seen_order, refined
+from rollslip.studies.error_estimate import ErrorEstimate, _growth, _order, _Run, by_seen_order, error_fraction, refined
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick
@@ -43,7 +43,7 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
     change = (4**-p - 9**-p) / (1.0 + 9**-p)
     assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(order, 2.0)))
     assert _order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
-    assert (4**-p - 9**-p) / apart(4, 9, p) == pytest.approx(4**-p)
+    assert (4**-p - 9**-p) / error_fraction(4, 9, p) == pytest.approx(4**-p)
 
 
 def test_the_order_of_laminae_is_that_seen_from_run_to_run():

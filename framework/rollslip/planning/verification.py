@@ -11,8 +11,8 @@ from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT, Accuracy
 from rollslip.studies.error_estimate import (
     DENSER,
-    LEAST_ORDER,
-    MOST_ORDER,
+    MAX_ORDER,
+    MIN_ORDER,
     WHERE_JUMPED,
     ErrorEstimate,
     errors_between,
@@ -52,7 +52,7 @@ def _excess(result: str, size: float, accuracy: Accuracy, error: ErrorEstimate) 
     falls = ""
     if result in error.orders:
         falls = f"; it falls with the order {error.orders[result]:.1f} of the positions"
-        if error.orders[result] < LEAST_ORDER:
+        if error.orders[result] < MIN_ORDER:
             falls = "; it does not fall with the positions"
     return (
         f"{name} is off by about {size:.1e}, more than the tolerance of {accuracy.of(result):g}, as positions and "
@@ -73,7 +73,7 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
     elif all(numbers[part] >= most[part] for part in error.errors):
         remedy = f"raise accuracy.{key}; this is the finest that a plan takes"
     else:
-        order = min(max(error.orders.get(result, MOST_ORDER), LEAST_ORDER), MOST_ORDER)
+        order = min(max(error.orders.get(result, MAX_ORDER), MIN_ORDER), MAX_ORDER)
         ratio = max(size / tolerance, 2.0) if math.isfinite(size) else 10.0
         finer = 0.5 * tolerance * ratio ** (-2.0 / order)
         remedy = f"type --set accuracy.{key}={finer:.0e}" if finer > EXACT else "type --set accuracy.tolerance=exact"

@@ -78,9 +78,9 @@ LEAST_OF_SOME: Final = (1.0 - 2.0**-AT_ONCE) / (1.0 - 2.0**-0.5)
 #: How the name of an error ends that depends on where rollers jump to another balance; no finer run comes near at once.
 WHERE_JUMPED: Final = ", where rollers jump,"
 #: Order that every error is taken to have at least: an error that falls more slowly does not converge.
-LEAST_ORDER: Final = 0.5
+MIN_ORDER: Final = 0.5
 #: Order that no error is taken to exceed: past the kinks of the loads it falls like n^-2.
-MOST_ORDER: Final = 2.0
+MAX_ORDER: Final = 2.0
 #: Order of the mean of a curve with jumps at the worst, whatever two numbers of positions show by chance.
 _OF_JUMPS: Final = 1.0
 #: Share of the tolerance below which an error needs no order to be believed.
@@ -104,11 +104,11 @@ _COMPLETE: Final[Mapping[str, Any]] = {"inlet_heating": True, "light_contacts": 
 #: Share of the tolerance that slices and roller positions aim at, each, where a run is made again.
 _AIM_AGAIN: Final = 0.35
 #: How many times as many slices or roller positions a run that is made again has at most.
-_MOST_TIMES: Final = 4.0
+_MAX_FACTOR: Final = 4.0
 #: Slices of all rollers over an orbit with which a run is made again at most, some seconds of effective friction and up
 #: to a minute of steady slips with their check; beyond, its error is only reported. A limit of time would let the
 #: result depend on the machine.
-_MOST_SLICES: Final = 500_000
+_MAX_SLICES: Final = 500_000
 
 #: Curves at the slips of a probe, (curves, n), and the slips of their maxima, (peaks,).
 Sample: TypeAlias = tuple[Array, Array]
@@ -185,9 +185,9 @@ class Curved:
         return not assembly.scene.accuracy.exact and self.curved(assembly) in (None, self)
 
 
-def exceeding(errors: Errors, accuracy: Accuracy, share: float = 1.0) -> Errors:
-    """Return those of some errors that exceed a share of their tolerances."""
-    return {name: error for name, error in errors.items() if not error <= share * accuracy.of(name)}
+def exceeding(errors: Errors, accuracy: Accuracy, fraction: float = 1.0) -> Errors:
+    """Return those of some errors that exceed a fraction of their tolerances."""
+    return {name: error for name, error in errors.items() if not error <= fraction * accuracy.of(name)}
 
 
 # Curves at few slips -------------------------------------------------------------------------------------------------
@@ -275,12 +275,12 @@ def errors_between(judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.D
     return errors
 
 
-def apart(n: float, fine: float, order: float = MOST_ORDER) -> float:
-    """Return what share of the error of n points they differ by from finer ones, which err too.
+def error_fraction(n: float, fine: float, order: float = MAX_ORDER) -> float:
+    """Return the fraction of the error of n points by which they differ from finer ones, which err too.
 
     The order is taken to be at least a half and two at most.
     """
-    return 1.0 - math.pow(n / fine, min(max(order, LEAST_ORDER), MOST_ORDER))
+    return 1.0 - math.pow(n / fine, min(max(order, MIN_ORDER), MAX_ORDER))
 
 
 def _order(few: int, many: int, before: float, after: float) -> float:
@@ -290,8 +290,8 @@ def _order(few: int, many: int, before: float, after: float) -> float:
     return math.log(before / after) / math.log(many / few)
 
 
-def _least_order(study: Curved) -> float:
-    return _OF_JUMPS if study.followed else LEAST_ORDER
+def _min_order(study: Curved) -> float:
+    return _OF_JUMPS if study.followed else MIN_ORDER
 
 
 # Before a run: the coarsest resolution whose estimated error keeps the tolerance --------------------------------------
@@ -314,7 +314,7 @@ class Bound:
     def over(cls, numbers: Sequence[int], errors: Sequence[Errors], fine: int) -> "Bound":
         """Return the least bound on what some numbers of points differ by from finer ones."""
         pairs = zip(numbers, errors, strict=True)
-        scaled = [{name: n * n / apart(n, fine) * error for name, error in one.items()} for n, one in pairs]
+        scaled = [{name: n * n / error_fraction(n, fine) * error for name, error in one.items()} for n, one in pairs]
         return cls(constants=combined(scaled, max))
 
     def at(self, n: int) -> Errors:
@@ -395,8 +395,8 @@ def slices_and_instants(study: Curved, assembly: Assembly, share: float) -> tupl
     return Estimated(resolution=resolution, errors=errors), probe, few
 
 
-def _whole(number: float, least: int, most: int | None) -> int:
-    return int(min(max(math.ceil(min(number, 1e9)), least), most or least))
+def _whole(number: float, low: int, high: int | None) -> int:
+    return int(min(max(math.ceil(min(number, 1e9)), low), high or low))
 
 
 def _laws(chosen: Estimated, study: Curved, probe: Probe, few: Assembly, cheaper_laws: bool) -> Estimated:
@@ -566,7 +566,7 @@ class _Run:
         changes = self.change(*(self.probe.sample(at, instants)[0] for at in pair))
         if exceeding(changes, self.accuracy, _CLEAR):
             changes = self.change(*(self.solution(at, instants) for at in pair))
-        return {name: change / apart(1, _FINER_SLICES, AT_ONCE) for name, change in changes.items()}
+        return {name: change / error_fraction(1, _FINER_SLICES, AT_ONCE) for name, change in changes.items()}
 
     def of_instants(self, at: Assembly, orders: dict[str, float]) -> Errors:
         """Return the errors of the positions by 2 m + 1 others, and put the orders with which they fall in a mapping.
@@ -580,18 +580,20 @@ class _Run:
         """
         m = self.assembly.resolution.instants or 1
         half = (m + 1) // 2
-        least = _least_order(self.curved)
+        least = _min_order(self.curved)
         reference = self.solution(at, 2 * m + 1, dense=self.curved.followed)
         is_known = at is self.assembly and self.curved is self.study and not isinstance(reference, tuple)
         changes = self.change(self.dataset if is_known else self.solution(at, m), reference)
         if self.curved.followed:
             changes = combined((changes, self.change(self.solution(at, m + 1), reference)), max)
-        errors = {name: change / apart(m, 2 * m + 1, least) for name, change in changes.items()}
+        errors = {name: change / error_fraction(m, 2 * m + 1, least) for name, change in changes.items()}
         if not exceeding(errors, self.accuracy, _CLEAR):
             return errors
         before = self.change(self.solution(at, half), reference)
         orders |= {name: _order(half, m, before.get(name, 0.0), change) for name, change in changes.items()}
-        return {name: change / apart(m, 2 * m + 1, max(orders[name], least)) for name, change in changes.items()}
+        return {
+            name: change / error_fraction(m, 2 * m + 1, max(orders[name], least)) for name, change in changes.items()
+        }
 
     def of_parts(self) -> ErrorEstimate:
         """Return the errors of slices and of positions, with few slices, on few positions.
@@ -623,7 +625,7 @@ class _Run:
         positions, for single values. Those of each part are looked at where both change more than the tolerance.
         """
         resolution = self.assembly.resolution
-        orders = {name: min(max(order, LEAST_ORDER), AT_ONCE) for name, order in found.orders.items()}
+        orders = {name: min(max(order, MIN_ORDER), AT_ONCE) for name, order in found.orders.items()}
         # curves that are followed from slip to slip hang on more than few slips
         compares = bool(found.errors.get("slices")) and "instants" in found.errors and not self.curved.followed
 
@@ -633,7 +635,7 @@ class _Run:
             if of_curves:
                 samples = (self.probe.sample(one, one.resolution.instants or 1)[0] for one in (self.assembly, at))
                 changes = {**self.change(*samples), **changes}
-            return {name: change / apart(1, 2, orders.get(name, AT_ONCE)) for name, change in changes.items()}
+            return {name: change / error_fraction(1, 2, orders.get(name, AT_ONCE)) for name, change in changes.items()}
 
         more = 2 * (resolution.instants or 1) + 1
         if resolution.slices < _SOME_SLICES:
@@ -694,7 +696,7 @@ def by_seen_order(found: ErrorEstimate, first: ErrorEstimate | None) -> ErrorEst
     errors = {}
     for name, error in slices.items():
         order = _order(first.slices, found.slices, before.get(name, 0.0), error)
-        errors[name] = error * apart(1, _FINER_SLICES) / apart(1, _FINER_SLICES, order)
+        errors[name] = error * error_fraction(1, _FINER_SLICES) / error_fraction(1, _FINER_SLICES, order)
     return attrs.evolve(found, errors={**found.errors, "slices": errors})
 
 
@@ -729,15 +731,15 @@ def refined(study: Curved, assembly: Assembly, estimated: Estimated, error: Erro
     more: dict[str, Any] = dict(numbers)
     left = dict[str, Errors]()
     for part, errors in error.errors.items():
-        least = MOST_ORDER if part == "slices" else _least_order(study)
-        orders = {name: max(min(error.orders.get(name, 1.0), MOST_ORDER), least) for name in errors}
+        least = MAX_ORDER if part == "slices" else _min_order(study)
+        orders = {name: max(min(error.orders.get(name, 1.0), MAX_ORDER), least) for name in errors}
         exceeded = [name for name in errors if name in off]
         aims = [(errors[name] / (_AIM_AGAIN * accuracy.of(name))) ** (1.0 / orders[name]) for name in exceeded]
-        factor = min(max(1.0, times[part], *aims), _MOST_TIMES)
+        factor = min(max(1.0, times[part], *aims), _MAX_FACTOR)
         more[part] = max(min(math.ceil(factor * numbers[part]), most[part]), numbers[part])
         if errors:
             left[part] = {name: size * (numbers[part] / more[part]) ** orders[name] for name, size in errors.items()}
-    if more == numbers or assembly.scene.bearing.rollers * math.prod(more.values()) > _MOST_SLICES:
+    if more == numbers or assembly.scene.bearing.rollers * math.prod(more.values()) > _MAX_SLICES:
         return None
     return attrs.evolve(
         estimated,
