@@ -49,16 +49,23 @@ KEYS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 STUDY: Final = SteadySlip.name
-#: Row of an answer -> unit and meaning of the variable of that name.
-ROWS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
+#: Variable -> unit, meaning, and what it is where it is not known. The first have the names of rows of an answer.
+VARIABLES: Final[Mapping[str, tuple[str, str, float | str]]] = MappingProxyType(
     {
-        "cage_slip": ("1", "steady cage slip"),
-        "minimum_load": ("N", "minimum radial load for an acceptable slip"),
-        "acceptable_reserve": ("1", "driving torque at the acceptable slip over the drags there"),
-        "drag_reserve": ("1", "limit drag torque over the drag"),
-        "friction_torque": ("N m", "friction torque of the bearing"),
-        "film_parameter": ("1", "smallest film parameter"),
-        "clearance": ("m", "operating clearance"),
+        "cage_slip": ("1", "steady cage slip", math.nan),
+        "minimum_load": ("N", "minimum radial load for an acceptable slip", math.nan),
+        "acceptable_reserve": ("1", "driving torque at the acceptable slip over the drags there", math.nan),
+        "drag_reserve": ("1", "limit drag torque over the drag", math.nan),
+        "friction_torque": ("N m", "friction torque of the bearing", math.nan),
+        "film_parameter": ("1", "smallest film parameter", math.nan),
+        "clearance": ("m", "operating clearance", math.nan),
+        "cage_slip_low": ("1", "steady cage slip, 5 % where data scatter", math.nan),
+        "cage_slip_high": ("1", "steady cage slip, 95 % where data scatter", math.nan),
+        "ratio_low": ("1", "slip over that of the first, 5 % where data scatter", math.nan),
+        "ratio_high": ("1", "slip over that of the first, 95 % where data scatter", math.nan),
+        "verdict": ("1", "verdict", ""),
+        "status": ("1", "done or failed", "failed"),
+        "message": ("1", "why it failed", ""),
     }
 )
 #: Between the names of one alternative.
@@ -115,32 +122,23 @@ def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
 
     answers = {label: answer(one, scene=label) for label, one in done.items()}
     order = sorted(done, key=lambda label: _rank(answers[label]))
-    labels = [*order, *failed]
-    values = {name: np.full(len(labels), math.nan) for name in ROWS}
-    ends = np.full((2, len(labels)), math.nan)
-    for k, label in enumerate(order):
+    rows = list[dict[str, Any]]()
+    for label, (low, high) in zip(order, _surer(order, done, made.keys), strict=True):
+        found: dict[str, Any] = {"ratio_low": low, "ratio_high": high, "verdict": answers[label].verdict}
         for row in answers[label].rows:
-            if row.key in values:
-                values[row.key][k] = row.value
+            found[row.key] = row.value
             if row.key == "cage_slip" and row.band is not None:
-                ends[:, k] = row.band
+                found["cage_slip_low"], found["cage_slip_high"] = row.band
+        rows.append(found | {"status": "done"})
+    rows += [{"message": why} for why in failed.values()]
     over = "alternative"
-    variables: dict[str, Any] = {name: (over, of, about(*ROWS[name])) for name, of in values.items()}
-    for name, of, what in (("cage_slip_low", ends[0], "5 %"), ("cage_slip_high", ends[1], "95 %")):
-        variables[name] = over, of, about("1", f"steady cage slip, {what} where data scatter")
-    surer = _surer(order, done, made.keys)
-    for k, end in enumerate(("low", "high")):
-        ratio = [*(pair[k] for pair in surer), *(math.nan for _ in failed)]
-        told = f"slip over that of the first, {(5, 95)[k]} % where data scatter"
-        variables[f"ratio_{end}"] = over, np.array(ratio), about("1", told)
-    verdicts = [answers[label].verdict for label in order] + ["" for _ in failed]
-    variables["verdict"] = over, np.array(verdicts), about("1", "verdict")
-    variables["status"] = over, np.array(["done"] * len(order) + ["failed"] * len(failed)), about("1", "done or failed")
-    variables["message"] = over, np.array([failed.get(label, "") for label in labels]), about("1", "why it failed")
     runs = [one.attrs for one in done.values()]
     return xr.Dataset(
-        variables,
-        {over: (over, labels, about("1", "what differs"))},
+        {
+            name: (over, np.array([row.get(name, missing) for row in rows]), about(unit, meaning))
+            for name, (unit, meaning, missing) in VARIABLES.items()
+        },
+        {over: (over, [*order, *failed], about("1", "what differs"))},
         origin(
             study="alternatives",
             source=made.scene.source,
@@ -165,13 +163,13 @@ def _rank(of: Any) -> tuple[int, float]:
     return -worst, math.inf if math.isnan(slip) else abs(slip)
 
 
-def _surer(order: list[str], done: "Mapping[str, xr.Dataset]", keys: Iterable[str]) -> list[list[float]]:
+def _surer(order: list[str], done: "Mapping[str, xr.Dataset]", keys: Iterable[str]) -> list[tuple[float, float]]:
     """Between what the slip of each is, over that of the first, 5 and 95 %; NaN where it is not known."""
     oil = next((k for k, key in enumerate(keys) if key == KEYS["oil"]), None)
     oils = {label: "" if oil is None else label.split(_BETWEEN)[oil] for label in order}
     first = order[0]
     return [
-        [*ratio_band(done[label], done[first], own=() if oils[label] == oils[first] else ("lubricant.",))]
+        ratio_band(done[label], done[first], own=() if oils[label] == oils[first] else ("lubricant.",))
         for label in order
     ]
 

@@ -11,6 +11,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
+from rollslip.results.dataset import rows_along
 from rollslip.results.table import of_points
 from rollslip.results.words import in_percent
 from rollslip.units import format_quantity
@@ -52,7 +53,6 @@ class LimitAccount(Account):
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return what was found as plain values, in SI units; what has no value is null."""
         a = dataset.attrs
-        rows = ("searched", "result", "status")
         return {
             "requirement": a["requirement"],
             "key": a["searched_key"],
@@ -61,14 +61,17 @@ class LimitAccount(Account):
             "found": headline(dataset),
             "kept": [{"from": low, "to": high} for low, high, *_ in kept_spans(dataset)],
             "edges": [
-                {name: float(dataset[f"edge_{name}"][k]) for name in ("kept", "passed")}
-                | {"points_failed_between": bool(dataset["edge_unknown"][k])}
-                for k in range(dataset.sizes["edge"])
+                {
+                    "kept": one["edge_kept"],
+                    "passed": one["edge_passed"],
+                    "points_failed_between": bool(one["edge_unknown"]),
+                }
+                for one in rows_along(dataset, "edge")
             ],
             "one_way": _turns(dataset) == 0,
             "points": [
-                {"searched": or_none(value), "result": or_none(result), "status": str(status)}
-                for value, result, status in zip(*(dataset[name].to_numpy() for name in rows), strict=True)
+                {"searched": or_none(one["searched"]), "result": or_none(one["result"]), "status": one["status"]}
+                for one in rows_along(dataset, "point")
             ],
         }
 
@@ -112,10 +115,8 @@ def headline(dataset: "xr.Dataset") -> str:
             f"{what} is kept at none of {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
         )
     said = ", and ".join(_span(dataset, *span) for span in spans)
-    beyond = "; ".join(
-        f"at {_value(dataset, float(dataset['edge_passed'][k]))} {_result(dataset, float(dataset['edge_passed'][k]))}"
-        for k in range(dataset.sizes["edge"])
-    )
+    passed = dataset["edge_passed"].to_numpy().tolist()
+    beyond = "; ".join(f"at {_value(dataset, one)} {_result(dataset, one)}" for one in passed)
     return f"{what} is kept with {key} {said}; {beyond}"
 
 
@@ -146,11 +147,10 @@ def _nearest(dataset: "xr.Dataset") -> str:
 def _unknown(dataset: "xr.Dataset") -> list[str]:
     """Say which passages could not be narrowed down."""
     return [
-        f"between {_value(dataset, float(dataset['edge_kept'][k]))} and "
-        f"{_value(dataset, float(dataset['edge_passed'][k]))} the limit could not be narrowed down, as points there "
-        "failed"
-        for k in range(dataset.sizes["edge"])
-        if dataset["edge_unknown"][k]
+        f"between {_value(dataset, one['edge_kept'])} and {_value(dataset, one['edge_passed'])} the limit could not be "
+        "narrowed down, as points there failed"
+        for one in rows_along(dataset, "edge")
+        if one["edge_unknown"]
     ]
 
 
@@ -210,14 +210,11 @@ def _without(dataset: "xr.Dataset") -> list[str]:
 
 
 def _failed(dataset: "xr.Dataset") -> list[str]:
-    lost = np.flatnonzero(dataset["status"].to_numpy() != "ok")
-    if not lost.size:
-        return []
-    k = int(lost[0])
+    lost = [one for one in rows_along(dataset, "point") if one["status"] != "ok"]
     return [
-        f"{lost.size} of {dataset.sizes['point']} points failed, which says nothing of the limit there; the first, at "
-        f"{_value(dataset, float(dataset['searched'][k]))}, is {dataset['status'].to_numpy()[k]}: "
-        f"{dataset['message'].to_numpy()[k]}"
+        f"{len(lost)} of {dataset.sizes['point']} points failed, which says nothing of the limit there; the first, at "
+        f"{_value(dataset, one['searched'])}, is {one['status']}: {one['message']}"
+        for one in lost[:1]
     ]
 
 

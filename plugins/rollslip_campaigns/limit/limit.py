@@ -38,7 +38,6 @@ from rollslip.studies.error_estimate import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
-from rollslip.units import quantity as read_quantity
 from rollslip_campaigns.limit.search import (
     Requirement,
     next_places,
@@ -52,7 +51,7 @@ from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.run import Progress, asked_engine
-from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs
+from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis, read_overs, read_share
 from rollslip_campaigns.sweep.sweep import assembled, plan_sweep, study_with
 from rollslip_studies.variation.quantities import quantities
 
@@ -141,16 +140,9 @@ class Limit:
         return lines
 
 
-def _share(text: float | str) -> float:
-    try:
-        return read_quantity(text, "1") if "%" in str(text) else float(text)
-    except (UnitError, ValueError, TypeError):
-        return math.nan
-
-
 def plan_limit(asked: "LimitSettings") -> Limit:
     """Check a search and lay out its values."""
-    given, over, within = asked.given, read_overs(asked.over), _share(asked.within)
+    given, over, within = asked.given, read_overs(asked.over), read_share(asked.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     name = study_with(base, asked.study, outputs_of(asked.keep))
     requirement = read_requirement(asked.keep, study_class(name, base), named_damage(base))

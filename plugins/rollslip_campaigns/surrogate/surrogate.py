@@ -28,7 +28,6 @@ from rollslip.results.dataset import about, save
 from rollslip.scene.changes import evolve, unknown
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
-from rollslip.units import quantity as read_quantity
 from rollslip_campaigns.surrogate.stiffness import stiffness
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables, weights
 from rollslip_campaigns.sweep.definition import Sweep
@@ -37,7 +36,7 @@ from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import values_of
 from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, asked_engine
-from rollslip_campaigns.sweep.sampling import read_overs
+from rollslip_campaigns.sweep.sampling import read_overs, read_share
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.raceway_friction.study import ROLLING, SMALL, RacewayFriction, at_rolling_speed
 from rollslip_studies.variation.quantities import quantities
@@ -72,7 +71,9 @@ _NO_SUM: Final = 0.1
 _NOTHING: Final = 1e-10
 _KEYS: Final = ("operation.temperature", "operation.radial_load", "operation.inner_speed", "operation.outer_speed")
 _OUTPUTS: Final = tuple(RacewayFriction.outputs)
-_TABLES: Final = ("mean_friction", "largest_friction", "ring_resistance", "ring_force")
+#: Table -> how many of cage ratio, rolling speed and slide-roll ratio it is over.
+_LAST: Final = {"mean_friction": 3, "largest_friction": 2, "ring_resistance": 2, "ring_force": 2}
+_TABLES: Final = tuple(_LAST)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -139,7 +140,7 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
             [f"cage.drag: {pocket.name}: one mean roller has no force in its pocket, so that its friction there cannot "
              "be tabulated; leave it out, or go through time at level pocket"]
         )  # fmt: skip
-    ranges, error = _ranges(base, asked.over), _share(asked.error)
+    ranges, error = _ranges(base, asked.over), read_share(asked.error)
     if not 1e-4 <= error <= 0.2:
         raise SceneError([f"error: a share from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {asked.error}"])
     slow, fast, least, most = _speeds(assembly, ranges)
@@ -176,13 +177,6 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
     )  # fmt: skip
     sweep, random = (attrs.evolve(one, given=asked.given) for one in (sweep, random))
     return Surrogate(scene=base, sweep=sweep, random=random, ranges=ranges, error=error)
-
-
-def _share(text: float | str) -> float:
-    try:
-        return read_quantity(text, "1") if "%" in str(text) else float(text)
-    except (UnitError, ValueError, TypeError):
-        return math.nan
 
 
 def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
@@ -309,23 +303,19 @@ def _errors(found: Mapping[str, Array], true: Mapping[str, Array]) -> Array:
 
 
 def _thin(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
-    """Return every so many nodes of cage ratio, rolling speed and slide-roll ratio: the axes from (ring,) on."""
-    ends = {"mean_friction": 3}
-    found = {}
-    for name in _TABLES:
-        count = ends.get(name, 2)
-        first = tables[name].ndim - count
-        found[name] = tables[name][(slice(None),) * first + tuple(slice(None, None, s) for s in strides[:count])]
-    return found
+    """Return every so many nodes of cage ratio, rolling speed and slide-roll ratio, the last axes of a table."""
+    return {
+        name: tables[name][(..., *(slice(None, None, stride) for stride in strides[:count]))]
+        for name, count in _LAST.items()
+    }
 
 
 def _thick(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
     """Return thin tables on all nodes."""
-    ends, found = {"mean_friction": 3}, {}
-    for name in _TABLES:
-        table, count = tables[name], ends.get(name, 2)
-        for k in range(count):
-            axis, stride = table.ndim - count + k, strides[k]
+    found = {}
+    for name, count in _LAST.items():
+        table = tables[name]
+        for axis, stride in enumerate(strides[:count], start=table.ndim - count):
             if (nodes := table.shape[axis]) > 1:
                 table = _along(table, axis, weights(nodes, np.arange((nodes - 1) * stride + 1) / stride))
         found[name] = table
@@ -498,12 +488,10 @@ def _dataset(
              zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)}  # fmt: skip
     drags, cage_top, _ = _drags(scene, T, made.ranges, nodes["rolling_speed"])
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
-    lengths = {"mean_friction": 6}
     outputs = RacewayFriction.outputs
     variables: dict[str, Any] = {
-        name: (dims[: lengths.get(name, 5)], np.moveaxis(tables[name], 2, 0),
-               about(outputs[name].unit, outputs[name].meaning))
-        for name in _TABLES
+        name: (dims[: 3 + last], np.moveaxis(tables[name], 2, 0), about(outputs[name].unit, outputs[name].meaning))
+        for name, last in _LAST.items()
     }  # fmt: skip
     for name, unit, text in (
         ("inner", "N m s", "torque of drags on the cage over the lead of the inner ring"),

@@ -28,7 +28,8 @@ from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
 from rollslip.toml import thawed
-from rollslip.units import TypedRange, as_written, check_typed, evenly, format_quantity, unit_given
+from rollslip.units import TypedRange, UnitError, as_written, check_typed, evenly, format_quantity, unit_given
+from rollslip.units import quantity as in_unit
 from rollslip_studies.variation.distributions import Distribution, LogUniform, Uniform
 
 __all__ = [
@@ -44,6 +45,8 @@ __all__ = [
     "probabilities",
     "range_parts",
     "read_axis",
+    "read_overs",
+    "read_share",
 ]
 
 Array = NDArray[np.float64]
@@ -162,6 +165,14 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
     if twice := sorted({key for key in keys if keys.count(key) > 1}):
         raise SceneError([f"{key}: stands in --over twice; put all its values in one" for key in twice])
     return dict(pairs)
+
+
+def read_share(given: float | str) -> float:
+    """Return a share that is given as a number or in percent; NaN where it is neither."""
+    try:
+        return in_unit(given, "1") if "%" in str(given) else float(given)
+    except (UnitError, ValueError, TypeError):
+        return math.nan
 
 
 def read_overs(given: object) -> dict[str, object]:
