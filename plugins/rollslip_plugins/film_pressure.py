@@ -5,18 +5,16 @@ from typing import ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.regimes import LIGHT, moes_groups
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, PressureModel, Tabled, Validity
 from rollslip.references import Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
 from rollslip_plugins.bibliography import DOWSON_HIGGINSON_1966, JOHNSON_1985, MARTIN_1916, MOES_1992
 from rollslip_plugins.symbols import explained
-
-Array = NDArray[np.float64]
 
 #: i = POWER[0] + POWER[1] L + POWER[2] L^2, up to L = FITTED_TO.
 POWER: Final = (0.651, -0.02, -0.0027)

@@ -11,7 +11,7 @@ from typing import ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
 from rollslip.fields import field, non_negative, positive
@@ -19,11 +19,10 @@ from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, alpha_of_oil, factor_of_oil
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Validity
 from rollslip.references import BARUS, EHRET, ROELANDS, YASUTOMI, Reference
+from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Conditions
 from rollslip_kernels.stages import viscosity as compiled
-
-Array = NDArray[np.float64]
 
 #: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
 POLE_VISCOSITY: Final = math.exp(-9.67)

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.errors import ConvergenceError
+from rollslip.search import Array
 from rollslip_campaigns.explorer.grid import Explorer, between
 from rollslip_campaigns.explorer.page import GROUPS, Results, library, write_page
 from rollslip_campaigns.sweep.folder import Points
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from rollslip_campaigns.explorer import ExplorerSettings
 
 __all__ = ["run_explorer"]
-
-Array = NDArray[np.float64]
 
 
 def run_explorer(planned: Explorer, asked: "ExplorerSettings", folder: Path, show: "Shown") -> dict[str, Any]:

@@ -17,14 +17,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.search import Array
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
 __all__ = ["Dial", "Explorer", "between"]
-
-Array = NDArray[np.float64]
 
 
 @attrs.frozen(eq=False)

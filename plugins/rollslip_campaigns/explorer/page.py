@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.errors import PluginError
 from rollslip.files import whole_file
 from rollslip.results.style import GROUND, INK, RING_COLOURS, on_dark, unit_label
+from rollslip.search import Array
 from rollslip.units import converted
 
 if TYPE_CHECKING:
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from rollslip_campaigns.explorer.grid import Explorer
 
 __all__ = ["GROUPS", "Results", "library", "write_page"]
-
-Array = NDArray[np.float64]
 
 #: Result -> what its error is called.
 GROUPS: Final[Mapping[str, str]] = {

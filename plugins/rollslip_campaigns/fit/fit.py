@@ -6,6 +6,7 @@ A parameter that the data do not see is not fitted but kept, and said to be.
 import math
 import time
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -13,8 +14,16 @@ import numpy as np
 
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
+from rollslip.search import Array
 from rollslip_campaigns.fit.least_squares import Report, estimate
-from rollslip_campaigns.fit.problem import Array, Parameter, RigProblem, friction_at, parameters_named, rig_problem
+from rollslip_campaigns.fit.problem import (
+    Parameter,
+    RigProblem,
+    bounds_of,
+    misfit,
+    parameters_named,
+    rig_problem,
+)
 from rollslip_campaigns.fit.result import Fit, dataset_of
 from rollslip_campaigns.measurement.rig import Rig, RigData, load_rig, read_data
 
@@ -81,15 +90,8 @@ def fit_parameters(
     # without uncertainties all rows weigh alike; the size keeps residuals of order 1
     size = float(np.sqrt(np.mean(measured**2))) or 1.0
     weight = np.full(measured.size, size) if uncertainty is None else uncertainty
-
-    def residuals(x: Array) -> Array:
-        try:
-            return np.asarray((friction_at(problem, free, x) - measured) / weight)
-        except (FieldError, DomainError):
-            return np.full(measured.size, np.nan)
-
-    low, high = np.array([p.x(p.low) for p in free]), np.array([p.x(p.high) for p in free])
-    estimated = estimate(residuals, low, high, known=uncertainty is not None, profiles=profiles, report=report)
+    residuals, known = partial(misfit, problem, free, weight), uncertainty is not None
+    estimated = estimate(residuals, *bounds_of(free), known=known, profiles=profiles, report=report)
     return Fit(problem=problem, parameters=free, weight=weight, kept=dict(kept), estimate=estimated)
 
 

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import ConvergenceError
+from rollslip.search import Array
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Residuals = Callable[[Array], Array]
 #: Told how far something is, in words and as a share.

@@ -26,12 +26,12 @@ from rollslip.lubricant.table import OilTable
 from rollslip.lubricant.temperature import Constant
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
+from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.units import format_quantity
 from rollslip_campaigns.measurement.rig import Rig, RigData
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Raw: TypeAlias = str | Mapping[str, object] | SliceModel
 
@@ -361,3 +361,17 @@ def friction_at(problem: RigProblem, parameters: Sequence[Parameter], x: Array) 
     """Return the friction of all rows at coordinates of parameters."""
     lubricant, traction = with_values(problem, parameters, [p.value(one) for p, one in zip(parameters, x, strict=True)])
     return problem.friction(lubricant, problem.chain if traction is problem.traction else problem.chain_of(traction))
+
+
+def misfit(problem: RigProblem, parameters: Sequence[Parameter], weight: Array, x: Array) -> Array:
+    """Return calculated less measured friction of all rows, over a weight; NaN where the law has no value."""
+    measured = problem.data.columns["friction"]
+    try:
+        return np.asarray((friction_at(problem, parameters, x) - measured) / weight)
+    except (FieldError, DomainError):
+        return np.full(measured.size, np.nan)
+
+
+def bounds_of(parameters: Iterable[Parameter]) -> Array:
+    """Return the lowest and the highest coordinates of parameters, shape (2, parameters)."""
+    return np.array([[p.x(p.low), p.x(p.high)] for p in parameters]).reshape(-1, 2).T

@@ -21,13 +21,13 @@ from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
 from rollslip.planning.provenance import citations_told, cited, lubricant_told, models_told, origin, packages_of
 from rollslip.results.dataset import about
+from rollslip.search import Array
 from rollslip.structure import resolved
 from rollslip.studies import validity
 from rollslip.units import format_quantity
 from rollslip_campaigns.fit.findings import UNKNOWN, parameter_rows
 from rollslip_campaigns.fit.least_squares import LEVELS, PROFILE_POINTS, LeastSquaresEstimate, Stop
 from rollslip_campaigns.fit.problem import (
-    Array,
     Indices,
     Parameter,
     RigProblem,

@@ -17,19 +17,17 @@ from typing import Any, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.datasets import Material
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, field, positive
 from rollslip.files import content_of, decoded, read_columns, readable
 from rollslip.scene.values import LubricantTable, Models
+from rollslip.search import Array
 from rollslip.structure import Location, structure
 from rollslip.toml import parse
 
 __all__ = ["EXAMPLE", "FilmRow", "Rig", "RigContact", "RigData", "TractionRow", "load_rig", "read_data"]
-
-Array = NDArray[np.float64]
 
 #: A rig file to start from.
 EXAMPLE: Final = """\

@@ -13,9 +13,9 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS, Sheet, lay_out
+from rollslip.search import Array
 from rollslip_campaigns.pareto.findings import FINEST, NUMBERS, PLANNED, studies, taking_part
 
 if TYPE_CHECKING:
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["front_figures"]
-
-Array = NDArray[np.float64]
 
 _GREY: Final = "0.62"
 _COLOURS: Final = {"numerical": MODEL_COLOURS[0], "modelling": MODEL_COLOURS[1], "film": MODEL_COLOURS[2]}

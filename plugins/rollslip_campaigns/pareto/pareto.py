@@ -167,9 +167,18 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
     numbers = {name: np.full(shape, np.nan) for name in ("error", "difference")}
     words = {name: np.full(shape, "", dtype=object) for name in numbers}
     floor = np.full(len(results), np.nan)
-    accuracy = family.plan.scene.accuracy
-    keys = [of[study, FINEST].tolerances[name] for study, name in results]
-    tolerance = np.array([accuracy.of(key) if key else accuracy.tolerance for key in keys])
+    fronts = {name: np.zeros(shape, dtype=np.int8) for name in numbers}
+    tolerance = [family.plan.scene.accuracy.of(of[study, FINEST].tolerances[name]) for study, name in results]
+    labels, kinds, owners = (
+        np.array([getattr(one, what) for one in family.choices]) for what in ("label", "kind", "study")
+    )
+    seconds = np.full((len(records), family.rounds), np.nan)
+    for k, record in enumerate(records):
+        seconds[k, : len(record.seconds)] = record.seconds[: family.rounds]
+    known = ~np.isnan(seconds).all(axis=1)
+    median, low, high = (np.full(len(records), np.nan) for _ in range(3))
+    for values, reduce in ((median, np.nanmedian), (low, np.nanmin), (high, np.nanmax)):
+        values[known] = reduce(seconds[known], axis=1)
     for j, (study, name) in enumerate(results):
         finest, exact = of[study, FINEST], of.get((study, EXACT), of[study, FINEST])
         floor[j] = max(_compared(of.get((study, HALF), finest), finest, name)[0], _ROUNDING)
@@ -180,22 +189,10 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
             numbers["difference"][k, j], words["difference"][k, j] = _compared(record, against, name)
             if one.kind == "numerical" or one.label in (FINEST, HALF):
                 numbers["error"][k, j], words["error"][k, j] = _compared(record, finest, name)
-    seconds = np.full((len(records), family.rounds), np.nan)
-    for k, record in enumerate(records):
-        seconds[k, : len(record.seconds)] = record.seconds[: family.rounds]
-    known = ~np.isnan(seconds).all(axis=1)
-    median, low, high = (np.full(len(records), np.nan) for _ in range(3))
-    for values, reduce in ((median, np.nanmedian), (low, np.nanmin), (high, np.nanmax)):
-        values[known] = reduce(seconds[known], axis=1)
-    kinds = np.array([one.kind for one in family.choices])
-    fronts = {name: np.zeros(shape, dtype=np.int8) for name in numbers}
-    for j, (study, _) in enumerate(results):
-        mine = np.array([one.study == study for one in family.choices])
-        planned = mine & np.array([one.label == PLANNED for one in family.choices])
-        for name, taking in (("error", mine & (kinds == "numerical")), ("difference", mine & (kinds == "modelling"))):
-            rows = np.flatnonzero(taking | planned)
+        for number, kind in (("error", "numerical"), ("difference", "modelling")):
+            rows = np.flatnonzero((owners == study) & ((kinds == kind) | (labels == PLANNED)))
             # below the floor none is more exact than another, as far as anybody knows
-            fronts[name][rows, j] = front(median[rows], np.maximum(numbers[name][rows, j], floor[j]))
+            fronts[number][rows, j] = front(median[rows], np.maximum(numbers[number][rows, j], floor[j]))
     each, both = "choice", ("choice", "result")
     dataset = xr.Dataset(
         {
@@ -211,7 +208,7 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
             },
             "on_front": (both, fronts["error"], about("1", "whether no numerical choice dominates it")),
             "on_model_front": (both, fronts["difference"], about("1", "whether no modelling choice dominates it")),
-            "tolerance": ("result", tolerance, about("1", "error that the scene allows")),
+            "tolerance": ("result", np.array(tolerance), about("1", "error that the scene allows")),
             "floor": ("result", floor, about("1", "difference of the finest from one half as fine")),
             "kind": (each, kinds, about("1", "numerical, modelling, film or reference")),
             "seconds": (each, median, about("s", "processor time of the study, median of the rounds")),
@@ -222,12 +219,12 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
             "status": (each, np.array([r.status for r in records]), about("1", "what became of the choice")),
         },
         {
-            each: (each, np.array([named(one.study, one.label) for one in family.choices]), about("1", "choice")),
-            "label": (each, np.array([one.label for one in family.choices]), about("1", "departure from the plan")),
+            each: (each, np.array([*map(named, owners, labels)]), about("1", "choice")),
+            "label": (each, labels, about("1", "departure from the plan")),
             "result": ("result", np.array([named(*pair) for pair in results]), about("1", "result")),
             "result_study": ("result", np.array([study for study, _ in results]), about("1", "study of the result")),
             "round": ("round", np.arange(1, family.rounds + 1), about("1", "round")),
-            "study": (each, np.array([one.study for one in family.choices]), about("1", "study")),
+            "study": (each, owners, about("1", "study")),
             **_coordinates(family),
         },
     )  # fmt: skip

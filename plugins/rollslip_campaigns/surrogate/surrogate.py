@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.dataset import about, save
 from rollslip.scene.changes import evolve, unknown
+from rollslip.search import Array
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity
 from rollslip_campaigns.surrogate.stiffness import stiffness
@@ -48,8 +48,6 @@ if TYPE_CHECKING:
     from rollslip_campaigns.surrogate import SurrogateSettings
 
 __all__ = ["RESULT", "Surrogate", "plan_surrogate", "run_surrogate"]
-
-Array = NDArray[np.float64]
 
 RESULT: Final = "surrogate.nc"
 #: Nodes of the rows of temperature and load, and strides from the first one on.
@@ -304,10 +302,8 @@ def _errors(found: Mapping[str, Array], true: Mapping[str, Array]) -> Array:
 
 def _thin(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
     """Return every so many nodes of cage ratio, rolling speed and slide-roll ratio, the last axes of a table."""
-    return {
-        name: tables[name][(..., *(slice(None, None, stride) for stride in strides[:count]))]
-        for name, count in _LAST.items()
-    }
+    every: list[Any] = [slice(None, None, stride) for stride in strides]
+    return {name: tables[name][(..., *every[:count])] for name, count in _LAST.items()}
 
 
 def _thick(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:

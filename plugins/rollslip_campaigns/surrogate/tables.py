@@ -19,14 +19,13 @@ from typing import TYPE_CHECKING, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
+
+from rollslip.search import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["CAGE_SMALL", "REST", "Axis", "Folded", "Steady", "Tables", "weights"]
-
-Array = NDArray[np.float64]
 
 #: Rolling speed that a contact at rest is taken to have [m/s], as in study dynamics.
 REST: Final = 1e-3

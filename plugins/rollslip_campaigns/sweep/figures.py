@@ -13,7 +13,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.results.style import (
     DASHES,
@@ -29,6 +28,7 @@ from rollslip.results.style import (
     unit_label,
 )
 from rollslip.results.words import in_percent, of_key
+from rollslip.search import Array
 from rollslip.units import UnitError, converted, shown_unit
 from rollslip_campaigns.sweep.findings import axes as axes_of
 from rollslip_campaigns.sweep.findings import by_name, named_dims, resting
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
 __all__ = ["models_apart", "sweep_figures"]
 
-Array = NDArray[np.float64]
 #: What is drawn of samples, and first of all: on the inner ring, on which film heating lets friction fall first.
 _RESULT: Final = "critical_cage_slip"
 _PANELS: Final = 4

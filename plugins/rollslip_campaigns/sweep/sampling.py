@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
+from rollslip.search import Array
 from rollslip.toml import thawed
 from rollslip.units import TypedRange, UnitError, as_written, check_typed, evenly, format_quantity, unit_given
 from rollslip.units import quantity as in_unit
@@ -48,8 +49,6 @@ __all__ = [
     "read_overs",
     "read_share",
 ]
-
-Array = NDArray[np.float64]
 
 SAMPLINGS: Final = ("sobol", "replicated-sobol", "latin-hypercube", "saltelli")
 #: Independent scramblings of a replicated Sobol sequence; of a power of two of samples each is a whole one.

@@ -18,9 +18,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Estimate", "Indices", "fewest", "indices", "quantile", "share"]
+from rollslip.search import Array
 
-Array = NDArray[np.float64]
+__all__ = ["Estimate", "Indices", "fewest", "indices", "quantile", "share"]
 
 #: Resamplings of the bootstrap.
 _RESAMPLES: Final = 999

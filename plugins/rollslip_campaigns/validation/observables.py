@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.scene.values import Scene
+from rollslip.search import Array
 from rollslip.studies.answers import Measurable
 from rollslip.studies.study import Study, study_class
 from rollslip_campaigns.sweep.definition import SweepWork
@@ -24,9 +24,6 @@ from rollslip_campaigns.sweep.point import compute, unpacked
 from rollslip_campaigns.validation.residuals import Value
 
 __all__ = ["observe"]
-
-Array = NDArray[np.float64]
-
 
 #: What may be said of a dimension in place of one of its names.
 EXTREMES: Final[Mapping[object, Callable[[Array], Any]]] = {"smallest": np.min, "largest": np.max}

@@ -23,21 +23,23 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.errors import DomainError, RollslipError, SceneError
-from rollslip.fields import FieldError
+from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
 from rollslip.results.dataset import about
+from rollslip.search import Array
 from rollslip_campaigns.fit.least_squares import estimate, minimise
 from rollslip_campaigns.fit.problem import (
     Parameter,
     RigProblem,
+    bounds_of,
     friction_at,
+    misfit,
     operating_points,
     parameters_named,
     rig_problem,
@@ -54,7 +56,6 @@ if TYPE_CHECKING:
 
 __all__ = ["FEWEST", "Told", "plan_ranking", "run_ranking", "tell"]
 
-Array = NDArray[np.float64]
 #: Conditions without which nothing is told.
 FEWEST: Final = 6
 #: What conditions may be grouped by.
@@ -172,26 +173,17 @@ def _left_out(series: ContactSeries, law: Combination, wanted: Sequence[str]) ->
     """Friction of every condition by a law that was fitted to all others; what was fitted; seconds a value."""
     problem = rig_problem(series.data, series.rig, law.models.get("traction"), law.models.get("film"))
     free = _known(problem, wanted)
-    measured = np.array([row.measured for row in series.rows])
-    sigma = np.array([row.uncertainty for row in series.rows])
     begin = time.perf_counter()
-    problem.friction(problem.lubricant, problem.chain)
+    values = problem.friction(problem.lubricant, problem.chain)
     seconds = (time.perf_counter() - begin) / len(series.rows)
     if not free:
-        return problem.friction(problem.lubricant, problem.chain), [], seconds
-    low, high = np.array([p.x(p.low) for p in free]), np.array([p.x(p.high) for p in free])
-
-    def residuals(x: Array, rows: Any = slice(None)) -> Array:
-        try:
-            return np.asarray(((friction_at(problem, free, x) - measured) / sigma)[rows])
-        except (FieldError, DomainError):
-            return np.full(measured[rows].size, math.nan)
-
+        return values, [], seconds
+    low, high = bounds_of(free)
+    residuals = partial(misfit, problem, free, np.array([row.uncertainty for row in series.rows]))
     whole = estimate(residuals, low, high, known=True, profiles=False).best.x
-    values = np.empty(len(series.rows))
     for rows in operating_points(problem):
-        others = np.setdiff1d(np.arange(measured.size), rows)
-        found = minimise(partial(residuals, rows=others), whole, low, high)
+        others = np.setdiff1d(np.arange(values.size), rows)
+        found = minimise(lambda x, others=others: residuals(x)[others], whole, low, high)  # type: ignore[misc]
         x = whole if found is None else found.x
         values[rows] = friction_at(problem, free, x)[rows]
     return values, [p.name for p in free], seconds

@@ -6,13 +6,12 @@ from typing import Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
+from rollslip.search import Array
 from rollslip_campaigns.measurement.values import Series, Statement
 
 __all__ = ["BROKEN", "HELD", "INSIDE", "OUTSIDE", "UNTOLD", "Group", "Judged", "Said", "Value", "held", "verdict_on"]
 
-Array = NDArray[np.float64]
 #: Points of the normal error of a measured value.
 _ERRORS: Final = 64
 #: Samples that each row needs for a covariance to mean something.

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import available, find, get_class
@@ -33,6 +32,7 @@ from rollslip.planning.provenance import citations_told, cited, origin, packages
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
+from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.studies.study import settings
 from rollslip.units import quantity as in_unit
@@ -58,8 +58,6 @@ __all__ = [
     "AS_STATED", "Combination", "Validation", "judged_statement", "nominal_values", "plan_validation",
     "run_validation",
 ]  # fmt: skip
-
-Array = NDArray[np.float64]
 
 
 @attrs.frozen
@@ -340,7 +338,6 @@ def judged_statement(measurement: Measurement, said: Statement, combination: Com
 
 
 # Dataset ------------------------------------------------------------------------------------------------------------
-
 
 #: Variable -> field of a row, unit and meaning.
 _OF_ROWS: Final[Mapping[str, tuple[str, str, str]]] = {

@@ -16,13 +16,10 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import NDArray
 
-from rollslip.search import vertex
+from rollslip.search import Array, vertex
 
 __all__ = ["FAST", "largest_rise", "rise"]
-
-Array = NDArray[np.float64]
 
 #: Largest theta sqrt(Pe) of a fast surface, by mpmath (tools/references/flash_temperature.py).
 FAST: Final = 0.8730080546599797

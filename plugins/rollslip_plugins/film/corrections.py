@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
@@ -28,6 +27,7 @@ from rollslip.models import (
     submodel,
 )
 from rollslip.references import Reference
+from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
@@ -37,7 +37,6 @@ from rollslip_plugins.film.formulas import Moes
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
 
 #: Factor of a starved inlet from which on it is as good as full.
 _NEARLY_FULL: Final = 0.9
@@ -64,7 +63,6 @@ MILD_HEATING: Final = Validity(
     source="Wilson and Sheu (1983), whose thermal Reynolds equation ends there",
 )
 LAWS["gupta"] = {**LAWS["murch-wilson"], "sliding_speed": FINITE, "pressure": POSITIVE, "modulus": POSITIVE}
-
 
 #: Validator of a factor of starved inlets.
 starved: Final = attrs.validators.and_(positive, within_possible)

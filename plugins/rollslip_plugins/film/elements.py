@@ -10,9 +10,8 @@ from typing import Final
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rollslip.search import Array
 
 DEGREE: Final = 4
 

@@ -29,14 +29,12 @@ from typing import Final
 import attrs
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.models import interval
-from rollslip.search import vertex
+from rollslip.search import Array, vertex
 from rollslip_plugins.film.elements import DEGREE, Elements
 
-Array = NDArray[np.float64]
 Law = Callable[[Array], Array]
 
 #: The films of a solution, by the name that a model's ``location`` has for them.

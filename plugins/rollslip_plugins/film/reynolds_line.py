@@ -6,7 +6,6 @@ from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.regimes import groups
 from rollslip.errors import ConvergenceError, DomainError
@@ -15,12 +14,11 @@ from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import Domain, FilmModel
 from rollslip.references import Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 from rollslip_plugins.bibliography import DOWSON_HIGGINSON_1966, HAIRER_1996, MOES_1992
 from rollslip_plugins.film.line_contact import ACCURACIES, LOCATIONS, solve_line_contact
 from rollslip_plugins.symbols import explained
-
-Array = NDArray[np.float64]
 
 #: The law's fall of viscosity with temperature is not asked for, and its pressure is the local one.
 _UNUSED: Final = frozenset({"pressure", "thermoviscosity", "pressure_thermoviscosity"})

@@ -10,14 +10,12 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DenseOutput, OdeSolver
 
+from rollslip.search import Array
 from rollslip_kernels.motion.leapfrog import Leapfrog
 from rollslip_kernels.motion.rosenbrock import Rosenbrock, Stepper
 from rollslip_kernels.motion.system import System, python_system
-
-Array = NDArray[np.float64]
 
 #: Places in a step at which CVODE's own polynomial, of degree 5 at most, is read off: nothing is lost.
 _PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(6) / 5)

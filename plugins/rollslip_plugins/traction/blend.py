@@ -23,6 +23,7 @@ from rollslip.fields import FieldError, in_range, non_negative, parameter, posit
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, Domain, TractionModel, Validity, submodel
 from rollslip.references import Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import blend as compiled
 from rollslip_plugins.bibliography import (
@@ -36,8 +37,6 @@ from rollslip_plugins.bibliography import (
 from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.boundary import Kragelsky
 from rollslip_plugins.traction.eyring import MaxwellEyring
-
-Array = NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -5,17 +5,16 @@ from typing import ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rollslip.fields import Ranges, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV, Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import KRAGELSKII_1965
-
-Array = NDArray[np.float64]
 
 #: What is usual, and what is possible, of constants of curves over the slide-roll ratio; steel in oil has friction of
 #: 0.05 to 0.2, and published curves have passed their maximum at slips of some per cent.

@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rollslip.search import Array
 
 
 class Cells(NamedTuple):

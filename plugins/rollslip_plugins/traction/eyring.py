@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rollslip.errors import RollslipDeprecationWarning
 from rollslip.fields import parameter
@@ -17,6 +17,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import slope_of_oil
 from rollslip.models import POSITIVE, Domain, Tabled, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import EYRING_1936, JOHNSON_TEVAARWERK_1977, MURAKI_1987, MURAKI_1992
@@ -29,8 +30,6 @@ from rollslip_plugins.traction.heating import (
     flash_factor,
 )
 from rollslip_plugins.traction.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
-
-Array = NDArray[np.float64]
 
 #: What serves in place of a law that approximates the exact one.
 EXACT = "traction 'maxwell-eyring', the exact law"

@@ -32,6 +32,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_plugins.bibliography import CARSLAW_1959, JOHNSON_TEVAARWERK_1977
 from rollslip_plugins.pressure_viscosity import Barus
@@ -49,8 +50,6 @@ from rollslip_plugins.traction.conduction import (
 from rollslip_plugins.traction.heating import FLASH, NO_ASPERITIES, SLOW_SLIDING
 from rollslip_plugins.traction.relaxation import carried
 from rollslip_plugins.traction.stress import LINEAR
-
-Array = NDArray[np.float64]
 
 #: Pressure over the contact: Hertz's, its mean, or the user's as (x/b rising from -1 to 1, p over the mean pressure).
 Pressure: TypeAlias = Literal["hertz", "mean"] | tuple[ArrayLike, ArrayLike]

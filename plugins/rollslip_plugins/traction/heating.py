@@ -15,13 +15,11 @@ from types import MappingProxyType
 from typing import ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.fields import parameter, positive
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, Tabled, TractionModel, Validity
+from rollslip.search import Array
 from rollslip_kernels.slices import Slices
-
-Array = NDArray[np.float64]
 
 MAX_STEPS: Final = 60  # never reached: some eight are enough
 #: Below, a group has no effect on the last bit; in its place it keeps quotients of it from 0/0.

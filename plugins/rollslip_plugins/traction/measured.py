@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
@@ -23,14 +23,13 @@ from rollslip.files import named_text, read_columns
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import Reference
+from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import GUPTA_1984
 from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.boundary import COEFFICIENT, DECAY, TRANSITION
-
-Array = NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -7,11 +7,9 @@ first order.
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import NDArray
 
+from rollslip.search import Array
 from rollslip_plugins.traction.stress import dilogarithm
-
-Array = NDArray[np.float64]
 
 RAMP, SHARE = (values / 2 for values in leggauss(4))
 RAMP = RAMP + 0.5

@@ -10,6 +10,7 @@ from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
 from rollslip.references import Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import shear_thinning as compiled
 from rollslip_plugins.bibliography import BAIR_2002, BAIR_2019, BAIR_WINER_1979, CARREAU_1972
@@ -18,7 +19,6 @@ from rollslip_plugins.traction.heating import (
     HEATED,
     MAX_STEPS,
     NO_EFFECT,
-    Array,
     HeatedFilm,
     flash_factor,
     mean_softening,

@@ -19,6 +19,7 @@ import numpy as np
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
 from rollslip.references import Reference
+from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import thermal_couette as compiled
 from rollslip_plugins.bibliography import CROOK_1961, JOHNSON_GREENWOOD_1980, NAHME_1940
@@ -26,7 +27,6 @@ from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.heating import (
     HEATED,
     NO_EFFECT,
-    Array,
     HeatedFilm,
     flash_factor,
     newtonian_bound,

@@ -24,6 +24,7 @@ from rollslip.results.style import (
     save_figures,
     seamless,
 )
+from rollslip.search import Array
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.findings import (
     common_times,
@@ -46,8 +47,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["motion_figures", "plot_together"]
-
-Array = NDArray[np.float64]
 
 #: Speeds are shown to people in revolutions per minute.
 _RPM = 30.0 / math.pi

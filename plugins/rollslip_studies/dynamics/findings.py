@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.words import UNSURE, percent, runs_away
+from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history_findings import energy_in_words
@@ -21,7 +21,6 @@ from rollslip_studies.surface_damage import findings as damage
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 #: An event is the passing of the slip at which the cage runs away if this stands in what it is called.
 RUNAWAY: Final = "skidding"

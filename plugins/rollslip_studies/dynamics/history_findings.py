@@ -11,16 +11,15 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.results.answer import Row
 from rollslip.results.words import estimated, percent
+from rollslip.search import Array
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 #: Units in which what varies is told, where they are not those of its kind.
 _TOLD_IN: Final = {"load_direction": "deg"}

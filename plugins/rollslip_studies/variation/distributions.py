@@ -16,17 +16,16 @@ from typing import Any, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.errors import did_you_mean, nearest
 from rollslip.fields import FieldError, in_range, parameter, positive
 from rollslip.scene.changes import Quantity, unknown
+from rollslip.search import Array
 from rollslip.structure import Location, structure
 from rollslip.units import UnitError, as_written, format_quantity, quantity
 
 __all__ = ["DISTRIBUTIONS", "Distribution", "LogUniform", "Uncertainty", "read_uncertainty"]
 
-Array = NDArray[np.float64]
 _optional = attrs.validators.optional(positive)
 #: Values of a normal distribution that take less time one by one than SciPy takes to be imported.
 _FEW: Final = 4

@@ -20,13 +20,13 @@ from rollslip.errors import SceneError
 from rollslip.fields import FieldError, field, non_negative, positive
 from rollslip.files import content_of, decoded, read_columns
 from rollslip.scene.values import Operation, Scene
+from rollslip.search import Array
 from rollslip.structure import Location
 from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.history.time_functions import (
     OF_DIRECTION,
     OF_SPEEDS,
-    Array,
     Course,
     CourseSettings,
     constant,

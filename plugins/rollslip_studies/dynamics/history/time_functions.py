@@ -13,12 +13,10 @@ from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
+from rollslip.search import Array
 from rollslip.structure import fields_of
-
-Array = NDArray[np.float64]
 
 #: Shape -> parameters that it needs, and that it may have.
 SHAPES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
