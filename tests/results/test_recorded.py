@@ -6,11 +6,11 @@ import recorded
 from rollslip.catalogue.registry import available
 
 
-@pytest.mark.parametrize("name", recorded.RESULTS)
+@pytest.mark.parametrize("name", [*recorded.RESULTS, *recorded.TEXTS])
 def test_a_stored_result_is_told_and_drawn_as_recorded(name):
     """Read the difference; then write the text anew by: python tests/support/recorded.py NAME."""
     text = (recorded.STORED / f"{name}.txt").read_text(encoding="utf-8")
-    assert recorded.told(recorded.stored(name)).splitlines() == text.splitlines()
+    assert recorded.text_of(name).splitlines() == text.splitlines()
 
 
 def test_every_account_of_the_box_has_a_stored_result():

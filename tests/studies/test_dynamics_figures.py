@@ -10,54 +10,29 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
+import motion_samples
 from drawn import words
-from motion_samples import CAGE_SPEED, ROLLER_SPEED, motion, relaxing, running_away
+from motion_samples import CAGE_SPEED, ROLLER_SPEED, RUNAWAY, motion, relaxing, running_away
 from rollslip.cli import console
 from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip_studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together
 from rollslip_studies.dynamics.findings import (
-    compared,
+    DynamicsAccount,
     difference,
     energy_closure,
     ledger,
     ledger_table,
     momentum_closure,
-    record,
-    topics,
     turnover,
     unslipped_cage_speed,
     unslipped_roller_speed,
 )  # fmt: skip
 
 HOSTILE = "<script>alert('1')</script> & \"quoted\""
-RUNAWAY = {"steady_status": "not steady: it grows", "steady_cage_slip": float("nan")}
-
-
-@functools.cache
-def hard_cases():
-    contacts = [(1e-3 * k, "contact of roller 3 with the inner ring opens", bool(k % 2)) for k in range(400)]
-    return {
-        "one instant": motion(
-            points=1,
-            duration=0.0,
-            outcome="interrupted",
-            outcome_message="interrupted at t = 0 s",
-            real_time_factor=0.0,
-        ),
-        "two instants": motion(points=2, duration=1e-9),
-        "no roller loaded": motion(load=0.0, film="no roller was loaded", points=61),
-        "film unknown": motion(film="effective friction does not know the film", friction="effective", points=61),
-        "one roller": motion(rollers=1, points=201),
-        "1000 rollers": motion(rollers=1000, points=21, level="planar"),
-        "runaway": motion(running_away(), points=201, events=contacts, **RUNAWAY),
-        "nothing moves": motion(lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5),
-        "no drag, no slip": motion(lambda t: 0.0 * t, drag=False, residual=0.0, points=61),
-        "cage backwards": motion(relaxing(2.0, 0.03), points=61, rejected=-1),
-        "critical unknown": motion(critical=float("nan"), runaway_status="friction still rises", points=61),
-        "ledger of one entry": motion(works=("work_rings",), points=5),
-    }
+record, topics = DynamicsAccount.record, DynamicsAccount.topics
+hard_cases = functools.cache(motion_samples.hard_cases)
 
 
 @pytest.fixture(scope="module")
@@ -115,18 +90,6 @@ def test_figures_load_nothing_hold_no_bitmap_and_stay_small(drawn):
         assert all(v.startswith("#") for e in root.iter() for k, v in e.attrib.items() if k.endswith("href"))
         assert not [e for e in root.iter() if e.tag.endswith(("}image", "}script"))]
         assert path.stat().st_size < 400_000
-
-
-def test_axes_say_what_they_show_in_which_unit(drawn):
-    speeds, orbit, energy, centres = map(words, drawn)
-    assert {"Cage speed [rpm]", r"Cage slip $S_\mathrm{c}$ [%]", "Time [s]", "roller 1", "without slip"} <= set(speeds)
-    assert {"skidding begins, 11 %", "passed while rising", "range of all rollers"} <= set(speeds)
-    assert {"Sliding speed [m/s]", "Normal force [N]", "Smallest Λ [–]", "Pocket force [N]"} <= set(orbit)
-    assert "Orbit position [°]" in orbit
-    names = {"rings", "sliding at the inner ring", "sliding at the outer ring", "drag", "kept in the motion"}
-    assert names <= set(energy)
-    assert "Energy since the start [J]" in energy
-    assert {"cage", "inner ring", "Along the load [µm]", "Time [s]"} <= set(centres)
 
 
 def test_tracks_of_centres_are_in_micrometres(planar):
@@ -280,14 +243,6 @@ def test_the_difference_is_that_of_the_speeds(pair):
     assert np.abs(difference(pair["conventional"], pair["conventional"], "roller_speed")).max() == 0.0
 
 
-def test_what_is_said_of_several(pair):
-    said = compared(pair)
-    largest = 0.003 * (1.0 - np.exp(-5.0))
-    assert f"the cage speed of effective is never further than {100 * largest:.3g} % of its largest" in said[2]
-    assert "conventional: steady cage slip 2.98 %, the mean of the last orbit" in said
-    assert f"the steady cage speed of effective differs by {-100 * largest / (1 - 10 * largest):+.2g} %" in said
-
-
 @pytest.mark.parametrize("name", rendered("one instant"))
 def test_motions_of_different_length_and_rollers_are_drawn_together(tmp_path, name, pair):
     hard = hard_cases()[name]
@@ -303,55 +258,6 @@ def of(topic, dataset):
     return " | ".join(topics(dataset)[topic])
 
 
-def test_the_cage_runs_away():
-    # slip grows from 2 % by a factor e within 0.15 s
-    passed = 0.15 * np.log(0.11 / 0.02)
-    away = motion(running_away(), **RUNAWAY)
-    assert of("skidding", away) == (
-        "skidding begins at a cage slip of 11.0 %, limit drag torque 4 N m | cage slip passed the 11 % at which "
-        f"skidding begins at t = {passed:.3g} s while rising: the rollers' drive falls from there on, and the cage "
-        "still skids at the end"
-    )
-    assert of("steady slip", away) == "cage slip is not steady: it grows; at the end it is 56.1 %"
-    stopped = away.assign_attrs(outcome="stopped", outcome_message="stop_at = critical.")
-    assert of("skidding", stopped).endswith("and the cage was beyond it when the run was stopped")
-    turned = motion(lambda t: 0.3 * np.sin(4.0 * t), **RUNAWAY)
-    assert of("skidding", turned).endswith("and the cage was still beyond it at the end"), "slip falls again"
-    assert of("motion", stopped).endswith("stopped at t = 0.5 s: stop_at = critical; what was computed is kept")
-
-
-def test_slip_beyond_that_of_running_away_is_not_called_a_runaway_if_it_is_none():
-    settled = motion(relaxing(0.0, 0.2))
-    assert of("skidding", settled).endswith("while rising: the rollers' drive falls from there on, but the cage "
-                                                 "settled beyond it")  # fmt: skip
-    there_and_back = motion(lambda t: 0.2 * np.sin(2.0 * np.pi * t))
-    assert "the cage still skids" not in of("skidding", there_and_back)
-    assert "but the cage came back | cage slip fell below the 11 % at which skidding begins" in of(
-        "skidding", there_and_back
-    )
-    swinging = motion(lambda t: 0.11 + 0.05 * np.sin(100.0 * t + 0.1))
-    assert len(topics(swinging)["skidding"]) == 4
-
-
-def test_slip_below_that_of_running_away_from_rest_and_without_one():
-    first = "skidding begins at a cage slip of 11.0 %, limit drag torque 4 N m | "
-    assert of("skidding", motion()) == f"{first}cage slip stays below the 11 % at which skidding begins"
-    rest = of("skidding", motion(relaxing(1.0, 0.03)))
-    fell = 0.1 * np.log(0.97 / 0.08)
-    assert rest == (
-        f"{first}cage slip begins at 100 %, beyond the 11 % at which skidding begins | "
-        f"cage slip fell below the 11 % at which skidding begins at t = {fell:.3g} s"
-    )
-    assert of("skidding", motion(lambda t: 0.5 + 0.0 * t)).endswith(
-        "cage slip stays beyond the 11 % at which skidding begins"
-    )
-    unknown = motion(critical=float("nan"), runaway_status="no maximum in the range")
-    assert of("skidding", unknown) == "no maximum in the range"
-    assert of("slip at largest traction", unknown) == (
-        "slip at largest traction of the inner ring's friction curve 20 % with rollers in pure rolling"
-    )
-
-
 def test_effective_friction_is_not_trusted_from_half_the_slip_of_running_away_on():
     unsure = "the slip by up to 41 points, and slip comes near: run with --set study.dynamics.friction=conventional"
     for slip, told in ((0.054, False), (0.056, True), (0.2, True)):  # runs away at 11 %
@@ -360,38 +266,10 @@ def test_effective_friction_is_not_trusted_from_half_the_slip_of_running_away_on
         assert unsure not in of("skidding", motion(lambda t, slip=slip: slip + 0.0 * t))
 
 
-def test_the_first_of_two_maxima_of_the_friction_curve_is_told():
-    falls = "; friction falls already from a slip of 4 % on, then rises again"
-    assert of("slip at largest traction", motion(first_maximum_slip=0.04)).endswith(f"pure rolling{falls}")
-    assert "already" not in of("slip at largest traction", motion(first_maximum_slip=0.2)), "the same maximum"
-    assert "already" not in of("slip at largest traction", motion(first_maximum_slip=float("nan")))
-    unknown = motion(first_maximum_slip=0.04).assign_attrs(critical_cage_slip=float("nan"), critical_status="rises")
-    said = "slip at largest traction of the inner ring's friction curve unknown: rises"
-    assert of("slip at largest traction", unknown) == f"{said}{falls}"
-
-
-def test_a_result_of_an_older_version_says_that_it_does_not_know():
+def test_a_result_of_an_older_version_has_no_slip_at_which_skidding_begins():
     older = motion(points=61)
-    for name in ("slip", "drag", "status"):
-        del older.attrs[f"runaway_{name}"]
-    assert of("skidding", older) == "this result does not say where skidding begins; run it again"
+    del older.attrs["runaway_slip"]
     assert record(older)["runaway_slip"] is None
-
-
-def test_the_largest_slips_and_where():
-    dataset = motion(lambda t: 0.2 * np.sin(2.0 * np.pi * t), points=501, roller_lag=0.0)
-    said = of("largest slip", dataset)
-    assert said == "largest cage slip 20 % at t = 0.25 s; largest slip of a roller 20 %, roller 1 at t = 0.25 s"
-
-
-def test_events_are_counted_by_kind():
-    opens = [(0.01 * k, "contact of roller 3 with the inner ring opens", False) for k in range(1, 31)]
-    others = [(0.1, f"event {k}", True) for k in range(9)]
-    assert topics(motion(events=opens))["events"] == [
-        "contact of roller 3 with the inner ring opens: 30 times, first at t = 0.01 s, last at t = 0.3 s"
-    ]
-    assert topics(motion(events=others))["events"][-2:] == ["event 4: at t = 0.1 s", "4 more events of 4 other kinds"]
-    assert "events" not in topics(motion())
 
 
 def test_pure_rolling_is_found_from_speed_and_slip():
@@ -421,35 +299,6 @@ def test_without_energy_there_is_no_relative_residual():
     assert of("ledger", still) == "no energy was turned over"
     assert record(still)["energy_closure"] is None
     assert {row[2] for row in ledger_table(still)[1]} == {"–"}
-
-
-def test_cost_in_words():
-    assert "2.5 times as fast as real time" in of("cost", motion())
-    assert "4 times slower than real time" in of("cost", motion(real_time_factor=0.25))
-    assert "its time was not taken" in of("cost", motion(real_time_factor=0.0))
-    assert "(rejected ones not counted)" in of("cost", motion(rejected=-1))
-    assert "1,234 steps (12 rejected), 98,765 evaluations" in of("cost", motion())
-
-
-def test_drag_film_and_cage_in_words():
-    assert topics(motion(drag=False))["cage"] == ["no drag on the cage: nothing holds it back"]
-    assert topics(motion(level="planar", points=2001))["cage"] == [
-        "drag on the cage: constant, T = T0",
-        "largest force between a roller and the cage 30 N",
-        f"largest eccentricity of the cage on its lands {0.6 * (1 - np.exp(-5)):.3g}",
-    ]
-    assert (
-        of("film", hard_cases()["film unknown"]) == "film parameter unknown: effective friction does not know the film"
-    )
-    # the outer ring carries the centrifugal force besides the 1000 N of the inner one
-    outer = 1000.0 + 20e-3 * 90e-3 * CAGE_SPEED**2
-    said = of("film", motion(lambda t: 0.0 * t))
-    assert said == (
-        f"smallest film parameter {3 / 1001**0.1:.3g} at the inner ring, {3 / (1 + outer) ** 0.1:.3g} at the outer ring"
-    )
-
-
-# Console and report -------------------------------------------------------------------------------------------------
 
 
 def test_the_console_says_it_and_a_stored_result_too(tmp_path):

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from rollslip.results.dataset import about
+from rollslip_studies.dynamics.findings import DynamicsAccount, compared
 
 INNER, ROLLER, ORBIT = 82.5e-3, 7.5e-3, 90e-3
 INNER_SPEED = 667.17
@@ -170,3 +171,80 @@ def motion(
         dataset["cage_displacement"] = (way, 60e-6 * (1 - fading) * swing, about("m", "displacement of the cage"))
         dataset["land_eccentricity"] = (over, 0.6 * (1 - fading), about("1", "eccentricity of the cage on its lands"))
     return dataset.assign_attrs(attributes)
+
+
+RUNAWAY = {"steady_status": "not steady: it grows", "steady_cage_slip": float("nan")}
+
+
+def hard_cases():
+    """Motions of the least, the most and the strangest that a result can hold, by name."""
+    contacts = [(1e-3 * k, "contact of roller 3 with the inner ring opens", bool(k % 2)) for k in range(400)]
+    return {
+        "one instant": motion(
+            points=1,
+            duration=0.0,
+            outcome="interrupted",
+            outcome_message="interrupted at t = 0 s",
+            real_time_factor=0.0,
+        ),
+        "two instants": motion(points=2, duration=1e-9),
+        "no roller loaded": motion(load=0.0, film="no roller was loaded", points=61),
+        "film unknown": motion(film="effective friction does not know the film", friction="effective", points=61),
+        "one roller": motion(rollers=1, points=201),
+        "1000 rollers": motion(rollers=1000, points=21, level="planar"),
+        "runaway": motion(running_away(), points=201, events=contacts, **RUNAWAY),
+        "nothing moves": motion(lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5),
+        "no drag, no slip": motion(lambda t: 0.0 * t, drag=False, residual=0.0, points=61),
+        "cage backwards": motion(relaxing(2.0, 0.03), points=61, rejected=-1),
+        "critical unknown": motion(critical=float("nan"), runaway_status="friction still rises", points=61),
+        "ledger of one entry": motion(works=("work_rings",), points=5),
+    }
+
+
+def situations():
+    """Motions of which different things are said, by name."""
+    away = motion(running_away(), **RUNAWAY)
+    unknown = {"critical_cage_slip": float("nan"), "critical_status": "rises"}
+    opens = [(0.01 * k, "contact of roller 3 with the inner ring opens", False) for k in range(1, 31)]
+    others = [(0.1, f"event {k}", True) for k in range(9)]
+    older = motion(points=61)
+    for name in ("slip", "drag", "status"):
+        del older.attrs[f"runaway_{name}"]
+    return hard_cases() | {
+        "runs away": away,
+        "runs away and is stopped": away.assign_attrs(outcome="stopped", outcome_message="stop_at = critical."),
+        "slip falls again": motion(lambda t: 0.3 * np.sin(4.0 * t), **RUNAWAY),
+        "settles beyond": motion(relaxing(0.0, 0.2)),
+        "there and back": motion(lambda t: 0.2 * np.sin(6.0 * t)),
+        "swings": motion(lambda t: 0.11 + 0.05 * np.sin(100.0 * t + 0.1)),
+        "from rest": motion(relaxing(1.0, 0.03)),
+        "beyond all the time": motion(lambda t: 0.5 + 0.0 * t),
+        "effective friction near skidding": motion(lambda t: 0.056 + 0.0 * t, friction="effective"),
+        "two maxima": motion(first_maximum_slip=0.04),
+        "one maximum twice": motion(first_maximum_slip=0.2),
+        "two maxima of an unknown curve": motion(first_maximum_slip=0.04).assign_attrs(unknown),
+        "of an older version": older,
+        "slower than real time": motion(real_time_factor=0.25),
+        "opening contacts": motion(events=opens),
+        "events of many kinds": motion(events=others),
+        "planar": motion(level="planar", points=2001),
+    }
+
+
+def told_motions():
+    """Return what is said of these motions, topic by topic; after the first one what is not said of it."""
+    usual, lines = list[str](), list[str]()
+    for name, dataset in ({"settles": motion()} | situations()).items():
+        topics = DynamicsAccount.topics(dataset)
+        if usual:
+            topics.pop("ledger")  # residuals of rounding, which machines have their own of
+        said = [f"{topic}: {text}" for topic, texts in topics.items() for text in texts]
+        usual = usual or said
+        lines += [f"== {name}", *(line for line in said if said is usual or line not in usual)]
+    return "\n".join(lines) + "\n"
+
+
+def told_together():
+    """Return all that is said of two motions together."""
+    slow = motion(relaxing(0.0, 0.033, 0.1), points=501, friction="effective", real_time_factor=75.0)
+    return "\n".join(compared({"conventional": motion(relaxing(0.0, 0.03, 0.1)), "effective": slow})) + "\n"

@@ -12,7 +12,7 @@ import math
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.ticker import FixedLocator
 
+import motion_samples
 from rollslip.results.accounts import account_of
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import aligned
@@ -71,6 +72,11 @@ RESULTS = {
     "validation": "validate klebanov-2022 published-slip --samples 2 --no-plots",
     "ranking": "rank film-limits --traction muraki,maxwell-eyring --no-plots",
 }
+#: Name -> what gives a text of samples that no run makes.
+TEXTS: dict[str, Callable[[], str]] = {
+    "motions": motion_samples.told_motions,
+    "motions-together": motion_samples.told_together,
+}
 
 
 def compute(name: str) -> None:
@@ -107,6 +113,11 @@ def told(dataset: "xr.Dataset") -> str:
     figures = plot(dataset)
     parts |= {f"figure {name}: {figures.captions[name]}": list(_on(figure)) for name, figure in figures.items()}
     return "\n".join(f"== {part}\n" + "".join(f"{line}\n" for line in lines) for part, lines in parts.items() if lines)
+
+
+def text_of(name: str) -> str:
+    """Return the text of a stored result, or of samples."""
+    return TEXTS[name]() if name in TEXTS else told(stored(name))
 
 
 def _on(figure: "Figure") -> Iterator[str]:
@@ -163,13 +174,13 @@ def _short(value: float) -> str:
 def main() -> None:
     """Write texts, and results where that is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*", help="of RESULTS; all without a name")
+    parser.add_argument("names", nargs="*", help="of RESULTS and TEXTS; all without a name")
     parser.add_argument("--compute", action="store_true")
     asked = parser.parse_args()
-    for name in asked.names or RESULTS:
-        if asked.compute:
+    for name in asked.names or (*RESULTS, *TEXTS):
+        if asked.compute and name in RESULTS:
             compute(name)
-        (STORED / f"{name}.txt").write_text(told(stored(name)), encoding="utf-8")
+        (STORED / f"{name}.txt").write_text(text_of(name), encoding="utf-8")
 
 
 if __name__ == "__main__":
