@@ -42,6 +42,8 @@ _PRESSED: Final = 2.0  # times the largest force at rest up to which tables of r
 #: Error of the table of forces, relative to a force or to this share of the usual one, and its first and most cells.
 _FORCE_ERROR, _LIGHT = 3e-5, 1e-2
 _FIRST_CELLS, _MOST_CELLS = 512, 65536
+#: Approaches of a roller and a raceway [m] at which their force is evaluated to find that of a given force.
+_APPROACHES: Final = np.geomspace(1e-9, 1e-3, 601)
 
 #: Unknowns of the head, of each roller and of the ledger, in order -> their unit.
 HEAD: Final = {
@@ -63,7 +65,7 @@ ROLLER: Final = {
     "radial_position": "m",
     "radial_speed": "m/s",
 }
-LEDGER: Final = dict(LEDGER_UNITS)
+LEDGER: Final = LEDGER_UNITS
 
 
 @attrs.frozen(kw_only=True)
@@ -410,8 +412,8 @@ def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | Non
         load, stiffness = a.deflect((root**2)[:, None] - drop, raceway.ring)
         return np.stack((load @ a.widths, stiffness @ a.widths * 2.0 * root))
 
-    approach = np.geomspace(1e-9, 1e-3, 601)
-    deepest = float(approach[min(int(np.searchsorted(forces(np.sqrt(approach))[0], most)), approach.size - 1)])
+    beyond = int(np.searchsorted(forces(np.sqrt(_APPROACHES))[0], most))
+    deepest = float(_APPROACHES[min(beyond, _APPROACHES.size - 1)])
     cells = _FIRST_CELLS
     root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
     known = forces(root)
@@ -440,8 +442,7 @@ def _resistances(a: Assembly, most: float) -> list[tuple[float, Array]] | None:
 
 
 def _resistance(a: Assembly, raceway: Raceway, most: float) -> tuple[float, Array]:
-    approach = np.geomspace(1e-9, 1e-3, 601)
-    load, _ = a.deflect(approach[:, None] - (a.drop - a.drop.min()), raceway.ring)
+    load, _ = a.deflect(_APPROACHES[:, None] - (a.drop - a.drop.min()), raceway.ring)
     force = load @ a.widths
     load, force = load[force <= most], force[force <= most]
     rolling = float(a.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
@@ -458,10 +459,9 @@ def _swing_frequency(a: Assembly, settings: PlanarSettings, bent: BentRings | No
     """
     weight = settings.inner_ring_mass * settings.gravity
     most = a.scene.operation.radial_load + weight + a.centrifugal_force
-    approach = np.geomspace(1e-9, 1e-3, 601)
     stiffness = []
     for ring in RINGS:
-        load, slope = a.deflect(approach[:, None] - (a.drop - a.drop.min()), ring)
+        load, slope = a.deflect(_APPROACHES[:, None] - (a.drop - a.drop.min()), ring)
         stiffness.append(float(np.interp(most, load @ a.widths, slope @ a.widths)))
     inner, outer = stiffness
     others = 0.5 * a.scene.bearing.rollers * inner / settings.inner_ring_mass

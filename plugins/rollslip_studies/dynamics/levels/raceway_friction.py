@@ -107,21 +107,48 @@ class FrictionSettings:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class FrictionTable:
+class _Grid:
+    """Nodes of a table of friction: of rolling speed, of force, and on either side of no sliding."""
+
+    sliding_scale: float  # V_s [m/s] of V/(|V| + V_s)
+    sliding_end: float  # its last node
+    root_scale: float = 1.0  # r_s [N^0.5] of r/(r + r_s), r = sqrt(Q)
+    root_ends: tuple[float, float] = (0.0, 0.5)  # its first and last node
+    speed_scale: float = 1.0  # u_s [m/s] of u/(u + u_s)
+    speed_ends: tuple[float, float] = (0.0, 0.5)  # its first and last node
+    nodes: tuple[int, int, int] = _FIRST_NODES
+
+    def speed(self, share: Array) -> Array:
+        """Rolling speed at shares 0 to 1 of its nodes."""
+        at = _between(self.speed_ends, share)
+        return np.asarray(self.speed_scale * at / (1.0 - at))
+
+    def force(self, share: Array) -> Array:
+        """Force at them."""
+        at = _between(self.root_ends, share)
+        return np.asarray((self.root_scale * at / (1.0 - at)) ** 2)
+
+    def sliding(self, share: Array) -> Array:
+        """Sliding speed at them, from -1 to 1."""
+        at = self.sliding_end * share
+        return np.asarray(at * self.sliding_scale / (1.0 - np.abs(at)))
+
+
+def _between(ends: tuple[float, float], share: Array) -> Array:
+    low, high = ends
+    return low + (high - low) * share
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class FrictionTable(_Grid):
     """Conventional friction of a roller over force, sliding and rolling speed, as `compiled.with_table` takes it."""
 
     #: F/sqrt(Q) [N^0.5] and, if there is any, the same of the rolling resistance, over rolling speed, force and sliding
     #: speed.
     values: Array
-    sliding_scale: float  # V_s [m/s] of V/(|V| + V_s)
-    sliding_end: float  # its last node
-    root_scale: float  # r_s [N^0.5] of r/(r + r_s), r = sqrt(Q)
-    root_ends: tuple[float, float]  # its first and last node
-    speed_scale: float  # u_s [m/s] of u/(u + u_s)
-    speed_ends: tuple[float, float]  # its first and last node
     #: Largest error at random contacts: of traction relative to the largest friction coefficient times the force, or a
     #: light one, of rolling resistance relative to the largest [1].
-    error: float = math.nan
+    error: float
 
     def of(self, raceway: object) -> object:
         """Return a compiled conventional raceway with this table."""
@@ -270,8 +297,16 @@ def _friction_table(
     try:
         scale = law.scale((usual, last**2), speed)
         while True:
-            end, of_speed, of_root, of_sliding = _REACH * speed / (_REACH * speed + scale), *nodes
-            at = _Grid(scale, end, root_scale, roots, _SLOW * speed, speeds, (of_speed, of_root, of_sliding))
+            of_speed, of_root, of_sliding = nodes
+            at = _Grid(
+                sliding_scale=scale,
+                sliding_end=_REACH * speed / (_REACH * speed + scale),
+                root_scale=root_scale,
+                root_ends=roots,
+                speed_scale=_SLOW * speed,
+                speed_ends=speeds,
+                nodes=(of_speed, of_root, of_sliding),
+            )
             values = law.on(at, values, axis)
             if (error := law.error(at, values, usual)) <= tolerance:
                 break
@@ -286,46 +321,7 @@ def _friction_table(
                 )
     except RollslipError as refused:  # where the motion need never go: if it does, that is told there
         return f"a law of the {raceway.ring} ring ends where a table of it would have to reach ({refused})"
-    return FrictionTable(
-        values=values,
-        sliding_scale=scale,
-        sliding_end=at.sliding_end,
-        root_scale=root_scale,
-        root_ends=roots,
-        speed_scale=at.speed_scale,
-        speed_ends=speeds,
-        error=error,
-    )
-
-
-@attrs.frozen(eq=False)
-class _Grid:
-    """Nodes of a table of friction: of rolling speed, of force, and on either side of no sliding."""
-
-    scale: float
-    sliding_end: float
-    root_scale: float
-    root_ends: tuple[float, float]
-    speed_scale: float
-    speed_ends: tuple[float, float]
-    nodes: tuple[int, int, int]
-
-    def speed(self, share: Array) -> Array:
-        """Rolling speed at shares 0 to 1 of its nodes."""
-        low, high = self.speed_ends
-        at = low + (high - low) * share
-        return np.asarray(self.speed_scale * at / (1.0 - at))
-
-    def force(self, share: Array) -> Array:
-        """Force at them."""
-        low, high = self.root_ends
-        at = low + (high - low) * share
-        return np.asarray((self.root_scale * at / (1.0 - at)) ** 2)
-
-    def sliding(self, share: Array) -> Array:
-        """Sliding speed at them, from -1 to 1."""
-        at = self.sliding_end * share
-        return np.asarray(at * self.scale / (1.0 - np.abs(at)))
+    return FrictionTable(**attrs.asdict(at, recurse=False), values=values, error=error)
 
 
 class _OfRoller:
@@ -372,7 +368,7 @@ class _OfRoller:
         rolling = np.array([factor for _, factor in contacts]).repeat(both.size) * speed
         best, chosen = math.inf, speed
         for scale in (_SCALES * speed).tolist():
-            at = _Grid(scale, _REACH * speed / (_REACH * speed + scale), 1.0, (0.0, 0.5), 1.0, (0.0, 0.5), _FIRST_NODES)
+            at = _Grid(sliding_scale=scale, sliding_end=_REACH * speed / (_REACH * speed + scale))
             sliding = np.tile(at.sliding(both), len(contacts))
             error = 0.0
             for values in self._each(loads, sliding, rolling)[0].reshape(len(contacts), -1):
