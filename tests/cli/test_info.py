@@ -37,8 +37,9 @@ def test_errors_of_parts_of_a_plan_are_summed(capsys):
              for name, error in (("slices", 1e-4), ("instants", 3e-4))]  # fmt: skip
     estimated = {"s": SimpleNamespace(resolution=SimpleNamespace(slices=4, instants=2))}
     exact = SimpleNamespace(scene=SimpleNamespace(accuracy=SimpleNamespace(exact=True)))
+    once = SimpleNamespace(may_run_again=lambda _: False)
     console.print_short_plan(
-        SimpleNamespace(cautions=[], studies={"s": None}, assembly=exact, parts=parts, estimated=estimated,
+        SimpleNamespace(cautions=[], studies={"s": once}, assembly=exact, parts=parts, estimated=estimated,
                         seconds_of=lambda _: 2.0, degrees_of_freedom=3, evaluations=5, seconds=2.0, planning=0.1)
     )  # fmt: skip
     said = capsys.readouterr().out

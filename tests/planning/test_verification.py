@@ -36,7 +36,9 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
     """Of a curve that is off by m^-p on m positions: four, and half as many, are compared with nine."""
     monkeypatch.setattr(_Run, "solution", lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0)))
     study, bearing, orders = SimpleNamespace(followed=False), SimpleNamespace(resolution=Resolution(instants=4)), {}
-    run = _Run(study=study, curved=study, assembly=bearing, few=bearing, dataset=None, accuracy=SCENE.accuracy)
+    run = _Run(
+        study=study, curved=study, assembly=bearing, few=bearing, dataset=None, accuracy=SCENE.accuracy, complete={}
+    )
     errors = run.of_instants(bearing, orders)
     order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
     assert orders["friction"] == pytest.approx(order)

@@ -144,7 +144,7 @@ def compute(
         plan, dataset, evaluated = _run(plan, study, kept, progress, taken_back)
         estimated = plan.estimated[study]
         unwatched = plan.assembly.at(estimated.resolution)
-        error = estimate_error(running, unwatched, dataset, first)
+        error = estimate_error(running, unwatched, estimated, dataset, first)
         if exactly or (finer := refined(running, unwatched, estimated, error)) is None:
             break
         _log.info("%s runs again, finer: it was off by more than its tolerance", study)

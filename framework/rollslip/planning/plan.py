@@ -228,7 +228,7 @@ def plan(
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
     assemblies = {name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in estimated.items()}
-    return Plan(
+    made = Plan(
         scene=scene,
         assembly=stated,
         studies=studies,
@@ -237,6 +237,11 @@ def plan(
         make_parts=_parts,
         planning=time.process_time() - begin,
     )
+    if _log.isEnabledFor(logging.INFO):
+        for part in made.parts:
+            choice = part.choice if part.included else "left out"
+            _log.info(": ".join(filter(None, (part.part, choice, part.reason))))
+    return made
 
 
 def _parts(plan: Plan) -> tuple[Part, ...]:
@@ -251,11 +256,7 @@ def _parts(plan: Plan) -> tuple[Part, ...]:
             costs = {}
         lines = [*one.parts(assembly, plan.estimated[name], costs), *check(one, assembly, costs)]
         parts += [attrs.evolve(part, study=name) for part in lines]
-    parts += of_studies(stated, studies)
-    for part in parts:
-        choice = part.choice if part.included else "left out"
-        _log.info(": ".join(filter(None, (part.part, choice, part.reason))))
-    return tuple(parts)
+    return (*parts, *of_studies(stated, studies))
 
 
 def _parts_before(before: Plan, _: Plan) -> tuple[Part, ...]:

@@ -1,6 +1,7 @@
 """What a study answers with, where plan and campaigns ask it: outputs, resolution with errors, lines of a plan."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import reduce
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -64,6 +65,11 @@ class Estimated:
     def total(self) -> Errors:
         """Sum of the errors of all parts, result by result."""
         return combined(self.errors.values(), sum)
+
+    @property
+    def complete(self) -> Resolution:
+        """The resolution with all that is left out under a bound taken back in."""
+        return reduce(lambda made, bound: bound.taken_back(made), self.left_out, self.resolution)
 
 
 def combined(errors: Iterable[Errors], by: Callable[[list[float]], float]) -> Errors:

@@ -17,7 +17,7 @@ and three around each maximum.
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import cached_property, reduce
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, TypeAlias
 
@@ -99,8 +99,8 @@ DENSER: Final = 3
 _SAMPLED_SLIPS: Final = 25
 #: Name of the part of an error that models leave which few slips did not show to be needed.
 LEFT_OUT: Final = "left out"
-#: Parts of a contact that may be left out, as fields of a resolution that take them back in.
-_COMPLETE: Final[Mapping[str, Any]] = {"inlet_heating": True, "light_contacts": True}
+#: Parts of a contact that may be left out, as fields of a resolution.
+_PARTS_OF_CONTACT: Final = ("inlet_heating", "light_contacts")
 #: Share of the tolerance that slices and roller positions aim at, each, where a run is made again.
 _AIM_AGAIN: Final = 0.35
 #: How many times as many slices or roller positions a run that is made again has at most.
@@ -524,6 +524,8 @@ class _Run:
     few: Assembly
     dataset: "xr.Dataset"
     accuracy: Accuracy
+    #: Which parts of a contact take part once all that was left out is taken back in.
+    complete: Mapping[str, Any]
 
     @cached_property
     def probe(self) -> Probe:
@@ -642,24 +644,30 @@ class _Run:
             more = max(more, _SOME_INSTANTS)
         dense = math.ceil((2.0 if resolution.quadrature == "gauss" else math.pi) * resolution.slices)
         twice = attrs.evolve(resolution, slices=max(dense, _SOME_SLICES), quadrature="gauss")
-        at_once = errors_by(attrs.evolve(twice, instants=more, **_COMPLETE))
+        at_once = errors_by(attrs.evolve(twice, instants=more, **self.complete))
         # they may err as the run does by chance, and others hardly do as well
         if exceeding(at_once, self.accuracy, _BEYOND_CHANCE) and not exceeding(at_once, self.accuracy):
-            others = attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **_COMPLETE)
+            others = attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **self.complete)
             at_once = combined((at_once, errors_by(others, of_curves=False)), max)
         alone = dict[str, Errors]()
         if exceeding(_without_jumps(at_once), self.accuracy):
             finer = {"slices": twice, "instants": attrs.evolve(resolution, instants=more)}
-            finer[LEFT_OUT] = attrs.evolve(resolution, **_COMPLETE)
+            finer[LEFT_OUT] = attrs.evolve(resolution, **self.complete)
             parts = [part for part in (*found.errors, LEFT_OUT) if finer[part] != resolution]
             alone = {part: errors_by(finer[part]) for part in parts}
         return attrs.evolve(found, at_once=at_once, alone=alone)
 
 
 def estimate_error(
-    study: Curved, assembly: Assembly, dataset: "xr.Dataset", first: ErrorEstimate | None = None
+    study: Curved,
+    assembly: Assembly,
+    estimated: Estimated,
+    dataset: "xr.Dataset",
+    first: ErrorEstimate | None = None,
 ) -> ErrorEstimate:
     """Return the a posteriori error estimate of a result, by reference solutions; `first` is that of its first run.
+
+    The resolution of the result was chosen by the `estimated` error.
 
     Slices and positions may err against each other, so at few slips, or for single values of the result, twice as many
     of both are taken at once, with the models of a contact that were left out at few slips. Of a study without curves
@@ -672,7 +680,16 @@ def estimate_error(
     few = few_slices(assembly)
     if few.slices >= assembly.slices or (curved and curved.followed):
         few = assembly  # of two maxima of nearly the same height few slices may have another one for the largest
-    run = _Run(study=study, curved=curved or study, assembly=assembly, few=few, dataset=dataset, accuracy=accuracy)
+    whole = estimated.complete
+    run = _Run(
+        study=study,
+        curved=curved or study,
+        assembly=assembly,
+        few=few,
+        dataset=dataset,
+        accuracy=accuracy,
+        complete={name: getattr(whole, name) for name in _PARTS_OF_CONTACT},
+    )
     try:
         found = ErrorEstimate(errors={part: {} for part in ("slices", "instants")[assembly.slices == 1 :]})
         if curved is not None:
@@ -714,11 +731,12 @@ def refined(study: Curved, assembly: Assembly, estimated: Estimated, error: Erro
     resolution = estimated.resolution
     found = " and ".join(f"{name.replace('_', ' ')} off by {size:.1e}" for name, size in off.items())
     if off.keys() & exceeding(error.alone.get(LEFT_OUT, {}), accuracy, _AIM_AGAIN).keys():
+        taken_back = (*_PARTS_OF_CONTACT, "law")
         return attrs.evolve(
             estimated,
-            resolution=reduce(lambda made, bound: bound.taken_back(made), estimated.left_out, resolution),
+            resolution=estimated.complete,
             left_out=(),
-            errors={part: errors for part, errors in estimated.errors.items() if part not in (*_COMPLETE, "law")},
+            errors={part: errors for part, errors in estimated.errors.items() if part not in taken_back},
             seen=f"what was left out of a contact was seen to leave {found}",
         )
     numbers = numbers_of(resolution)
