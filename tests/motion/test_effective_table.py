@@ -19,10 +19,10 @@ from scipy.optimize import brentq, minimize_scalar
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError
-from rollslip.testing.samples import decades
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_studies.motion import effective_table as tables
 from rollslip_studies.motion.effective_table import curve_table, effective_table, map_table
+from strategies import decades
 from without_bands import run
 
 ROLLING = 30.0

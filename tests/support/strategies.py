@@ -1,10 +1,11 @@
 """What the model tests share: the forms of a model, and drawn conditions.
 
-- A model is tested as it comes, compiled, and through `NumpyForm`, which hides its kernel; the kit has it, and the
-  strategies for magnitudes.
+- A model is tested as it comes, compiled, and through `NumpyForm`, which hides its kernel; the kit has it.
 - Conditions are drawn by their dimensionless groups where a law has any, so that every corner of a law is reached
   and not only what typical oils give.
 """
+
+import contextlib
 
 import attrs
 import numpy as np
@@ -12,10 +13,30 @@ import pytest
 from hypothesis import strategies as st
 
 from rollslip import Conditions
-from rollslip.testing.samples import NumpyForm, decades, evaluated, law_of, signed
-from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from rollslip.bearing.chain import Chain
+from rollslip.testing.samples import NumpyForm, signed
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
-__all__ = ["NumpyForm", "decades", "evaluated", "law_of", "or_zero", "signed"]  # what the tests take from the kit
+__all__ = ["NumpyForm", "decades", "evaluated", "law_of", "or_zero", "signed"]  # two of them are the kit's
+
+
+def decades(low, high):
+    """Return a strategy of 10^low to 10^high, even in the exponent."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+def law_of(model):
+    """Return the model behind a form."""
+    return getattr(model, "model", model)
+
+
+def evaluated(model, conditions, **columns):
+    """Return the slices that one stage has filled; the columns broadcast against each other."""
+    slices = Slices(max(np.size(values) for values in columns.values()), conditions, **columns)
+    # A kernel leaves NumPy's error state alone, so only a NumPy form needs its warnings off.
+    with np.errstate(all="ignore") if law_of(model) is not model else contextlib.nullcontext():
+        Chain(model)(slices)
+    return slices
 
 
 def or_zero(strategy):

@@ -21,7 +21,7 @@ from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
-from rollslip.studies.surface_damage.model import Contacts, DamageModel
+from rollslip.studies.surface_damage.model import Contacts, DamageModel, harm
 from rollslip.studies.thermal_balance.model import PLACES, ROLES, ThermalModel
 from rollslip.testing.rules import (
     CITATIONS_WANTED,
@@ -145,11 +145,6 @@ def _value(model: DamageModel, contacts: Contacts) -> Array:
     return np.asarray(model.evaluate(contacts), dtype=float)
 
 
-def _harm(model: DamageModel, values: Array) -> Array:
-    """Return what is larger the worse it is."""
-    return values if model.worst == "largest" else -values
-
-
 @rule(DamageModel)
 def check_says_what_it_measures_and_what_it_does_not(model: DamageModel) -> None:
     """No measure of damage holds in general; who reads a value has to know its unit and its limits."""
@@ -190,11 +185,11 @@ def check_slices_are_measured_alone_and_left_as_they_are(model: DamageModel) -> 
 def check_more_friction_is_no_better(model: DamageModel) -> None:
     """With more friction surfaces fare no better, and without friction no worse."""
     for contacts in _contacts():
-        values, slices = _harm(model, _value(model, contacts)), contacts.slices
+        values, slices = harm(model, _value(model, contacts)), contacts.slices
         slack = _ROUNDING * np.abs(values)
-        more = _harm(model, _value(model, _changed(contacts, friction=2.0 * slices.friction)))
+        more = harm(model, _value(model, _changed(contacts, friction=2.0 * slices.friction)))
         refuse_unless(np.all(more >= values - slack), "a measure is better with twice the friction")
-        none = _harm(model, _value(model, _changed(contacts, friction=0.0)))
+        none = harm(model, _value(model, _changed(contacts, friction=0.0)))
         refuse_unless(np.all(none <= values + slack), "a measure is worse without friction than with it")
 
 
@@ -210,7 +205,7 @@ def check_across_a_contact_it_is_as_bad_as_the_measure_says(model: DamageModel) 
         refuse_unless(across.shape == (_DRAWN, places.size), f"across() has shape {across.shape}, not (n, m)")
         refuse_unless(bool(np.all(np.isfinite(across))), "across() has places without a value")
         values = _value(model, contacts)
-        short = _harm(model, values) - _harm(model, across).max(axis=1)
+        short = harm(model, values) - harm(model, across).max(axis=1)
         worst = float((short / np.maximum(np.abs(values), np.finfo(float).tiny)).max())
         refuse_unless(worst <= _MISSED, f"no place across a contact is as bad as it says: {worst:.1e} (relative) less")
 

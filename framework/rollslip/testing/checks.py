@@ -19,6 +19,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any, Final, cast
 
@@ -331,28 +332,19 @@ def _repeat(chain: Chain, slices: Slices, holds: Callable[[Slices], None], secon
 
 def _together(tasks: Sequence[Callable[[], None]]) -> None:
     """Run tasks in a thread each, all at once; the first error is raised."""
-    errors: list[BaseException] = []
-    start = threading.Barrier(max(len(tasks), 1))
+    start = threading.Barrier(len(tasks))
 
     def work(task: Callable[[], None]) -> None:
         start.wait()
-        try:
-            task()
-        except BaseException as error:
-            errors.append(error)
+        task()
 
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)  # Python stages meet too
     try:
-        threads = [threading.Thread(target=work, args=(task,)) for task in tasks]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        with ThreadPoolExecutor(len(tasks)) as pool:
+            list(pool.map(work, tasks))
     finally:
         sys.setswitchinterval(interval)
-    if errors:
-        raise errors[0]
 
 
 @rule(SliceModel)

@@ -104,11 +104,6 @@ BEARING: Final[Mapping[str, Limits]] = {
 # Strategies and forms ------------------------------------------------------------------------------------------------
 
 
-def decades(low: float, high: float) -> "st.SearchStrategy[float]":
-    """Return a strategy of 10^low to 10^high, even in the exponent."""
-    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
-
-
 def signed(strategy: "st.SearchStrategy[float]") -> "st.SearchStrategy[float]":
     """Return a strategy that draws either sign."""
     return st.tuples(strategy, st.sampled_from([1.0, -1.0])).map(lambda drawn: drawn[0] * drawn[1])
@@ -156,11 +151,6 @@ class Exponential(PressureViscosity):
         return c.viscosity * np.exp(c.pressure_viscosity * p), c.thermoviscosity + c.pressure_thermoviscosity * p
 
 
-def law_of(model: Any) -> Any:
-    """Return the model behind a form."""
-    return getattr(model, "model", model)
-
-
 def forms_of(model: SliceModel) -> Iterator[tuple[str, SliceModel]]:
     """Yield the forms a model has, each with its name: "compiled" where there is a kernel, and "NumPy"."""
     if model.kernel() is not None:
@@ -172,15 +162,6 @@ def evaluate(model: SliceModel, slices: Slices, block: int | None = None) -> Sli
     """Fill slices as a user would and return them; overflow and underflow inside a law are the chain's to report."""
     with np.errstate(all="ignore"):
         Chain(model, block=block)(slices)
-    return slices
-
-
-def evaluated(model: SliceModel, conditions: Conditions, **columns: Any) -> Slices:
-    """Return the slices that one stage has filled; the columns broadcast against each other."""
-    slices = Slices(max(np.size(values) for values in columns.values()), conditions, **columns)
-    # A kernel leaves NumPy's error state alone, so only a NumPy form needs its warnings off.
-    with np.errstate(all="ignore") if law_of(model) is not model else contextlib.nullcontext():
-        Chain(model)(slices)
     return slices
 
 

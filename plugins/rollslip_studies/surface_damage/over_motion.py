@@ -32,6 +32,7 @@ from rollslip.studies.surface_damage.model import (
     DamageModel,
     damage_of,
     described,
+    harm,
     named,
     values_of,
 )
@@ -99,10 +100,9 @@ def over_motion(
                 except DomainError as error:  # of one measure; the others have values
                     said[k, i] = str(error)
                     continue
-                sign = 1.0 if model.worst == "largest" else -1.0
-                worst = int(np.argmax(sign * values))
+                worst = int(np.argmax(harm(model, values)))
                 over[k, i, n] = values[worst]
-                if not sign * values[worst] <= sign * found[0, k, i]:
+                if not harm(model, values[worst]) <= harm(model, found[0, k, i]):
                     place = at.position[column[worst]]
                     found[:, k, i] = values[worst], times[instant], angles[instant, owner[worst]], place
     seen = f"{instants.size} of {stored} stored instants" if instants.size < stored else "all stored instants"
@@ -150,7 +150,7 @@ def _by_laminae(assembly: Assembly, now: "xr.Dataset", i: int, model: DamageMode
     fine_bearing = assembly.at(attrs.evolve(assembly.resolution, slices=slices))
     taken = _contacts(fine_bearing, now.isel(ring=i), i, _tilted(fine_bearing, now))
     values = np.zeros(0) if taken is None else values_of(model, taken[0])
-    fine = float(values.max() if model.worst == "largest" else values.min()) if values.size else worst
+    fine = float(values[np.argmax(harm(model, values))]) if values.size else worst
     return abs(worst / fine - 1.0) if fine else 0.0
 
 

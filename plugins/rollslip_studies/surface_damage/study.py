@@ -29,6 +29,7 @@ from rollslip.studies.surface_damage.model import (
     DamageModel,
     damage_of,
     described,
+    harm,
     named,
     parts,
     values_of,
@@ -261,25 +262,24 @@ def _measured(
 ) -> tuple[Array, float, int, Array]:
     """Return the worst value of each roller, NaN where it is not loaded, of all, its slice, and across that."""
     values = values_of(model, contacts)
-    sign = 1.0 if model.worst == "largest" else -1.0
     along = np.full(loaded.rollers, np.nan)
-    np.fmax.at(along, loaded.owner, sign * values)
-    at = int(np.nanargmax(sign * values))
+    np.fmax.at(along, loaded.owner, harm(model, values))
+    at = int(np.nanargmax(harm(model, values)))
     inside = model.across(attrs.evolve(contacts, slices=contacts.slices.taken([at])), places)
     across = np.full(places.size, np.nan) if inside is None else np.asarray(inside[0], dtype=float)
-    return sign * along, float(values[at]), at, across
+    return harm(model, along), float(values[at]), at, across
 
 
 def _worst_between(model: DamageModel, values: Array, loaded: LoadedContacts, position: Array) -> float:
     """Return the worst value, at the vertex of a parabola through its slice and the neighbours on the roller."""
-    sign = 1.0 if model.worst == "largest" else -1.0
-    best = float(values[at := int(np.nanargmax(sign * values))])
+    at = int(np.nanargmax(harm(model, values)))
     near = np.array([at - 1, at, at + 1])
     if near[0] < 0 or near[2] >= values.size or np.ptp(loaded.owner[near]) or np.isnan(values[near]).any():
-        return best  # at an end
+        return float(values[at])  # at an end
     x = position[loaded.column[near]] - position[loaded.column[at]]
-    curvature, slope, _ = np.polyfit(x / np.ptp(x), sign * (values[near] - best), 2)
-    return best - sign * 0.25 * slope**2 / curvature if curvature < 0.0 else best
+    curvature, slope, _ = np.polyfit(x / np.ptp(x), harm(model, values[near] - values[at]), 2)
+    beyond = 0.25 * slope**2 / curvature if curvature < 0.0 else 0.0
+    return float(values[at] - harm(model, beyond))
 
 
 @hookimpl

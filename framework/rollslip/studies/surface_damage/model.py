@@ -39,6 +39,7 @@ __all__ = [
     "DamageModel",
     "damage_of",
     "described",
+    "harm",
     "named",
     "named_damage",
     "parts",
@@ -171,6 +172,11 @@ def values_of(model: DamageModel, contacts: Contacts) -> Array:
     if not np.isfinite(values).all():
         raise DomainError(f"{model.name} has no value for {np.count_nonzero(~np.isfinite(values))} slices")
     return values
+
+
+def harm(model: DamageModel, values: Any) -> Any:
+    """Return ``values`` of a measure with the sign by which the larger is the worse, as ``model`` has it."""
+    return values if model.worst == "largest" else -values
 
 
 def described(measures: tuple[DamageModel, ...]) -> dict[str, NDArray[Any]]:
