@@ -111,14 +111,14 @@ def modal(radius: float, stiffness: dict[int, float], mass: dict[int, float] | N
 
     K_0 = 2 pi R k_0, K_n = pi R k_n.
     """
-    rows, held = list[list[complex]](), list[float]()
+    rows, modal_stiffness = list[list[complex]](), list[float]()
     for n, k in stiffness.items():
         for phase in (1.0, -1.0j) if n else (1.0,):
             rows.append([phase if i == n else 0.0 for i in range(max(stiffness) + 1)])
-            held.append(math.pi * radius * k * (1.0 if n else 2.0))
+            modal_stiffness.append(math.pi * radius * k * (1.0 if n else 2.0))
     if mass is not None:
         more["mass"] = np.array([mass[n] for n in stiffness for _ in ((1, -1) if n else (1,))])
-    return RingShapes(np.array(rows, complex), np.array(held), **more)
+    return RingShapes(np.array(rows, complex), np.array(modal_stiffness), **more)
 
 
 def numbers(bearing: Bearing, highest: int | None) -> list[int]:
@@ -355,11 +355,13 @@ class Thin(RingModel):
         steel, loose = bearing.material_of(ring), self.fit_clearance is not None
         if loose and not self.seat_stiffness > 0.0:
             raise FieldError("seat_stiffness", "must be above 0 with a fit_clearance: nothing else stops the ring")
-        held = 0.0 if loose else self.seat_stiffness
+        support = 0.0 if loose else self.seat_stiffness
         chosen = numbers(bearing, self.harmonics)
-        k = {n: held + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio) for n in chosen}
+        k = {
+            n: support + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio) for n in chosen
+        }
         if self.seat_stiffness > 0.0:
-            k = {n: k[n] if n != 1 else held for n in sorted((*k, 1))}
+            k = {n: k[n] if n != 1 else support for n in sorted((*k, 1))}
         pushes = sum(
             (self._push(list(k), one, R, ring) for one in self.forces), np.zeros(sum(2 if n else 1 for n in k))
         )

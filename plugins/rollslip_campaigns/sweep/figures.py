@@ -99,10 +99,10 @@ def _results(dataset: "xr.Dataset", keys: Sequence[str], *, curves: bool) -> "li
     for name, values in dataset.data_vars.items():
         if values.dtype.kind != "f" or name == "seconds":
             continue
-        inner, apart = {str(dim) for dim in values.dims} - set(keys), [*named_dims(values, [*keys, "ring"])]
-        if len(apart) == 1 and inner <= {*apart, "ring"} and not (curves and inner == {*apart}):
-            found += [(f"{name}-{one}", piece) for one, piece in by_name(values, apart[0])]
-        elif inner <= {"ring"} or inner == {"steady"} or (len(apart) == 1 and inner == {*apart}):
+        inner, categories = {str(dim) for dim in values.dims} - set(keys), [*named_dims(values, [*keys, "ring"])]
+        if len(categories) == 1 and inner <= {*categories, "ring"} and not (curves and inner == {*categories}):
+            found += [(f"{name}-{one}", piece) for one, piece in by_name(values, categories[0])]
+        elif inner <= {"ring"} or inner == {"steady"} or (len(categories) == 1 and inner == {*categories}):
             found.append((str(name), values))
     known = [(name, values) for name, values in found if np.isfinite(values.to_numpy()).any()]
     return sorted(known, key=lambda one: one[0] != _RESULT)
@@ -115,9 +115,9 @@ def models_apart(dataset: "xr.Dataset") -> str:
     medians = quantiles[:, 2]
     beyond, known = np.isinf(medians), np.isfinite(quantiles[:, [1, 3]]).all(axis=1)
     if beyond.any():
-        apart = f"the medians of {beyond.sum()} are not known"
+        spread = f"the medians of {beyond.sum()} are not known"
     else:
-        apart = f"the medians are up to {100 * np.ptp(medians):.2g} percentage points apart"
+        spread = f"the medians are up to {100 * np.ptp(medians):.2g} percentage points apart"
     if known.all():
         scatter = f"the middle half of one is up to {100 * (quantiles[:, 3] - quantiles[:, 1]).max():.2g} wide"
     else:
@@ -125,7 +125,7 @@ def models_apart(dataset: "xr.Dataset") -> str:
     return (
         f"Cage slip at largest traction of the inner ring{resting(dataset)} for {len(quantiles)} choices of "
         f"{of_key(key)}: median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or "
-        f"their point failed): {apart}, {scatter}."
+        f"their point failed): {spread}, {scatter}."
     )
 
 

@@ -123,11 +123,11 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
     allowed, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     if np.isfinite(allowed):
         p = float(dataset.attrs["probability"])
-        told = np.isfinite([low, high]).all()
+        finite = np.isfinite([low, high]).all()
         label = f"allowable at {p:g}: {100 * allowed:.3g} %"
-        label += f" ({100 * low:.3g} to {100 * high:.3g})" if told else ""
+        label += f" ({100 * low:.3g} to {100 * high:.3g})" if finite else ""
         axes.axvline(100 * allowed, color="black", linewidth=0.9, label=label)
-        if told:
+        if finite:
             axes.axvspan(100 * low, 100 * high, color="0.8", linewidth=0, zorder=0)
     if (acceptable := dataset.attrs.get("acceptable_slip", "")) != "":
         label = f"acceptable: {100 * float(acceptable):.3g} %"
@@ -167,15 +167,15 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
     axes = sheet.axes
     known = dataset.isel(batch=np.isfinite(dataset["batch_allowable"].to_numpy()))
     count, value, low, high = (known[f"batch_{name}"].to_numpy() for name in ("samples", "allowable", "low", "high"))
-    told = np.isfinite(low) & np.isfinite(high)
+    finite = np.isfinite(low) & np.isfinite(high)
     axes.set_xscale("log", base=2)
     axes.errorbar(
-        count[told], 100 * value[told], yerr=100 * np.array([(value - low)[told], (high - value)[told]]),
+        count[finite], 100 * value[finite], yerr=100 * np.array([(value - low)[finite], (high - value)[finite]]),
         color=MODEL_COLOURS[0], marker="o", markersize=3.5, capsize=2, elinewidth=0.8,
     )  # fmt: skip
-    if (~told).any():
+    if (~finite).any():
         axes.plot(
-            count[~told], 100 * value[~told], color=MODEL_COLOURS[0], marker="o", markersize=3.5, mfc="white", ls=""
+            count[~finite], 100 * value[~finite], color=MODEL_COLOURS[0], marker="o", markersize=3.5, mfc="white", ls=""
         )
     axes.set_xticks(count, [str(one) for one in count])
     axes.minorticks_off()

@@ -311,15 +311,17 @@ def _oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
     return oils, ""
 
 
-def judged_statement(measurement: Measurement, said: Statement, combination: Combination) -> Said:
+def judged_statement(measurement: Measurement, statement: Statement, combination: Combination) -> Said:
     """Tell whether a statement of a data set holds under some models, with what was found."""
-    of = {"data_set": measurement.name, "models": combination.label, "says": said.says, "by": said.by_whom}
-    assert said.scene is not None
+    of = {"data_set": measurement.name, "models": combination.label, "says": statement.says, "by": statement.by_whom}
+    assert statement.scene is not None
     try:
-        scene = _scene_with(said.scene, combination)
+        scene = _scene_with(statement.scene, combination)
         values = [
-            observe(scene, step.quantity or said.quantity, step.at if step.quantity else said.at, [step.changes])[0]
-            for step in said.steps
+            observe(
+                scene, step.quantity or statement.quantity, step.at if step.quantity else statement.at, [step.changes]
+            )[0]
+            for step in statement.steps
         ]
     except RollslipError as error:
         return Said(**of, verdict=UNTOLD, found=str(error).splitlines()[0])
@@ -327,13 +329,13 @@ def judged_statement(measurement: Measurement, said: Statement, combination: Com
     def told(value: Value, quantity: str) -> str:
         if math.isnan(value.value):
             return f"no value ({value.why.partition(';')[0]})"
-        return shown(value.value, said.unit, quantity)
+        return shown(value.value, statement.unit, quantity)
 
     found = ", ".join(
-        f"{step.says}: {told(value, step.quantity or said.quantity)}"
-        for step, value in zip(said.steps, values, strict=True)
+        f"{step.says}: {told(value, step.quantity or statement.quantity)}"
+        for step, value in zip(statement.steps, values, strict=True)
     )
-    verdict = verdict_on(said, np.array([value.value for value in values]))
+    verdict = verdict_on(statement, np.array([value.value for value in values]))
     return Said(**of, verdict=verdict, found=found)
 
 

@@ -213,8 +213,10 @@ class ScuffingAgma(BulkAndFlash):
             return attrs.evolve(self, viscosity_40=oil.at(T).viscosity / oil.density(T))
         except DomainError as error:
             where = Location(assembly.scene.origins, ("models", "damage"))
-            said = f"{self.name} needs the kinematic viscosity of the oil at 40 degC: {error}; or give its viscosity_40"
-            raise SceneError([where.says(said)]) from error
+            message = (
+                f"{self.name} needs the kinematic viscosity of the oil at 40 degC: {error}; or give its viscosity_40"
+            )
+            raise SceneError([where.says(message)]) from error
 
     @property
     def limit(self) -> tuple[float, str] | None:
@@ -227,10 +229,10 @@ class ScuffingAgma(BulkAndFlash):
             return None
         else:
             mean = _MINERAL[self.oil or "mineral"] + _BY_VISCOSITY * math.log(1e6 * self.viscosity_40)
-        said = f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil or 'mineral'!r}, recalled (C)"
+        source = f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil or 'mineral'!r}, recalled (C)"
         if self.taken and self.oil not in _AIRCRAFT:
-            said += f", {self.taken}"
-        return _CELSIUS + mean * (1.0 + _SCATTER * NormalDist().inv_cdf(self.risk)), said
+            source += f", {self.taken}"
+        return _CELSIUS + mean * (1.0 + _SCATTER * NormalDist().inv_cdf(self.risk)), source
 
 
 def _taken(oil: "Lubricant") -> str:
