@@ -111,7 +111,8 @@ def modal(radius: float, stiffness: dict[int, float], mass: dict[int, float] | N
 
     K_0 = 2 pi R k_0, K_n = pi R k_n.
     """
-    rows, modal_stiffness = list[list[complex]](), list[float]()
+    rows = list[list[complex]]()
+    modal_stiffness = list[float]()
     for n, k in stiffness.items():
         for phase in (1.0, -1.0j) if n else (1.0,):
             rows.append([phase if i == n else 0.0 for i in range(max(stiffness) + 1)])
@@ -351,8 +352,10 @@ class Thin(RingModel):
         R = raceway / 2.0 + (0.5 if ring == "outer" else -0.5) * h
         if h / 2.0 >= R:
             raise FieldError("thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m")
-        area, inertia = width * h, self.section_inertia or width * h**3 / 12.0
-        steel, loose = bearing.material_of(ring), self.fit_clearance is not None
+        area = width * h
+        inertia = self.section_inertia or width * h**3 / 12.0
+        steel = bearing.material_of(ring)
+        loose = self.fit_clearance is not None
         if loose and not self.seat_stiffness > 0.0:
             raise FieldError("seat_stiffness", "must be above 0 with a fit_clearance: nothing else stops the ring")
         support = 0.0 if loose else self.seat_stiffness
