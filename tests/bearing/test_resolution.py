@@ -88,7 +88,7 @@ def test_gauss_slices_carry_the_forces_of_a_motion():
 
 
 def test_stages_run_in_numpy_where_a_resolution_says_so():
-    few = attrs.evolve(STUDY, points=3)
+    few = attrs.evolve(STUDY, points=5)
     fast, plain = (few.run(assemble(SCENE, Resolution(slices=3, instants=1, compiled=c))) for c in (True, False))
     np.testing.assert_allclose(plain.effective_friction, fast.effective_friction, rtol=1e-10)
     assert assemble(SCENE, Resolution(compiled=False)).inner.chain.block == 0

@@ -74,7 +74,7 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
     def broken(*_):
         raise ZeroDivisionError("a law of somebody")
 
-    monkeypatch.setattr("rollslip_campaigns.sweep.result.execute", broken)
+    monkeypatch.setattr("rollslip_campaigns.sweep.result.compute", broken)
     (said,) = apart_from_run(plan_sweep("1032930-70C", over, **of), found)
     assert said.startswith("how far points are off could not be checked at operation.radial_load = 1 kN")
     assert "a law of somebody" in said

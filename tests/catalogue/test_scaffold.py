@@ -256,7 +256,6 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
     ("kind", "module"),
     [
         ("bearing", "rollslip_plugins.data.bearings"),
-        ("fit", "rollslip_plugins.data.fits"),
         ("measurement", "rollslip_campaigns.measurement.sets"),
         ("pressure-viscosity", "rollslip_plugins.pressure_viscosity"),
         ("thermal", "rollslip_plugins.thermal"),

@@ -66,17 +66,6 @@ class OwnThreads(Threads):
 def engines():
     return [OwnThreads]
 """,
-    "fit": """
-from rollslip.datasets import FitData
-from rollslip.hookspecs import hookimpl
-
-@hookimpl
-def fits():
-    return [FitData(
-        name="NAME", description="A seat of 20 um", source="Measured on one piece.", validity="Up to 80 mm.",
-        references=("The drawing of the author, 2026.",), ring="inner", limits=((0.08, 15e-6, 25e-6, -12e-6, 0.0),),
-    )]
-""",
     "measurement": """
 from rollslip.hookspecs import hookimpl
 from rollslip_campaigns.measurement import load_measurement
@@ -138,36 +127,6 @@ class WideningRing(RingModel):
 @hookimpl
 def ring_models():
     return [WideningRing]
-""",
-    "separator": """
-import attrs
-from rollslip.bearing.cage import Separator
-from rollslip.hookspecs import hookimpl
-
-@attrs.frozen(kw_only=True)
-class CoatedRollers(Separator):
-    '''Rollers without a cage, coated with a solid lubricant.'''
-
-    name = "NAME"
-    equation = "M = mu r (N_(k-1/2) + N_(k+1/2))"
-    references = ("Bowden F. P., Tabor D. The Friction and Lubrication of Solids. Clarendon Press, Oxford, 1950.",)
-    coefficient = 0.06
-
-@hookimpl
-def separators():
-    return [CoatedRollers]
-""",
-    "surface": """
-from rollslip.datasets import SurfaceData
-from rollslip.hookspecs import hookimpl
-from rollslip.scene import Surface
-
-@hookimpl
-def surfaces():
-    return [SurfaceData(
-        name="NAME", description="Surfaces after running in", source="Measured on one piece.", validity="One lot.",
-        references=("The sheet of the author, 2026.",), surface=Surface(roller_roughness=5e-8),
-    )]
 """,
     "thermal": """
 import attrs
