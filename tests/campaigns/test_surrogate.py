@@ -439,9 +439,11 @@ def test_the_cage_moves_as_by_the_laws_of_the_bearing(driver, error, name):
 @needs_compiler
 def test_the_cage_moves_as_by_the_laws_where_both_rings_turn(place):
     over = ["radial_load=1.5 kN", "temperature=80 degC", "inner_speed=900 rpm:1400 rpm", "outer_speed=-200 rpm:250 rpm"]
-    _, path = made(place / "both", over)
+    # with few slices too many nodes would be needed where a ring turns backwards
+    scene = rollslip.load_scene("gearbox")
+    _, path = made(place / "both", over, scene=scene)
     times = 1e-3 * np.arange(601)
-    true = MeanRoller(SCENE).motion(times, 0.1, both_rings)
+    true = MeanRoller(scene).motion(times, 0.1, both_rings)
     assert np.abs(moved(driven(place, path), both_rings, times.size) - true).max() <= 1e-3 * np.abs(true).max()
 
 
