@@ -1306,7 +1306,7 @@ class Fatal(FilmModel):
 def film_models():
     return [Fatal]
 '''
-_IN = ("check_film_is_positive",)
+_IN = ("check_film_does_not_grow_with_the_load",)
 
 
 def _package(name, fault="pass", where=_IN, before=""):
@@ -1317,26 +1317,26 @@ def _package(name, fault="pass", where=_IN, before=""):
 FATAL = {
     "segfaults": (
         "it reads the address 0",
-        "check_film_is_positive",
-        "crashed with signal 11 (SIGSEGV) in check_film_is_positive",
+        "check_film_does_not_grow_with_the_load",
+        "crashed with signal 11 (SIGSEGV) in check_film_does_not_grow_with_the_load",
         _package("segfaults", "ctypes.string_at(0)"),
     ),
     "hangs": (
         "a loop that does not end",
-        "check_film_is_positive",
-        "did not end within 5 s in check_film_is_positive",
+        "check_film_does_not_grow_with_the_load",
+        "did not end within 5 s in check_film_does_not_grow_with_the_load",
         _package("hangs", "while True: time.sleep(0.01)"),
     ),
     "leaves": (
         "it calls sys.exit",
-        "check_film_is_positive",
-        "left the process with exit code 3 in check_film_is_positive",
+        "check_film_does_not_grow_with_the_load",
+        "left the process with exit code 3 in check_film_does_not_grow_with_the_load",
         _package("leaves", "sys.exit(3)"),
     ),
     "vanishes": (
         "it ends the process with exit code 0",
-        "check_film_is_positive",
-        "left the process with exit code 0 in check_film_is_positive",
+        "check_film_does_not_grow_with_the_load",
+        "left the process with exit code 0 in check_film_does_not_grow_with_the_load",
         _package("vanishes", "os._exit(0)"),
     ),
     "dies-early": (
