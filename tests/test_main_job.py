@@ -57,6 +57,19 @@ def test_a_run_computes_nothing_for_readers(nothing_for_readers):
     assert result.sel(ring="inner").critical_status == "found"
 
 
+def test_a_run_that_is_made_again_finer_estimates_no_cost(nothing_for_readers, monkeypatch):
+    finer = []
+    again = Plan.again
+    monkeypatch.setattr(Plan, "again", lambda plan, *given: finer.append(given) or again(plan, *given))
+
+    def refuse(plan, study):
+        raise AssertionError("nobody is shown the time left")
+
+    monkeypatch.setattr(Plan, "seconds_of", refuse)
+    rollslip.run("gearbox", "steady-slip")
+    assert finer
+
+
 #: What a reader may ask of a result, given a folder to write to.
 ASKED = {
     "answer": lambda result, _: result.answer,

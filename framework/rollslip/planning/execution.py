@@ -16,7 +16,7 @@ from rollslip.errors import RollslipError
 from rollslip.planning.lines import how_finely
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
-from rollslip.planning.progress import Shown, progress_in_notebook
+from rollslip.planning.progress import Shown, in_notebook, progress_in_notebook
 from rollslip.planning.provenance import models_origin, run_origin
 from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.results.accounts import answer
@@ -71,7 +71,7 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
     executed = dict[str, Executed]()
     for name in planned.studies:
         with progress_in_notebook(name, partial(planned.seconds_of, name)) as show:
-            executed[name] = compute(planned, name, progress=show)
+            executed[name] = compute(planned, name, progress=show if in_notebook() else None)
         if executed[name].dataset.attrs.get("outcome") == "interrupted":
             break
     return Result.of({name: one.dataset for name, one in executed.items()}, partial(_completed, executed))

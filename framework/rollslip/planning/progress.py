@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from rollslip.results.words import duration
 
-__all__ = ["Shown", "Watch", "progress_in_notebook", "time_left"]
+__all__ = ["Shown", "Watch", "in_notebook", "progress_in_notebook", "time_left"]
 
 
 class Shown(Protocol):
@@ -49,13 +49,18 @@ class Watch:
         return "" if math.isnan(left) else f"{duration(left)} left" if left >= 1.0 else "soon done"
 
 
+def in_notebook() -> bool:
+    """Return whether this process serves a notebook."""
+    return "ipykernel" in sys.modules
+
+
 @contextmanager
 def progress_in_notebook(what: str, seconds: Callable[[], float] = lambda: math.nan) -> Iterator[Shown]:
     """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end.
 
     Its estimated time [s] is a function, since an estimate takes time that nothing but a notebook needs.
     """
-    if "ipykernel" not in sys.modules:
+    if not in_notebook():
         yield lambda text, share=math.nan, left=math.nan: None
         return
     page: Any = importlib.import_module("IPython.display")
