@@ -30,7 +30,7 @@ OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, FAILED_ON, INTERRUPTED = 
 #: What plots are written as; a test holds that it is what can be written.
 FORMATS, TABLES = frozenset({"svg", "pdf", "png"}), frozenset({"csv", "xlsx"})
 #: Options that say where results go and how, not what is computed; as names of the fields of `Results`.
-OF_RESULTS = frozenset({"out", "overwrite", "resume", "report", "crate", "as_json"})
+OF_RESULTS = frozenset({"out", "overwrite", "resume", "report", "as_json"})
 
 
 # Options ------------------------------------------------------------------------------------------------------------
@@ -146,9 +146,6 @@ def results_options(
         ),
         "resume": resume_option,
         "report": click.option("--report", is_flag=True, help="Write a report in HTML too."),
-        "crate": click.option(
-            "--crate", is_flag=True, help="Write RO-Crate metadata too, which data repositories read."
-        ),
         "no_plots": click.option("--no-plots", is_flag=True, help=plots),
         "formats": click.option(
             "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
@@ -218,7 +215,6 @@ class Results:
     """Where the results of a command go, and how they are written, drawn and told."""
 
     report: bool
-    crate: bool
     formats: tuple[str, ...]  #: Of plots.
     tables: tuple[str, ...]  #: Formats of tables.
     as_json: bool
@@ -243,7 +239,7 @@ class Results:
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path, scene: str = "") -> list[str]:
-        """Draw results into the folder where they are stored as NAME.nc, with a report and metadata if asked for.
+        """Draw results into the folder where they are stored as NAME.nc, with a report if asked for.
 
         Return the names of what was written.
         """
@@ -271,10 +267,6 @@ class Results:
                 for file in (file for files in figures.values() for file in files):
                     file.unlink()
             written.append("report.html")
-        if self.crate:
-            from rollslip.cli.crate import write_crate
-
-            written.append(write_crate({folder / f"{name}.nc": one for name, one in datasets.items()}).name)
         self.files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")
         return written
 
