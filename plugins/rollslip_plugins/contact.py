@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel, Validity
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
@@ -289,9 +288,3 @@ class Lundberg(_HertzLine):
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""
         return LundbergDeflection()
-
-
-@hookimpl
-def contact_models() -> list[type[ContactModel]]:
-    """Offer the contact models of this module."""
-    return [Palmgren, Iso16281, Lundberg]

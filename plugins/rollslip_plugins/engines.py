@@ -23,7 +23,6 @@ from rollslip.catalogue.kinds import Kind
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError
 from rollslip.fields import at_least, parameter, positive
-from rollslip.hookspecs import hookimpl
 
 #: The kind of engines. It stands with them, since the core sweeps nothing.
 ENGINE: Final = Kind(
@@ -250,9 +249,3 @@ class _OfClient(Executor):
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         self.client.close(timeout=5)
-
-
-@hookimpl
-def engines() -> list[type[Engine]]:
-    """Offer the engines in the box."""
-    return [Serial, Threads, Processes, Dask]

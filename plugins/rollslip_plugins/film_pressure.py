@@ -7,7 +7,6 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.regimes import LIGHT, moes_groups
-from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, PressureModel, Tabled, Validity
 from rollslip.references import Reference
 from rollslip.search import Array
@@ -39,7 +38,7 @@ RIGID: Final = 0.1
 KNOTS: Final = np.log2(0.5 * np.array((RIGID, *LOADS)))
 RISE: Final = np.column_stack((np.zeros(len(LUBRICANTS)), np.log2(SOLVED) - KNOTS[1:]))
 #: M is taken between this and its inverse, so that no logarithm is infinite.
-_LEAST: Final = 1e-250
+_SMALLEST_M: Final = 1e-250
 
 
 @attrs.frozen
@@ -180,7 +179,7 @@ class LightContact(PressureModel):
 
 def pressure_ratio(M: Array, L: Array) -> Array:
     """Return the mean pressure in the film over Hertz's, r(M, L), of arrays of one shape."""
-    x = np.log2(0.5 * np.clip(M, _LEAST, 1 / _LEAST))
+    x = np.log2(0.5 * np.clip(M, _SMALLEST_M, 1 / _SMALLEST_M))
     of_fit = np.minimum(L, FITTED_TO)
     i = POWER[0] + of_fit * (POWER[1] + of_fit * POWER[2])
     fitted = np.minimum(x, 0.0) - i * np.log1p(np.exp2(-np.abs(x) / i)) / np.log(2)
@@ -192,9 +191,3 @@ def pressure_ratio(M: Array, L: Array) -> Array:
     tabled = np.minimum(below + part * (above - below), 0.0)
     share = np.clip((L - FITTED_TO) / (LUBRICANTS[0] - FITTED_TO), 0.0, 1.0)
     return np.asarray(np.exp2(fitted + share * (tabled - fitted)))
-
-
-@hookimpl
-def pressure_models() -> list[type[PressureModel]]:
-    """Offer the models of this module."""
-    return [Hertz, LightContact]

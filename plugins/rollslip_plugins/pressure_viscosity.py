@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
 from rollslip.fields import field, non_negative, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, alpha_of_oil, factor_of_oil
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Validity
 from rollslip.references import BARUS, EHRET, ROELANDS, YASUTOMI, Reference
@@ -270,9 +269,3 @@ class Yasutomi(PressureViscosity):
         return compiled.yasutomi(
             self.glass_temperature, self.a1, self.a2, self.b1, self.b2, self.c1, self.c2, self.factor
         )
-
-
-@hookimpl
-def pressure_viscosity_laws() -> list[type[PressureViscosity]]:
-    """Offer the laws of this module."""
-    return [Barus, Roelands, Yasutomi]

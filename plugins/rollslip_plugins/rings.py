@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from rollslip.datasets import Bearing, Mounting
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, parameter, positive
 from rollslip.files import named_text
-from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.rings import RingModel, RingShapes, Stops
 from rollslip_plugins.bibliography import BARBER_1978, TIMOSHENKO_1956, TIMOSHENKO_GOODIER_1970
@@ -481,9 +480,3 @@ class Compliance(RingModel):
             harmonics / largest[:, None], 1.0 / (values[kept] * largest**2), mass=largest**-2,
             damping_ratio=self.damping_ratio,
         )  # fmt: skip
-
-
-@hookimpl
-def ring_models() -> list[type[RingModel]]:
-    """Offer the models."""
-    return [Rigid, Annulus, Thin, Compliance]

@@ -9,7 +9,6 @@ import numpy as np
 
 from rollslip.errors import SceneError
 from rollslip.fields import in_range, non_negative, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.scene.clearance import operating
 from rollslip.scene.supply import DENSITY
@@ -439,9 +438,3 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     found["oil_capacity"] = density * model.oil_specific_heat * _FILLED * max(free, 0.1 * rollers)
     found["oil_inlet_temperature"] = scene.operation.temperature
     return found
-
-
-@hookimpl
-def thermal_models() -> list[type[ThermalModel]]:
-    """Offer the models of this module."""
-    return [Given, Network]

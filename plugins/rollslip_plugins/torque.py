@@ -9,7 +9,6 @@ import attrs
 
 from rollslip.errors import DomainError
 from rollslip.fields import non_negative, one_of, parameter
-from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.units import format_quantity
@@ -322,9 +321,3 @@ class ConstantCoefficient(TorqueFormula):
     def terms(self, duty: Duty) -> dict[str, float]:
         """Return the torque [N m]."""
         return {"all": 0.5 * self.coefficient * duty.radial_load * duty.bore}
-
-
-@hookimpl
-def torque_formulas() -> list[type[TorqueFormula]]:
-    """Offer the formulas."""
-    return [Skf, Palmgren, ConstantCoefficient]

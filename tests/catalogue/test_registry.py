@@ -247,8 +247,10 @@ ASK = """
 OTHERS = sorted(PROMISED["rollslip.film"])
 
 
-def test_a_package_of_a_stranger_is_found(tmp_path):
-    package(tmp_path, "rollslip-flat", requires=["rollslip>=0.1", "numpy"])
+@pytest.mark.parametrize("hook", ["@hookimpl\ndef film_models", "def film_models", "@hookimpl\ndef traction_models"])
+def test_a_package_of_a_stranger_is_found_by_its_hook_or_by_its_class(tmp_path, hook):
+    source = MODULE.format(name="flat").replace("@hookimpl\ndef film_models", hook)
+    package(tmp_path, "rollslip-flat", source=source, requires=["rollslip>=0.1", "numpy"])
     offers, listed, answer, others = python(ASK, tmp_path)
     assert offers == [("flat", "rollslip-flat", "1.0", "ok", "")]
     assert (listed, answer, others) == (True, "Flat(thickness=1e-06)", OTHERS)
@@ -281,9 +283,8 @@ def test_a_package_that_cannot_be_imported_says_why(tmp_path, source, answer):
         (MODULE.format(name="round"), "'round'"),
         (MODULE.format(name="flat").replace("return [Flat]", "return []"), "nothing"),
         ("", "nothing"),
-        (MODULE.format(name="flat").replace("def film_models", "def traction_models"), "nothing"),
     ],
-    ids=["another name", "empty list", "no hook", "hook of another kind"],
+    ids=["another name", "empty list", "empty module"],
 )
 def test_a_package_that_does_not_offer_what_it_promises_says_so(tmp_path, source, offered):
     package(tmp_path, "rollslip-flat", source=source)

@@ -7,7 +7,8 @@
   that it is waited for, and after a while it is said for what.
 - Of two packages that offer one name neither is taken, and a scene cannot pick one: a name means the same to whoever
   reads the scene, and uninstalling or disabling one of them is easy.
-- A module offers by its hook, or by `rollslip.model` and `rollslip.register` while it is imported.
+- A module offers by its hook, or by `rollslip.model` and `rollslip.register` while it is imported; one that does neither
+  offers what stands in it of the kind.
 - An entry point of a module offers one name; one of an object in a module, ``module:OBJECT``, a family of many sets of
   data (`rollslip.datasets.Family`), which is imported when its kind is listed or a name of it is asked for.
 - Names of data are found in any spelling, "ISO VG 68" for "iso-vg-68"; those of laws are written as they are.
@@ -231,7 +232,7 @@ def _of_family(offer: Offer, family: Any, kind: Kind, blame: str, remedy: str) -
 
 
 def offered_by(module: ModuleType, kind: Kind) -> list[Any]:
-    """Everything of a kind that a module offers, by its hook or while it was imported."""
+    """Everything of a kind that a module offers: by its hook or while it was imported, else what stands in it."""
     import pluggy
 
     from rollslip import hookspecs
@@ -242,8 +243,11 @@ def offered_by(module: ModuleType, kind: Kind) -> list[Any]:
     setattr(asked, hook, getattr(hookspecs, hook, None) or hookspecs.hookspec(lambda: ()))
     manager.add_hookspecs(asked)
     manager.register(module)
-    marked = (thing for (of, _), thing in _marked.get(module.__name__, {}).items() if of == kind.name)
-    return [*(thing for things in getattr(manager.hook, hook)() for thing in things), *marked]
+    marked = [thing for (of, _), thing in _marked.get(module.__name__, {}).items() if of == kind.name]
+    caller = getattr(manager.hook, hook)
+    if not marked and not caller.get_hookimpls():
+        return kind.members(module)
+    return [*(thing for things in caller() for thing in things), *marked]
 
 
 def origin(cls: type) -> str:

@@ -10,6 +10,7 @@ import inspect
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from types import ModuleType
 from typing import Any
 
 import attrs
@@ -59,6 +60,10 @@ class Kind:
         if self.data:
             return isinstance(thing, self.base)
         return isinstance(thing, type) and issubclass(thing, self.base)
+
+    def members(self, module: ModuleType) -> list[Any]:
+        """Return the classes, or named values, of this kind that stand in a module under a name of their own."""
+        return [thing for thing in vars(module).values() if self.holds(thing) and hasattr(thing, "name")]
 
     def fault(self, thing: Any) -> str:
         """Say what keeps a thing from being used as one of this kind; an empty string if nothing does."""

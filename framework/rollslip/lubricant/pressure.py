@@ -80,8 +80,8 @@ def law_of_the_box(name: str) -> type[PressureViscosity]:
     """Return a law that comes with rollslip, by its name; who reads a scene takes those of all packages."""
     points = importlib.metadata.distribution("rollslip").entry_points.select(group="rollslip.pressure_viscosity")
     module = importlib.import_module({point.name: point.value for point in points}[name])
-    laws: list[type[PressureViscosity]] = module.pressure_viscosity_laws()
-    return next(law for law in laws if law.name == name)
+    law: type[PressureViscosity] = next(m for m in vars(module).values() if getattr(m, "name", None) == name)
+    return law
 
 
 def default_law() -> PressureViscosity:

@@ -303,7 +303,7 @@ def campaign(name: str) -> type[Campaign]:
     """Return a campaign by name."""
     points = _points().get(name, {})
     if [*points] == ["rollslip"]:
-        found: type[Campaign] = next(one for one in points["rollslip"].load().campaigns() if one.name == name)
+        found: type[Campaign] = next(one for one in CAMPAIGN.members(points["rollslip"].load()) if one.name == name)
     else:
         from rollslip.catalogue.discovery import get_class
 

@@ -24,7 +24,6 @@ import attrs
 
 from rollslip.errors import SceneError
 from rollslip.files import content_of, decoded, readable, whole_file
-from rollslip.hookspecs import hookimpl
 from rollslip.scene.formats import Read, SceneFormat, Written, endings, format_of
 from rollslip.scene.reading import from_raw
 from rollslip.scene.schema import schema
@@ -171,10 +170,7 @@ class Json(SceneFormat):
         return Written(json.dumps(document, indent=2, allow_nan=False) + "\n", notes)
 
 
-@hookimpl
-def scene_formats() -> list[SceneFormat]:
-    """Offer the format in the box."""
-    return [Json("json")]
+JSON_FORMAT: Final = Json("json")
 
 
 def read_foreign(path: str | os.PathLike[str]) -> tuple[Scene, tuple[str, ...]]:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
-from rollslip.planning.campaign import Campaign, OfScene, setting
+from rollslip.planning.campaign import OfScene, setting
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -112,9 +111,3 @@ class ComparisonSettings(OfScene):
     def again(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Tell whether a combination failed."""
         return [] if (dataset["status"] != "done").any() else None
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaign."""
-    return [ComparisonSettings]

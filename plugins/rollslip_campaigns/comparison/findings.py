@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Story, Table
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves, curve_names, or_none
@@ -296,7 +295,5 @@ class AlternativesAccount(Account):
         }
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [ComparisonAccount("comparison"), AlternativesAccount("alternatives")]
+COMPARISON_ACCOUNT: Final = ComparisonAccount("comparison")
+ALTERNATIVES_ACCOUNT: Final = AlternativesAccount("alternatives")

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
-from rollslip.planning.campaign import Campaign, OfPoints, setting
+from rollslip.planning.campaign import OfPoints, setting
 
 if TYPE_CHECKING:
     from rollslip.planning.progress import Shown
@@ -69,9 +68,3 @@ class ExplorerSettings(OfPoints):
     def page(self) -> Path:
         """The file."""
         return Path(self.out) if self.out is not None else Path(f"{Path(self.given.source).stem}-explorer.html")
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaign."""
-    return [ExplorerSettings]

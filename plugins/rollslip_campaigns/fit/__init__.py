@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
 from rollslip.planning.campaign import Campaign, setting
 
 if TYPE_CHECKING:
@@ -80,9 +79,3 @@ class FitSettings(Campaign):
 
         write_oil(dataset, folder / f"{Path(self.data).stem}.toml")
         return headline(dataset)
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaign."""
-    return [FitSettings]

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
@@ -171,7 +170,4 @@ def _correlation(r: float) -> str:
     return f"{r:.3f}" if abs(r) < 0.999 else f"{r:.6f}"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [FitAccount("fit")]
+ACCOUNT: Final = FitAccount("fit")

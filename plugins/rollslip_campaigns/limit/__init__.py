@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
-from rollslip.planning.campaign import Campaign, OfPoints, setting
+from rollslip.planning.campaign import OfPoints, setting
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,9 +73,3 @@ class LimitSettings(OfPoints):
         """Return what computes points that failed again."""
         failed = (dataset["status"].to_numpy() != "ok").any()
         return ["points that failed are tried again by the same command;"] if failed else None
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaign."""
-    return [LimitSettings]

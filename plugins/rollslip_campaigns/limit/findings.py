@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
@@ -233,7 +232,4 @@ def _result(dataset: "xr.Dataset", at: float) -> str:
     return f"{name} is {format_quantity(result, unit, 4, given)}"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [LimitAccount("limit")]
+ACCOUNT: Final = LimitAccount("limit")

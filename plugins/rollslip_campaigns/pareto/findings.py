@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
 from rollslip.results.dataset import rows_along
 from rollslip.units import format_quantity
@@ -235,7 +234,4 @@ def _percent(share: float, floor: float = 0.0) -> str:
     return "as the finest" if floor <= _ROUNDING else f"below {100 * floor:.2g} %"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [ParetoAccount("pareto")]
+ACCOUNT: Final = ParetoAccount("pareto")

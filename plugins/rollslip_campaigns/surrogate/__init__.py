@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
-from rollslip.planning.campaign import Campaign, OfPoints, setting
+from rollslip.planning.campaign import OfPoints, setting
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,9 +67,3 @@ class SurrogateSettings(OfPoints):
         from rollslip_campaigns.surrogate.surrogate import run_surrogate
 
         return run_surrogate(made, folder, said=said, report=lambda now: show(*now.told))
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaign."""
-    return [SurrogateSettings]

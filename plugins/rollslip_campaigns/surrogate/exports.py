@@ -28,14 +28,13 @@ import attrs
 import numpy as np
 
 from rollslip.errors import OutputError, SceneError
-from rollslip.hookspecs import hookimpl
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["VARIABLES", "TablesFormat", "c_header", "scene_formats", "sources"]
+__all__ = ["CSV_FORMAT", "C_FORMAT", "FMU_FORMAT", "VARIABLES", "TablesFormat", "c_header", "sources"]
 
 #: Name, unit, causality, start and meaning of the variables of an FMU, in the order of bearing.h.
 VARIABLES: Final = (
@@ -287,7 +286,6 @@ class Csv(TablesFormat):
         return Written(text.getvalue())
 
 
-@hookimpl
-def scene_formats() -> list[SceneFormat]:
-    """Offer the formats."""
-    return [Fmu("fmu"), C("c"), Csv("csv")]
+FMU_FORMAT: Final = Fmu("fmu")
+C_FORMAT: Final = C("c")
+CSV_FORMAT: Final = Csv("csv")

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
-from rollslip.planning.campaign import Campaign, OfPoints, setting
+from rollslip.planning.campaign import OfPoints, setting
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,9 +77,3 @@ class SweepSettings(OfPoints):
         kept = begin(made, folder)
         run_sweep(made, kept, said=said, report=lambda now: show(*now.told))
         return finish(made, kept)
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaign."""
-    return [SweepSettings]

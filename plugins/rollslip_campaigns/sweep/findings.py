@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.dataset import TOLD_BY, UNITS
 from rollslip.results.table import sheet
@@ -167,7 +166,4 @@ def _most_frequent(words: NDArray[Any]) -> str | None:
     return most if reasons.size == 1 else f"mostly {most}"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [SweepAccount("sweep")]
+ACCOUNT: Final = SweepAccount("sweep")

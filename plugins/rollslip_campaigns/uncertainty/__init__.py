@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
-from rollslip.planning.campaign import Campaign, OfPoints, setting
+from rollslip.planning.campaign import OfPoints, setting
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,9 +79,3 @@ class UncertaintySettings(OfPoints):
         names = [name for name, of in counts.items() if of.keys() - {"ok"}] if failed(dataset) else []
         retry = (shlex.join(["rollslip", "sweep", "retry", str(folder / name), "--failed"]) for name in names)
         return [f"compute points without a result again by: {one}, then" for one in retry] or None
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaign."""
-    return [UncertaintySettings]

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Sheet, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
@@ -356,7 +355,4 @@ def _percent(share: float) -> str:
     return f"{100 * share:.3g} %" if math.isfinite(share) else "more than the range"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [UncertaintyAccount("uncertainty")]
+ACCOUNT: Final = UncertaintyAccount("uncertainty")

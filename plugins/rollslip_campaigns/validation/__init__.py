@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
 from rollslip.planning.campaign import Campaign, setting
 
 if TYPE_CHECKING:
@@ -122,9 +121,3 @@ class RankingSettings(Campaign):
     def place(self, made: Any, about: str) -> str:
         """Return how the folder of the results is called."""
         return "ranking" if len(made.sets) != 1 else f"{Path(about).name}-ranking"
-
-
-@hookimpl
-def campaigns() -> list[type[Campaign]]:
-    """Offer the campaigns."""
-    return [ValidationSettings, RankingSettings]

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
@@ -187,7 +186,4 @@ def chi_square_cells(dataset: "xr.Dataset") -> list[list[str]]:
     ]  # fmt: skip
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [ValidationAccount("validation")]
+ACCOUNT: Final = ValidationAccount("validation")

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Table
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along
@@ -119,7 +118,4 @@ class RankingAccount(Account):
         return [Table("", _HEAD, rows)]
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [RankingAccount("ranking")]
+ACCOUNT: Final = RankingAccount("ranking")

@@ -7,7 +7,6 @@ import attrs
 import numpy as np
 
 from rollslip.fields import FieldError, one_of, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.models import submodel
 from rollslip.references import Reference
 from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
@@ -194,9 +193,3 @@ class ContactTemperature(BulkAndFlash):
     def limit(self) -> tuple[float, str] | None:
         """The contact temperature that is allowed."""
         return None if self.allowed is None else (self.allowed, "given in the scene")
-
-
-@hookimpl
-def damage_models() -> list[type[DamageModel]]:
-    """Offer the models."""
-    return [FlashTemperature, ContactTemperature]

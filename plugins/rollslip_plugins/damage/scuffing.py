@@ -8,10 +8,8 @@ import attrs
 
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import in_range, one_of, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.structure import Location
-from rollslip.studies.surface_damage.model import DamageModel
 from rollslip_plugins.bibliography import AGMA_925, BLOK_1937, ISO_13989
 from rollslip_plugins.damage.flash import BulkAndFlash
 
@@ -240,9 +238,3 @@ def _taken(oil: "Lubricant") -> str:
     if oil.base_oil is None:
         return f"mineral as ASSUMED: {oil.name!r} does not say its base oil; give the model's oil"
     return f"{oil.base_oil} as {oil.name!r} is"
-
-
-@hookimpl
-def damage_models() -> list[type[DamageModel]]:
-    """Offer the models."""
-    return [ScuffingIso, ScuffingAgma]

@@ -8,7 +8,6 @@ import numpy as np
 
 from rollslip.errors import DomainError
 from rollslip.fields import one_of, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
 from rollslip_plugins.bibliography import HAMROCK_ANDERSON_1983, MATVEEVSKY_1965
@@ -187,9 +186,3 @@ class FilmParameter(DamageModel):
         if self.allowed == _SMEARS:
             return _SMEARS, "Hamrock and Anderson (1983), smearing of rolling bearings below it (B)"
         return _given(self.allowed)
-
-
-@hookimpl
-def damage_models() -> list[type[DamageModel]]:
-    """Offer the models."""
-    return [PowerDensity, PassEnergy, FilmParameter]

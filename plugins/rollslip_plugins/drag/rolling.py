@@ -8,8 +8,7 @@ import attrs
 import numpy as np
 
 from rollslip.fields import one_of, parameter
-from rollslip.hookspecs import hookimpl
-from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, Drag, ResistanceModel, Validity, from_scene
+from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, ResistanceModel, Validity, from_scene
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
@@ -215,9 +214,3 @@ class Hysteresis(ResistanceModel):
     def kernel(self) -> object:
         """Return the compiled form."""
         return compiled.hysteresis(self.factor * self.loss)
-
-
-@hookimpl
-def drag_models() -> list[type[Drag]]:
-    """Offer the resistances of this module."""
-    return [RollingResistance, Hysteresis]

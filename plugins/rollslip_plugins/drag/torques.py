@@ -9,9 +9,8 @@ import attrs
 from rollslip.bearing.cage import Cage
 from rollslip.datasets import Bearing
 from rollslip.fields import Ranges, non_negative, one_of, parameter, positive, within_possible
-from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.table import OilTable
-from rollslip.models import Drag, DragModel, PocketFriction, from_scene
+from rollslip.models import DragModel, PocketFriction, from_scene
 from rollslip.references import Reference
 from rollslip.scene.supply import Lubrication
 from rollslip_kernels.stages import drag as compiled
@@ -291,9 +290,3 @@ class CoulombPocket(PocketFriction):
     coefficient: float = parameter(
         default=0.1, unit="1", doc="friction coefficient mu_p", usual=(0, 0.3), possible=(0, 1)
     )
-
-
-@hookimpl
-def drag_models() -> list[type[Drag]]:
-    """Offer the drags of this module."""
-    return [ConstantTorque, PetroffLand, Churning, CoulombPocket]

@@ -14,7 +14,6 @@ import numpy as np
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError, one_of, parameter, positive, within_possible
-from rollslip.hookspecs import hookimpl
 from rollslip.models import (
     FINITE,
     NON_NEGATIVE,
@@ -305,9 +304,3 @@ class InletCorrection(FilmModel):
         """Return the compiled form, with the film's compiled form or a call of its NumPy form."""
         law, layer = list(LAWS).index(self.thermal), self.oil_layer or 0.0
         return compiled.inlet(stage(self.film), law, in_full(self.starvation), layer, self.layer_exponent)
-
-
-@hookimpl
-def film_models() -> list[type[FilmModel]]:
-    """Offer the correction."""
-    return [InletCorrection]

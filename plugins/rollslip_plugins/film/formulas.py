@@ -14,7 +14,6 @@ import numpy as np
 
 from rollslip.bearing.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, PowerLaw, film_by_regime, groups
 from rollslip.fields import one_of, parameter
-from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, FilmModel, Validity
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
@@ -432,9 +431,3 @@ class Regime(FilmModel):
     def kernel(self) -> object:
         """Return the compiled form."""
         return compiled.regime(MARTIN, BLOK, HERREBRUGH, DOWSON_1968)
-
-
-@hookimpl
-def film_models() -> list[type[FilmModel]]:
-    """Offer the film models of this module."""
-    return [Martin, Blok, Herrebrugh, DowsonHigginson, Dowson1968, DowsonToyoda, PanHamrock, Moes, Regime]

@@ -10,7 +10,6 @@ import numpy as np
 from rollslip.bearing.regimes import groups
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import one_of, parameter
-from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import Domain, FilmModel
 from rollslip.references import Reference
@@ -153,9 +152,3 @@ def _film_thickness(
         except (ConvergenceError, DomainError) as refused:
             return "; ".join([str(refused), *refusals[-1:]])
         return float(conditions.radius * np.sqrt(Us) * solved.thickness[location])
-
-
-@hookimpl
-def film_models() -> list[type[FilmModel]]:
-    """Offer the solver."""
-    return [ReynoldsLine]

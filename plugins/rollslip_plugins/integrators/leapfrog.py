@@ -4,7 +4,6 @@ from typing import Any, ClassVar
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import HAIRER_2003
@@ -53,9 +52,3 @@ class Leapfrog(IntegratorModel):
         from rollslip_kernels.motion.leapfrog import Leapfrog as Kernel
 
         return Kernel
-
-
-@hookimpl
-def integrator_models() -> list[type[IntegratorModel]]:
-    """Offer leapfrog."""
-    return [Leapfrog]

@@ -6,7 +6,6 @@ from typing import Any, ClassVar
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import HAIRER_1996, STEINEBACH_2023
@@ -53,9 +52,3 @@ class Rodas5p(IntegratorModel):
         from rollslip_kernels.motion.rosenbrock import Rosenbrock
 
         return Rosenbrock
-
-
-@hookimpl
-def integrator_models() -> list[type[IntegratorModel]]:
-    """Offer Rodas5P."""
-    return [Rodas5p]

@@ -6,7 +6,6 @@ from typing import Any, ClassVar
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import (
@@ -182,9 +181,3 @@ class Lsoda(_SciPy):
     )
     equation: ClassVar[str] = "dy/dt = f(t, y); Adams where it is not stiff, BDF where it is"
     references: ClassVar[tuple[Reference, ...]] = (PETZOLD_1983,)
-
-
-@hookimpl
-def integrator_models() -> list[type[IntegratorModel]]:
-    """Offer SciPy's integrators."""
-    return [Rk23, Rk45, Dop853, Radau, Bdf, Lsoda]

@@ -5,7 +5,6 @@ from typing import Any, ClassVar
 import attrs
 
 from rollslip.errors import PluginError
-from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import COHEN_1996, HINDMARSH_2005
@@ -45,9 +44,3 @@ class Cvode(IntegratorModel):
         from rollslip_plugins.integrators.solvers import CvodeSolver
 
         return CvodeSolver
-
-
-@hookimpl
-def integrator_models() -> list[type[IntegratorModel]]:
-    """Offer CVODE."""
-    return [Cvode]

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.chain import stage
 from rollslip.fields import FieldError, in_range, non_negative, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, Domain, TractionModel, Validity, submodel
 from rollslip.references import Reference
 from rollslip.search import Array
@@ -44,7 +43,7 @@ class _Blend(TractionModel, abc.ABC):
     """Two traction models and the share of the first."""
 
     #: What the share reads.
-    share_domain: ClassVar[Domain] = MappingProxyType({"film_thickness": POSITIVE, "roughness": POSITIVE})
+    fraction_domain: ClassVar[Domain] = MappingProxyType({"film_thickness": POSITIVE, "roughness": POSITIVE})
     covers: ClassVar[frozenset[str]] = frozenset({"film_parameter"})
 
     boundary: TractionModel = submodel("traction", factory=Kragelsky, doc="traction model of boundary friction")
@@ -53,12 +52,12 @@ class _Blend(TractionModel, abc.ABC):
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
         """What the children read, and what makes the share."""
-        return self.boundary.reads | self.hydrodynamic.reads | self.share_domain.keys()
+        return self.boundary.reads | self.hydrodynamic.reads | self.fraction_domain.keys()
 
     @property
     def domain(self) -> Domain:  # type: ignore[override]
         """Where both children and the share are defined."""
-        both = dict(self.share_domain)
+        both = dict(self.fraction_domain)
         for limits in (self.boundary.domain, self.hydrodynamic.domain):
             for member, (low, high) in limits.items():
                 other_low, other_high = both.get(member, (low, high))
@@ -399,8 +398,8 @@ class GreenwoodTripp(_Blend):
         "share = (16 sqrt(2) pi/15) (sigma beta eta)^2 sqrt(sigma/beta) (E'/2) F_5/2(Lambda)/p <= 1"
     )
     references: ClassVar[tuple[Reference, ...]] = (GREENWOOD_TRIPP_1970,)
-    share_domain: ClassVar[Domain] = MappingProxyType(
-        {**_Blend.share_domain, "pressure": POSITIVE, "modulus": POSITIVE}
+    fraction_domain: ClassVar[Domain] = MappingProxyType(
+        {**_Blend.fraction_domain, "pressure": POSITIVE, "modulus": POSITIVE}
     )
 
     roughness_parameter: float = parameter(
@@ -453,9 +452,3 @@ def _where(model: TractionModel, slices: Slices, needed: NDArray[np.bool_]) -> A
         model.evaluate(part)
         result[needed] = part.friction
     return result
-
-
-@hookimpl
-def traction_models() -> list[type[TractionModel]]:
-    """Offer the blends."""
-    return [LambdaBlend, LinearBlend, ZhouHoeprich, GreenwoodTripp]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollslip.fields import Ranges, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV, Reference
 from rollslip.search import Array
@@ -134,9 +133,3 @@ class Constant(TractionModel):
     def kernel(self) -> object:
         """Return the compiled form."""
         return compiled.constant(self.coefficient, self.transition)
-
-
-@hookimpl
-def traction_models() -> list[type[TractionModel]]:
-    """Offer the traction models of this module."""
-    return [Kragelsky, Constant]

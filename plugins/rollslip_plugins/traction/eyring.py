@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from rollslip.errors import RollslipDeprecationWarning
 from rollslip.fields import parameter
-from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import slope_of_oil
 from rollslip.models import POSITIVE, Domain, Tabled, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
@@ -318,9 +317,3 @@ class Eyring(_EyringFluid):
     def kernel(self) -> object:
         """Return the compiled form."""
         return compiled.eyring(self.flash, self.eyring_stress_slope)
-
-
-@hookimpl
-def traction_models() -> list[type[TractionModel]]:
-    """Offer the traction models of this module."""
-    return [Muraki, MaxwellEyring, Eyring]

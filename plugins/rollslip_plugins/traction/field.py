@@ -28,7 +28,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
@@ -564,9 +563,3 @@ _DOMAIN: Final[Domain] = MappingProxyType(
         "shear_modulus": POSITIVE,
     }
 )
-
-
-@hookimpl
-def traction_models() -> list[type[TractionModel]]:
-    """Offer the field."""
-    return [MaxwellEyringField]

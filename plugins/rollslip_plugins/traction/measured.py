@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
 from rollslip.files import named_text, read_columns
-from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import Reference
 from rollslip.search import Array
@@ -305,9 +304,3 @@ def _text(file: str) -> str:
 def _check_pressures(names: Collection[str]) -> str:
     both = {"mean_pressure", "max_pressure"} <= set(names)
     return "mean_pressure and max_pressure say the same; give one of them" if both else ""
-
-
-@hookimpl
-def traction_models() -> list[type[TractionModel]]:
-    """Offer the traction models of this module."""
-    return [Gupta, Tabulated]

@@ -7,8 +7,7 @@ import attrs
 import numpy as np
 
 from rollslip.fields import parameter, positive
-from rollslip.hookspecs import hookimpl
-from rollslip.models import POSITIVE, TractionModel
+from rollslip.models import POSITIVE
 from rollslip.references import Reference
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
@@ -275,9 +274,3 @@ def _scaled(x: Array) -> Array:
         tail = tail + term
         term = term * k / large
     return np.where(x > 40.0, tail, np.exp(-small) * total)
-
-
-@hookimpl
-def traction_models() -> list[type[TractionModel]]:
-    """Offer the traction models of this module."""
-    return [Carreau, LimitingShear]

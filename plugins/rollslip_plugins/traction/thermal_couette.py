@@ -16,8 +16,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
-from rollslip.models import POSITIVE, TractionModel
+from rollslip.models import POSITIVE
 from rollslip.references import Reference
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
@@ -167,9 +166,3 @@ def conducted(square: Array) -> tuple[Array, Array]:
     c = np.hypot(1.0, x)
     ratio = np.arcsinh(x) / x
     return ratio / c, (1 / (c * ratio) - 1 - (x / c) ** 2) / 2
-
-
-@hookimpl
-def traction_models() -> list[type[TractionModel]]:
-    """Offer the traction models of this module."""
-    return [NewtonianThermal, EyringThermal]

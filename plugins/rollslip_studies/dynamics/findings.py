@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
 from rollslip.results.words import UNSURE, percent, runs_away
@@ -470,7 +469,4 @@ def _held(attributes: Mapping[str, Any]) -> str:
     )
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [DynamicsAccount("dynamics")]
+ACCOUNT: Final = DynamicsAccount("dynamics")

@@ -25,7 +25,6 @@ from rollslip.bearing.resolution import Resolution, refined
 from rollslip.catalogue.registry import find, structure_model
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
@@ -581,9 +580,3 @@ class Dynamics(Study):
         if self.friction == "conventional":
             return "of the loaded laminae"
         return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"
-
-
-@hookimpl
-def studies() -> list[type[Study]]:
-    """Offer the study."""
-    return [Dynamics]

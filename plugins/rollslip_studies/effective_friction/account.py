@@ -4,8 +4,6 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
@@ -90,7 +88,4 @@ class EffectiveFrictionAccount(PlainAccount):
     drawn = "rollslip_studies.effective_friction.figures:figures"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [EffectiveFrictionAccount("effective-friction")]
+ACCOUNT: Final = EffectiveFrictionAccount("effective-friction")

@@ -27,7 +27,6 @@ from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
-from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
@@ -570,9 +569,3 @@ def _critical_moved(before: Critical, after: Critical) -> float:
     if np.isnan(before.slip) != np.isnan(after.slip):
         return np.inf
     return 0.0 if np.isnan(after.slip) else abs(after.slip / before.slip - 1.0)
-
-
-@hookimpl
-def studies() -> list[type[Study]]:
-    """Offer the study."""
-    return [EffectiveFriction]

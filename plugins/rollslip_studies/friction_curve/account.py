@@ -1,12 +1,10 @@
 """The account of a friction curve."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import attrs
 
-from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer
 from rollslip_studies.steady_slip.account import next_of_others
@@ -31,7 +29,4 @@ class FrictionCurveAccount(PlainAccount):
     drawn = "rollslip_studies.friction_curve.figures:figures"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [FrictionCurveAccount("friction-curve")]
+ACCOUNT: Final = FrictionCurveAccount("friction-curve")

@@ -15,7 +15,6 @@ from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, one_at_least, one_of, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.scene.relations import impossible_pressure
@@ -288,9 +287,3 @@ def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, A
         "M": M[0],
         "L": L[0],
     }
-
-
-@hookimpl
-def studies() -> list[type[Study]]:
-    """Offer the study."""
-    return [FrictionCurve]

@@ -1,8 +1,7 @@
 """The account of what both raceways do over all speeds of a motion."""
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.units import format_quantity
@@ -60,7 +59,4 @@ def _largest(dataset: "xr.Dataset") -> dict[str, float]:
     return {str(ring): float(dataset["largest_friction"].sel(ring=ring).max()) for ring in dataset["ring"].values}
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [RacewayFrictionAccount("raceway-friction")]
+ACCOUNT: Final = RacewayFrictionAccount("raceway-friction")

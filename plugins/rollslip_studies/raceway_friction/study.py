@@ -26,7 +26,6 @@ from rollslip.bearing.drags import taken_from_scene
 from rollslip.bearing.quadrature import load_rule
 from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.fields import FieldError, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.studies.answers import Keep, Output
@@ -198,9 +197,3 @@ def _largest(friction: Array) -> Array:
     rise = np.where(bend < 0.0, 0.125 * (a - c) ** 2 / np.where(bend < 0.0, -bend, 1.0), 0.0)
     inside = np.abs(a - c) <= 2.0 * np.abs(bend)
     return np.asarray(np.where(inside, b + rise, friction.max(axis=-1)))
-
-
-@hookimpl
-def studies() -> list[type[Study]]:
-    """Offer the study."""
-    return [RacewayFriction]

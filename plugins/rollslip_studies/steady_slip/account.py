@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import ACCEPTABLE, Answer, Row, assumed_of
 from rollslip.results.words import AT_REST, force, force_unit, percent, plain, power, rounded_up, span, two
@@ -231,7 +230,4 @@ class SteadySlipAccount(Account):
     drawn = "rollslip_studies.steady_slip.figures:steady_figures"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [SteadySlipAccount("steady-slip")]
+ACCOUNT: Final = SteadySlipAccount("steady-slip")

@@ -26,7 +26,6 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
-from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -590,9 +589,3 @@ def _branches(name: str, limits: tuple[float, float], branches: list[Branch], no
     values: dict[str, Any] = {key: np.concatenate(each) for key, each in along.items()} if branches else {}
     values |= {f"{name}_limit": value, f"{name}_limit_slip": slip, f"{name}_limit_status": status}
     return SteadySlip.variables(**values)
-
-
-@hookimpl
-def studies() -> list[type[Study]]:
-    """Offer the study."""
-    return [SteadySlip]

@@ -1,11 +1,10 @@
 """What a study of damage says: its single values as a record, and sentences, from the dataset alone."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.words import percent
@@ -153,7 +152,4 @@ class SurfaceDamageAccount(Account):
     record = staticmethod(record)
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [SurfaceDamageAccount("surface-damage")]
+ACCOUNT: Final = SurfaceDamageAccount("surface-damage")

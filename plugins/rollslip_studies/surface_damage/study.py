@@ -17,7 +17,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, LoadedContacts
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, in_range, parameter
-from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part
 from rollslip.studies.study import CONTACT_CHOICES, Study
@@ -280,9 +279,3 @@ def _worst_between(model: DamageModel, values: Array, loaded: LoadedContacts, po
     curvature, slope, _ = np.polyfit(x / np.ptp(x), harm(model, values[near] - values[at]), 2)
     beyond = 0.25 * slope**2 / curvature if curvature < 0.0 else 0.0
     return float(values[at] - harm(model, beyond))
-
-
-@hookimpl
-def studies() -> list[type[Study]]:
-    """Offer the study."""
-    return [SurfaceDamage]

@@ -3,11 +3,10 @@
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.words import estimated, percent, power
@@ -203,7 +202,4 @@ def _settings(dataset: "xr.Dataset") -> str:
     return f"other studies take the temperatures of the scene; these are {' '.join(keys)}"
 
 
-@hookimpl
-def accounts() -> list[Account]:
-    """Return how these results are told."""
-    return [ThermalBalanceAccount("thermal-balance")]
+ACCOUNT: Final = ThermalBalanceAccount("thermal-balance")

@@ -17,7 +17,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, in_range, non_negative, parameter, positive
-from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Compared, Estimated, Keep, Output
 from rollslip.studies.study import CONTACT_CHOICES, Study
@@ -394,9 +393,3 @@ def _coordinates(nodes: tuple[str, ...], sources: list[str], sinks: list[str]) -
         "source": ("source", np.array(sources, dtype=np.str_), about("1", "what loses power")),
         "sink": ("sink", sinks, about("1", "what carries heat away")),
     }
-
-
-@hookimpl
-def studies() -> list[type[Study]]:
-    """Offer the study."""
-    return [ThermalBalance]
