@@ -12,7 +12,7 @@ import pytest
 from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, register, run
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
-from rollslip.errors import DomainError, PluginError, RollslipDeprecationWarning, SceneError
+from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
 from rollslip.lubricant.pressure import PressureViscosity, from_oil, with_law
 from rollslip.models import TractionModel
@@ -322,13 +322,6 @@ def test_an_oil_says_which_alpha_it_gives():
     assert made.at(343.15).pressure_viscosity == mil_prf_7808.at(343.15).pressure_viscosity  # films take it as it is
     back = attrs.evolve(made, pressure_viscosity_kind="tangent")
     assert back.pressure_viscosity_law == Roelands()
-
-
-def test_the_table_of_constants_that_was_goes_on_working_with_a_word():
-    table = {"name": "mil-prf-7808", "pressure_viscosity_law": "yasutomi", "yasutomi": ETHER}
-    with pytest.warns(RollslipDeprecationWarning, match=r"lubricant\.yasutomi is deprecated: write pressure_visc"):
-        made = lubricant_from_table(table, lambda name: mil_prf_7808)
-    assert made.pressure_viscosity_law == FIVE_RINGS
 
 
 @attrs.frozen

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from rollslip import Chain, Conditions, RollslipDeprecationWarning, Slices, get_model
+from rollslip import Chain, Conditions, Slices
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip_plugins.contact import Palmgren
@@ -507,13 +507,6 @@ def test_heated_friction_has_one_maximum_long(model, film):
     a grid fine enough for narrow dips. The blend of two such curves may have two maxima, and is not tested.
     """
     assert turns(film.friction(model, film.speed(np.logspace(-9, 9, 2000)))) == [1, -1]
-
-
-def test_the_accuracy_of_the_exact_law_is_still_read_with_a_warning():
-    with pytest.warns(RollslipDeprecationWarning, match="accuracy of maxwell-eyring is deprecated"):
-        law = get_model("traction", "maxwell-eyring", accuracy=1e-6)
-    groups = np.logspace(-3, 3, 7), 0.1, 0.1
-    assert np.array_equal(law.dimensionless_stress(*groups), MaxwellEyring().dimensionless_stress(*groups))
 
 
 # Declarations --------------------------------------------------------------------------------------------------------

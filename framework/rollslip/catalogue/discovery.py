@@ -7,8 +7,8 @@
   that it is waited for, and after a while it is said for what.
 - Of two packages that offer one name neither is taken, and a scene cannot pick one: a name means the same to whoever
   reads the scene, and uninstalling or disabling one of them is easy.
-- A module offers by its hook, or by `rollslip.model` and `rollslip.register` while it is imported; one that does neither
-  offers what stands in it of the kind.
+- A module offers by its hook, or by `rollslip.model` and `rollslip.register` while it is imported; one that does
+  neither offers what stands in it of the kind.
 - An entry point of a module offers one name; one of an object in a module, ``module:OBJECT``, a family of many sets of
   data (`rollslip.datasets.Family`), which is imported when its kind is listed or a name of it is asked for.
 - Names of data are found in any spelling, "ISO VG 68" for "iso-vg-68"; those of laws are written as they are.

@@ -29,8 +29,6 @@ NO_SLOPES: Final[Mapping[str, float]] = MappingProxyType({})
 
 #: Law of an oil that names none.
 DEFAULT_LAW: Final = "roelands"
-#: Table of ``[lubricant]`` that was for the constants of one law, before laws took parameters of their own.
-FORMER_TABLE: Final = "yasutomi"
 #: Which alpha an oil gives: the slope of ln(eta) at no pressure, or alpha* = 1/integral(eta0/eta dp), that of films.
 ALPHAS: Final = ("tangent", "film")
 

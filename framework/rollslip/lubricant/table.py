@@ -2,7 +2,6 @@
 
 import math
 import re
-import warnings
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any, ClassVar, Final, TypeAlias
@@ -11,7 +10,7 @@ from attrs import Attribute, evolve, fields_dict, frozen
 from attrs import field as attrib
 from attrs.validators import and_, deep_iterable, optional
 
-from rollslip.errors import RollslipDeprecationWarning, SceneError
+from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Ranges, Span, field, non_negative, one_of, own_unit, positive, within_possible
 from rollslip.lubricant.base_oil import (
     BASE_OILS,
@@ -27,7 +26,6 @@ from rollslip.lubricant.oil import Lubricant, positive_field, scatter_of
 from rollslip.lubricant.pressure import (
     ALPHAS,
     DEFAULT_LAW,
-    FORMER_TABLE,
     PressureViscosity,
     default_law,
     law_of_the_box,
@@ -418,7 +416,7 @@ def lubricant_from_table(
     0.0133
     """
     problems: list[str] = []
-    data = _as_it_is_read(data)
+    data = _with_grade_as_text(data)
     table = structure(OilTable, data, where, problems)
     law = None
     if table is not None and table.pressure_viscosity_law is not None:
@@ -475,7 +473,7 @@ def _over(known: object, new: object) -> object:
 
 def index_of(data: Mapping[str, object]) -> float:
     """Return the viscosity index of the points of a table ``[lubricant]``; nan where they tell none."""
-    table = structure(OilTable, _as_it_is_read(data), _WHERE, [])
+    table = structure(OilTable, _with_grade_as_text(data), _WHERE, [])
     if table is None or len(points := table.nu()) < 2 or not table.points:
         return math.nan
     try:
@@ -485,17 +483,11 @@ def index_of(data: Mapping[str, object]) -> float:
         return math.nan
 
 
-def _as_it_is_read(data: Mapping[str, object]) -> Mapping[str, object]:
-    """Take a grade as a text, and constants of a law that stand in a table of their own into that of the law."""
+def _with_grade_as_text(data: Mapping[str, object]) -> Mapping[str, object]:
+    """Take a grade as a text."""
     if isinstance(grade := data.get("iso_grade"), int):  # 68 for "VG 68"
-        data = {**data, "iso_grade": str(grade)}
-    constants, law = data.get(FORMER_TABLE), data.get("pressure_viscosity_law")
-    if not isinstance(constants, Mapping) or law != FORMER_TABLE:
-        return data
-    said = f"lubricant.{FORMER_TABLE} is deprecated: write pressure_viscosity_law = {{ model = {FORMER_TABLE!r}, ... }}"
-    warnings.warn(said, RollslipDeprecationWarning, stacklevel=3)
-    rest = {key: value for key, value in data.items() if key != FORMER_TABLE}
-    return rest | {"pressure_viscosity_law": {"model": law, **constants}}
+        return {**data, "iso_grade": str(grade)}
+    return data
 
 
 def _with_scatter(oil: Lubricant, guessed: Mapping[str, Any], *, graded: bool) -> Lubricant:

@@ -10,7 +10,6 @@ import attrs
 from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.fields import FieldError
 from rollslip.files import readable
-from rollslip.lubricant.pressure import FORMER_TABLE
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.reading import as_scene, checked_scene
 from rollslip.scene.values import ModelChoice, Scene
@@ -29,7 +28,7 @@ SHORT: Final[Mapping[str, str]] = MappingProxyType({
 _NAMED: Final = {"bearing": "bearing.name", "cage": "cage.make", "clearance": "bearing.clearance_class"}
 CHANGES: Final = "changes"
 #: What the table of an oil may have, which is read where its laws are known.
-_OF_OIL: Final = frozenset({*attrs.fields_dict(OilTable), FORMER_TABLE})
+_OF_OIL: Final = frozenset(attrs.fields_dict(OilTable))
 #: Tables of what a scene's note speaks of.
 NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
 

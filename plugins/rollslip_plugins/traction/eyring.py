@@ -2,7 +2,6 @@
 
 import abc
 import math
-import warnings
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
@@ -11,8 +10,6 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollslip.errors import RollslipDeprecationWarning
-from rollslip.fields import parameter
 from rollslip.lubricant.pressure import slope_of_oil
 from rollslip.models import POSITIVE, Domain, Tabled, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
@@ -222,8 +219,7 @@ class MaxwellEyring(_EyringFluid):
     - Gamma: shear modulus of the oil, with its rise to p (``shear_modulus_slope``) [Pa]
     - eta, beta, p, V, u, h, b, flash, K_f, K
 
-    Range: any sigma, D and Phi; heating by the mean stress instead of the local one costs 0 to 4.5 %. ``accuracy`` is
-    deprecated: it has no effect.
+    Range: any sigma, D and Phi; heating by the mean stress instead of the local one costs 0 to 4.5 %.
 
     Examples
     --------
@@ -238,16 +234,8 @@ class MaxwellEyring(_EyringFluid):
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, KLEBANOV)
     closed_form: ClassVar[str | None] = "muraki"
     flash: float = flash_factor()
-    accuracy: float | None = parameter(
-        default=None, unit="1", doc="deprecated, without effect: the law is exact", usual=(0, 1e-2), possible=(0, 1)
-    )
     eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
     shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
-
-    def __attrs_post_init__(self) -> None:
-        if self.accuracy is not None:
-            said = "the parameter accuracy of maxwell-eyring is deprecated and has no effect: leave it out"
-            warnings.warn(said, RollslipDeprecationWarning, stacklevel=3)
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S of the exact solution."""

@@ -10,7 +10,6 @@ import json
 import math
 import re
 import tempfile
-import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -22,7 +21,7 @@ import xarray as xr
 from fuzz import stages
 from rollslip import open_result
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import OutputError, PluginError, RollslipDeprecationWarning, SceneError
+from rollslip.errors import OutputError, PluginError, SceneError
 from rollslip.results.dataset import save
 from rollslip.scene import Scene, resolved, scene_hash
 from rollslip.scene.changes import evolve, parse_set
@@ -96,9 +95,7 @@ def bearing(data):
         return
     with refused(PluginError), refused(SceneError, place=path):
         settings(read)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RollslipDeprecationWarning)  # a former key is read all the same
-            made = assemble(read)
+        made = assemble(read)
         assert np.isfinite(made.drop).all()
 
 
@@ -200,7 +197,9 @@ _JSON = [
     "-1e999",
 ]
 _KEYS = [row.key.replace("*", "x") for row in schema()]
-_KEYS += [f"lubricant.{key}" for key in ("viscosity_law", "points", "density", "yasutomi", "viscosity_factor")]
+_KEYS += [
+    f"lubricant.{key}" for key in ("viscosity_law", "points", "density", "pressure_viscosity_law", "viscosity_factor")
+]
 _KEYS += ["x", '""', '"a.b"', "'\u00e4'", '"\\n"', "1", "1.2", "a.b.c.d.e", ".".join("a" * 1000), "study.x" + ".a" * 60]
 _MARKS = ['"', "'", '"""', "'''", "[", "]", "{", "}", ".", ",", "=", "#", "\n", "\r", "\t", "\x00", "\ufeff", "\ud7ff"]
 
@@ -335,7 +334,6 @@ drop = ["10 um", 0, 0, "10 um"]
 [lubricant]
 viscosity_law = "vogel"
 density = "870 kg/m3"
-pressure_viscosity_law = "yasutomi"
 conductivity = 0.14
 eyring_stress = "5 MPa"
 shear_modulus = "0.2 GPa"
@@ -358,7 +356,8 @@ viscosity = "9 mPa s"
 temperature = "100 degC"
 kinematic_viscosity = "5.4 mm2/s"
 
-[lubricant.yasutomi]
+[lubricant.pressure_viscosity_law]
+model = "yasutomi"
 glass_temperature = "-73 degC"
 a1 = 188.86
 a2 = "0.719 1/GPa"
