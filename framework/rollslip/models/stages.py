@@ -302,8 +302,6 @@ class IntegratorModel(abc.ABC):
     order: ClassVar[int | None] = None
     #: Whether its steps solve no equations; a plan then tries it where motions are not stiff.
     explicit: ClassVar[bool] = False
-    #: Whether its compiled form steps over no contact that a system tells of, as plans ask of explicit ones.
-    resolves_contacts: ClassVar[bool] = False
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]

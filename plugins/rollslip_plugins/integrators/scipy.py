@@ -77,7 +77,6 @@ class Rk45(_SciPy):
     name: ClassVar[str] = "rk45"
     order: ClassVar[int] = 5
     explicit: ClassVar[bool] = True
-    resolves_contacts: ClassVar[bool] = True
     solver_name: ClassVar[str] = "RK45"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 5, error estimate of order 4"
     references: ClassVar[tuple[Reference, ...]] = (DORMAND_1980,)
