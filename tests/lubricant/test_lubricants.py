@@ -10,6 +10,7 @@ from attrs import asdict, evolve
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import DomainError, SceneError
 from rollslip.lubricant import (
     Andrade,
@@ -26,12 +27,11 @@ from rollslip.lubricant import (
     lubricant_from_table,
 )
 from rollslip.structure import Location
-from rollslip_plugins.data import industrial_oils, lubricants, russian_oils
 from tabled import REFERENCES, rows_of
 
 pytestmark = pytest.mark.quick
 
-OILS = {oil.name: oil for module in (lubricants, industrial_oils, russian_oils) for oil in module.lubricants()}
+OILS = {name: get_class("lubricant", name) for name in available("lubricant")}
 every_oil = pytest.mark.parametrize("oil", OILS.values(), ids=OILS)
 
 LAWS = [

@@ -11,9 +11,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_class
 from rollslip.lubricant import GRADES, Lubricant
 from rollslip_kernels.slices import CONDITIONS
-from rollslip_plugins.data import industrial_oils, lubricants, russian_oils
+from rollslip_plugins.data import industrial_oils
 
-OILS = {oil.name: oil for module in (lubricants, industrial_oils, russian_oils) for oil in module.lubricants()}
+OILS = {name: get_class("lubricant", name) for name in available("lubricant")}
 every_oil = pytest.mark.parametrize("oil", OILS.values(), ids=OILS)
 #: Gold's alpha = s nu^t [1/GPa], nu in mm2/s, by family; a published library has 1.390 and .9904 for the first.
 GOLD = {"mineral": (9.904, 0.1390), "polyalphaolefin": (7.382, 0.1335), "ester": (6.605, 0.1360)}

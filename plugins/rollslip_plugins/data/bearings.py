@@ -1,7 +1,6 @@
 """The bearings in the box; each ``source`` says where its values come from, with the grade (D) for an estimate."""
 
 from rollslip.datasets import BearingData
-from rollslip.hookspecs import hookimpl
 from rollslip.references import KLEBANOV
 from rollslip.scene import Bearing, Profile
 
@@ -24,9 +23,3 @@ bearing_1032930 = BearingData(
         profile=Profile(shape="iso16281"),
     ),
 )
-
-
-@hookimpl
-def bearings() -> list[BearingData]:
-    """Offer the bearings of this module."""
-    return [bearing_1032930]

@@ -8,7 +8,6 @@ uncertain the data are, with grades of its own.
 
 from math import exp, log
 
-from rollslip.hookspecs import hookimpl
 from rollslip.lubricant import (
     Andrade,
     Constant,
@@ -164,9 +163,3 @@ sae_30 = Lubricant(
     maximum_temperature=_HIGHEST,
     scatter=scatter_of(0.077, 0.15, "(B)", "SAE J300 allows 9.3 to 12.5 mm2/s at 100 degC"),
 )
-
-
-@hookimpl
-def lubricants() -> list[Lubricant]:
-    """Oils with published temperature laws."""
-    return [mil_prf_7808, mil_prf_23699, santotrac_50, sae_30]

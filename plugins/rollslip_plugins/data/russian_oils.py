@@ -5,7 +5,6 @@ largest ones at -40 degC, so all of this is graded (C) or (D): it is for compari
 nothing and will replace single values in ``[lubricant]``.
 """
 
-from rollslip.hookspecs import hookimpl
 from rollslip.lubricant import (
     Constant,
     Hyperbola,
@@ -112,9 +111,3 @@ b_3v = _of_limits(
     "ester",
     0.2,
 )
-
-
-@hookimpl
-def lubricants() -> list[Lubricant]:
-    """Offer the oils of this module."""
-    return [vnii_np_50_1_4u, ipm_10, b_3v]
