@@ -57,7 +57,7 @@ def watched(changes=None, **raw):
 
 def nowhere(study, assembly, history, times):
     unknown = np.full(times.size, np.nan)
-    return over_time.Along(unknown, unknown, unknown, 0, "")
+    return over_time.Along(unknown, unknown, unknown, "")
 
 
 def ran(changes=None, **raw):

@@ -68,10 +68,6 @@ class Axis:
         """Return the weights of the nodes at values, (values, nodes)."""
         return weights(self.nodes.size, self.place(np.atleast_1d(np.asarray(value, dtype=float))))
 
-    def thinned(self, stride: int) -> "Axis":
-        """Return every so many nodes."""
-        return Axis(self.nodes[::stride], self.logarithmic)
-
 
 @attrs.frozen(eq=False)
 class Steady:

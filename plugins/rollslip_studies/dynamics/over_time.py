@@ -94,7 +94,6 @@ class Along:
     runaway_slip: Array
     runaway_drag: Array
     critical_slip: Array
-    operations: int  # how many were worked out
     status: str  # what they rest on, or why none is known
 
 
@@ -103,7 +102,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     nothing = np.full(times.size, np.nan)
     if not history.speeds_in_proportion():
         said = "not worked out where the speeds of both rings change, not in proportion to each other"
-        return Along(nothing, nothing, nothing, 0, f"the slip at which skidding begins along the way is {said}")
+        return Along(nothing, nothing, nothing, f"the slip at which skidding begins along the way is {said}")
     now, spans = history.at(times), history.spans
     values, grids = list[Array](), list[Array]()
     names: list[str] = [name for name in history.conditions if name in history.varies]
@@ -170,7 +169,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     result[:, ~fast] = np.nan
     said = f"of the bearing held at the operation of the moment, between {len(found)} operations that were worked out"
     more = f"; at some of them: {min(statuses)}" if statuses else ""
-    return Along(result[0], result[1], result[2], len(found), said + more)
+    return Along(result[0], result[1], result[2], said + more)
 
 
 def _grid(low: float, high: float, count: int) -> Array:

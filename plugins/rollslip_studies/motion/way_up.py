@@ -63,7 +63,6 @@ class Jump:
     drag: float
     to: float  # slip to which it jumps, NaN if none in the range carries the drag
     error: float  # of the drag, relative: what slips, positions and loads of a roller leave
-    corner: bool  # whether a motion of the rollers begins or ends there
     #: Share of the drag -> slips between which the torque is within it.
     around: Callable[[float], list[float]] = attrs.field(eq=False, repr=False)
 
@@ -295,7 +294,7 @@ class _Search:
                 return None
         to = math.nan if math.isnan(to) else slip_of(to)
         around = partial(_around, way[:on], k, few, place)
-        return Jump(slip_of(place), drag, to, error, corner, around)
+        return Jump(slip_of(place), drag, to, error, around)
 
     def _carried_again(self, a: Motion, b: Motion, drag: float) -> float:
         """Place between two motions of the way at which a drag is carried again."""
