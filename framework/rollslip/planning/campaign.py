@@ -4,26 +4,22 @@
 - Found through the entry points ``rollslip.campaign``, ours like a stranger's; command line and `rollslip` know none by
   name. The module of such a class imports fields only, since ``rollslip --help`` imports it: what plans and runs is
   imported when it does.
-- Ours are read past `rollslip.catalogue.discovery`, whose imports take as long as all of ``--help`` may. A name that a
-  stranger offers, or ours and a stranger, is found there, with every fault in a sentence.
 """
 
 import abc
-import importlib.metadata
 import inspect
 import os
 import pkgutil
 import typing
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
-from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final, ParamSpec
 
 import attrs
 
-from rollslip.catalogue.installed import entry_points
+from rollslip.catalogue.discovery import catalogue, get_class
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import PluginError, SceneError, in_words, nearest
 
@@ -285,29 +281,14 @@ def _docs(cls: type[Campaign], taken: Sequence[inspect.Parameter]) -> str:
 # Which there are ------------------------------------------------------------------------------------------------------
 
 
-@cache
-def _points() -> Mapping[str, Mapping[str, importlib.metadata.EntryPoint]]:
-    """Entry points by name, each by package."""
-    found = dict[str, dict[str, importlib.metadata.EntryPoint]]()
-    for package, point in entry_points("rollslip.campaign"):
-        found.setdefault(point.name, {})[package] = point
-    return found
-
-
 def campaigns() -> tuple[str, ...]:
     """Return the names of all campaigns, usable or not, without importing any."""
-    return tuple(sorted(_points()))
+    return tuple(sorted({offer.name for offer in catalogue() if offer.kind == CAMPAIGN.name}))
 
 
 def campaign(name: str) -> type[Campaign]:
     """Return a campaign by name."""
-    points = _points().get(name, {})
-    if [*points] == ["rollslip"]:
-        found: type[Campaign] = next(one for one in CAMPAIGN.members(points["rollslip"].load()) if one.name == name)
-    else:
-        from rollslip.catalogue.discovery import get_class
-
-        found = get_class("campaign", name)
+    found: type[Campaign] = get_class(CAMPAIGN.name, name)
     return found
 
 
