@@ -313,19 +313,17 @@ def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
 
 
 def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction_is_off():
-    """Against study steady-slip, which finds the largest drag on its own curve, by both frictions."""
-    both = [
-        SteadySlip(friction=friction).run(few().at(attrs.evolve(few().resolution, instants=2)))
-        for friction in ("conventional", "effective")
-    ]
-    conventional, effective = (float(one.largest_drag) for one in both)
+    """Against the largest drag on the curve of study steady-slip, and that of effective friction."""
+    assembly = few().at(attrs.evolve(few().resolution, instants=2))
+    known = SteadySlip().run(assembly)
+    conventional, effective = float(known.largest_drag), found(assembly, effective=True).drag
     said = near_running_away(few(), 0.4).text
     slip, off = re.fullmatch(
         r"with a cage slip of 40 % the cage is near skidding, which begins at (\S+) %, where effective friction is off "
         r"by (\S+) % of the drag",
         said,
     ).groups()
-    assert float(slip) == pytest.approx(100 * float(both[0].largest_drag_slip), abs=1.0)
+    assert float(slip) == pytest.approx(100 * float(known.largest_drag_slip), abs=1.0)
     assert float(off) == pytest.approx(100 * abs(effective / conventional - 1), rel=0.05)
 
 

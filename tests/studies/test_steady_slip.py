@@ -31,7 +31,7 @@ from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
-from rollslip_studies.motion.torque_balance import DRIVEN, TorqueBalance
+from rollslip_studies.motion.torque_balance import DRIVEN, TorqueBalance, rollers, running
 from rollslip_studies.motion.way_up import WayUp
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.account import _rows
@@ -42,7 +42,6 @@ from rollslip_studies.steady_slip.losses import viscosity_ratio
 from rollslip_studies.steady_slip.minimum_load import RULES, WITH_LESS, static_rating
 from rollslip_studies.steady_slip.statuses import no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
-from without_bands import run as run_scene
 
 SHIPPED = load_scene("1032930-50C")
 STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})
@@ -350,7 +349,10 @@ def test_an_unstable_slip_is_one_that_motion_in_time_leaves_to_either_side():
 def test_a_steady_slip_is_the_last_one_of_dynamics(friction):
     """Measured: 2e-4 of the slip with either friction; both studies state 1e-3."""
     scene = dragged(evolve(SHIPPED, {"accuracy.slices": 15}), brake(0.3))
-    slip = float(run(scene, friction=friction).steady_slip[0])
+    if friction == "conventional":
+        slip = float(run(scene).steady_slip[0])
+    else:
+        slip = running(rollers(assemble(scene), 2, effective=True)).slip
     motion = Dynamics(level="cage-set", friction=friction, duration=5.0, cage_slip=0.05).run(assemble(scene))
     assert motion.attrs["steady_cage_slip"] == pytest.approx(slip, rel=1e-3)
 
@@ -630,7 +632,7 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
 def test_effective_friction_gives_nearly_the_same_slip():
     """Measured for this bearing: 2 % of the slip; friction averaged over rollers is not that of each of them."""
     scene = dragged(PROFILED, brake(0.2))
-    slips = [float(run(scene, points=8, friction=one).steady_slip[0]) for one in ("conventional", "effective")]
+    slips = [running(rollers(assemble(scene), 2, effective=one)).slip for one in (False, True)]
     assert slips[1] == pytest.approx(slips[0], rel=0.03)
     assert slips[1] != slips[0]
 
@@ -915,52 +917,6 @@ def test_steady_slips_alone_are_those_of_the_whole_study(name):
     assert found[~np.isnan(found)].size == count
     np.testing.assert_array_equal(found, whole.steady_slip)
     assert str(alone["status"][1]) == str(whole.status.item())
-
-
-# Effective friction near running away ---------------------------------------------------------------------------------
-
-NEAR = evolve(SHIPPED, {"study.steady-slip.friction": "effective", "study.steady-slip.points": 8})
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("changes", "friction"),
-    [
-        ({"cage.drag": [brake(0.2)]}, "effective"),  # 0.72 N m can be carried
-        ({"cage.drag": [brake(0.69)]}, "conventional"),
-        ({"cage.drag": [brake(0.69)], "accuracy.friction": 0.1}, "effective"),  # it is off by 4 to 5 % of the drag
-        ({"cage.drag": [brake(1.5)]}, "conventional"),
-    ],
-)
-def test_a_plan_takes_effective_friction_where_its_known_error_near_running_away_is_allowed(changes, friction):
-    made = plan(evolve(NEAR, changes), "steady-slip")
-    assert made.studies["steady-slip"].friction == friction
-    (said,) = (part for part in made.parts if part.part == "friction of the raceways")
-    assert said.choice == friction
-    if friction == "effective":
-        assert said.reason == "study.steady-slip names it"
-    else:
-        assert said.reason.startswith("in place of effective friction: with a cage slip of")
-        assert said.reason.endswith("% of the drag; widen accuracy.friction beyond that to have it")
-
-
-def test_a_result_says_that_its_friction_is_not_the_one_that_was_named():
-    result = run_scene(evolve(NEAR, {"cage.drag": [brake(0.69)], "accuracy.tolerance": 1e-2}), "steady-slip")
-    assert result.attrs["friction"] == "conventional"
-    assert any(
-        text.startswith("study.steady-slip.friction is 'conventional', not 'effective', as the scene names it: with a")
-        for text in json.loads(result.attrs["warnings"])
-    )
-
-
-def test_the_largest_drag_by_effective_friction_says_what_it_may_be_off():
-    scene = evolve(dragged(SHIPPED, brake(0.1)), {"accuracy.slices": 15})
-    found = run(scene, points=6, friction="effective")
-    (said,) = topics(found)["limit drag torque"]
-    assert "by effective friction the limit drag torque is off by 2.7 %" in said
-    assert said.endswith("take --set study.steady-slip.friction=conventional where it matters")
-    conventional = found.assign_attrs(friction="conventional")
-    assert "2.7 %" not in topics(conventional)["limit drag torque"][0]
 
 
 def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):

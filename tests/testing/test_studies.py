@@ -12,7 +12,7 @@ class TestStudies(Conformance):
     models = (
         FrictionCurve(points=5),
         EffectiveFriction(points=5, map_points=3),
-        SteadySlip(points=6, friction="effective", max_cage_slip=0.4),
+        SteadySlip(points=6, max_cage_slip=0.4),
         Dynamics(duration=1e-4, points=3),
     )
 

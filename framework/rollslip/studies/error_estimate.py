@@ -331,14 +331,12 @@ def few_slices(assembly: Assembly) -> Assembly:
     return assembly.at(attrs.evolve(assembly.resolution, slices=FEW, quadrature="equal"))
 
 
-def by_curves(
-    study: Curved, assembly: Assembly, *, share: float = 1.0, tables: float = 0.0, cheaper_laws: bool = True
-) -> Estimated:
+def by_curves(study: Curved, assembly: Assembly, *, share: float = 1.0, cheaper_laws: bool = True) -> Estimated:
     """Choose the resolution of a study by its curves, on a ladder of few slices and roller positions."""
     if assembly.scene.accuracy.exact:
         return exactly(study, assembly)
     estimated, probe, few = slices_and_instants(study, assembly, share)
-    return with_tables(_laws(estimated, study, probe, few, cheaper_laws), assembly, tables)
+    return _laws(estimated, study, probe, few, cheaper_laws)
 
 
 def exactly(study: Curved, assembly: Assembly) -> Estimated:

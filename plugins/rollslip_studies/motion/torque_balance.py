@@ -164,11 +164,6 @@ class TorqueBalance:
         """Whether nothing resists: no torque on the cage and no resistance to rolling."""
         return not self.drags.torques and not self.assembly.inner.chain.resists
 
-    @property
-    def tables(self) -> tuple[EffectiveTable, ...]:
-        """What effective friction of inner and outer raceway is taken from, if it is."""
-        return tuple(curve.table for curve in self.effective or ())
-
     def with_inertia(self, inertia: bool) -> "TorqueBalance":
         """Return the same balance of rollers with or without inertia of their spin."""
         return TorqueBalance(

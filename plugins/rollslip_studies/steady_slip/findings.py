@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.words import AT_REST, UNSURE
+from rollslip.results.words import AT_REST
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -256,10 +256,7 @@ def _largest(dataset: "xr.Dataset") -> str:
         return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
     said = f"the limit drag torque is {most}, at a cage slip of {_percent(slip)}{_jump(dataset)}"
-    said += _first(dataset)
-    if dataset.attrs["friction"] == "effective":
-        said += f"; {UNSURE}: take --set study.{dataset.attrs['study']}.friction=conventional where it matters"
-    return said
+    return said + _first(dataset)
 
 
 def _jump(dataset: "xr.Dataset") -> str:

@@ -13,7 +13,6 @@
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -25,24 +24,19 @@ from rollslip.bearing.cage import train_play
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
+from rollslip.fields import FieldError, at_least, in_range, parameter
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
-from rollslip.studies.error_estimate import FEW, by_curves
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Some
+from rollslip.studies.error_estimate import by_curves
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.timing import timed
-from rollslip_studies.motion.effective_table import table_records
 from rollslip_studies.motion.torque_balance import (
     RANGE,
-    Near,
     Orbit,
     TorqueBalance,
-    effective_curves,
     fewest_instants,
     look_along,
-    near_running_away,
     reserve,
     runaway,
     running,
@@ -67,15 +61,11 @@ _MOST_INSTANTS: Final = 256
 _MOST_OF_A_JUMP: Final = 16
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
-#: Error of tables, with which it is tried whether effective friction is enough.
-_TRIED: Final = 1e-3
-#: Shares of the tolerances that slices and instants may use, and that tables may take.
-_SHARE, _TABLES = 0.5, 0.2
+#: Share of the tolerances that slices and instants may use.
+_SHARE: Final = 0.5
 #: Ways up that a run finds while it doubles instants, slips of one, motions of the rollers of a followed branch, and
 #: ways up of a search for a least load at a slip where rollers have several motions.
 _WAYS, _SLIPS, _BRANCH, _LOADS = 2, 25, 350, 9
-#: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
-_CURVES: Final = 40
 #: What an acceptable slip gives.
 _LEAST_LOAD: Final = frozenset(
     f"{name}{of}" for name in ("least_load", "acceptable_reserve") for of in ("", "_status")
@@ -98,7 +88,7 @@ class SteadySlip(Study):
     judged: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"critical_slip": "largest_drag_slip", "friction": "largest_drag"}
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants", "table_tolerance"}
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"orbits": "a steady motion of the rollers for every slip that is asked for"}
     )
@@ -114,11 +104,6 @@ class SteadySlip(Study):
     )
     points: int = parameter(
         default=25, doc="slips of the slip-drag curve, at least; the way up has its own", validator=at_least(6)
-    )
-    friction: str = parameter(
-        default="conventional",
-        doc="friction of every lamina, or the effective friction of the raceways",
-        validator=one_of("conventional", "effective"),
     )
     inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
     acceptable_slip: float | None = parameter(
@@ -139,9 +124,9 @@ class SteadySlip(Study):
 
     @property
     def libraries(self) -> tuple[str, ...]:  # type: ignore[override]
-        """SciPy where slips are followed, or friction is effective; its import takes longer than other runs."""
+        """SciPy where slips are followed; its import takes longer than other runs."""
         followed = any(getattr(self, name) for name in VARIED)
-        return ("scipy.optimize", "scipy.interpolate") if followed or self.friction == "effective" else ()
+        return ("scipy.optimize", "scipy.interpolate") if followed else ()
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
         """Return how many numbers the slip-drag curve holds at least."""
@@ -171,49 +156,10 @@ class SteadySlip(Study):
         return False
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
-        """Choose slices, instants, tables and laws by the slip-drag curve, and friction where effective is named.
-
-        Near the slip of running away effective friction is off by a known share of the drag; where that is more than
-        the tolerance of friction, conventional friction takes its place.
-        """
-        away = self._near_running_away(assembly)
-        study = self if away is None else attrs.evolve(self, friction="conventional")
-        found = by_curves(study, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
+        """Choose slices, instants and laws by the slip-drag curve."""
+        found = by_curves(self, assembly, share=_SHARE, cheaper_laws=cheaper_laws)
         instants = max(found.resolution.instants or 0, fewest_instants(assembly))
-        found = attrs.evolve(found, resolution=attrs.evolve(found.resolution, instants=instants))
-        if away is None:
-            return found
-        reasons = {**found.reasons, "friction": f"{away.text}; widen accuracy.friction beyond that to have it"}
-        return attrs.evolve(found, resolution=attrs.evolve(found.resolution, friction="conventional"), reasons=reasons)
-
-    def _near_running_away(self, assembly: Assembly) -> Near | None:
-        """What effective friction would leave, where it is named and that is too much."""
-        if self.friction != "effective" or assembly.scene.accuracy.exact:
-            return None
-        few = attrs.evolve(
-            assembly.resolution, slices=min(FEW, assembly.slices), quadrature="equal", table_tolerance=_TRIED
-        )
-        near = near_running_away(assembly.at(few))
-        return near if near is not None and near.off > assembly.scene.accuracy.of("friction") else None
-
-    def at(self, resolution: Resolution) -> "SteadySlip":
-        """Return the study with the friction of a plan that chose away from effective friction."""
-        return attrs.evolve(self, friction=resolution.friction or self.friction)
-
-    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
-        """Return the friction of the raceways."""
-        named = "friction" in assembly.scene.study.get(self.name, {})
-        reason = f"study.{self.name} names it" if named else "default"
-        if "friction" in estimated.reasons:
-            reason = f"in place of effective friction: {estimated.reasons['friction']}"
-        return [
-            Part(
-                part="friction of the raceways",
-                choice=assembly.resolution.friction or self.friction,
-                resolution="every loaded lamina" if self.friction == "conventional" else "curves of the raceways",
-                reason=reason,
-            )
-        ]
+        return attrs.evolve(found, resolution=attrs.evolve(found.resolution, instants=instants))
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
@@ -225,10 +171,7 @@ class SteadySlip(Study):
         balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
         followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * _SLIPS)
         ways = self.acceptable_slip is not None and balance.has_several(self.acceptable_slip)
-        costs = {"orbits": balance.seconds() * (_WAYS + followed + ways * _LOADS)}
-        if self.friction == "effective":
-            costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
-        return costs
+        return {"orbits": balance.seconds() * (_WAYS + followed + ways * _LOADS)}
 
     def without(self, outputs: frozenset[str]) -> "SteadySlip":
         """Return a study that does not follow the slips against what nobody asked for."""
@@ -337,7 +280,7 @@ class SteadySlip(Study):
             coords,
             attrs=self.attributes
             | {
-                "friction": self.friction,
+                "friction": "conventional",
                 "inertia": int(self.inertia),
                 "inertia_effect": self._inertia_effect(balance),
                 "instants": instants,
@@ -346,7 +289,6 @@ class SteadySlip(Study):
                 "rollers_weight": rollers_weight(assembly),
                 **errors,
                 **_by_play(assembly, states),
-                **table_records(balance.tables),
                 **({} if self.acceptable_slip is None else {"acceptable_slip": self.acceptable_slip}),
             },
         )
@@ -382,13 +324,7 @@ class SteadySlip(Study):
         return self._balance(assembly, max(assembly.resolution.instants or 0, fewest_instants(assembly)))
 
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
-        return TorqueBalance(
-            assembly,
-            assembly.cage.drags,
-            instants=instants,
-            effective=effective_curves(assembly, instants) if self.friction == "effective" else None,
-            inertia=self.inertia,
-        )
+        return TorqueBalance(assembly, assembly.cage.drags, instants=instants, inertia=self.inertia)
 
     def _way(self, balance: TorqueBalance) -> WayUp:
         """The way up, until the cage all but stands."""
