@@ -16,7 +16,7 @@ from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip_plugins.torque import ConstantCoefficient, Palmgren, Skf, dimension_series
-from rollslip_studies.steady_slip.findings import topics
+from rollslip_studies.steady_slip.findings import SteadySlipAccount
 from strategies import decades
 from without_bands import run
 
@@ -251,7 +251,7 @@ def test_what_a_formula_lacks_is_told_and_the_others_are_given():
     assert math.isnan(known["skf"])
     assert "give lubricant.density" in str(result.formula_status.sel(formula="skf").item())
     assert known["constant-coefficient"] > 0.0
-    lines = "\n".join(line for topic in topics(result).values() for line in topic)
+    lines = "\n".join(line for topic in SteadySlipAccount.topics(result).values() for line in topic)
     assert "no friction torque by formula 'skf': it needs the oil's kinematic viscosity" in lines
     assert "by formula 'constant-coefficient' the friction torque is" in lines
 
@@ -296,7 +296,7 @@ def test_a_series_that_nobody_says_is_estimated_from_the_rollers(name):
 
 
 def sentences(scene):
-    return "\n".join(line for topic in topics(run(scene, "steady-slip")).values() for line in topic)
+    return "\n".join(line for topic in SteadySlipAccount.topics(run(scene, "steady-slip")).values() for line in topic)
 
 
 @pytest.mark.slow

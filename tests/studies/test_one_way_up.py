@@ -11,11 +11,11 @@ import way_up_scenes as scenes
 from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.results.words import WITH_LESS
 from rollslip_studies.dynamics.over_time import away_of
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, RANGE, rollers
-from rollslip_studies.steady_slip.minimum_load import WITH_LESS
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.study import ThermalBalance
 

@@ -25,21 +25,20 @@ from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.results.accounts import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
-from rollslip.results.words import two
+from rollslip.results.words import DRIVEN, WITH_LESS, two
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
-from rollslip_studies.motion.torque_balance import DRIVEN, TorqueBalance, rollers, running
+from rollslip_studies.motion.torque_balance import TorqueBalance, rollers, running
 from rollslip_studies.motion.way_up import WayUp
 from rollslip_studies.steady_slip import findings
-from rollslip_studies.steady_slip.account import _rows
 from rollslip_studies.steady_slip.branches import follow
 from rollslip_studies.steady_slip.figures import steady_figures
-from rollslip_studies.steady_slip.findings import record, topics
+from rollslip_studies.steady_slip.findings import SteadySlipAccount, _rows
 from rollslip_studies.steady_slip.losses import viscosity_ratio
-from rollslip_studies.steady_slip.minimum_load import RULES, WITH_LESS, static_rating
+from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
 from rollslip_studies.steady_slip.statuses import no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
 
@@ -479,8 +478,8 @@ def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
     lost = {name for name in SteadySlip.outputs if name not in found}
     asked = ("radial_load", "inner_speed", "temperature", "least_load", "makers", "formula")
     assert all(name.startswith(asked) for name in lost), "not asked for"
-    assert record(found)["steady"] == []
-    assert topics(found)["steady slip"] == [str(found.status.item())]
+    assert SteadySlipAccount.record(found)["steady"] == []
+    assert SteadySlipAccount.topics(found)["steady slip"] == [str(found.status.item())]
     assert [name for name, _, _ in steady_figures(found)] == ["steady-slip"]
     assert "the drag is larger than the cage can carry" in str(found.status.item())
     assert "(5 N m where" in str(found.status.item())
@@ -497,7 +496,7 @@ def test_a_cage_that_its_land_drives_slips_the_other_way():
     assert -1.0 < float(found.steady_slip[0]) < 0.0
     assert found.stable.values.tolist() == [1]
     assert float(found.torque[0]) < 0.0
-    assert any("drive it by" in text for text in topics(found)["steady slip"])
+    assert any("drive it by" in text for text in SteadySlipAccount.topics(found)["steady slip"])
     found["steady_slip"][:], found["stable"][:], found["status"] = np.nan, 0, ((), f"{DRIVEN}, at any speed")
     found["least_load"], found["least_load_status"] = 0.0, "any load serves"
     assert [row.text for row in _rows(found, 0.05) if row and row.key == "minimum_load"] == ["not found"]
@@ -621,11 +620,11 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
     assert float(found.most_torque_slip) == pytest.approx(10.0 / half, rel=1e-3)
     assert float(found.first_maximum_torque / found.most_torque) == pytest.approx(0.4, rel=1e-3)
     assert float(found.largest_drag) == float(found.first_maximum_torque), "from there the slip more than doubles"
-    (said,) = topics(found)["limit drag torque"]
+    (said,) = SteadySlipAccount.topics(found)["limit drag torque"]
     assert f"a larger one takes it to {100 * float(found.jump_slip):.3g} %" in said
     one = run(dragged(MASSLESS, brake(0.1)), Peaked(), points=12, max_cage_slip=0.9)
     assert float(one.first_maximum_slip) == float(one.largest_drag_slip)
-    assert "already" not in topics(one)["limit drag torque"][0]
+    assert "already" not in SteadySlipAccount.topics(one)["limit drag torque"][0]
 
 
 @pytest.mark.slow
@@ -657,12 +656,12 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
     found = followed.assign_attrs(scene_hash="")
     save(found, tmp_path / "result.nc")
     found = open_result(tmp_path / "result.nc")
-    said = topics(found)
+    said = SteadySlipAccount.topics(found)
     slips = [f"{100 * float(slip):.3g} %" for slip in found.steady_slip]
     assert all(slip in text for slip, text in zip(slips, said["steady slip"], strict=True))
     assert "unstable" in said["steady slip"][1]
     assert said["limit of the radial load"][0].startswith("the least radial load at which a stable steady slip goes on")
-    values = record(found)
+    values = SteadySlipAccount.record(found)
     assert [state["stable"] for state in values["steady"]] == [True, False]
     assert values["largest_drag"] == float(found.largest_drag)
     json.dumps(values, allow_nan=False)
@@ -774,9 +773,9 @@ def test_at_the_least_load_the_slip_is_the_acceptable_one():
     assert float(there.steady_slip[0]) == pytest.approx(0.05, rel=2e-3)
     more = run(evolve(scene, {"operation.radial_load": 1.1 * load}), points=12)
     assert float(more.steady_slip[0]) < 0.05
-    (said,) = topics(found)["minimum load"]
+    (said,) = SteadySlipAccount.topics(found)["minimum load"]
     assert said.startswith(f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip")
-    assert record(found)["least_load"] == load
+    assert SteadySlipAccount.record(found)["least_load"] == load
 
 
 def test_the_reserve_at_the_acceptable_slip_is_one_where_the_cage_runs_and_less_where_it_slips_more():
@@ -824,7 +823,7 @@ def test_the_least_load_of_a_slip_that_the_cage_does_not_hold_is_that_with_less_
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
     assert float(more.steady_slip[0]) < at < float(more.steady_slip[1]) < unstable  # the maximum lies between both
     assert np.isnan(less.steady_slip).all()
-    (said,) = topics(found)["minimum load"]
+    (said,) = SteadySlipAccount.topics(found)["minimum load"]
     assert f"keeps the slip below {100.0 * unstable:.3g} %; {WITH_LESS}" in said
 
 
@@ -889,7 +888,7 @@ def test_a_maker_whose_rule_takes_a_catalogue_says_which_keys():
     found = run(scene, points=8, acceptable_slip=0.05)
     assert float(found.makers_least_load.sel(maker="NKE")) == pytest.approx(400.0)
     assert np.isnan(found.makers_least_load.sel(maker="SKF"))
-    (said,) = topics(found)["minimum load"]
+    (said,) = SteadySlipAccount.topics(found)["minimum load"]
     assert "400 N (NKE); SKF's rule needs bearing.catalogue.minimum_load_factor of the " in said
 
 

@@ -41,8 +41,8 @@ SHARED = {
     "rollslip_studies.friction_curve.study", "rollslip_studies.raceway_friction.film_figures",
     "rollslip_studies.raceway_friction.study",
     "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.evaluated",
-    "rollslip_studies.steady_slip.minimum_load", "rollslip_studies.steady_slip.band",
-    "rollslip_studies.steady_slip.account", "rollslip_studies.steady_slip.figures",
+    "rollslip_studies.steady_slip.band",
+    "rollslip_studies.steady_slip.findings", "rollslip_studies.steady_slip.figures",
     "rollslip_studies.surface_damage.over_motion",
     "rollslip_studies.surface_damage.findings", "rollslip_studies.surface_damage.figures",
     "rollslip_studies.thermal_balance.figures",
@@ -255,7 +255,7 @@ def misplaced(root: Path = ROOT) -> list[str]:
             ours = {
                 name
                 for name in used & known.keys()
-                if folder(name) not in ("shelf", "results") and not name.endswith(("findings", ".account"))
+                if folder(name) not in ("shelf", "results") and not name.endswith("findings")
             }
             other = {name.split(".")[0] for name in used} & {"scipy", "matplotlib", "xarray", "rich", "click"}
             typed = {"xarray"} if re.search(r"if TYPE_CHECKING:\n    import xarray", path.read_text()) else set()

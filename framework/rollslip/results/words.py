@@ -17,13 +17,20 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "AT_REST", "IN_ROWS", "LOWER_BOUNDS", "REST", "SWITCHED_OFF", "TOLD_FROM", "UNSURE", "capital", "confidence",
-    "counted", "duration", "duration_range", "estimated", "first_line", "force", "force_unit", "html_table",
-    "in_python", "of_key", "of_laws", "percent", "places", "plain", "power", "rounded_up", "runs_at", "runs_away",
-    "single_values", "span", "two", "warned", "with_unit",
+    "ANY_LOAD", "AT_REST", "DRIVEN", "IN_ROWS", "LOWER_BOUNDS", "NO_LOAD", "REST", "SWITCHED_OFF", "TOLD_FROM",
+    "UNSURE", "WITH_LESS", "capital", "confidence", "counted", "duration", "duration_range", "estimated",
+    "first_line", "force", "force_unit", "html_table", "in_python", "of_key", "of_laws", "percent", "places", "plain",
+    "power", "rounded_up", "runs_at", "runs_away", "single_values", "span", "two", "warned", "with_unit",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
+#: How the status of a steady slip begins where the cage is driven.
+DRIVEN: Final = "what acts on the cage drives it"
+#: How the status of a least load begins where any load serves, and where none does.
+ANY_LOAD: Final = ("no load is needed", "any load serves")
+NO_LOAD: Final = "no load serves"
+#: How it goes on where the cage skids before it slips as much.
+WITH_LESS: Final = "with less the cage skids from a slip of"
 #: Attribute of a variable: the law that gives it beside its columns.
 LAW: Final = "law"
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
+from rollslip.results.words import ANY_LOAD, DRIVEN, NO_LOAD
 from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, RUNAWAY, STEADY
-from rollslip_studies.motion.torque_balance import AT_LEAST, DRIVEN, FOUND, NOWHERE, SKIDS
-from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
+from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, NOWHERE, SKIDS
 
 if TYPE_CHECKING:
     import xarray as xr

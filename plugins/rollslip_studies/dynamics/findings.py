@@ -14,7 +14,7 @@ from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history_findings import energy_in_words
-from rollslip_studies.steady_slip.account import next_of_others
+from rollslip_studies.steady_slip.findings import next_of_others
 from rollslip_studies.surface_damage import findings as damage
 
 if TYPE_CHECKING:

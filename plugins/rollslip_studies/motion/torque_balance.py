@@ -29,6 +29,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.results.words import DRIVEN
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
 from rollslip_studies.motion.spins import Conventional, Motion, Motions, place_of, slip_of
@@ -51,8 +52,8 @@ _FAR: Final = 0.5
 _STANDS: Final = 0.94
 #: Largest slip of a way up that nobody asks to go further: there the cage all but stands.
 RANGE: Final = 0.95
-#: How statuses begin: of a cage that is driven, of one that nothing holds, and of reserves.
-DRIVEN, NOWHERE = "what acts on the cage drives it", "the cage runs at no slip"
+#: How statuses begin: of a cage that nothing holds, and of reserves.
+NOWHERE: Final = "the cage runs at no slip"
 FOUND, AT_LEAST, SKIDS = "found", "at least", "the cage skids"
 
 

@@ -20,7 +20,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.words import AT_REST, SWITCHED_OFF
+from rollslip.results.words import ANY_LOAD, AT_REST, NO_LOAD, SWITCHED_OFF, WITH_LESS
 from rollslip.scene.relations import skf_least_load
 from rollslip.scene.values import Scene
 from rollslip.search import bracketed, secants, vertex
@@ -32,15 +32,10 @@ __all__ = ["RULES", "Rule", "asked_by_makers", "least_load", "most_left_over", "
 #: By which factor loads are left and right of that of the scene at most, and by which the search widens.
 _FARTHEST: Final = 1e6
 _WIDER: Final = 4.0
-#: How its status begins where any load serves, and where none does.
-ANY_LOAD: Final = ("no load is needed", "any load serves")
-NO_LOAD: Final = "no load serves"
 #: Relative accuracy of the load.
 _FOUND: Final = 1e-4
 #: Load from which the search begins where the scene has none [N].
 _ANY: Final = 1.0
-#: How its status goes on where the cage skids before it slips as much.
-WITH_LESS: Final = "with less the cage skids from a slip of"
 #: Slips at which a maximum is looked for, up to how many times the slip, how far apart their logarithms are, and from
 #: which share of the drag on: between two of them the torque may rise as they do.
 _LOOKED, _BESIDE, _APART, _CLEAR = 25, 1.3, 0.25, 0.7

@@ -11,7 +11,7 @@ from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.words import estimated, percent, power
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.account import next_of_others
+from rollslip_studies.steady_slip.findings import next_of_others
 
 if TYPE_CHECKING:
     import xarray as xr

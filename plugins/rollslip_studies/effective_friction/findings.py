@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
-from rollslip_studies.steady_slip.account import LOAD_OF_OTHERS, next_of_others, reserve_row, slip_row
+from rollslip_studies.steady_slip.findings import LOAD_OF_OTHERS, next_of_others, reserve_row, slip_row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,7 +85,7 @@ class EffectiveFrictionAccount(PlainAccount):
             )
         return said
 
-    drawn = "rollslip_studies.effective_friction.figures:figures"
+    drawn = ".figures:figures"
 
 
 ACCOUNT: Final = EffectiveFrictionAccount("effective-friction")

@@ -7,7 +7,7 @@ import attrs
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer
-from rollslip_studies.steady_slip.account import next_of_others
+from rollslip_studies.steady_slip.findings import next_of_others
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +26,7 @@ class FrictionCurveAccount(PlainAccount):
         """Return the curves, and that another study knows the slip of the cage."""
         return attrs.evolve(PlainAccount.answer(dataset), commands=next_of_others(dataset))
 
-    drawn = "rollslip_studies.friction_curve.figures:figures"
+    drawn = ".figures:figures"
 
 
 ACCOUNT: Final = FrictionCurveAccount("friction-curve")

@@ -1,15 +1,14 @@
 """The account of what both raceways do over all speeds of a motion."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.account import next_of_others
+from rollslip_studies.steady_slip.findings import next_of_others
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     import xarray as xr
 
 _SPANS = {"rolling_speed": "m/s", "cage_ratio": "1", "slide_roll": "1"}
@@ -18,7 +17,7 @@ _SPANS = {"rolling_speed": "m/s", "cage_ratio": "1", "slide_roll": "1"}
 class RacewayFrictionAccount(Account):
     """How friction of both raceways over a grid of speeds is told: what it goes over, and its largest value."""
 
-    units: "ClassVar[Mapping[str, str]]" = {"largest_friction": "1", "ring_force": "N", "ring_resistance": "N"} | _SPANS
+    units: ClassVar[Mapping[str, str]] = {"largest_friction": "1", "ring_force": "N", "ring_resistance": "N"} | _SPANS
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
