@@ -148,13 +148,6 @@ def test_what_is_wrong_with_an_oil_is_said_beside_another_bearing_too():
     assert said[0] == said[1]
 
 
-@pytest.mark.parametrize("slices", [20, 21])
-def test_a_coarser_bearing_has_half_the_slices(slices):
-    assembly = assemble(evolve(SCENE, {"accuracy.slices": slices}))
-    assert assembly.slices == slices
-    assert assembly.coarser().slices == 10
-
-
 @pytest.mark.parametrize("slices", [6, 7])
 @pytest.mark.parametrize("tilt", ["0 mrad", "0.5 mrad"])
 def test_loaded_slices_carry_what_their_rollers_carry(slices, tilt):

@@ -165,16 +165,6 @@ def test_the_instants_have_converged_and_the_estimate_is_honest():
 
 
 @pytest.mark.quick
-def test_the_slices_leave_no_more_than_is_said():
-    scene = load_scene("1032930-70C")
-    result, fine = curve(scene), curve(evolve(scene, {"accuracy.slices": 601}))
-    scale = np.abs(fine.effective_friction).max("cage_slip")
-    error = float((np.abs(result.effective_friction - fine.effective_friction) / scale).max())
-    # an estimate from two resolutions of a sum with kinks: right to its order of magnitude
-    assert error <= 2.0 * result.attrs["slices_error"] + result.attrs["instants_error"]
-
-
-@pytest.mark.quick
 def test_the_critical_slip_is_the_maximum_of_the_continuous_curve():
     coarse, fine = curve(STRAIGHT, points=11), curve(STRAIGHT, points=2001)
     best = int(np.argmax(fine.effective_friction.sel(ring="inner").to_numpy()))

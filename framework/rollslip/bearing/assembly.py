@@ -201,10 +201,6 @@ class Assembly:
         known = {**self.known_cage, "cage": ((scene, self.kinematics, self.lubricant, self.inner.conditions), cage)}
         return attrs.evolve(self, scene=scene, known_loads={}, known_maps={}, known_cage=known)
 
-    def coarser(self) -> "Assembly":
-        """Return the same bearing with half as many slices, to estimate what the slices leave."""
-        return self.at(attrs.evolve(self.resolution, slices=self.slices // 2))
-
     def load_distribution(
         self, instants: int = 1, cage_speed: float | None = None, known: LoadDistribution | None = None
     ) -> LoadDistribution:

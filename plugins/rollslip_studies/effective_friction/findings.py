@@ -76,7 +76,7 @@ class EffectiveFrictionAccount(PlainAccount):
         """Return what is said on a terminal."""
         said = [*filter(None, (_runs_away(dataset), _runs(dataset))), *super().lines(_curves(dataset))]
         a = dataset.attrs
-        if "instants_error" in a:
+        if {"instants_error", "resolution"} <= a.keys():
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(
                 f"{a['instants']} roller positions within a pitch and {a['slices']} laminae of a roller leave relative "

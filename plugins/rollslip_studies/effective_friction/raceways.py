@@ -257,14 +257,6 @@ class LoadedRaceways:
         (found,) = critical_together([(self, slip, friction)])
         return found
 
-    def slices_error(self, slip: Array, friction: Array) -> float:
-        """Relative error that the slices leave: what half as many change; the contacts' ends leave no order to use."""
-        if self.assembly.slices == 1:
-            return 0.0
-        assembly = self.assembly.coarser()
-        loads = assembly.load_distribution(self.distribution.psi.shape[0])
-        return largest_change(LoadedRaceways(assembly, loads, self.closure, self.settings).curve(slip), friction)
-
     def means(self, speeds: SurfaceSpeeds) -> dict[str, Array]:
         """Roller slip, sliding and rolling speed of both rings' contacts, means by force, (2, n) each."""
         roller_slip = 1.0 - speeds.roller_speed / self.assembly.kinematics.epicyclic_roller_speed

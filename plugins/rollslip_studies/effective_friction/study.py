@@ -290,8 +290,7 @@ class EffectiveFriction(Study):
             return self.at_instants(assembly, assembly.resolution.instants)
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways, curves, critical, error = self._converged(assembly, slip)
-        errors = {"instants_error": error, "slices_error": raceways.slices_error(slip, curves[0])}
-        return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(errors)
+        return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(instants_error=error)
 
     @classmethod
     def together(

@@ -337,11 +337,11 @@ class SteadySlip(Study):
         return self.variables(drag_reserve=kept.factor, reserve_status=kept.status)
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
-        """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
+        """Balance at the instants of the resolution, or at those that settle it, then with the error that is left."""
         if assembly.resolution.instants is not None:
             return self.balance(assembly), {}
         balance, moved = self._doubled(assembly, jump=True)
-        return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
+        return balance, {"instants_error": moved}
 
     def _doubled(self, assembly: Assembly, *, jump: bool = False) -> tuple[TorqueBalance, float]:
         """Double the instants until the torque moves by less than the tolerance, relative to its largest value.
@@ -382,13 +382,6 @@ class SteadySlip(Study):
         inert, free = inert[: free.size], free[: inert.size]
         scale = np.abs(inert)
         return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
-
-    def _slices_error(self, balance: TorqueBalance) -> float:
-        """Relative error that the slices leave: what half as many change."""
-        if balance.assembly.slices == 1:
-            return 0.0
-        coarser = self._balance(balance.assembly.coarser(), balance.instants)
-        return _moved(self._judged(coarser), self._judged(balance))
 
     def _steady(self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]) -> dict[str, Any]:
         kinds = [stability_of(way, *one) for one in zip(states, steady, strict=True)] if steady else ["stable"]
