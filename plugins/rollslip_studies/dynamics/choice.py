@@ -237,7 +237,7 @@ class _Trials:
         found = f"with few laminae the two frictions give cage speeds that differ by up to {off:.1e}{after}"
         if off <= allowed:
             if near := near_running_away(self.few, slowest):
-                return "conventional", f"{found}, but {near.text}", None
+                return "conventional", f"{found}, but {near}", None
             return "effective", f"{found}, less than the {allowed:.1e} that it may take", off
         return "conventional", f"{found}, more than the {allowed:.1e} that effective friction may take", None
 

@@ -427,16 +427,8 @@ def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float
     return Reserve(min(max(shares, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry")
 
 
-@attrs.frozen
-class Near:
-    """What effective friction leaves unknown near the slip of running away: in words, and relative to the drag."""
-
-    text: str
-    off: float
-
-
-def near_running_away(assembly: Assembly, slip: float | None = None) -> Near | None:
-    """Say what effective friction leaves unknown of a cage at a slip; None where it is far from running away.
+def near_running_away(assembly: Assembly, slip: float) -> str:
+    """Say what effective friction leaves unknown of a cage at a slip; empty where it is far from running away.
 
     Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the
     slip is less than twice that share below the largest one by either friction. Where it is less than half of it,
@@ -444,25 +436,22 @@ def near_running_away(assembly: Assembly, slip: float | None = None) -> Near | N
     """
     balance = rollers(assembly, 1)
     exact = runaway(balance, RANGE, "")
-    if slip is None:
-        slip = running(balance).slip
-        slip = exact.slip if math.isnan(slip) else slip
     carried = balance.torque(slip) if slip > 0.0 else 0.0
     if slip < exact.slip and carried < _FAR * exact.drag:
-        return None
+        return ""
     simple = runaway(rollers(assembly, 1, effective=True), RANGE, "")
     known = [one for one in (exact, simple) if not math.isnan(one.slip)]
-    if not known or math.isnan(slip):
-        return None
+    if not known:
+        return ""
     off = abs(simple.drag / exact.drag - 1.0) if len(known) == 2 else math.inf
     least = min(known, key=lambda one: one.drag)
     if slip < least.slip and carried < (1.0 - 2.0 * min(off, 0.5)) * least.drag:
-        return None
+        return ""
     begins = f"{100.0 * known[0].slip:.3g} %"
     where = f"with a cage slip of {100.0 * slip:.3g} % the cage is near skidding, which begins at {begins}"
     if len(known) < 2:
-        return Near(f"{where}, and it does so by one of both frictions alone", off)
-    return Near(f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag", off)
+        return f"{where}, and it does so by one of both frictions alone"
+    return f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag"
 
 
 def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:

@@ -13,6 +13,7 @@
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -420,26 +421,21 @@ class SteadySlip(Study):
 
     def _balances(self, assembly: Assembly, instants: int, name: str) -> Callable[[float], TorqueBalance]:
         """Balances of the bearing by the value of a quantity of the operation; the last one is kept."""
-        last = dict[float, TorqueBalance]()
 
+        @lru_cache(maxsize=1)
         def balance(value: float) -> TorqueBalance:
-            if value not in last:
-                last.clear()
-                there = assemble(evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution)
-                last[value] = self._balance(there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants)
-            return last[value]
+            there = assemble(evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution)
+            return self._balance(there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants)
 
         return balance
 
     def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
         """Return the least radial load of a slip, and what makers ask for."""
-        bearing, last = assembly.with_resistance(), dict[float, TorqueBalance]()
+        bearing = assembly.with_resistance()
 
+        @lru_cache(maxsize=1)
         def balance(load: float) -> TorqueBalance:
-            if load not in last:
-                last.clear()
-                last[load] = self._balance(bearing.at_load(load), instants)
-            return last[load]
+            return self._balance(bearing.at_load(load), instants)
 
         begin, weight = assembly.scene.operation.radial_load, rollers_weight(assembly)
         load, status, slips = least_load(balance, begin, slip, weight)
