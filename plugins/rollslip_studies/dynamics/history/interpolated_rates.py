@@ -20,12 +20,12 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Assembly, assemble, conditions_read
+from rollslip.bearing.assembly import Assembly, conditions_read
 from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import ConvergenceError
-from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
+from rollslip_studies.dynamics.history.temperature_path import changed
 from rollslip_studies.dynamics.levels.cage_and_rollers import carried_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
@@ -81,7 +81,7 @@ class Axis:
     @property
     def unit(self) -> str:
         """SI unit of the value."""
-        return unit_of(self.name)
+        return "N" if self.name == "radial_load" else "K" if self.name.endswith("temperature") else "rad/s"
 
     def value(self, place: float) -> float:
         """Return the value of the operation at a place [N, K, rad/s]."""
@@ -266,11 +266,6 @@ def _weights(sixths: int) -> list[float]:
     return [math.prod((sixths - other) / (own - other) for other in _SIXTHS if other != own) for own in _SIXTHS]
 
 
-def unit_of(name: str) -> str:
-    """Return the SI unit of a load, a temperature or a speed by its name."""
-    return "N" if name == "radial_load" else "K" if name.endswith("temperature") else "rad/s"
-
-
 def of_bearing(assembly: Assembly) -> Resolution:
     """Return the resolution of a bearing without what its motions alone have of it, so that they share stations."""
     return attrs.evolve(assembly.resolution, friction=None, level=None, integrator=None, integrator_tolerance=None)
@@ -278,12 +273,8 @@ def of_bearing(assembly: Assembly) -> Resolution:
 
 def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     """Return a bearing at other values of its operation [rad/s, N, K]; itself where they are its own."""
-    own = assembly.scene.operation
-    if all(value == getattr(own, name) for name, value in values.items()):
-        return assembly
     # a part is written also where it has its own value, since it may have that by following another
-    written = {f"operation.{name}": f"{value!r} {unit_of(name)}" for name, value in values.items()}
-    return assemble(evolve(assembly.scene, written), assembly.resolution, like=assembly)
+    return changed(assembly, {f"operation.{name}": value for name, value in values.items()})
 
 
 def rates_of(motion: MovingBearing, like: MovingBearing, speed_shares: Sequence[float] = _SPEEDS[:1]) -> Array:
