@@ -10,7 +10,7 @@
   A law with a kink, such as film model ``regime``, needs many, or all the slices.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Literal
@@ -201,3 +201,9 @@ class LoadedContacts:
         probes = np.linspace(0, rolling.size - 1, PROBES).astype(int)
         rule = load_rule(self.load, self.force, over(probes), tolerance)
         return over(slice(None))(rule)
+
+
+def mean_friction(rings: Sequence[tuple[LoadedContacts, Array, Array]]) -> list[Array]:
+    """Return the mean friction of contacts at rolling and sliding speeds, (n,) each, evaluated in one go."""
+    pulls = along([contacts.job(u, V) for contacts, u, V in rings])
+    return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(rings, pulls, strict=True)]

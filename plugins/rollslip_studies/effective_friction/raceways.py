@@ -22,7 +22,7 @@ from rollslip.bearing.chain import along
 from rollslip.bearing.critical import Critical, Curve, searched, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
-from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
+from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway, mean_friction
 from rollslip.bearing.regimes import LIGHT, NAMES, groups, regime_limits
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.results.dataset import about
@@ -335,12 +335,7 @@ def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) ->
 
 def friction_together(asked: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
     """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, evaluated in one go."""
-    return _mean_friction([raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked])
-
-
-def _mean_friction(rings: Sequence[tuple[LoadedContacts, Array, Array]]) -> list[Array]:
-    pulls = along([contacts.job(u, V) for contacts, u, V in rings])
-    return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(rings, pulls, strict=True)]
+    return mean_friction([raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked])
 
 
 def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array]]) -> list[tuple[Critical, Critical]]:
@@ -367,7 +362,7 @@ def agree_together(cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], erro
         for ring, slip in enumerate(slips):
             speeds = few.speeds(slip)
             rings += [few.rings(speeds)[ring], few.whole.rings(speeds)[ring]]
-    friction = _mean_friction(rings)
+    friction = mean_friction(rings)
     alike = [
         bool(np.all(np.abs(few - every) <= errors[k // 2] * np.abs(every)))
         for k, (few, every) in enumerate(zip(friction[::2], friction[1::2], strict=True))

@@ -9,9 +9,8 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.chain import along
 from rollslip.bearing.critical import PURE_SLIDING, Critical, Curve, searched, slip_grid
-from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
+from rollslip.bearing.raceway import Array, LoadedContacts, Raceway, mean_friction
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, one_at_least, one_of, parameter, positive
@@ -267,8 +266,7 @@ def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array,
 
 def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Array]:
     """Friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
-    found = along([contacts.job(np.full(slip.size, u), slip * u) for contacts, u, slip in cases])
-    return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(cases, found, strict=True)]
+    return mean_friction([(contacts, np.full(slip.size, u), slip * u) for contacts, u, slip in cases])
 
 
 def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
