@@ -18,7 +18,7 @@
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -62,14 +62,6 @@ _WRONG = 1e-2
 _PUSHED, _TURNS, _MEAN, _SLOWLY = 1e-5, 40, 8, 0.8
 
 
-class Friction(Protocol):
-    """Traction and rolling resistance of the contacts of one raceway at all positions of the orbit."""
-
-    def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
-        """Return F, with the sign of the sliding speed, and F_R [N], (K,), from the speeds [m/s], (K,)."""
-        ...
-
-
 def _film_speed(rolling: Array) -> Array:
     return np.asarray(np.hypot(rolling, SLOW))
 
@@ -91,23 +83,28 @@ class Conventional:
         return traction, resistance * rolling / film
 
 
-class Curve(Protocol):
-    """Effective friction of one raceway against its sliding speed."""
+class EffectiveCurve:
+    """Effective friction of one raceway against its sliding speed, from a table, beyond which it is held."""
 
-    @property
-    def compiled(self) -> tuple[Array, tuple[float, float], float]:
-        """Nodes, their limits, and the scale of the sliding speed, for compiled code."""
-        ...
+    def __init__(self, nodes: Array, limits: tuple[float, float], scale: float) -> None:
+        from scipy.interpolate import CubicHermiteSpline
+
+        x = np.linspace(*limits, nodes.shape[0])
+        #: nodes, their limits, and the scale of the sliding speed, for compiled code
+        self.compiled = np.ascontiguousarray(nodes), limits, scale
+        self._friction = CubicHermiteSpline(x, nodes[:, 0], nodes[:, 1] / (x[1] - x[0]))
 
     def __call__(self, sliding: Array) -> Array:
         """Return the effective friction coefficient."""
-        ...
+        _, limits, scale = self.compiled
+        x = sliding / (np.abs(sliding) + scale)
+        return np.asarray(self._friction(np.clip(x, *limits)), dtype=float)
 
 
 class Effective:
     """Effective friction of the raceway times the normal force, resistance as without slip."""
 
-    def __init__(self, curve: Curve, contacts: Conventional, rolling: float) -> None:
+    def __init__(self, curve: EffectiveCurve, contacts: Conventional, rolling: float) -> None:
         self._curve = curve
         self._force = contacts.contacts.per_roller(contacts.contacts.force)
         free = np.full_like(self._force, rolling)
@@ -217,7 +214,7 @@ class Motions:
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
         rubbing: float = 0.0,  # and of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
-        effective: tuple[Curve, Curve] | None = None,
+        effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
         few: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
         # Others of the same bearing, or one nearly alike, which know what its rollers slip without slip of the cage.

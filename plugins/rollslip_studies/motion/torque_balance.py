@@ -31,8 +31,8 @@ from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import DRIVEN
 from rollslip.units import format_quantity
-from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
-from rollslip_studies.motion.spins import Conventional, Motion, Motions, place_of, slip_of
+from rollslip_studies.motion.effective_table import effective_table
+from rollslip_studies.motion.spins import Conventional, EffectiveCurve, Motion, Motions, place_of, slip_of
 from rollslip_studies.motion.way_up import WayUp, way_up
 
 #: Loads that stand for the slices of a roller on the way up.
@@ -55,27 +55,6 @@ RANGE: Final = 0.95
 #: How statuses begin: of a cage that nothing holds, and of reserves.
 NOWHERE: Final = "the cage runs at no slip"
 FOUND, AT_LEAST, SKIDS = "found", "at least", "the cage skids"
-
-
-class EffectiveCurve:
-    """Effective friction of one raceway against its sliding speed, from a table, beyond which it is held."""
-
-    def __init__(self, table: EffectiveTable) -> None:
-        from scipy.interpolate import CubicHermiteSpline
-
-        x = np.linspace(*table.limits, table.nodes.shape[0])
-        self.table, self._scale, self._limits = table, table.sliding_scale, table.limits
-        self._friction = CubicHermiteSpline(x, table.nodes[:, 0], table.nodes[:, 1] / (x[1] - x[0]))
-
-    @property
-    def compiled(self) -> tuple[Array, tuple[float, float], float]:
-        """Nodes, their limits, and the scale of the sliding speed, for compiled code."""
-        return np.ascontiguousarray(self.table.nodes), self.table.limits, self.table.sliding_scale
-
-    def __call__(self, sliding: Array) -> Array:
-        """Return the effective friction coefficient."""
-        x = sliding / (np.abs(sliding) + self._scale)
-        return np.asarray(self._friction(np.clip(x, *self._limits)), dtype=float)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -459,8 +438,7 @@ def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve,
     loads, tolerance = assembly.load_distribution(instants), assembly.resolution.table_tolerance
 
     def of(raceway: Raceway, load: Array) -> EffectiveCurve:
-        return EffectiveCurve(
-            effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False)
-        )
+        table = effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False)
+        return EffectiveCurve(table.nodes, table.limits, table.sliding_scale)
 
     return of(assembly.inner, loads.inner_load), of(assembly.outer, loads.outer_load)
