@@ -16,9 +16,17 @@ from declarations import write_declarations
 HERE = "kernels/rollslip_kernels"
 # Without the two -fno-...-math flags the block loops do not vectorise; -ffast-math would break exp's rounding. Fused
 # multiply-adds stand in the source (RS_FMA) and are not left to the compiler, so that all sets that have them agree.
-FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
+FLAGS = (
+    []
+    if sys.platform == "win32"
+    else ["-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
+)
 # Debug symbols are a quarter of the compiler's time and two thirds of a file's size; CFLAGS=-g keeps them.
-SYMBOLS = [] if sys.platform == "win32" or re.search(r"(^| )-g", os.environ.get("CFLAGS", "")) else ["-g0"]
+SYMBOLS = (
+    []
+    if sys.platform == "win32" or re.search(r"(^| )-g", os.environ.get("CFLAGS", ""))
+    else ["-g0"]
+)
 # ROLLSLIP_BOUNDSCHECK=1 checks every index of a memoryview, for a build under test.
 CHECKED = os.environ.get("ROLLSLIP_BOUNDSCHECK") == "1"
 # Cython's code of memoryviews, compiled once; without it it stands in every module, and is most of each.
@@ -49,11 +57,17 @@ class BuildOnAllCores(build_ext):
     def finalize_options(self):
         super().finalize_options()
         if self.parallel is None:
-            self.parallel = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+            self.parallel = (
+                len(os.sched_getaffinity(0))
+                if hasattr(os, "sched_getaffinity")
+                else os.cpu_count() or 1
+            )
 
     def build_extensions(self):
         extensions = {extension.name: extension for extension in self.extensions}
-        extensions[SHARED].sources = [f"{HERE}/_memoryviews.c"]  # which is made here, beside the others
+        extensions[SHARED].sources = [
+            f"{HERE}/_memoryviews.c"
+        ]  # which is made here, beside the others
         translated = cythonize(
             self.extensions,
             nthreads=self.parallel,  # processes

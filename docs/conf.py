@@ -19,7 +19,10 @@ from pathlib import Path
 from sphinx.ext.napoleon import NumpyDocstring
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "tests" / "support")]  # what the layout promises stands there
+sys.path[:0] = [
+    str(HERE / "_ext"),
+    str(HERE.parent / "tests" / "support"),
+]  # what the layout promises stands there
 
 project = "rollslip"
 author = "The rollslip developers"
@@ -61,7 +64,9 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",
     "within_subsection_order": "FileNameSortKey",
-    "subsection_order": [f"questions/{topic}" for topic in ("motion", "bearing", "contact", "oil", "decisions")],
+    "subsection_order": [
+        f"questions/{topic}" for topic in ("motion", "bearing", "contact", "oil", "decisions")
+    ],
     "reset_modules": ("pictures.reset",),
     "image_srcset": ["2x"],
     "capture_repr": (),  # what is printed is enough

@@ -34,7 +34,14 @@ NAMES = {
     "rollslip_kernels.slices": ("Slices",),
 }
 ARRAY = "Array: TypeAlias = NDArray[np.float64]"
-PYTHON = {"double": "float", "bint": "bool", "int": "int", "size_t": "int", "Py_ssize_t": "int", "object": "Any"}
+PYTHON = {
+    "double": "float",
+    "bint": "bool",
+    "int": "int",
+    "size_t": "int",
+    "Py_ssize_t": "int",
+    "object": "Any",
+}
 C_TYPE = r"(?:const )?\w+(?:\[[^]]*\])?"
 #: A class, a function or an annotated name, at the margin or within a class; texts are cut to their first line before.
 ITEM = re.compile(
@@ -73,7 +80,9 @@ def parameter(text: str) -> str:
 
 def parameters(text: str) -> str:
     """Return the parameters of a Cython function, which commas outside brackets separate."""
-    depth, start, parts = 0, 0, []
+    depth = 0
+    start = 0
+    parts = []
     text = " ".join(text.split()).rstrip(",") + ","
     for k, character in enumerate(text):
         if character in "([":
@@ -110,7 +119,9 @@ def imports(code: str, own: str) -> list[str]:
 
 def stub(source: Path) -> str:
     """Return the stub of a .pyx file."""
-    text = re.sub(r'"""(.*?)(?:\n.*?)?"""', r'"""\1"""', source.read_text(encoding="utf-8"), flags=re.DOTALL)
+    text = re.sub(
+        r'"""(.*?)(?:\n.*?)?"""', r'"""\1"""', source.read_text(encoding="utf-8"), flags=re.DOTALL
+    )
     beside = source.with_suffix(".pxd")
     attributes = members((beside.read_text(encoding="utf-8") if beside.exists() else "") + text)
     lines = list[str]()
@@ -129,16 +140,27 @@ def stub(source: Path) -> str:
             lines += ["", f"class {name}{item['base'] or ''}:", body]
             lines += attributes.get(name, [])
         elif item["name"]:
-            result = "None" if name == "__init__" or ".setter" in decorator else item["returns"] or "object"
+            result = (
+                "None"
+                if name == "__init__" or ".setter" in decorator
+                else item["returns"] or "object"
+            )
             space = "" if indent else "\n"
-            lines.append(f"{space}{decorator}{indent}def {name}({parameters(item['parameters'])}) -> {result}:")
+            lines.append(
+                f"{space}{decorator}{indent}def {name}({parameters(item['parameters'])}) -> {result}:"
+            )
             lines.append(body)
             decorator = ""
         else:
             value = item["value"] if item["type"] == "TypeAlias" else ""
             lines.append(f"{indent}{name}: {item['type']}{value}")
     code = "\n".join(line for line in lines if '"""' not in line)
-    head = [f"# Written by setup.py from {source.name}.", *imports(ARRAY + code, source.stem), "", ARRAY]
+    head = [
+        f"# Written by setup.py from {source.name}.",
+        *imports(ARRAY + code, source.stem),
+        "",
+        ARRAY,
+    ]
     return "\n".join(head + lines) + "\n"
 
 
@@ -159,7 +181,8 @@ def expanded(text: str) -> Iterator[str]:
 
 def items(text: str) -> Iterator[str]:
     """Yield what stands in C at the margin: definitions of types, and functions with their bodies."""
-    depth, start = 0, 0
+    depth = 0
+    start = 0
     for k, character in enumerate(text):
         depth += (character == "{") - (character == "}")
         if depth == 0 and character in ";}":
@@ -183,10 +206,16 @@ def member(text: str) -> list[str]:
 def declaration(item: str) -> list[str]:
     """Return lines that declare a definition of C in Cython."""
     if found := re.fullmatch(r"enum \{(.*)\};", item):
-        return ["enum:", *(f"    {name.split('=')[0].strip()}" for name in found[1].split(",") if name.strip())]
+        return [
+            "enum:",
+            *(f"    {name.split('=')[0].strip()}" for name in found[1].split(",") if name.strip()),
+        ]
     if found := re.fullmatch(r"typedef struct \{(.*)\} (\w+);", item):
         lines = [text.strip() for text in found[1].split(";") if text.strip()]
-        return [f"ctypedef struct {found[2]}:", *(f"    {line}" for text in lines for line in member(text))]
+        return [
+            f"ctypedef struct {found[2]}:",
+            *(f"    {line}" for text in lines for line in member(text)),
+        ]
     if found := re.fullmatch(r"typedef (.*);", item):
         return [f"ctypedef {found[1]}{' noexcept nogil' if '(' in found[1] else ''}"]
     found = re.match(r"([^{=]+\)) ?\{", item)
@@ -212,8 +241,14 @@ def declarations(header: Path) -> str:
     found = [*map(constant, lines), *map(declaration, items(code))]
     written = [f"# Written by setup.py from {header.name}.", "from libc.stdint cimport uint32_t"]
     for name in re.findall(r'#include "(?:\w+/)?(\w+\.h)"', text):
-        written += [f"from {module} cimport *" for module, place in HEADERS.items() if place.endswith(f"/{name}")]
-    place = header.name if header.parent.name == "include" else f"{header.parent.name}/{header.name}"
+        written += [
+            f"from {module} cimport *"
+            for module, place in HEADERS.items()
+            if place.endswith(f"/{name}")
+        ]
+    place = (
+        header.name if header.parent.name == "include" else f"{header.parent.name}/{header.name}"
+    )
     written += ["", f'cdef extern from "{place}" nogil:']
     for block in dict.fromkeys(tuple(block) for block in found if block):
         written += [f"    {line}" for line in block] + [""]

@@ -62,4 +62,8 @@ def pytest_collection_finish():
 def pytest_ignore_collect(collection_path, config):
     """Leave out files without a quick test where nothing but quick tests is asked for."""
     asked = config.option.markexpr == "quick" and collection_path.suffix == ".py"
-    return True if asked and "pytest.mark.quick" not in collection_path.read_text(encoding="utf-8") else None
+    return (
+        True
+        if asked and "pytest.mark.quick" not in collection_path.read_text(encoding="utf-8")
+        else None
+    )

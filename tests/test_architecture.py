@@ -53,7 +53,9 @@ def imported(path: Path) -> set[str]:
         return set(re.findall(r'#include\s+[<"]([\w./]+)[>"]', text))
     return {
         name
-        for pair in re.findall(r"^\s*(?:from\s+([\w.]+)\s+c?import|c?import\s+([\w.]+))", text, re.M)
+        for pair in re.findall(
+            r"^\s*(?:from\s+([\w.]+)\s+c?import|c?import\s+([\w.]+))", text, re.M
+        )
         for name in pair
         if name
     }
@@ -66,19 +68,27 @@ def not_allowed(package: str, path: Path) -> set[str]:
         others = imported(path) - {"math.h", "stddef.h", "stdint.h", "string.h"}
         return {name for name in others if not any((folder / name).is_file() for folder in places)}
     ours = {name.split(".")[0] for name in imported(path)} & set(FOLDERS)
-    face = {"rollslip_campaigns"} if path == FOLDERS["rollslip"] / "__init__.py" else set()  # for types alone
+    face = (
+        {"rollslip_campaigns"} if path == FOLDERS["rollslip"] / "__init__.py" else set()
+    )  # for types alone
     return ours - ALLOWED[package] - face
 
 
 @pytest.mark.quick
 def test_imports_flow_one_way():
-    faults = {str(path): wrong for package, path in SOURCES if (wrong := not_allowed(package, path))}
+    faults = {
+        str(path): wrong for package, path in SOURCES if (wrong := not_allowed(package, path))
+    }
     assert faults == {}
 
 
 def test_every_compiled_kernel_was_looked_at():
     kernels = FOLDERS["rollslip_kernels"]
-    found = {path.relative_to(kernels).with_suffix("").as_posix() for _, path in SOURCES if path.suffix == ".pyx"}
+    found = {
+        path.relative_to(kernels).with_suffix("").as_posix()
+        for _, path in SOURCES
+        if path.suffix == ".pyx"
+    }
     assert found == {
         "chain", "equilibrium", "gauss", "layout",
         *(f"motion/{name}"
@@ -102,18 +112,33 @@ def plugins_named(folder: Path) -> list[str]:
 
 def test_kernels_name_no_plugin(tmp_path):
     assert not plugins_named(FOLDERS["rollslip_kernels"])
-    for k, fault in enumerate(("from rollslip_plugins import film", "/* as in rollslip_plugins.film */", "# plugins/")):
+    for k, fault in enumerate(
+        ("from rollslip_plugins import film", "/* as in rollslip_plugins.film */", "# plugins/")
+    ):
         (tmp_path / f"planted{k}.{'h' if '*' in fault else 'pyx'}").write_text(f"\n{fault}\n")
     assert len(plugins_named(tmp_path)) == 3
 
 
 def test_strangers_are_promised_five_headers():
-    names = {path.name for path in (FOLDERS["rollslip_kernels"] / "include").iterdir() if path.suffix in (".h", ".pxd")}
-    assert names == {"rollslip.h", "rollslip_abi.pxd", "rollslip_math.h", "rollslip_stage.pxd", "rollslip_drag.pxd"}
+    names = {
+        path.name
+        for path in (FOLDERS["rollslip_kernels"] / "include").iterdir()
+        if path.suffix in (".h", ".pxd")
+    }
+    assert names == {
+        "rollslip.h",
+        "rollslip_abi.pxd",
+        "rollslip_math.h",
+        "rollslip_stage.pxd",
+        "rollslip_drag.pxd",
+    }
 
 
 def test_the_header_includes_no_python():
-    assert imported(FOLDERS["rollslip_kernels"] / "include" / "rollslip.h") == {"stddef.h", "stdint.h"}
+    assert imported(FOLDERS["rollslip_kernels"] / "include" / "rollslip.h") == {
+        "stddef.h",
+        "stdint.h",
+    }
 
 
 def columns_of(path: Path) -> list[str]:
@@ -128,7 +153,9 @@ def test_a_column_is_listed_in_one_place():
 
     folder = FOLDERS["rollslip_kernels"]
     kernels = [path for package, path in SOURCES if package == "rollslip_kernels"]
-    listing = [path for path in kernels if set(COLUMNS) <= set(re.findall(r"\w+", path.read_text()))]
+    listing = [
+        path for path in kernels if set(COLUMNS) <= set(re.findall(r"\w+", path.read_text()))
+    ]
     assert listing == [folder / "include" / name for name in ("rollslip.h", "rollslip_abi.pxd")]
     assert ["n", *columns_of(listing[0])] == columns_of(listing[1]) == list(layout()[1])
 
@@ -150,7 +177,10 @@ PLANTED = {
         ("cli/run.py", "def late():\n    from rollslip_campaigns.sweep.run import run_sweep"),
         ("planning/plan.py", "from rollslip_studies.steady_slip.study import SteadySlip"),
         ("studies/study.py", 'HOME = "rollslip_studies.dynamics.study"'),
-        ("plugins/rollslip_studies/dynamics/study.py", "from rollslip_campaigns.sweep.sampling import Design"),
+        (
+            "plugins/rollslip_studies/dynamics/study.py",
+            "from rollslip_campaigns.sweep.sampling import Design",
+        ),
         ("results/report.py", 'HOME = "rollslip_campaigns.sweep.findings"'),
     ],
     "circles": [
@@ -172,17 +202,32 @@ PLANTED = {
         ("planning/plan.py", 'X = "rodas5p"'),
     ],
     "misplaced": [
-        ("plugins/rollslip_studies/dynamics/findings.py", "from rollslip.studies.study import Study"),
+        (
+            "plugins/rollslip_studies/dynamics/findings.py",
+            "from rollslip.studies.study import Study",
+        ),
         ("plugins/rollslip_campaigns/fit/findings.py", "import scipy"),
         ("studies/parts.py", "import matplotlib"),
         ("planning/plan.py", "import click"),
         ("plugins/rollslip_campaigns/sweep/point.py", "import sqlite3"),
     ],
     "entangled": [
-        ("plugins/rollslip_campaigns/fit/problem.py", "from rollslip_campaigns.sweep.sampling import Design"),
-        ("plugins/rollslip_campaigns/sweep/point.py", "def late():\n    from rollslip_campaigns.pareto import pareto"),
-        ("plugins/rollslip_campaigns/limit/limit.py", "from rollslip_studies.dynamics.choice import choose_motion"),
-        ("plugins/rollslip_studies/dynamics/cost.py", "from rollslip_studies.steady_slip.losses import losses"),
+        (
+            "plugins/rollslip_campaigns/fit/problem.py",
+            "from rollslip_campaigns.sweep.sampling import Design",
+        ),
+        (
+            "plugins/rollslip_campaigns/sweep/point.py",
+            "def late():\n    from rollslip_campaigns.pareto import pareto",
+        ),
+        (
+            "plugins/rollslip_campaigns/limit/limit.py",
+            "from rollslip_studies.dynamics.choice import choose_motion",
+        ),
+        (
+            "plugins/rollslip_studies/dynamics/cost.py",
+            "from rollslip_studies.steady_slip.losses import losses",
+        ),
     ],
 }
 
@@ -198,13 +243,16 @@ def tree(tmp_path_factory):
     """A copy of the sources in which faults are planted."""
     root = tmp_path_factory.mktemp("tree")
     for folder in ("framework", "plugins"):
-        shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+        shutil.copytree(
+            ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
+        )
     shutil.copy(ROOT / "pyproject.toml", root)
     return root
 
 
 @pytest.mark.parametrize(
-    ("rule", "place", "line"), [(rule, *fault) for rule, faults in PLANTED.items() for fault in faults]
+    ("rule", "place", "line"),
+    [(rule, *fault) for rule, faults in PLANTED.items() for fault in faults],
 )
 def test_a_planted_fault_is_caught(rule, place, line, tree):
     path = tree / (place if place.startswith("plugins/") else f"framework/rollslip/{place}")
@@ -236,7 +284,9 @@ def test_help_imports_nothing_heavy(command):
         "heavy -= {'pluggy'} if sys.argv[1:] == ['--help'] else set()  # 3 ms: by it campaigns say what they are\n"
         "assert not heavy, heavy"
     )
-    done = subprocess.run([sys.executable, "-c", code, *command], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code, *command], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
 
 
@@ -249,7 +299,10 @@ def test_a_run_without_plots_loads_neither_matplotlib_nor_scipy_nor_an_integrato
         "assert not found, found"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "o")], capture_output=True, text=True, check=False
+        [sys.executable, "-c", code, str(tmp_path / "o")],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
 
@@ -324,7 +377,18 @@ UNNAMED = {
 MOST = {"minimal": 184, "full": 232}
 #: Libraries of a minimal run, with those that they take by themselves.
 LIBRARIES = {
-    *("attr", "attrs", "click", "filelock", "h5netcdf", "h5py", "numpy", "packaging", "pluggy", "xarray"),
+    *(
+        "attr",
+        "attrs",
+        "click",
+        "filelock",
+        "h5netcdf",
+        "h5py",
+        "numpy",
+        "packaging",
+        "pluggy",
+        "xarray",
+    ),
     *("pandas", "dateutil", "pytz", "six", "tzdata"),
 }
 
@@ -343,23 +407,35 @@ def test_only_what_a_scene_names_is_loaded(name, tmp_path):
     )
     command = ["run", str(tmp_path / "own.toml"), "--out", str(tmp_path / "o")]
     command += ["--no-plots"] if name == "minimal" else []
-    done = subprocess.run([sys.executable, "-c", code, *command], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code, *command], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     loaded = set(json.loads(done.stdout.splitlines()[-1]))
     box = "rollslip_plugins."
     plugins = {module.removeprefix(box) for module in loaded if module.startswith(box)}
     packages = {module.partition(".")[0] for module in loaded}
     assert {"contact", "film.formulas", "data.lubricants"} <= plugins
-    assert plugins & UNNAMED <= {"traction.field", "traction.conduction", "traction.relaxation"}  # instead, by W11
+    assert plugins & UNNAMED <= {
+        "traction.field",
+        "traction.conduction",
+        "traction.relaxation",
+    }  # instead, by W11
     assert "drag.torques" in plugins  # every bearing has a cage, and it is dragged
-    assert name == "full" or "drag.rolling" in plugins  # as every roller is, unless the scene names its drags
+    assert (
+        name == "full" or "drag.rolling" in plugins
+    )  # as every roller is, unless the scene names its drags
     assert ("integrators.rosenbrock" in plugins) == (name == "full")
     assert ("scipy" in packages) == ("matplotlib" in packages) == (name == "full")
     assert not packages & {"sksundae", "dask", "optuna", "numba", "sympy"}
     assert not loaded & {"scipy.integrate", "scipy.stats", "scipy.signal", "scipy.io"}
     own = sorted(module for module in loaded if module.startswith("rollslip"))
     assert len(own) <= MOST[name], own
-    others = {package for package in packages - sys.stdlib_module_names if not package.startswith(("_", "rollslip"))}
+    others = {
+        package
+        for package in packages - sys.stdlib_module_names
+        if not package.startswith(("_", "rollslip"))
+    }
     assert name == "full" or others - {"cython_runtime"} <= LIBRARIES
 
 

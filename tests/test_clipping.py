@@ -14,8 +14,14 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="nee
 FORMULA = "<math display='block'><mfrac><mi>a</mi><mi>b</mi></mfrac><mo>=</mo><mi>c</mi></math>"
 PAGES = {
     "whole": ("<p>words</p>", set()),
-    "cut": (f"<div style='overflow:hidden;height:14px'>{FORMULA}</div>", {"cut off above or below"}),
-    "scrolled": (f"<div style='overflow:auto;width:20px'>{FORMULA}</div>", {"a formula has to be scrolled"}),
+    "cut": (
+        f"<div style='overflow:hidden;height:14px'>{FORMULA}</div>",
+        {"cut off above or below"},
+    ),
+    "scrolled": (
+        f"<div style='overflow:auto;width:20px'>{FORMULA}</div>",
+        {"a formula has to be scrolled"},
+    ),
     "beyond": (
         "<p style='white-space:nowrap'>" + "wide " * 300 + "</p>",
         {"out of the page", "the page has to be scrolled sideways"},
@@ -40,4 +46,6 @@ def test_every_fault_is_found_and_nothing_else(tmp_path, monkeypatch):
         (tmp_path / f"{name}.html").write_text(page, encoding="utf-8")
     found = clipping.look(tmp_path, [(f"/{name}.html", 1280) for name in PAGES], CHROMIUM)
     for name, (_, faults) in PAGES.items():
-        assert {row[3] for row in found if row[0] == f"/{name}.html" and row[2] == "light"} == faults, name
+        assert {
+            row[3] for row in found if row[0] == f"/{name}.html" and row[2] == "light"
+        } == faults, name

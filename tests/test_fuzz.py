@@ -23,7 +23,8 @@ LARGEST = 200_000  # KiB by which an input may let the process grow
 def run(target, data):
     """Run a target within its limits; where it hangs in C, end the tests with a traceback."""
     faulthandler.dump_traceback_later(60, exit=True)
-    time_before, memory_before = time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    time_before = time.process_time()
+    memory_before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     try:
         target.run(data)
     finally:
@@ -57,7 +58,9 @@ COUNTS = {
 
 
 #: Behind some damaged files h5netcdf leaves a half-open one, whose ``__del__`` complains during a later test.
-OF_HDF5 = pytest.mark.skip(reason="h5netcdf complains of damaged files when it is collected; run it alone")
+OF_HDF5 = pytest.mark.skip(
+    reason="h5netcdf complains of damaged files when it is collected; run it alone"
+)
 NAMES = [pytest.param(name, marks=[OF_HDF5] * (name == "result")) for name in TARGETS]
 
 
@@ -82,11 +85,27 @@ def test_any_input_is_read_or_refused_at_length(name):
 HEX = "0x" + "f" * 5000
 #: Target, input, what it did when it was found.
 KEPT = [
-    ("scene", OWN + b"[study.x]\n" + b".".join([b"a"] * 2000) + b" = 1", "RecursionError, tables within tables"),
-    ("scene", OWN + f"[surface]\nroller_roughness = {HEX}".encode(), "ValueError where the message spelt it out"),
-    ("scene", OWN.replace(b"slices = 21", f"slices = {HEX}".encode()), "ValueError as a whole number"),
+    (
+        "scene",
+        OWN + b"[study.x]\n" + b".".join([b"a"] * 2000) + b" = 1",
+        "RecursionError, tables within tables",
+    ),
+    (
+        "scene",
+        OWN + f"[surface]\nroller_roughness = {HEX}".encode(),
+        "ValueError where the message spelt it out",
+    ),
+    (
+        "scene",
+        OWN.replace(b"slices = 21", f"slices = {HEX}".encode()),
+        "ValueError as a whole number",
+    ),
     ("scene", OWN.replace(b'"0.4 kg"', HEX.encode()), "ValueError when the scene was hashed"),
-    ("scene", 2 * (b"[" + b".".join([b"a"] * 1000) + b"]\n"), "a message of thousands of characters"),
+    (
+        "scene",
+        2 * (b"[" + b".".join([b"a"] * 1000) + b"]\n"),
+        "a message of thousands of characters",
+    ),
     ("bearing", OWN.replace(b"slices = 21", b"slices = 1_000_000_000"), "8 GB"),
     ("unit", b"\x00" + b"1 " + b"mm " * 5000, "minutes in exact fractions"),
     ("unit", b"\x001," + b"9" * 5000, "a message of thousands of characters"),
@@ -97,7 +116,9 @@ KEPT = [
 ]
 
 
-@pytest.mark.parametrize(("name", "data"), [pytest.param(*case[:2], id=f"{case[0]}: {case[2]}") for case in KEPT])
+@pytest.mark.parametrize(
+    ("name", "data"), [pytest.param(*case[:2], id=f"{case[0]}: {case[2]}") for case in KEPT]
+)
 def test_what_was_found_stays_mended(name, data):
     run(TARGETS[name], data)
 

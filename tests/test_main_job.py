@@ -24,7 +24,10 @@ STUDY = "effective-friction"
 def test_a_bare_run_enters_few_modules_and_lines():
     # in a process of its own: a tracer of coverage, and what other tests have cached, would change the count
     done = subprocess.run(
-        [sys.executable, str(ROOT / "tests/support/main_job.py")], capture_output=True, text=True, check=True
+        [sys.executable, str(ROOT / "tests/support/main_job.py")],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     *rows, total = done.stdout.splitlines()
     modules, _, lines, _ = total.split()
@@ -60,7 +63,9 @@ def test_a_run_computes_nothing_for_readers(nothing_for_readers):
 def test_a_run_that_is_made_again_finer_estimates_no_cost(nothing_for_readers, monkeypatch):
     finer = []
     again = Plan.again
-    monkeypatch.setattr(Plan, "again", lambda plan, *given: finer.append(given) or again(plan, *given))
+    monkeypatch.setattr(
+        Plan, "again", lambda plan, *given: finer.append(given) or again(plan, *given)
+    )
 
     def refuse(plan, study):
         raise AssertionError("nobody is shown the time left")
@@ -87,7 +92,9 @@ ASKED = {
 
 
 @pytest.mark.parametrize("asked", ASKED)
-def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(asked, tmp_path, monkeypatch):
+def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(
+    asked, tmp_path, monkeypatch
+):
     calls = []
     bands = band.bands
     monkeypatch.setattr(band, "bands", lambda *given: calls.append(given) or bands(*given))
@@ -96,16 +103,31 @@ def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(asked, 
     for _ in range(2):
         ASKED[asked](result, tmp_path)
     assert len(calls) == 1
-    assert {"band", "consequences", "validity", "cost", "plan", "models", "citations"} <= result.attrs.keys()
+    assert {
+        "band",
+        "consequences",
+        "validity",
+        "cost",
+        "plan",
+        "models",
+        "citations",
+    } <= result.attrs.keys()
     assert json.loads(result.attrs["warnings"])
 
 
 LOADS = "operation.radial_load=1kN:2kN:2"
 CAMPAIGNS = {
-    "sweep": lambda scene, out: rollslip.sweep(scene, LOADS, study="steady-slip", engine="serial", out=out),
+    "sweep": lambda scene, out: rollslip.sweep(
+        scene, LOADS, study="steady-slip", engine="serial", out=out
+    ),
     "samples": lambda scene, out: rollslip.uncertainty(scene, samples=2, engine="serial", out=out),
     "search": lambda scene, out: rollslip.limit(
-        scene, "operation.radial_load=1kN:3kN:3", "steady_slip<2%", study="steady-slip", engine="serial", out=out
+        scene,
+        "operation.radial_load=1kN:3kN:3",
+        "steady_slip<2%",
+        study="steady-slip",
+        engine="serial",
+        out=out,
     ),
 }
 

@@ -22,14 +22,22 @@ def as_in_conda(requirements):
 
 
 def test_the_conda_recipe_asks_for_what_the_project_asks_for():
-    project, needs = PROJECT["project"], RECIPE["requirements"]
+    project = PROJECT["project"]
+    needs = RECIPE["requirements"]
     assert sorted(needs["run"]) == sorted(
         [f"python {project['requires-python']}", *as_in_conda(project["dependencies"])]
     )
-    assert sorted(needs["host"]) == sorted(["python", "pip", *as_in_conda(PROJECT["build-system"]["requires"])])
+    assert sorted(needs["host"]) == sorted(
+        ["python", "pip", *as_in_conda(PROJECT["build-system"]["requires"])]
+    )
     assert RECIPE["context"]["version"] == project["version"]
-    assert RECIPE["build"]["python"]["entry_points"] == [f"{name} = {of}" for name, of in project["scripts"].items()]
-    assert (RECIPE["about"]["summary"], RECIPE["about"]["license"]) == (project["description"], project["license"])
+    assert RECIPE["build"]["python"]["entry_points"] == [
+        f"{name} = {of}" for name, of in project["scripts"].items()
+    ]
+    assert (RECIPE["about"]["summary"], RECIPE["about"]["license"]) == (
+        project["description"],
+        project["license"],
+    )
     assert (ROOT / RECIPE["about"]["license_file"]).is_file()
 
 

@@ -16,7 +16,9 @@ from rollslip.results.figures import Result
 
 pytestmark = pytest.mark.quick
 
-PAGE = (Path(__file__).parents[1] / "docs" / "reference" / "stability.rst").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "reference" / "stability.rst").read_text(
+    encoding="utf-8"
+)
 #: Module -> names that version 0.1 offered there.
 PROMISED = {
     "rollslip": """Chain Conditions RollslipDeprecationWarning Slices available compare evolve explore fit
@@ -70,8 +72,12 @@ def test_names_of_the_package_are_loaded_when_they_are_used():
 
 
 def test_types_of_every_public_function_are_known():
-    functions = [value for name in dir(rollslip) if not isinstance(value := getattr(rollslip, name), type)]
-    returned = {value.__name__: get_type_hints(value)["return"] for value in functions if callable(value)}
+    functions = [
+        value for name in dir(rollslip) if not isinstance(value := getattr(rollslip, name), type)
+    ]
+    returned = {
+        value.__name__: get_type_hints(value)["return"] for value in functions if callable(value)
+    }
     assert (returned["run"], returned["open_result"]) == (Result, xr.Dataset)
     assert {"answer", "info", "plan", "report", "table", "sweep", "new"} <= returned.keys()
 
@@ -83,24 +89,47 @@ def test_every_hook_is_promised():
 
 
 def test_page_and_program_agree_on_what_things_derive_from():
-    rows = re.findall(r"^   \* - (.+)\n     - ``([\w.]+)\.(\w+)``\n     - (promised|provisional)$", PAGE, re.MULTILINE)
+    rows = re.findall(
+        r"^   \* - (.+)\n     - ``([\w.]+)\.(\w+)``\n     - (promised|provisional)$",
+        PAGE,
+        re.MULTILINE,
+    )
     found = {of: getattr(importlib.import_module(module), name) for of, module, name, _ in rows}
-    assert {kind: get_kind(kind).base for kind in kinds()} == {kind: found[kind] for kind in kinds()}
+    assert {kind: get_kind(kind).base for kind in kinds()} == {
+        kind: found[kind] for kind in kinds()
+    }
     assert len(found) == len(rows) == PAGE.count("   * - ") - 1
     for of, module, name, promise in rows:
         assert (name in PROMISED.get(module, "").split()) == (promise == "promised"), of
-    assert {name for *_, name, promise in rows if promise == "provisional"} >= {"Study", "Output", "Assembly"}
+    assert {name for *_, name, promise in rows if promise == "provisional"} >= {
+        "Study",
+        "Output",
+        "Assembly",
+    }
 
 
 def test_promised_entry_points_are_there():
     points = distribution("rollslip").entry_points
-    assert {"contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing"} <= {
-        point.group.removeprefix("rollslip.") for point in points
-    }
+    assert {
+        "contact",
+        "film",
+        "traction",
+        "drag",
+        "integrator",
+        "engine",
+        "lubricant",
+        "bearing",
+    } <= {point.group.removeprefix("rollslip.") for point in points}
     [command] = points.select(group="console_scripts", name="rollslip")
     assert command.value == "rollslip.cli:main"
 
 
 def test_the_headers_for_strangers_are_where_get_include_says():
     headers = {path.name for path in Path(rollslip.get_include()).iterdir()}
-    assert {"rollslip.h", "rollslip_math.h", "rollslip_abi.pxd", "rollslip_stage.pxd", "rollslip_drag.pxd"} <= headers
+    assert {
+        "rollslip.h",
+        "rollslip_math.h",
+        "rollslip_abi.pxd",
+        "rollslip_stage.pxd",
+        "rollslip_drag.pxd",
+    } <= headers

@@ -25,13 +25,19 @@ def defined(path: Path) -> set[str]:
 
 def faults(page: str) -> list[str]:
     """What is wrong with a reading list: what is not there, or stands before what it imports."""
-    known, edges, found = architecture.modules(), architecture.graph(), list[str]()
-    listed = {"rollslip." + row[0].removesuffix(".py").replace("/", "."): row for row in ROW.findall(page)}
+    known = architecture.modules()
+    edges = architecture.graph()
+    found = list[str]()
+    listed = {
+        "rollslip." + row[0].removesuffix(".py").replace("/", "."): row for row in ROW.findall(page)
+    }
     there = [name for name in listed if name in known]
     found += [f"there is no {row[0]}" for name, row in listed.items() if name not in known]
     for k, name in enumerate(there):
         path, decides, look = listed[name]
-        found += [f"{path} imports {listed[later][0]}" for later in there[k + 1 :] if later in edges[name]]
+        found += [
+            f"{path} imports {listed[later][0]}" for later in there[k + 1 :] if later in edges[name]
+        ]
         if not re.fullmatch(r"[A-Z][^.]+\.", decides):
             found.append(f"of {path} more, or less, than a sentence is said")
         names = set(re.findall(r"``(\w+)``", look))
@@ -44,7 +50,9 @@ def faults(page: str) -> list[str]:
 @pytest.mark.quick
 def test_the_reading_list_is_in_order():
     rows = ROW.findall(PAGE)
-    assert [int(number) for number in re.findall(r"^These (\d+) modules", PAGE, re.MULTILINE)] == [len(rows)]
+    assert [int(number) for number in re.findall(r"^These (\d+) modules", PAGE, re.MULTILINE)] == [
+        len(rows)
+    ]
     assert len({row[0] for row in rows}) == len(rows)
     assert faults(PAGE) == []
 
@@ -53,11 +61,31 @@ def test_the_reading_list_is_in_order():
     ("old", "new", "told"),
     [
         ("* - ``bearing/chain.py``", "* - ``bearing/links.py``", "there is no bearing/links.py"),
-        ("``bearing/regimes.py``", "``planning/progress.py``", "planning/progress.py has no film_by_regime"),
-        ("``hookspecs.py``", "``studies/parts.py``", "studies/parts.py imports bearing/assembly.py"),
-        ("``Kind``, ``get_kind``", "``Kind``, ``have_kind``", "catalogue/kinds.py has no have_kind"),
-        ("     - ``get_model``, ``structure_model``", "     - all", "nothing to look at in catalogue/registry.py"),
-        ("from its dataset alone, by", "from its dataset alone. By", "of results/account.py more, or less"),
+        (
+            "``bearing/regimes.py``",
+            "``planning/progress.py``",
+            "planning/progress.py has no film_by_regime",
+        ),
+        (
+            "``hookspecs.py``",
+            "``studies/parts.py``",
+            "studies/parts.py imports bearing/assembly.py",
+        ),
+        (
+            "``Kind``, ``get_kind``",
+            "``Kind``, ``have_kind``",
+            "catalogue/kinds.py has no have_kind",
+        ),
+        (
+            "     - ``get_model``, ``structure_model``",
+            "     - all",
+            "nothing to look at in catalogue/registry.py",
+        ),
+        (
+            "from its dataset alone, by",
+            "from its dataset alone. By",
+            "of results/account.py more, or less",
+        ),
     ],
 )
 def test_a_planted_fault_of_the_list_is_found(old, new, told):
@@ -75,9 +103,12 @@ def test_an_option_of_a_campaign_is_declared_where_the_page_says():
         folder = ROOT / "plugins" / cls.__module__.replace(".", "/")
         texts = [path.read_text() for path in folder.glob("*.py")]
         for option in (one.name for one in options_of(cls)):
-            field, other = rf"^    {option}: .* = (?:setting|parameter)\(", rf"^@click.option\(\s*\"--{option}\""
+            field = rf"^    {option}: .* = (?:setting|parameter)\("
+            other = rf"^@click.option\(\s*\"--{option}\""
             handed = rf"^def (?:plan|run)\w*\([^)]*\b{option}:"
-            found = sum(len(re.findall(f"{field}|{other}|{handed}", text, re.MULTILINE)) for text in texts)
+            found = sum(
+                len(re.findall(f"{field}|{other}|{handed}", text, re.MULTILINE)) for text in texts
+            )
             declared[name, option] = found - (name in ("validate", "rank") and option in VALIDATED)
     assert len(declared) > 30
     assert {name for (name, _), count in declared.items() if count != 1} == {"sweep"}

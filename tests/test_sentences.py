@@ -25,7 +25,8 @@ every = functools.cache(sentences.sentences)  # by the tests, not by the collect
 def test_the_list_of_all_sentences_is_up_to_date():
     stored = sentences.LIST.read_text(encoding="utf-8").splitlines()
     now = sentences.as_csv(every()).splitlines()
-    new, gone = sorted(set(now) - set(stored)), sorted(set(stored) - set(now))
+    new = sorted(set(now) - set(stored))
+    gone = sorted(set(stored) - set(now))
     assert not new, "read them, then write the list by: python tests/support/sentences.py"
     assert not gone, "write the list by: python tests/support/sentences.py"
 
@@ -50,7 +51,9 @@ def test_what_is_said_is_found_in_any_form_and_code_is_not():
         ("told", "told", "it was {value}"),
     ]
     cython = '"""Not said."""\ncdef int f() except -1:\n    raise ValueError(f"the state is {n} long, " "not {m}")\n'
-    assert [one.text for one in sentences.of_cython(cython, "module")] == ["the state is {n} long, not {m}"]
+    assert [one.text for one in sentences.of_cython(cython, "module")] == [
+        "the state is {n} long, not {m}"
+    ]
 
 
 # What they tell one to type -------------------------------------------------------------------------------------------
@@ -73,7 +76,12 @@ def known_keys():
     }
     # tables as a whole can be given, too
     keys |= {f"models.separator.{field.name}" for field in attrs.fields(Separator)}
-    return keys | stages | {row.key for row in schema()} | {"uncertainty.lubricant", "uncertainty.correlation"}
+    return (
+        keys
+        | stages
+        | {row.key for row in schema()}
+        | {"uncertainty.lubricant", "uncertainty.correlation"}
+    )
 
 
 def below_of(command):
@@ -95,21 +103,36 @@ def bare(text):
 
 def names_nothing(text):
     """Keys and options in a sentence that nobody could type."""
-    keys = {key for key in KEY.findall(bare(text)) if key not in KEYS and not key.startswith("plugins.require")}
+    keys = {
+        key
+        for key in KEY.findall(bare(text))
+        if key not in KEYS and not key.startswith("plugins.require")
+    }
     return keys | {option for option in OPTION.findall(bare(text)) if option not in OPTIONS}
 
 
-KEYS, OPTIONS = known_keys(), known_options() | {"--help"}
+KEYS = known_keys()
+OPTIONS = known_options() | {"--help"}
 #: Settings of studies whose names are no plain words; of others it cannot be told whether they are meant as a key.
 SETTINGS = sorted(
-    {key.rpartition(".")[2] for key in KEYS if key.startswith("study.") and "_" in key.rpartition(".")[2]}
+    {
+        key.rpartition(".")[2]
+        for key in KEYS
+        if key.startswith("study.") and "_" in key.rpartition(".")[2]
+    }
 )
 #: A setting without the table that it stands in, or written as no command takes it.
-UNTYPABLE = re.compile(rf"(?<![\w.])(?:{'|'.join(SETTINGS)})\b|(?:take|with|set) (?:inertia|closure|level|friction) = ")
+UNTYPABLE = re.compile(
+    rf"(?<![\w.])(?:{'|'.join(SETTINGS)})\b|(?:take|with|set) (?:inertia|closure|level|friction) = "
+)
 
 
 def test_every_key_and_option_that_a_sentence_names_exists():
-    assert [(one, wrong) for one in every() if one.kind != "source" and (wrong := names_nothing(one.text))] == []
+    assert [
+        (one, wrong)
+        for one in every()
+        if one.kind != "source" and (wrong := names_nothing(one.text))
+    ] == []
     assert sum(bool(KEY.search(bare(one.text))) for one in every()) > 10
 
 
@@ -125,7 +148,8 @@ def test_every_command_that_a_sentence_names_exists():
 
 def test_a_key_or_an_option_that_does_not_exist_is_every():
     said = (
-        "raise accuracy.tolerances, study.dynamics.durations or lubricant.{name}, by --sets or --set accuracy.tolerance"
+        "raise accuracy.tolerances, study.dynamics.durations or lubricant.{name}, by "
+        "--sets or --set accuracy.tolerance"
     )
     assert names_nothing(said) == {"accuracy.tolerances", "study.dynamics.durations", "--sets"}
     assert {"study.dynamics.duration", "cage.drag", "models.traction.hydrodynamic"} <= KEYS
@@ -135,8 +159,14 @@ def test_a_key_or_an_option_that_does_not_exist_is_every():
 def test_no_sentence_names_a_setting_without_its_table():
     """A key can be typed as it stands: ``study.friction-curve.max_slip``, not ``max_slip``."""
     # what a study says of its own setting stands behind the place of that setting
-    told = [one for one in every() if one.kind in ("told", "error") and "__attrs_post_init__" not in one.where]
+    told = [
+        one
+        for one in every()
+        if one.kind in ("told", "error") and "__attrs_post_init__" not in one.where
+    ]
     assert [one for one in told if UNTYPABLE.search(bare(one.text))] == []
     assert UNTYPABLE.search("raise max_cage_slip")
     assert UNTYPABLE.search("take inertia = true")
-    assert not UNTYPABLE.search("with --set study.steady-slip.inertia=true, or study.friction-curve.max_slip")
+    assert not UNTYPABLE.search(
+        "with --set study.steady-slip.inertia=true, or study.friction-curve.max_slip"
+    )

@@ -13,10 +13,13 @@ pytestmark = [
     pytest.mark.quick,
     pytest.mark.skipif(shutil.which("bash") is None, reason="a script of bash"),
     pytest.mark.skipif(
-        not Path(sysconfig.get_path("include"), "Python.h").exists(), reason="this Python has no headers"
+        not Path(sysconfig.get_path("include"), "Python.h").exists(),
+        reason="this Python has no headers",
     ),
 ]
-OWN, OTHER = (f"3.{sys.version_info.minor + k}" for k in (0, 1 if sys.version_info.minor < 14 else -1))
+OWN, OTHER = (
+    f"3.{sys.version_info.minor + k}" for k in (0, 1 if sys.version_info.minor < 14 else -1)
+)
 
 
 def python(path):
@@ -31,9 +34,14 @@ def found(tmp_path, *more):
     tools.mkdir()
     for tool in ("bash", "ls", "sort", "sh"):
         (tools / tool).symlink_to(str(shutil.which(tool)))
-    given = {"PYENV_ROOT": str(tmp_path / "pyenv"), "PATH": os.pathsep.join(map(str, (*more, tools)))}
+    given = {
+        "PYENV_ROOT": str(tmp_path / "pyenv"),
+        "PATH": os.pathsep.join(map(str, (*more, tools))),
+    }
     script = Path(__file__).parents[1] / ".ci" / "wheels"
-    done = subprocess.run(["bash", script, "--pythons"], env=given, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["bash", script, "--pythons"], env=given, capture_output=True, text=True, check=True
+    )
     return [Path(line) for line in done.stdout.splitlines()]
 
 

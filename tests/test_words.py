@@ -59,4 +59,7 @@ def test_dialect_is_found_and_keys_are_not():
     assert dialect("100 % of the contact force is outside, what it was made for") == [
         "was made for", "100 % of the contact force"
     ]  # fmt: skip
-    assert dialect("``runaway_slip`` of {least load} in the runaway of the bulk; {a:.{b}f} slices") == []
+    assert (
+        dialect("``runaway_slip`` of {least load} in the runaway of the bulk; {a:.{b}f} slices")
+        == []
+    )

@@ -107,8 +107,14 @@ PROGRAM = "from rollslip.cli import main; main()"
 #: What is of one run alone.
 MASKED = (
     (r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d)?(\.\d+)?(\+\d\d:\d\d|Z)?", "DATE"),
-    (r"(?<![\w.])\d+(\.\d+)?(e[-+]?\d+)?( to \d+(\.\d+)?(e[-+]?\d+)?)? (ns|us|µs|ms|s|min|h)\b( left)?", "TIME"),
-    (r"(\"(planning|estimated|actual|[^\"]*(seconds|time|cost|process)[^\"]*)\": )[-\d.e+]+", r"\1TIME"),
+    (
+        r"(?<![\w.])\d+(\.\d+)?(e[-+]?\d+)?( to \d+(\.\d+)?(e[-+]?\d+)?)? (ns|us|µs|ms|s|min|h)\b( left)?",
+        "TIME",
+    ),
+    (
+        r"(\"(planning|estimated|actual|[^\"]*(seconds|time|cost|process)[^\"]*)\": )[-\d.e+]+",
+        r"\1TIME",
+    ),
     (r"id=\"[^\"]*\"|#[a-z][0-9a-f]{9,10}|[\"#]m[0-9a-f]{10}", "ID"),
     (r"\b(process|pid) \d+", "PROCESS"),
     (r"\b[0-9a-f]{64}\b", "HASH"),
@@ -149,7 +155,9 @@ def told_of_netcdf(path: Path) -> str:
             )
             known = f" {dataset[name].dims} {dataset[name].dtype} {hashlib.sha256(raw.encode()).hexdigest()}"
             lines.append(name + ("" if OF_A_RUN.search(name) else known))
-            lines += [f"  {name}@{key}: {value}" for key, value in sorted(dataset[name].attrs.items())]
+            lines += [
+                f"  {name}@{key}: {value}" for key, value in sorted(dataset[name].attrs.items())
+            ]
         for key, value in sorted(dataset.attrs.items()):
             lines.append(f"@{key}" if OF_A_RUN.search(str(key)) else f"@{key}: {value}")
     return "\n".join(lines)
@@ -176,11 +184,19 @@ def record(folder: Path, only: list[str]) -> None:
     cases = {f"help-{'-'.join(words)}": [PROGRAM, *words, "--help"] for words in commands}
     cases |= {name: [PROGRAM, *line.split()] for name, line in CASES.items()}
     scripts = sorted((ROOT / "docs" / "questions").glob("*/*.py"))
-    cases |= {f"gallery-{path.parent.name}-{path.stem}": [GALLERY, str(ROOT / "docs"), str(path)] for path in scripts}
+    cases |= {
+        f"gallery-{path.parent.name}-{path.stem}": [GALLERY, str(ROOT / "docs"), str(path)]
+        for path in scripts
+    }
     cases["ten-answers"] = [ANSWERS]
     begun = {" ".join(line.split()[:length]) for line in CASES.values() for length in (1, 2)}
-    leaves = {" ".join(words) for words in commands} - {" ".join(words[:1]) for words in commands if len(words) > 1}
-    print(f"no case of: {', '.join(sorted(leaves - begun - WITHOUT.keys() - {''})) or 'nothing'}", flush=True)
+    leaves = {" ".join(words) for words in commands} - {
+        " ".join(words[:1]) for words in commands if len(words) > 1
+    }
+    print(
+        f"no case of: {', '.join(sorted(leaves - begun - WITHOUT.keys() - {''})) or 'nothing'}",
+        flush=True,
+    )
     for name, words in cases.items():
         if only and not any(name.startswith(word) for word in only):
             continue
@@ -188,7 +204,9 @@ def record(folder: Path, only: list[str]) -> None:
         place.mkdir(parents=True)
         command = [sys.executable, "-c", *(word.replace("{out}", "o") for word in words)]
         environment = {**os.environ, "COLUMNS": "120", "SOURCE_DATE_EPOCH": "0"}
-        done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False, env=environment)
+        done = subprocess.run(
+            command, cwd=place, capture_output=True, text=True, check=False, env=environment
+        )
         said = {"out": done.stdout, "err": done.stderr, "code": str(done.returncode)}
         for path in sorted(place.rglob("*")):
             if path.is_file():
@@ -210,11 +228,17 @@ def record(folder: Path, only: list[str]) -> None:
 
 def compare(one: Path, other: Path) -> int:
     """Print what differs between two records; return how many texts do."""
-    names = {path.relative_to(folder) for folder in (one, other) for path in folder.rglob("*") if path.is_file()}
+    names = {
+        path.relative_to(folder)
+        for folder in (one, other)
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
     count = 0
     for name in sorted(names):
         texts = [
-            (folder / name).read_text(encoding="utf-8") if (folder / name).exists() else "" for folder in (one, other)
+            (folder / name).read_text(encoding="utf-8") if (folder / name).exists() else ""
+            for folder in (one, other)
         ]
         if texts[0] != texts[1]:
             count += 1

@@ -26,16 +26,20 @@ from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import runaway, running
 from rollslip_studies.steady_slip.minimum_load import least_load
 
-RANGE, SCENES = 0.95, 1000
+RANGE = 0.95
+SCENES = 1000
 LOADS = 10  # one in so many scenes is asked for its least load
 CLOSURES = "outer-rolling", "epicyclic", "free-roller"
-CRITICAL = frozenset({"critical_cage_slip", "critical_friction", "critical_status", "first_maximum_slip"})
+CRITICAL = frozenset(
+    {"critical_cage_slip", "critical_friction", "critical_status", "first_maximum_slip"}
+)
 counted = {"rollers": 0, "friction": 0}
 
 
 def count() -> None:
     """Count the slips at which rollers and friction are evaluated."""
-    at, together = Motions.at, raceways.friction_together
+    at = Motions.at
+    together = raceways.friction_together
 
     def counted_at(self: Motions, slips: Any, starts: Any = None) -> Any:
         counted["rollers"] += slips.size
@@ -54,8 +58,10 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
     scene = scenes.wide(number)
     balance = scenes.balance(scene)
     begin = time.process_time()
-    way, away = balance.way(RANGE), runaway(balance, RANGE, "")
-    steady, runs = way.steady(balance.drag), running(balance, RANGE)
+    way = balance.way(RANGE)
+    away = runaway(balance, RANGE, "")
+    steady = way.steady(balance.drag)
+    runs = running(balance, RANGE)
     yield "runaway slip", away.slip
     yield "runaway drag", away.drag
     yield "jumps to", away.to
@@ -71,17 +77,23 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
     yield "running status", runs.status
     yield "seconds of rollers", time.process_time() - begin
     begin = time.process_time()
-    asked = attrs.evolve(study.EffectiveFriction.of(scene), closure=CLOSURES[number % len(CLOSURES)])
+    asked = attrs.evolve(
+        study.EffectiveFriction.of(scene), closure=CLOSURES[number % len(CLOSURES)]
+    )
     made = assemble(scene)
     made = made.at(attrs.evolve(made.resolution, slices=min(12, made.slices), instants=4))
     critical, _ = (study.EffectiveFriction.together([(asked, made)], CRITICAL) or [])[0]
     for name in sorted(CRITICAL):
-        yield from ((f"{name} {ring}", value) for ring, value in enumerate(critical[name][1].tolist()))
+        yield from (
+            (f"{name} {ring}", value) for ring, value in enumerate(critical[name][1].tolist())
+        )
     yield "seconds of friction", time.process_time() - begin
     if number % LOADS == 0:
 
         def loaded(load: float) -> Any:
-            return scenes.balance(scenes.evolve(scene, {"operation.radial_load": load}), inertia=False)
+            return scenes.balance(
+                scenes.evolve(scene, {"operation.radial_load": load}), inertia=False
+            )
 
         load, status, _ = least_load(loaded, scene.operation.radial_load, 0.1)
         yield "least load", load
@@ -93,35 +105,58 @@ def record(file: str, number: int = SCENES) -> None:
     count()
     rows = []
     for k in range(number):
-        row, before = dict[str, Any](), dict(counted)
+        row = dict[str, Any]()
+        before = dict(counted)
         try:
             for name, value in found(k):
                 row[name] = value
         except (RollslipError, ArithmeticError, LookupError) as error:
             row["refused"] = str(error)
-        rows.append(row | {f"evaluations of {name}": counted[name] - before[name] for name in counted})
+        rows.append(
+            row | {f"evaluations of {name}": counted[name] - before[name] for name in counted}
+        )
     Path(file).write_text(json.dumps(rows), encoding="utf-8")
 
 
 def compare(one: str, two: str) -> None:
     """Print by how much values moved, and whose words are others."""
-    pairs = list(zip(*(json.loads(Path(file).read_text(encoding="utf-8")) for file in (one, two)), strict=True))
-    moved, others = dict[str, list[float]](), list[str]()
+    pairs = list(
+        zip(
+            *(json.loads(Path(file).read_text(encoding="utf-8")) for file in (one, two)),
+            strict=True,
+        )
+    )
+    moved = dict[str, list[float]]()
+    others = list[str]()
     for k, (before, after) in enumerate(pairs):
         if before.keys() != after.keys():
             others.append(f"{k}: {sorted(before.keys() ^ after.keys())}")
         for name in before.keys() & after.keys():
-            a, b = before[name], after[name]
-            if not isinstance(a, float) or not isinstance(b, float) or math.isnan(a) != math.isnan(b):
+            a = before[name]
+            b = after[name]
+            if (
+                not isinstance(a, float)
+                or not isinstance(b, float)
+                or math.isnan(a) != math.isnan(b)
+            ):
                 if a != b and not name.startswith("evaluations"):
                     others.append(f"{k}: {name}: {a} | {b}")
             elif not name.startswith("seconds") and not math.isnan(a):
-                moved.setdefault(name.rstrip("0123456789 "), []).append(0.0 if a == b else abs(b - a) / abs(a or b))
-    print(f"{'moved, relative':28}{'scenes':>8}{'the same':>10}{'middle':>12}{'95 %':>12}{'most':>12}")
+                moved.setdefault(name.rstrip("0123456789 "), []).append(
+                    0.0 if a == b else abs(b - a) / abs(a or b)
+                )
+    print(
+        f"{'moved, relative':28}{'scenes':>8}{'the same':>10}{'middle':>12}{'95 %':>12}{'most':>12}"
+    )
     for name, by in sorted(moved.items()):
         numbers = np.quantile(by, [0.5, 0.95, 1.0])
-        print(f"{name:28}{len(by):8}{by.count(0.0):10}" + "".join(f"{value:12.2g}" for value in numbers))
-    for name in sorted({name for pair in pairs for name in pair[0] if name.startswith(("seconds", "evaluations"))}):
+        print(
+            f"{name:28}{len(by):8}{by.count(0.0):10}"
+            + "".join(f"{value:12.2g}" for value in numbers)
+        )
+    for name in sorted(
+        {name for pair in pairs for name in pair[0] if name.startswith(("seconds", "evaluations"))}
+    ):
         sums = [sum(row.get(name, 0.0) for row in rows) for rows in zip(*pairs, strict=True)]
         print(f"{name}: {sums[0]:.6g}, then {sums[1]:.6g} ({sums[1] / (sums[0] or 1.0):.3f})")
     print(f"others: {len(others)}", *others, sep="\n")

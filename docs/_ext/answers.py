@@ -54,7 +54,9 @@ class Answers(SphinxDirective):
             for command, wanted in session("\n".join(self.content)):
                 given = answer(shlex.split(command), folder)
                 if not doctest.OutputChecker().check_output(wanted, given, FLAGS):
-                    self.state.document.reporter.warning(f"rollslip {command} answers:\n{given}", line=self.lineno)
+                    self.state.document.reporter.warning(
+                        f"rollslip {command} answers:\n{given}", line=self.lineno
+                    )
                 lines += [f"$ rollslip {command}", *given.rstrip().splitlines()]
         text = "\n".join(lines)
         return [nodes.literal_block(text, text, language="console", classes=["answers"])]

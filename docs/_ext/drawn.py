@@ -23,18 +23,23 @@ FIGURES = {
 def is_old(script):
     """Whether a figure of the script is not there, or older than what it is made of."""
     figures, tables = FIGURES[script]
-    sources = [DOCS / "scripts" / f"{script}.py", *(DOCS / "tables" / f"{table}.csv" for table in tables)]
+    sources = [
+        DOCS / "scripts" / f"{script}.py",
+        *(DOCS / "tables" / f"{table}.csv" for table in tables),
+    ]
     made = [DOCS / "figures" / f"{figure}.svg" for figure in figures]
-    return not all(path.is_file() for path in made) or min(path.stat().st_mtime for path in made) < max(
-        path.stat().st_mtime for path in sources
-    )
+    return not all(path.is_file() for path in made) or min(
+        path.stat().st_mtime for path in made
+    ) < max(path.stat().st_mtime for path in sources)
 
 
 def draw(app):
     """Draw what is old, all scripts at once."""
     running = {
         script: subprocess.Popen(
-            [sys.executable, "-c", f"import {script}; {script}.plot()"], cwd=DOCS / "scripts", stderr=subprocess.PIPE
+            [sys.executable, "-c", f"import {script}; {script}.plot()"],
+            cwd=DOCS / "scripts",
+            stderr=subprocess.PIPE,
         )
         for script in FIGURES
         if is_old(script)

@@ -40,7 +40,9 @@ DENSE = ((12, "densest"), (8, "dense"))
 def scene_keys():
     """All keys of a scene but those of oil and studies, which have their own tables."""
     rows = [row for row in schema() if row.key not in ("lubricant.*", "study.*")]
-    return table(KEYS, [(f"``{r.key}``", r.unit, r.default, r.doc, r.usual, r.possible) for r in rows])
+    return table(
+        KEYS, [(f"``{r.key}``", r.unit, r.default, r.doc, r.usual, r.possible) for r in rows]
+    )
 
 
 def relations():
@@ -81,7 +83,13 @@ def sweep_keys():
     """Keys of the tables ``[sweep]`` and ``[uncertainty]``."""
     lines = table(KEYS[:4], [row[:4] for row in fields(SweepTable, "sweep.")])
     for name, distribution in DISTRIBUTIONS.items():
-        lines += ["", f'.. rubric:: distribution = "{name}"', "", literal_markup(distribution.__doc__), ""]
+        lines += [
+            "",
+            f'.. rubric:: distribution = "{name}"',
+            "",
+            literal_markup(distribution.__doc__),
+            "",
+        ]
         rows = [
             (key, "that of the value" if key.strip("`") in OWN[name] else unit, default, doc)
             for key, unit, default, doc, *_ in fields(distribution, "")
@@ -92,7 +100,10 @@ def sweep_keys():
 
 
 #: Distribution -> its values in the unit of what is uncertain.
-OWN = {name: {a.name for a in attrs.fields(cls) if a.metadata.get("own_unit")} for name, cls in DISTRIBUTIONS.items()}
+OWN = {
+    name: {a.name for a in attrs.fields(cls) if a.metadata.get("own_unit")}
+    for name, cls in DISTRIBUTIONS.items()
+}
 
 
 def study_keys():
@@ -119,7 +130,12 @@ def models():
                 continue
             lines += data(thing)
             if thing.references:
-                lines += ["", "References:", "", *(f"- {citation(one)}" for one in thing.references)]
+                lines += [
+                    "",
+                    "References:",
+                    "",
+                    *(f"- {citation(one)}" for one in thing.references),
+                ]
             lines.append("")
         if not available(kind):
             lines += ["None is in the box; a plugin can offer them.", ""]
@@ -128,8 +144,13 @@ def models():
 
 def citation(one):
     """How a citation reads, its DOI as a link."""
-    text, link = literal_markup(str(one)), getattr(one, "link", "")
-    return text.replace(literal_markup(f"doi:{one.doi}"), f"`doi:{one.doi} <{link}>`__") if link else text
+    text = literal_markup(str(one))
+    link = getattr(one, "link", "")
+    return (
+        text.replace(literal_markup(f"doi:{one.doi}"), f"`doi:{one.doi} <{link}>`__")
+        if link
+        else text
+    )
 
 
 def model(kind, name):
@@ -150,7 +171,10 @@ def model(kind, name):
         reads = [f"``{r['name']}`` {r['domain']}".strip() for r in about["reads"]]
         compiled = "compiled and in NumPy" if about["compiled"] else "in NumPy"
         lines += [f"Reads, with domain: {', '.join(reads)}.", ""]
-        lines += [f"Writes {', '.join(f'``{member}``' for member in about['writes'])}; {compiled}.", ""]
+        lines += [
+            f"Writes {', '.join(f'``{member}``' for member in about['writes'])}; {compiled}.",
+            "",
+        ]
     if about.get("made_for"):
         rows = [(v["bound"], v["outside"], v["remedy"], v["source"]) for v in about["made_for"]]
         lines += table(("valid for", "outside", "remedy", "rests on"), rows)
@@ -174,16 +198,25 @@ def validity():
 
 def grades():
     """What the letters of grades stand for."""
-    return table(("grade", "the datum is"), [(f"({grade})", meaning) for grade, meaning in GRADES.items()])
+    return table(
+        ("grade", "the datum is"), [(f"({grade})", meaning) for grade, meaning in GRADES.items()]
+    )
 
 
 def data(thing):
     """Everything about one named set of data but its references."""
     lines = [literal_markup(thing.description), "", literal_markup(thing.source), ""]
     if own := getattr(thing, "grades", None):
-        lines += [literal_markup(f"Data quality: {', '.join(f'{key} ({grade})' for key, grade in own.items())}."), ""]
+        lines += [
+            literal_markup(
+                f"Data quality: {', '.join(f'{key} ({grade})' for key, grade in own.items())}."
+            ),
+            "",
+        ]
     if hasattr(thing, "minimum_temperature"):
-        low, high = (format_quantity(T, "K") for T in (thing.minimum_temperature, thing.maximum_temperature))
+        low, high = (
+            format_quantity(T, "K") for T in (thing.minimum_temperature, thing.maximum_temperature)
+        )
         lines += [f"Range: {low} to {high}.", ""]
     if hasattr(thing, "validity"):
         lines += [literal_markup(thing.validity), ""]
@@ -195,8 +228,14 @@ def kinds():
     rows = []
     for kind in all_kinds():
         of = get_kind(kind)
-        start = f"``{built_in_module(kind)}``" if of.template is None else f"``rollslip plugins new --kind {kind}``"
-        rows.append((f"``{kind}``", f"``{of.hook}``", f"``rollslip.{kind.replace('-', '_')}``", start))
+        start = (
+            f"``{built_in_module(kind)}``"
+            if of.template is None
+            else f"``rollslip plugins new --kind {kind}``"
+        )
+        rows.append(
+            (f"``{kind}``", f"``{of.hook}``", f"``rollslip.{kind.replace('-', '_')}``", start)
+        )
     return table(("kind", "hook", "entry-point group", "start from"), rows)
 
 
@@ -214,15 +253,20 @@ def every_command():
 
 def commands():
     """The commands with their options."""
-    lines, every = [], every_command()
+    lines = []
+    every = every_command()
     for name, group in dict(every).items():
-        every |= {f"{name} {inner}": command for inner, command in getattr(group, "commands", {}).items()}
+        every |= {
+            f"{name} {inner}": command for inner, command in getattr(group, "commands", {}).items()
+        }
     for name, command in sorted(every.items()):
         context = click.Context(command, info_name=f"rollslip {name}")
         usage = " ".join(command.collect_usage_pieces(context))
         lines += ["", f".. rubric:: rollslip {name}", "", literal_markup(command.help or ""), ""]
         lines += ["::", "", f"    rollslip {name} {usage}", ""]
-        records = [p.get_help_record(context) for p in command.params if isinstance(p, click.Option)]
+        records = [
+            p.get_help_record(context) for p in command.params if isinstance(p, click.Option)
+        ]
         rows = [(f"``{option}``", text) for option, text in filter(None, records)]
         if rows:
             lines += table(("option", "meaning"), rows)
@@ -232,16 +276,22 @@ def commands():
 def contract():
     """The members of ``rs_slices``, in their order."""
     lines = [".. rubric:: Shared by all slices of a table", ""]
-    lines += table(("member", "unit", "meaning"), [(f"``{n}``", u, d) for n, (u, d) in CONDITIONS.items()])
+    lines += table(
+        ("member", "unit", "meaning"), [(f"``{n}``", u, d) for n, (u, d) in CONDITIONS.items()]
+    )
     lines += [".. rubric:: One value a slice", ""]
-    lines += table(("column", "unit", "meaning"), [(f"``{n}``", u, d) for n, (u, d) in COLUMNS.items()])
+    lines += table(
+        ("column", "unit", "meaning"), [(f"``{n}``", u, d) for n, (u, d) in COLUMNS.items()]
+    )
     return lines
 
 
 def vector_math():
     """The elementary functions of rollslip_math.h with the worst errors that stand beside them."""
     header = (ROOT / "kernels/rollslip_kernels/include/rollslip_math.h").read_text(encoding="utf-8")
-    found = re.findall(r"/\* (?:[^*;]* )?([\d.]+) ulp[^*]*\*/\nRS_INLINE double rs_([a-z0-9]+)\w*\(", header)
+    found = re.findall(
+        r"/\* (?:[^*;]* )?([\d.]+) ulp[^*]*\*/\nRS_INLINE double rs_([a-z0-9]+)\w*\(", header
+    )
     return table(("function", "worst error, ulp"), [(f"``{name}``", ulp) for ulp, name in found])
 
 
@@ -263,7 +313,9 @@ def changelog():
     """CHANGELOG.md; of its Markdown only headings, lists, code, links and bare paragraphs are understood."""
     lines = []
     for line in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()[1:]:
-        line = re.sub(r"\[([^\]]+)\]\(([^)]+)\)", r"`\1 <\2>`__", re.sub(r"`([^`]+)`", r"``\1``", line))
+        line = re.sub(
+            r"\[([^\]]+)\]\(([^)]+)\)", r"`\1 <\2>`__", re.sub(r"`([^`]+)`", r"``\1``", line)
+        )
         if heading := re.match(r"(##+) (.+)", line):
             lines += [f".. rubric:: {heading[2]}", f"   :heading-level: {len(heading[1])}"]
         else:
@@ -283,7 +335,9 @@ ROOTS = {
 
 def purpose(folder):
     """The first sentence of a folder's __init__."""
-    return ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))).partition("\n\n")[0]
+    return ast.get_docstring(
+        ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))
+    ).partition("\n\n")[0]
 
 
 def folders():
@@ -292,21 +346,36 @@ def folders():
     for root in ROOTS:
         base = ROOT / root
         inner = {path.parent.relative_to(base) for path in base.rglob("*/__init__.py")} - {Path()}
-        ranks = {path: architecture.ORDER.index(architecture.folder(f"{base.name}.{path.parts[0]}")) for path in inner}
+        ranks = {
+            path: architecture.ORDER.index(architecture.folder(f"{base.name}.{path.parts[0]}"))
+            for path in inner
+        }
         packages = sorted(inner, key=lambda path: (ranks[path], path))
         rows = [(f"``{path.as_posix()}/``", purpose(base / path)) for path in packages]
-        lines += ["", f".. rubric:: {root}", "", literal_markup(purpose(base)), "", *table(("folder", "purpose"), rows)]
+        lines += [
+            "",
+            f".. rubric:: {root}",
+            "",
+            literal_markup(purpose(base)),
+            "",
+            *table(("folder", "purpose"), rows),
+        ]
     return lines
 
 
 def imports_picture():
     """The roots and the folders of the framework as a picture: a dot for each folder that a folder imports."""
-    known, count = architecture.modules(ROOT), Counter()
+    known = architecture.modules(ROOT)
+    count = Counter()
     for module, path in known.items():
         if module != architecture.FACE:
             used = architecture.imports(path, known) & known.keys()
-            count.update((architecture.folder(module), architecture.folder(other)) for other in used)
-    step, top, order = 20, 102, architecture.ORDER
+            count.update(
+                (architecture.folder(module), architecture.folder(other)) for other in used
+            )
+    step = 20
+    top = 102
+    order = architecture.ORDER
     pitch = 486 / len(ROOTS)
     wide = pitch - 14
     height = top + step * len(order) + 8
@@ -317,7 +386,9 @@ def imports_picture():
     ]
     for k, (root, about) in enumerate(ROOTS.items()):
         left = 4 + pitch * k
-        drawn.append(f'<rect x="{left:.1f}" y="4" width="{wide:.1f}" height="52" rx="6" class="box"/>')
+        drawn.append(
+            f'<rect x="{left:.1f}" y="4" width="{wide:.1f}" height="52" rx="6" class="box"/>'
+        )
         name = root.removesuffix("/rollslip").rpartition("_")[2]
         drawn.append(f'<text x="{left + wide / 2:.1f}" y="24" class="head">{name}</text>')
         drawn += [
@@ -326,13 +397,17 @@ def imports_picture():
         ]
         if k:
             drawn.append(f'<path d="M{left - 2:.1f} 30h-10m4 -4l-4 4l4 4" class="line"/>')
-    drawn.append(f'<text x="4" y="{top - 16}" class="left strong">folders of the framework, studies, campaigns</text>')
+    drawn.append(
+        f'<text x="4" y="{top - 16}" class="left strong">folders of the framework, studies, campaigns</text>'
+    )
     for row, name in enumerate(order):
         y = top + step * row
         for column, other in enumerate(order[: row + 1]):
             x = 14 + step * column
             if column == row:
-                drawn.append(f'<rect x="{x - 7}" y="{y - 7}" width="14" height="14" rx="3" class="own"/>')
+                drawn.append(
+                    f'<rect x="{x - 7}" y="{y - 7}" width="14" height="14" rx="3" class="own"/>'
+                )
             elif number := count[name, other]:
                 radius = min(2.0 + 0.7 * number**0.5, 6.5)
                 says = f"<title>{name} imports {other}: {number}</title>"
@@ -353,7 +428,9 @@ def _picture_in_words(count):
 def _halves(text):
     """A text in two lines of about one length."""
     words = text.split()
-    cut = min(range(1, len(words)), key=lambda k: abs(len(" ".join(words[:k])) - len(" ".join(words[k:]))))
+    cut = min(
+        range(1, len(words)), key=lambda k: abs(len(" ".join(words[:k])) - len(" ".join(words[k:])))
+    )
     return " ".join(words[:cut]), " ".join(words[cut:])
 
 
@@ -362,7 +439,9 @@ def from_table(name):
     with (ROOT / "docs" / "tables" / f"{name}.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     header = [column.replace("_", " ") for column in header]
-    if len(rows) < len(header) >= DENSE[0][0]:  # few things of which much is told: one of them a column
+    if (
+        len(rows) < len(header) >= DENSE[0][0]
+    ):  # few things of which much is told: one of them a column
         header, *rows = zip(header, *rows, strict=True)
     return table(header, rows)
 
@@ -370,15 +449,22 @@ def from_table(name):
 def sentences():
     """How many sentences of each kind each root can say."""
     with (ROOT / "docs" / "tables" / "sentences.csv").open(newline="", encoding="utf-8") as file:
-        count = Counter((row["module"].partition("/")[0], row["kind"]) for row in csv.DictReader(file))
-    kinds_, roots = ("told", "error", "meaning", "source"), sorted({root for root, _ in count})
-    return table(("root", *kinds_), [(f"``{root}``", *(str(count[root, kind]) for kind in kinds_)) for root in roots])
+        count = Counter(
+            (row["module"].partition("/")[0], row["kind"]) for row in csv.DictReader(file)
+        )
+    kinds_ = ("told", "error", "meaning", "source")
+    roots = sorted({root for root, _ in count})
+    return table(
+        ("root", *kinds_),
+        [(f"``{root}``", *(str(count[root, kind]) for kind in kinds_)) for root in roots],
+    )
 
 
 def verdicts():
     """The rules of the verdict, in the order in which they are asked."""
     return table(
-        ("rule", "verdict", "where", "rests on"), [(one.code, one.verdict, one.condition, one.source) for one in RULES]
+        ("rule", "verdict", "where", "rests on"),
+        [(one.code, one.verdict, one.condition, one.source) for one in RULES],
     )
 
 
@@ -417,7 +503,15 @@ def fields(cls, prefix):
         choices = ", ".join(f"``{choice}``" for choice in getattr(validator, "options", ()))
         meaning = a.metadata.get("doc", "") + (f": {choices}" if choices else "")
         ranges = (shown_range(a, which) for which in ("usual", "possible"))
-        rows.append((f"``{prefix}{a.name}``", a.metadata.get("unit") or "", shown_default(a), meaning, *ranges))
+        rows.append(
+            (
+                f"``{prefix}{a.name}``",
+                a.metadata.get("unit") or "",
+                shown_default(a),
+                meaning,
+                *ranges,
+            )
+        )
     return rows
 
 

@@ -18,7 +18,9 @@ class FromProgram(SphinxDirective):
             self.env.note_dependency(facts.__file__)
         else:
             self.env.note_reread()
-        return self.parse_text_to_nodes("\n".join(facts.PARTS[part](*rest)), allow_section_headings=True)
+        return self.parse_text_to_nodes(
+            "\n".join(facts.PARTS[part](*rest)), allow_section_headings=True
+        )
 
 
 def setup(app):

@@ -14,8 +14,12 @@ ACCENTED = re.compile(
 
 def converted(text, **options):
     """Return MathML; browsers leave no room after a function, and few fonts have the modifier letter for a bar."""
-    made = ACCENTED.sub(r'<msub><mover accent="true">\1\3</mover>\2</msub>', tex2mathml(text, **options))
-    return made.replace("<mo>&ApplyFunction;</mo>", '<mspace width="0.15em"/>').replace("\u02c9", "\u00af")
+    made = ACCENTED.sub(
+        r'<msub><mover accent="true">\1\3</mover>\2</msub>', tex2mathml(text, **options)
+    )
+    return made.replace("<mo>&ApplyFunction;</mo>", '<mspace width="0.15em"/>').replace(
+        "\u02c9", "\u00af"
+    )
 
 
 def inline(translator, node):
@@ -28,8 +32,12 @@ def parts(text):
 
     One whose rows are aligned stays whole.
     """
-    made, depth, start = [], 0, 0
-    for gap in re.finditer(r"&|\\q?quad(?![a-z])|\\(?:begin|left)(?![a-z])|\\(?:end|right)(?![a-z])|\\.|[{}]", text):
+    made = []
+    depth = 0
+    start = 0
+    for gap in re.finditer(
+        r"&|\\q?quad(?![a-z])|\\(?:begin|left)(?![a-z])|\\(?:end|right)(?![a-z])|\\.|[{}]", text
+    ):
         word = gap.group()
         if word == "&" and not depth:
             return [text]

@@ -25,7 +25,11 @@ ERRORS = {
         "load and lubricant parameter and over parts of it",
         "../../trust/film_reference",
     ),
-    "exact_law": ("law", "Worst error against the full law, and time of a slice", "../../theory/traction"),
+    "exact_law": (
+        "law",
+        "Worst error against the full law, and time of a slice",
+        "../../theory/traction",
+    ),
     "benchmark_laws": (
         "law",
         "Worst relative error of the compiled law against 50 digits and ns per slice, on three instruction sets; where "
@@ -54,8 +58,14 @@ def errors(name):
     """Every row that a table of errors has of a model; the head of a column and its cell stand side by side."""
     lines = []
     for stem, (column, says, leads) in ERRORS.items():
-        with (facts.ROOT / "docs" / "tables" / f"{stem}.csv").open(newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.DictReader(file) if row[column].partition(",")[0].partition(" ")[0] == name]
+        with (facts.ROOT / "docs" / "tables" / f"{stem}.csv").open(
+            newline="", encoding="utf-8"
+        ) as file:
+            rows = [
+                row
+                for row in csv.DictReader(file)
+                if row[column].partition(",")[0].partition(" ")[0] == name
+            ]
         if rows:
             head = [key.replace("_", " ") for key in rows[0]]
             lines += [f"{facts.literal_markup(says)} (:doc:`{leads}`):", ""]
@@ -71,7 +81,9 @@ def held(kind, name):
     sets = [one for one in sets if kind == "film" or not _of_films(one)]
     left = [one for one in sets if one in LONG or (name in SOLVED and not _of_films(one))]
     command = [f"    rollslip validate {one} --{kind} {name}" for one in left]
-    further = ["Left to the command, since they take longer:", "", "::", "", *command, ""] if left else []
+    further = (
+        ["Left to the command, since they take longer:", "", "::", "", *command, ""] if left else []
+    )
     if not (sets := [one for one in sets if one not in left]):
         return further
     made = run_validation(ValidationSettings(sets, samples=0, **{kind: name}).plan())
@@ -81,10 +93,16 @@ def held(kind, name):
         "",
     ]
     tables = [(caption, findings.ROWS, rows) for caption, rows in findings.row_tables(made)]
-    tables += [(caption, findings.STATEMENTS, rows) for caption, rows in findings.statement_tables(made)]
+    tables += [
+        (caption, findings.STATEMENTS, rows) for caption, rows in findings.statement_tables(made)
+    ]
     for caption, head, cells in tables:
         of = head.index("models")
-        own = [[cell for k, cell in enumerate(row) if k != of] for row in cells if row[of] != AS_STATED.label]
+        own = [
+            [cell for k, cell in enumerate(row) if k != of]
+            for row in cells
+            if row[of] != AS_STATED.label
+        ]
         lines += [f".. rubric:: {facts.literal_markup(caption)}", ""]
         lines += facts.table([cell for k, cell in enumerate(head) if k != of], own)
     return [*lines, *further, *cost(made)]
@@ -98,9 +116,23 @@ def cost(made):
         of = made["row_quantity"].to_numpy() == quantity
         every = [made["seconds"].to_numpy()[of & which] for which in (~own, own)]
         known = [times[np.isfinite(times)] for times in every]
-        rows.append((quantity, *(f"{1e3 * np.median(times):.2g}" if times.size else "none" for times in known)))
-    lines = ["Cost", "-" * 4, "", "Time of a value where these pages were built, in the median:", ""]
-    return [*lines, *facts.table(("quantity", "with it, ms", "with the data set's own models, ms"), rows)]
+        rows.append(
+            (
+                quantity,
+                *(f"{1e3 * np.median(times):.2g}" if times.size else "none" for times in known),
+            )
+        )
+    lines = [
+        "Cost",
+        "-" * 4,
+        "",
+        "Time of a value where these pages were built, in the median:",
+        "",
+    ]
+    return [
+        *lines,
+        *facts.table(("quantity", "with it, ms", "with the data set's own models, ms"), rows),
+    ]
 
 
 def _of_films(name):
@@ -116,7 +148,8 @@ def write(app):
     for kind in offered_kinds():
         for name in available(kind):
             if isinstance(get_class(kind, name), type):
-                path, text = FOLDER / f"{kind}-{name}.rst", "\n".join(page(kind, name))
+                path = FOLDER / f"{kind}-{name}.rst"
+                text = "\n".join(page(kind, name))
                 kept.add(path)
                 if not path.is_file() or path.read_text(encoding="utf-8") != text:
                     path.write_text(text, encoding="utf-8")

@@ -11,8 +11,13 @@ import tempfile
 import fmpy
 from fmpy.fmi2 import FMU2Slave
 
-INERTIA, WEIGHT, MESH = 0.05, 1000.0, 50.0  # kg m2, N, N/(N m)
-FIRST, LAST = 63.0, 157.0  # rad/s
+# kg m2, N, N/(N m)
+INERTIA = 0.05
+WEIGHT = 1000.0
+MESH = 50.0
+# rad/s
+FIRST = 63.0
+LAST = 157.0
 STEP = 1e-3  # s
 
 
@@ -23,10 +28,14 @@ def motor(speed):
 
 def run(path, duration=0.5):
     """Return rows of time, shaft speed, load, cage slip, torque and drag reserve; SI units."""
-    described, folder = fmpy.read_model_description(path), tempfile.mkdtemp()
+    described = fmpy.read_model_description(path)
+    folder = tempfile.mkdtemp()
     at = {one.name: one.valueReference for one in described.modelVariables}
-    unit = FMU2Slave(guid=described.guid, unzipDirectory=fmpy.extract(path, folder), modelIdentifier="bearing")
-    speed, rows = FIRST, []
+    unit = FMU2Slave(
+        guid=described.guid, unzipDirectory=fmpy.extract(path, folder), modelIdentifier="bearing"
+    )
+    speed = FIRST
+    rows = []
 
     def give(torque):
         load = WEIGHT + MESH * torque
@@ -39,7 +48,9 @@ def run(path, duration=0.5):
     load = give(motor(speed))
     unit.exitInitializationMode()
     for k in range(round(duration / STEP) + 1):
-        slip, torque, reserve = unit.getReal([at[name] for name in ("cage_slip", "torque", "drag_reserve")])
+        slip, torque, reserve = unit.getReal(
+            [at[name] for name in ("cage_slip", "torque", "drag_reserve")]
+        )
         rows.append((k * STEP, speed, load, slip, torque, reserve))
         speed += STEP * (motor(speed) - torque) / INERTIA
         load = give(motor(speed))
@@ -53,4 +64,6 @@ def run(path, duration=0.5):
 if __name__ == "__main__":
     print("time [s]  shaft [rad/s]  load [N]  cage slip [%]  torque [N m]  drag reserve")
     for time, speed, load, slip, torque, reserve in run(sys.argv[1])[::25]:
-        print(f"{time:8.3f} {speed:13.2f} {load:10.0f} {100.0 * slip:13.2f} {torque:13.3f} {reserve:13.1f}")
+        print(
+            f"{time:8.3f} {speed:13.2f} {load:10.0f} {100.0 * slip:13.2f} {torque:13.3f} {reserve:13.1f}"
+        )

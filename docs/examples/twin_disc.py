@@ -32,6 +32,8 @@ with (HERE / "twin-disc.csv").open("w", encoding="utf-8") as file:
     file.write(
         "# Invented, see twin_disc.py: muraki, 6 MPa Eyring stress, 15 % more pressure-viscosity than in the box.\n"
     )
-    file.write("temperature [degC], max_pressure [GPa], rolling_speed [m/s], slide_roll_ratio [%], friction [1]\n")
+    file.write(
+        "temperature [degC], max_pressure [GPa], rolling_speed [m/s], slide_roll_ratio [%], friction [1]\n"
+    )
     for row in zip(T, p, columns["rolling_speed"], s, measured, strict=True):
         file.write("{:g}, {:g}, {:g}, {:g}, {:.5f}\n".format(*row))

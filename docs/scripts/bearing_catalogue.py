@@ -35,7 +35,10 @@ def known(rows):
             continue
         number, _, design, _ = read.groups()
         series = number if not design else f"{number}E"
-        if series in RULES and RULES[series].bores[0] <= float(row["bore_mm"]) <= RULES[series].bores[1]:
+        if (
+            series in RULES
+            and RULES[series].bores[0] <= float(row["bore_mm"]) <= RULES[series].bores[1]
+        ):
             yield (
                 series,
                 row["designation"],
@@ -69,13 +72,19 @@ def spread(errors):
 def main():
     with Path(sys.argv[1]).open(newline="") as file:
         bearings = list(known(csv.DictReader(file)))
-    rated = ratios(sys.argv[2], lambda name: CATALOGUE[found].bearing if (found := CATALOGUE.called(name)) else None)
+    rated = ratios(
+        sys.argv[2],
+        lambda name: CATALOGUE[found].bearing if (found := CATALOGUE.called(name)) else None,
+    )
     table = []
     for series in RULES:
         found = [compared(series, inside) for of, _, inside in bearings if of == series]
-        every = {key: [one[key] for one in found if key in one] for key in ("D", "d_m", "Z", "L", "Z L")}
+        every = {
+            key: [one[key] for one in found if key in one] for key in ("D", "d_m", "Z", "L", "Z L")
+        }
         names = sum(CATALOGUE.series(name) == series for name in CATALOGUE.names)
-        z, ratings = every["Z"], [one - 1 for one in rated.get(series, {}).values()]
+        z = every["Z"]
+        ratings = [one - 1 for one in rated.get(series, {}).values()]
         table.append(
             [
                 series, names, len(found), f"{sum(abs(one) < 1e-9 for one in every['D'])}", spread(every["D"]),
@@ -84,7 +93,18 @@ def main():
                 len(ratings), spread(ratings), f"{100 * statistics.pstdev(every['Z L'] + ratings):.1f}",
             ]
         )  # fmt: skip
-    head = ["series", "names", "checked", "D exact", "D, %", "d_m, %", "Z exact", "Z within 1", "L, %", "Z L, %"]
+    head = [
+        "series",
+        "names",
+        "checked",
+        "D exact",
+        "D, %",
+        "d_m, %",
+        "Z exact",
+        "Z within 1",
+        "L, %",
+        "Z L, %",
+    ]
     head += ["ratings", "C0, %", "scatter, %"]
     write_table("bearing_catalogue", head, table)
 

@@ -62,4 +62,6 @@ def fatal():
 
 
 if __name__ == "__main__":
-    write_table("broken_models", ("rule", "what is broken", "what the kit says"), [*refused(), *fatal()])
+    write_table(
+        "broken_models", ("rule", "what is broken", "what the kit says"), [*refused(), *fatal()]
+    )

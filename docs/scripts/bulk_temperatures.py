@@ -11,7 +11,10 @@ from output import write_table
 from rollslip import evolve, load_scene, run
 
 SCENES = "1032930-30C", "1032930-50C", "1032930-70C"
-MORE = {"cage.drag": ["petroff-land", "churning", "rolling-resistance"], "lubricant.density": "930 kg/m3"}
+MORE = {
+    "cage.drag": ["petroff-land", "churning", "rolling-resistance"],
+    "lubricant.density": "930 kg/m3",
+}
 COOLED = {
     "held": {},
     "bath": {"models.thermal": "network"},
@@ -24,10 +27,14 @@ def row(name, drags, changes, cooling):
     """Return the cells of one case."""
     scene = evolve(load_scene(name), {**TOLERANCE, **changes, **COOLED[cooling]})
     result = run(scene, "thermal-balance")
-    shown = [f"{float(result.steady_slip[0]):.2%}" if np.isfinite(result.steady_slip[0]) else "none"]
+    shown = [
+        f"{float(result.steady_slip[0]):.2%}" if np.isfinite(result.steady_slip[0]) else "none"
+    ]
     loss = float(result.loss.isel(balance=0).sum()) if result.sizes["source"] else np.nan
     nodes = [
-        f"{float(result.temperature.sel(node=part)[0]) - 273.15:.1f}" if np.isfinite(loss) else "none"
+        f"{float(result.temperature.sel(node=part)[0]) - 273.15:.1f}"
+        if np.isfinite(loss)
+        else "none"
         for part in ("oil", "inner ring", "rollers", "outer ring")
     ]
     return [name, drags, cooling, f"{loss:.0f}", *nodes, *shown, result.sizes["balance"]]
@@ -42,7 +49,10 @@ def main():
     rows = [
         row(name, drags, changes, cooling)
         for name in SCENES
-        for drags, changes, coolings in (("land", {}, COOLED), ("land, churning, rolling", MORE, ("held", "15 g/s")))
+        for drags, changes, coolings in (
+            ("land", {}, COOLED),
+            ("land, churning, rolling", MORE, ("held", "15 g/s")),
+        )
         for cooling in coolings
         if not (changes and name.endswith("30C"))
     ]

@@ -18,7 +18,18 @@ import itertools
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
-from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, coefficient, figure, percent, save_figure, write_table
+from output import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    coefficient,
+    figure,
+    percent,
+    save_figure,
+    write_table,
+)
 from reproduction import CLOSURES, PROFILE, PROFILES, TRACTION, TRACTIONS
 from scipy.optimize import brentq, minimize
 
@@ -27,8 +38,11 @@ from rollslip.bearing.assembly import assemble
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 TARGET = 0.11
-NOMINAL, OIL, ALPHA = "uncalibrated", "oil within scatter", "alpha alone"
-ALPHA_REST, WITH_CLEARANCE = "alpha, rest within scatter", "oil within scatter, and clearance"
+NOMINAL = "uncalibrated"
+OIL = "oil within scatter"
+ALPHA = "alpha alone"
+ALPHA_REST = "alpha, rest within scatter"
+WITH_CLEARANCE = "oil within scatter, and clearance"
 
 #: Parameter -> (key of the scene, nominal value, lower bound, upper bound).
 SCATTER = {
@@ -74,7 +88,13 @@ def search(case):
     starts = [np.array([1.0, stress, 1.0, 0.5, 1.0]) for stress in (0.3, 1.0)]
     start = min(starts, key=slip)
     box = [(0.0 if low == good else -1.0, 1.0) for _, good, low, _ in SCATTER.values()]
-    best = minimize(slip, start, method="L-BFGS-B", bounds=box, options={"eps": 1e-3, "ftol": 1e-5, "maxiter": 12}).x
+    best = minimize(
+        slip,
+        start,
+        method="L-BFGS-B",
+        bounds=box,
+        options={"eps": 1e-3, "ftol": 1e-5, "maxiter": 12},
+    ).x
     sets = {NOMINAL: {}, OIL: changes(best)}
     key = SCATTER["alpha"][0]
     for name, moves in ((ALPHA, nominal), (ALPHA_REST, best)):
@@ -99,7 +119,10 @@ def search(case):
 def shown(values):
     """Return the parameters of a set as text, as factors or in their unit."""
     units = (1, 1e6, 1, 1e9, 1)
-    numbers = [values.get(key, good) / unit for (key, good, *_), unit in zip(SCATTER.values(), units, strict=True)]
+    numbers = [
+        values.get(key, good) / unit
+        for (key, good, *_), unit in zip(SCATTER.values(), units, strict=True)
+    ]
     return [*(f"{number:.3g}" for number in numbers), f"{1e6 * values.get(CLEARANCE[0], 0.0):.0f}"]
 
 
@@ -111,13 +134,19 @@ def found(case):
         study = {"closure": closure, "points": 41 if case == PLOTTED else 11, "map_points": 0}
         study = {f"study.effective-friction.{key}": value for key, value in study.items()}
         fig2, fig3 = (
-            run(evolve(load_scene(scene), {**values, **study}), "effective-friction").sel(ring="inner")
+            run(evolve(load_scene(scene), {**values, **study}), "effective-friction").sel(
+                ring="inner"
+            )
             for scene in ("1032930-70C", "1032930-50C")
         )
         curve = {"study.friction-curve.max_slip": 1.0, "study.friction-curve.points": 101}
         oil = {key: value for key, value in values.items() if key != CLEARANCE[0]}
         fig1 = run(evolve(load_scene("1032930-30C"), {**oil, **curve}), "friction-curve")
-        slips = [float(fig2.critical_cage_slip), float(fig3.critical_cage_slip), *map(float, fig1.critical_slip)]
+        slips = [
+            float(fig2.critical_cage_slip),
+            float(fig3.critical_cage_slip),
+            *map(float, fig1.critical_slip),
+        ]
         frictions = [float(fig2.critical_friction), float(fig3.critical_friction)]
         curves = [(data.cage_slip.values, data.effective_friction.values) for data in (fig2, fig3)]
         results[name] = values, [*map(percent, slips), *map(coefficient, frictions)], curves
@@ -127,9 +156,20 @@ def found(case):
 def write_tables(results):
     """Write the full table and three extracts of it."""
     models = ("closure", "profile", "traction")
-    parameters = ("alpha_factor", "eyring_stress_MPa", "gamma_factor", "shear_modulus_GPa", "viscosity_factor")
+    parameters = (
+        "alpha_factor",
+        "eyring_stress_MPa",
+        "gamma_factor",
+        "shear_modulus_GPa",
+        "viscosity_factor",
+    )
     parameters = (*parameters, "clearance_um")
-    slips = ("fig2_critical_percent", "fig3_critical_percent", "fig1_300N_percent", "fig1_518N_percent")
+    slips = (
+        "fig2_critical_percent",
+        "fig3_critical_percent",
+        "fig1_300N_percent",
+        "fig1_518N_percent",
+    )
     header = (*models, "set", *parameters, *slips, "fig2_friction", "fig3_friction")
     rows = [
         dict(zip(header, (*case, name, *shown(values), *numbers), strict=True))
@@ -159,14 +199,22 @@ def write_tables(results):
                 mine[WITH_CLEARANCE]["clearance_um"] if WITH_CLEARANCE in mine else "not reached",
             )
         )
-    header = (*models, "uncalibrated_percent", "smallest_within_scatter_percent", "alpha_alone", "alpha_with_rest")
+    header = (
+        *models,
+        "uncalibrated_percent",
+        "smallest_within_scatter_percent",
+        "alpha_alone",
+        "alpha_with_rest",
+    )
     write_table("calibration_summary", (*header, "clearance_um"), summary)
 
 
 def plot(sets):
     """Effective friction of the inner ring at the conditions of Fig. 2 and 3 with every set of one case."""
     made, axes = figure(2, sharey=True)
-    for (name, (_, _, curves)), colour in zip(sets.items(), (BLACK, BLUE, ORANGE, GREEN, PURPLE), strict=False):
+    for (name, (_, _, curves)), colour in zip(
+        sets.items(), (BLACK, BLUE, ORANGE, GREEN, PURPLE), strict=False
+    ):
         for axis, (slip, friction) in zip(axes, curves, strict=True):
             axis.plot(100 * slip, friction, color=colour, label=name.replace(", ", ",\n"))
     for axis, title in zip(axes, ("Fig. 2: 70 °C, 3415 N", "Fig. 3: 50 °C, 1037 N"), strict=True):

@@ -25,7 +25,8 @@ from pathlib import Path
 
 from output import write_table
 
-WIDTHS, THEMES = (390, 1280, 1920), ("light", "dark")
+WIDTHS = (390, 1280, 1920)
+THEMES = ("light", "dark")
 #: In s, for all pages: beyond it the browser is taken to hang.
 PATIENCE = 1800
 NAME = "clipping-harness.html"
@@ -223,7 +224,9 @@ def look(folder, jobs, chromium):
     """Return what the browser finds: (page, width, theme, what, where, at which words)."""
     harness = HARNESS.replace("JOBS", json.dumps(jobs), 1).replace("THEMES", json.dumps(THEMES), 1)
     state = {"harness": harness, "done": threading.Event(), "found": []}
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=str(folder), state=state))
+    server = http.server.ThreadingHTTPServer(
+        ("127.0.0.1", 0), partial(Handler, directory=str(folder), state=state)
+    )
     threading.Thread(target=server.serve_forever, daemon=True).start()
     with tempfile.TemporaryDirectory() as profile:
         browser = subprocess.Popen(
@@ -246,7 +249,9 @@ def look(folder, jobs, chromium):
             server.shutdown()
             server.server_close()
     if not state["done"].is_set():
-        raise SystemExit(f"the browser stopped after {len(state['found'])} of {len(jobs)} looks; try again with --page")
+        raise SystemExit(
+            f"the browser stopped after {len(state['found'])} of {len(jobs)} looks; try again with --page"
+        )
     return [
         (job["url"], job["width"], theme, *row)
         for job in state["found"]
@@ -259,11 +264,14 @@ def write_comparison(before, now):
     """Count places of a page by what is wrong with them."""
 
     def counted(rows):
-        widths, places = collections.defaultdict(set), collections.defaultdict(set)
+        widths = collections.defaultdict(set)
+        places = collections.defaultdict(set)
         for page, width, _, what, where, _ in rows:
             kind = what.partition(":")[0]
             key = (
-                ("every page with source", kind) if page.startswith("_modules") else (page.removesuffix(".html"), kind)
+                ("every page with source", kind)
+                if page.startswith("_modules")
+                else (page.removesuffix(".html"), kind)
             )
             widths[key].add(int(width))
             places[key].add((page, where))
@@ -287,11 +295,15 @@ def main():
     parser.add_argument("--width", type=int, action="append", help="in px; repeat for more")
     parser.add_argument("--page", action="append", help="without .html; repeat for more")
     parser.add_argument("--before", type=Path, help="a list that this script wrote earlier")
-    parser.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
+    parser.add_argument(
+        "--chromium", default=shutil.which("chromium") or shutil.which("google-chrome")
+    )
     asked = parser.parse_args()
     if not asked.chromium:
         parser.error("no Chromium on the path; name one with --chromium")
-    made = sorted(path.relative_to(asked.folder).as_posix() for path in asked.folder.rglob("*.html"))
+    made = sorted(
+        path.relative_to(asked.folder).as_posix() for path in asked.folder.rglob("*.html")
+    )
     pages = [path for path in made if not path.startswith(("_static", "_sources"))]
     if asked.page:
         pages = [f"{page}.html" for page in asked.page]

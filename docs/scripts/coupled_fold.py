@@ -28,11 +28,16 @@ from rollslip.studies.thermal_balance.model import PLACES, thermal_model
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import rollers, runaway
 
-COUNT, WORKERS, SCENES = 128, 2, 100
-SLICES, RANGE, POINTS = 12, 0.95, 41
+COUNT = 128
+WORKERS = 2
+SCENES = 100
+SLICES = 12
+RANGE = 0.95
+POINTS = 41
 COOLED = {"bath": "network", "20 g/s": {"model": "network", "oil_flow": "20 g/s"}}
 #: When temperatures are settled [K], and after how many rounds they never are.
-SETTLED, ROUNDS = 0.02, 60
+SETTLED = 0.02
+ROUNDS = 60
 
 
 class UnsettledError(RollslipError):
@@ -70,7 +75,8 @@ class Coupled:
 
     def cooled(self, heat, guess):
         """Temperatures at which the network carries these losses away."""
-        T, n = guess.copy(), guess.size
+        T = guess.copy()
+        n = guess.size
         for _ in range(20):
             flow = self.model.inflows(T, heat)
             columns = [self.model.inflows(T + step, heat) - flow for step in np.eye(n)]
@@ -92,15 +98,19 @@ class Coupled:
                 return T, orbit.torque, balance.drag(slip)
             mixed = moved
             if before is not None:  # Anderson's acceleration with one step behind
-                change, step = moved - before[1], T - before[0]
+                change = moved - before[1]
+                step = T - before[0]
                 mixed = moved - (moved @ change) / (change @ change) * (step + change)
-            before, T = (T, moved), T + np.clip(mixed, -20.0, 20.0)
+            before = (T, moved)
+            T = T + np.clip(mixed, -20.0, 20.0)
         raise UnsettledError(f"no temperatures at a slip of {slip:.3g}")
 
 
 def folded(coupled):
     """Fold of the coupled system, what ended its curve, and slip and temperatures at which the cage runs."""
-    T, known, ended = coupled.start, [], ""
+    T = coupled.start
+    known = []
+    ended = ""
     for slip in slip_grid(RANGE, POINTS)[1:]:
         try:
             T, torque, drag = coupled.settled(float(slip), T)
@@ -110,13 +120,17 @@ def folded(coupled):
         known.append((float(slip), torque, drag, T))
     if not known:
         raise UnsettledError(ended)
-    carries = next((k for k, (_, torque, drag, _) in enumerate(known) if torque + drag >= 0.0), None)
+    carries = next(
+        (k for k, (_, torque, drag, _) in enumerate(known) if torque + drag >= 0.0), None
+    )
     if carries is None:
         raise UnsettledError("the rollers do not carry the drag of the scene at any slip")
     slip, torque, drag, T = known[carries]
-    below, left = 0.0, drag
+    below = 0.0
+    left = drag
     if carries:
-        below, left = known[carries - 1][0], known[carries - 1][1] + known[carries - 1][2]
+        below = known[carries - 1][0]
+        left = known[carries - 1][1] + known[carries - 1][2]
     slip = below + (slip - below) * left / (left - torque - drag)
     runs = coupled.settled(slip, T)[0]
     best = max(range(len(known)), key=lambda k: known[k][1])
@@ -127,7 +141,9 @@ def folded(coupled):
     def lost(at):
         return -coupled.settled(at, known[best][3])[1]
 
-    top = minimize_scalar(lost, bounds=(low, known[best + 1][0]), method="bounded", options={"xatol": 1e-3})
+    top = minimize_scalar(
+        lost, bounds=(low, known[best + 1][0]), method="bounded", options={"xatol": 1e-3}
+    )
     T, torque, drag = coupled.settled(float(top.x), known[best][3])
     return (float(top.x), torque, drag, T), "", slip, runs
 
@@ -152,13 +168,18 @@ def look(given):
 
 def quantiles(values, unit=1.0):
     """Least, median and largest."""
-    return [f"{unit * np.quantile(values, q):.3g}" for q in (0.0, 0.1, 0.5, 0.9, 1.0)] if len(values) else ["none"] * 5
+    return (
+        [f"{unit * np.quantile(values, q):.3g}" for q in (0.0, 0.1, 0.5, 0.9, 1.0)]
+        if len(values)
+        else ["none"] * 5
+    )
 
 
 def main():
     """Look at all scenes and write the tables."""
     every = points(COUNT)
-    rows, summary = [], []
+    rows = []
+    summary = []
     with ProcessPoolExecutor(WORKERS) as pool:
         for cooling in COOLED:
             all_found = list(pool.map(look, [(x, cooling) for x in every], chunksize=2))
@@ -170,7 +191,11 @@ def main():
         "held: drag [N m]", "slip [%]", "coupled: drag [N m]", "slip [%]", "oil warmer than where it runs [K]",
         "what ended it",
     ], rows)  # fmt: skip
-    write_table("coupled_fold_summary", ["oil", "what", "least", "10 %", "median", "90 %", "largest"], summary)
+    write_table(
+        "coupled_fold_summary",
+        ["oil", "what", "least", "10 %", "median", "90 %", "largest"],
+        summary,
+    )
 
 
 def row(cooling, k, f):
@@ -189,14 +214,28 @@ def summed(cooling, known, refused):
     print(cooling, len(known), "scenes,", len(refused), "refused,", len(both), "with both folds,",
           sum(bool(f.ended) for f in known), "without a coupled one,",
           sum(not np.isfinite(f.held.slip) for f in known), "without that of held temperatures")  # fmt: skip
-    for text in sorted({one.split(":")[0][:90] for one in refused + [f.ended for f in known if f.ended]}):
+    for text in sorted(
+        {one.split(":")[0][:90] for one in refused + [f.ended for f in known if f.ended]}
+    ):
         print("   ", text)
     return [
-        [cooling, "oil warmer than given, where the cage runs [K]", *quantiles([f.warmed for f in both])],
+        [
+            cooling,
+            "oil warmer than given, where the cage runs [K]",
+            *quantiles([f.warmed for f in both]),
+        ],
         [cooling, "and warmer still at the fold [K]", *quantiles([f.coupled[2] for f in both])],
         [cooling, "coupled over held drag", *quantiles([f.coupled[1] / f.held.drag for f in both])],
-        [cooling, "coupled over given drag", *quantiles([f.coupled[1] / f.given.drag for f in given])],
-        [cooling, "coupled less held slip [points]", *quantiles([f.coupled[0] - f.held.slip for f in both], 100.0)],
+        [
+            cooling,
+            "coupled over given drag",
+            *quantiles([f.coupled[1] / f.given.drag for f in given]),
+        ],
+        [
+            cooling,
+            "coupled less held slip [points]",
+            *quantiles([f.coupled[0] - f.held.slip for f in both], 100.0),
+        ],
     ]
 
 

@@ -24,11 +24,26 @@ from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Heated
 
 #: Series -> factors f_0r and f_1r of ISO 15312 for an oil bath (B).
-FACTORS = {"10": (2, 2e-4), "2": (2, 3e-4), "22": (3, 4e-4), "3": (2, 3.5e-4), "23": (4, 4e-4), "4": (2, 4e-4)}
+FACTORS = {
+    "10": (2, 2e-4),
+    "2": (2, 3e-4),
+    "22": (3, 4e-4),
+    "3": (2, 3.5e-4),
+    "23": (4, 4e-4),
+    "4": (2, 4e-4),
+}
 #: One in so many designations of the catalogue is computed.
 STEP = 5
-FLUX, AREA, LESS = 1.6e4, 0.05, -0.34
-ASKED = {"oil": "iso-vg-32", "speed": "3000 rpm", "load": "2 kN", "temperature": "70 degC", "cage": "polyamide"}
+FLUX = 1.6e4
+AREA = 0.05
+LESS = -0.34
+ASKED = {
+    "oil": "iso-vg-32",
+    "speed": "3000 rpm",
+    "load": "2 kN",
+    "temperature": "70 degC",
+    "cage": "polyamide",
+}
 
 
 def by_formula(series, mean, nu, rpm, load):
@@ -48,9 +63,15 @@ def torque(one, rpm, nu):
     """Friction torque [N m] at a speed, in an oil of a viscosity [mm2/s], and what makes it."""
     oil = plan(one, "steady-slip").assembly.lubricant
     factor = nu * 1e-6 * oil.density(343.15) / oil.at(343.15).viscosity
-    at = evolve(one, {"operation.inner_speed": rpm * math.pi / 30.0, "lubricant.viscosity_factor": factor})
-    power = Heated(plan(at, "steady-slip").assembly, Given(), SteadySlip(inertia=False)).given().power
-    return math.nan if power is None else power.total / (rpm * math.pi / 30.0)  # where it skids there is none
+    at = evolve(
+        one, {"operation.inner_speed": rpm * math.pi / 30.0, "lubricant.viscosity_factor": factor}
+    )
+    power = (
+        Heated(plan(at, "steady-slip").assembly, Given(), SteadySlip(inertia=False)).given().power
+    )
+    return (
+        math.nan if power is None else power.total / (rpm * math.pi / 30.0)
+    )  # where it skids there is none
 
 
 def reference_speed(series, bore, outside, width, load):
@@ -73,10 +94,16 @@ def spread(values):
 
 def main():
     """Write the table."""
-    ratios, few = {}, []
+    ratios = {}
+    few = []
     for name in CATALOGUE.names[::STEP]:
         series = CATALOGUE.series(name).removesuffix("E")
-        if not name.startswith("NU") or name.startswith("NUP") or name.endswith("-old") or series not in FACTORS:
+        if (
+            not name.startswith("NU")
+            or name.startswith("NUP")
+            or name.endswith("-old")
+            or series not in FACTORS
+        ):
             continue
         size = re.search(r"(\d+) x (\d+) x (\d+) mm", CATALOGUE[name].description)
         bore, outside, width = map(int, size.groups())
@@ -84,7 +111,9 @@ def main():
         load = one.operation.radial_load
         rpm = reference_speed(series, bore, outside, width, load)
         mean = 0.5 * (bore + outside)
-        ratios.setdefault(series, []).append(torque(one, rpm, 12.0) / by_formula(series, mean, 12.0, rpm, load))
+        ratios.setdefault(series, []).append(
+            torque(one, rpm, 12.0) / by_formula(series, mean, 12.0, rpm, load)
+        )
         few.append((name, one, series, mean))
     rows = [[f"series {series}", len(found), spread(found)] for series, found in ratios.items()]
     every = list(itertools.chain(*ratios.values()))
@@ -92,15 +121,29 @@ def main():
     some = few[:: max(len(few) // 8, 1)]
     for turned in (5e4, 1e5, 2e5, 3.5e5, 5e5, 7.5e5):
         found = [
-            torque(one, turned / mean, nu) / by_formula(series, mean, nu, turned / mean, one.operation.radial_load)
+            torque(one, turned / mean, nu)
+            / by_formula(series, mean, nu, turned / mean, one.operation.radial_load)
             for (_, one, series, mean), nu in itertools.product(some, (8.0, 100.0))
         ]
-        rows.append([f"n d_m = {turned:g} mm/min, oil of 8 and 100 mm2/s", np.isfinite(found).sum(), spread(found)])
-    for supply in ({"oil_level": 0.002}, {"supply": "jet"}, {"supply": "mist"}, {"supply": "grease"}):
+        rows.append(
+            [
+                f"n d_m = {turned:g} mm/min, oil of 8 and 100 mm2/s",
+                np.isfinite(found).sum(),
+                spread(found),
+            ]
+        )
+    for supply in (
+        {"oil_level": 0.002},
+        {"supply": "jet"},
+        {"supply": "mist"},
+        {"supply": "grease"},
+    ):
         found = [
             torque(evolve(one, {"lubrication": {"supply": "bath"} | supply}), turned / mean, nu)
             / torque(one, turned / mean, nu)
-            for (_, one, _, mean), nu, turned in itertools.product(some[::3], (12.0, 40.0), (2e5, 4.6e5))
+            for (_, one, _, mean), nu, turned in itertools.product(
+                some[::3], (12.0, 40.0), (2e5, 4.6e5)
+            )
         ]
         told = ", ".join(map(str, supply.values())) if "supply" in supply else "a bath of 2 mm"
         rows.append([f"{told}, over the bath", len(found), spread(found)])

@@ -76,8 +76,11 @@ setup(
 
 def build(folder: Path) -> None:
     """Build the example as it is, and its law as a kernel of the box, and make both importable."""
-    example, box = folder / "example", folder / "box"
-    shutil.copytree(EXAMPLE, example, ignore=shutil.ignore_patterns("build", "*.so", "*.c", "*.egg-info"))
+    example = folder / "example"
+    box = folder / "box"
+    shutil.copytree(
+        EXAMPLE, example, ignore=shutil.ignore_patterns("build", "*.so", "*.c", "*.egg-info")
+    )
     box.mkdir()
     law = (EXAMPLE / "src" / "rollslip_circular" / "_kernel.pyx").read_text(encoding="utf-8")
     (box / "box.pyx").write_text(law + BY_HAND, encoding="utf-8")
@@ -92,7 +95,8 @@ class Form:
     """A model with another kernel, or with none."""
 
     def __init__(self, law: Any, capsule: object) -> None:
-        self.law, self.capsule = law, capsule
+        self.law = law
+        self.capsule = capsule
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.law, name)
@@ -143,16 +147,27 @@ def main() -> None:
             "NumPy in chain": Form(law, None),
         }
         chains = {name: Chain(model) for name, model in models.items()}
-        blocks = {0: Chain(models["NumPy in chain"], block=0), 256: Chain(models["NumPy in chain"], block=256)}
+        blocks = {
+            0: Chain(models["NumPy in chain"], block=0),
+            256: Chain(models["NumPy in chain"], block=256),
+        }
 
-        print(f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; ns per slice")
+        print(
+            f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}; ns per slice"
+        )
         names = [*chains, "by hand", "NumPy alone"]
-        print(f"{'n':>7}" + "".join(f"{name:>16}" for name in names) + f"{'door/box':>10}{'door - by hand':>16}")
+        print(
+            f"{'n':>7}"
+            + "".join(f"{name:>16}" for name in names)
+            + f"{'door/box':>10}{'door - by hand':>16}"
+        )
         one_slice: dict[str, float] = {}
         for n in SIZES:
             slices = slices_of(n)
 
-            calls: dict[str, Callable[[], Any]] = {name: partial(chain, slices) for name, chain in chains.items()}
+            calls: dict[str, Callable[[], Any]] = {
+                name: partial(chain, slices) for name, chain in chains.items()
+            }
             calls["by hand"] = partial(box.by_hand, slices, law.limit)
             calls["NumPy alone"] = partial(law.evaluate, slices)
             results = {}
@@ -177,7 +192,9 @@ def main() -> None:
         whole = fastest({str(block): partial(chain, slices) for block, chain in blocks.items()})
         per_block = (whole["256"] - whole["0"]) / (n / 256 - 1)
         us = {name: f"{1e6 * seconds:.2f} us" for name, seconds in one_slice.items()}
-        print(f"one slice: compiled {us['door']}, NumPy {us['NumPy in chain']}, of which evaluate {us['NumPy alone']}")
+        print(
+            f"one slice: compiled {us['door']}, NumPy {us['NumPy in chain']}, of which evaluate {us['NumPy alone']}"
+        )
         print(
             f"a NumPy stage pays {1e6 * per_block:.2f} us for a block, "
             f"beside {1e9 * whole['0'] / n:.1f} ns a slice in one block of {n}"

@@ -22,7 +22,8 @@ from rollslip_studies.motion.effective_table import effective_table
 
 SCENES = ("1032930-30C", "1032930-50C", "1032930-70C")
 TOLERANCES = (1e-2, 1e-3, 1e-5)
-CONTACTS, TURNS = 2800, 300
+CONTACTS = 2800
+TURNS = 300
 
 
 def curves():
@@ -31,7 +32,9 @@ def curves():
         assembly = assemble(evolve(load_scene(name), {"accuracy.slices": 15}))
         loads = assembly.load_distribution(4)
         rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-        for raceway, load in zip(assembly.raceways, (loads.inner_load, loads.outer_load), strict=True):
+        for raceway, load in zip(
+            assembly.raceways, (loads.inner_load, loads.outer_load), strict=True
+        ):
             flat = load.reshape(-1, 15)
             for tolerance in TOLERANCES:
                 yield (
@@ -46,18 +49,25 @@ def curves():
 
 def errors():
     """Stated and measured errors."""
-    rows, rng = [], np.random.default_rng(0)
+    rows = []
+    rng = np.random.default_rng(0)
     for name, raceway, tolerance, table, load, rolling in curves():
         loaded = load[load > 0.0]
-        V = rolling * np.concatenate((rng.uniform(-2.0, 2.0, 100), 10.0 ** rng.uniform(-5.0, 0.9, 200)))
-        true = np.array([raceway.evaluate(loaded, rolling, one).friction @ loaded for one in V]) / loaded.sum()
+        V = rolling * np.concatenate(
+            (rng.uniform(-2.0, 2.0, 100), 10.0 ** rng.uniform(-5.0, 0.9, 200))
+        )
+        true = (
+            np.array([raceway.evaluate(loaded, rolling, one).friction @ loaded for one in V])
+            / loaded.sum()
+        )
         found = compiled.friction(table.raceway(V.size), 0.0, 1.0, V, rolling, 0.0)[0]
         measured = np.abs(found - true).max() / np.abs(true).max()
         stated = table.error, measured, table.slope_error, table.critical_error
         cells = *(f"{value:.0e}" for value in stated), f"{table.critical_speed:.2f}"
         rows.append((name, raceway.ring, f"{tolerance:.0e}", table.nodes.shape[0], *cells))
     header = (
-        "scene,ring,tolerance,nodes,stated_error,error_at_random_speeds,error_of_the_slope,error_of_the_critical_speed"
+        "scene,ring,tolerance,nodes,stated_error,error_at_random_speeds,"
+        "error_of_the_slope,error_of_the_critical_speed"
     )
     write_table("effective_table", [*header.split(","), "critical_sliding_speed_m_s"], rows)
 
@@ -65,9 +75,12 @@ def errors():
 def cost():
     """Time of a contact."""
     _, _, _, table, _, rolling = next(curves())
-    x, rng = np.linspace(*table.limits, table.nodes.shape[0]), np.random.default_rng(0)
-    V, force = rng.normal(0.0, 5.0, CONTACTS), rng.uniform(10.0, 100.0, CONTACTS)
-    speeds, nothing = np.full(CONTACTS, rolling), np.zeros(CONTACTS)
+    x = np.linspace(*table.limits, table.nodes.shape[0])
+    rng = np.random.default_rng(0)
+    V = rng.normal(0.0, 5.0, CONTACTS)
+    force = rng.uniform(10.0, 100.0, CONTACTS)
+    speeds = np.full(CONTACTS, rolling)
+    nothing = np.zeros(CONTACTS)
 
     def mapped(friction):
         def forces():
@@ -93,7 +106,11 @@ def cost():
             way()
             best[name] = min(best[name], time.perf_counter() - begin)
     header = "way", "nanoseconds_a_contact"
-    write_table("effective_table_cost", header, [(name, f"{1e9 * t / CONTACTS:.1f}") for name, t in best.items()])
+    write_table(
+        "effective_table_cost",
+        header,
+        [(name, f"{1e9 * t / CONTACTS:.1f}") for name, t in best.items()],
+    )
 
 
 if __name__ == "__main__":

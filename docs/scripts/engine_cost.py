@@ -40,7 +40,12 @@ def nothing(work, points):
     from rollslip_campaigns.sweep.journal import Row
     from rollslip_campaigns.sweep.point import Done
 
-    about = {"dims": (), "shape": (), "text": False, "attrs": {"units": "1", "long_name": "nothing"}}
+    about = {
+        "dims": (),
+        "shape": (),
+        "text": False,
+        "attrs": {"units": "1", "long_name": "nothing"},
+    }
     layout = json.dumps({"variables": {"critical_friction": about}, "coords": {}})
     rows = (Row(number, "", "ok", "", 0.0, layout, bytes(8)) for number, _ in points)
     return Done(tuple(rows), here(work.packages))
@@ -62,9 +67,11 @@ def planned(kind, points):
     from rollslip_campaigns.sweep import run as sweep_run
     from rollslip_campaigns.sweep.sweep import plan_sweep
 
-    scene, study = rollslip.load_scene("1032930-70C"), "effective-friction"
+    scene = rollslip.load_scene("1032930-70C")
+    study = "effective-friction"
     if kind != "effective friction":
-        scene, study = rollslip.evolve(scene, COARSE), "friction-curve"
+        scene = rollslip.evolve(scene, COARSE)
+        study = "friction-curve"
     if kind == "nothing":
         sweep_run.compute = nothing
     loads = min(1000, points // 10)
@@ -100,9 +107,13 @@ def one_sweep(kind, name, points, address):
         kept = begin(made, Path(folder))
         forget_peak()
         before, _ = memory()
-        clock, own, all_ = time.perf_counter(), time.process_time(), sum(os.times()[:4])
+        clock = time.perf_counter()
+        own = time.process_time()
+        all_ = sum(os.times()[:4])
         settled = sweep_run.run_sweep(made, kept, engine=engine)
-        clock, own, all_ = time.perf_counter() - clock, time.process_time() - own, sum(os.times()[:4]) - all_
+        clock = time.perf_counter() - clock
+        own = time.process_time() - own
+        all_ = sum(os.times()[:4]) - all_
         _, run = memory()
         forget_peak()
         collecting = time.perf_counter()
@@ -143,12 +154,22 @@ def cluster():
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    address, started = f"tcp://127.0.0.1:{port}", []
+    address = f"tcp://127.0.0.1:{port}"
+    started = []
 
     def start(what, *arguments):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments, "--host", "127.0.0.1"]
+        command = [
+            sys.executable,
+            "-m",
+            f"distributed.cli.dask_{what}",
+            *arguments,
+            "--host",
+            "127.0.0.1",
+        ]
         silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        started.append(subprocess.Popen([*command, "--no-dashboard"], start_new_session=True, **silent))
+        started.append(
+            subprocess.Popen([*command, "--no-dashboard"], start_new_session=True, **silent)
+        )
 
     try:
         start("scheduler", "--port", str(port))
@@ -170,18 +191,26 @@ def main(largest):
     """Measure all engines and write the tables."""
     from output import write_table
 
-    throughput, memories, cost = [], [], []
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(Path(__file__).parent), os.environ.get("PYTHONPATH"))))
+    throughput = []
+    memories = []
+    cost = []
+    os.environ["PYTHONPATH"] = os.pathsep.join(
+        filter(None, (str(Path(__file__).parent), os.environ.get("PYTHONPATH")))
+    )
     with cluster() as (address, groups):
         for kind, most in largest.items():
             sizes = [size for size in (10**k for k in range(2, 8)) if size <= most]
             point = in_fresh_process("point_itself", kind)
-            in_fresh_process("one_sweep", kind, "dask", 100, address)  # its workers import what they need
+            in_fresh_process(
+                "one_sweep", kind, "dask", 100, address
+            )  # its workers import what they need
             runs = {}
             for name in ENGINES:
                 for size in sizes:
                     before = processor_of(groups) if name == "dask" else 0.0
-                    run = runs[name, size] = in_fresh_process("one_sweep", kind, name, size, address)
+                    run = runs[name, size] = in_fresh_process(
+                        "one_sweep", kind, name, size, address
+                    )
                     run["processor"] += processor_of(groups) - before if name == "dask" else 0.0
                     print(kind, name, size, run, f"load {os.getloadavg()[0]:.1f}", flush=True)
                 cost.append((kind, name, *cost_of(name, point, sizes[0], sizes[-1], runs)))
@@ -189,9 +218,15 @@ def main(largest):
             for size in sizes:
                 all_ = [runs[name, size] for name in ENGINES]
                 throughput.append((kind, size, *(f"{size / run['seconds']:.3g}" for run in all_)))
-                memories.append((kind, size, *(" / ".join(f"{m:.0f}" for m in run["memory"]) for run in all_)))
-    write_table("engine_throughput", ("point", "points", *(f"{name} [1/s]" for name in ENGINES)), throughput)
-    write_table("engine_memory", ("point", "points", *(f"{name} [MB]" for name in ENGINES)), memories)
+                memories.append(
+                    (kind, size, *(" / ".join(f"{m:.0f}" for m in run["memory"]) for run in all_))
+                )
+    write_table(
+        "engine_throughput", ("point", "points", *(f"{name} [1/s]" for name in ENGINES)), throughput
+    )
+    write_table(
+        "engine_memory", ("point", "points", *(f"{name} [MB]" for name in ENGINES)), memories
+    )
     write_table(
         "engine_cost",
         ("point", "engine", "point itself [ms]", "time per point [ms]", "overhead by the clock [ms]",
@@ -202,7 +237,8 @@ def main(largest):
 
 def cost_of(name, point, fewest, most, runs):
     """Return what a point takes and what of it is the engine's [ms], and the start of the engine [s]."""
-    few, many = runs[name, fewest], runs[name, most]
+    few = runs[name, fewest]
+    many = runs[name, most]
     slope = {of: (many[of] - few[of]) / (most - fewest) for of in ("seconds", "processor", "own")}
     taken = (
         point,
@@ -216,4 +252,12 @@ def cost_of(name, point, fewest, most, runs):
 
 
 if __name__ == "__main__":
-    main(dict(zip(KINDS, (*map(int, sys.argv[1:]), *list(KINDS.values())[len(sys.argv) - 1 :]), strict=True)))
+    main(
+        dict(
+            zip(
+                KINDS,
+                (*map(int, sys.argv[1:]), *list(KINDS.values())[len(sys.argv) - 1 :]),
+                strict=True,
+            )
+        )
+    )

@@ -38,7 +38,9 @@ LAWS = {
     "eyring": (stress.eyring, Eyring()),
     "maxwell-eyring": (stress.maxwell_eyring, MaxwellEyring()),
 }
-SLICES, FILMS, TURNS = 8192, 400_000, 60
+SLICES = 8192
+FILMS = 400_000
+TURNS = 60
 
 
 def log_random(limits, n):
@@ -53,7 +55,11 @@ def table_of(sigma, deborah, heating):
     rise = Muraki().flash * np.sqrt(half_width / math.pi) + 1 / 12e9
     ones = dict.fromkeys(("rolling_speed", "film_thickness", "film_viscosity", "pressure"), 1.0)
     conditions = Conditions(effusivity=1.0, conductivity=1e9, eyring_stress=1.0, shear_modulus=1.0)
-    columns = {"sliding_speed": sigma, "half_width": half_width, "film_thermoviscosity": heating / rise}
+    columns = {
+        "sliding_speed": sigma,
+        "half_width": half_width,
+        "film_thermoviscosity": heating / rise,
+    }
     return Slices(len(sigma), conditions, **ones, **columns)
 
 
@@ -75,7 +81,9 @@ def measured():
         groups = log_random(limits, SLICES)
         slices = table_of(*groups)
         law = least_times({key: partial(law, *groups) for key, (law, _) in LAWS.items()})
-        stage = least_times({key: partial(Chain(model), slices) for key, (_, model) in LAWS.items()})
+        stage = least_times(
+            {key: partial(Chain(model), slices) for key, (_, model) in LAWS.items()}
+        )
         found[name] = {key: (law[key], stage[key]) for key in LAWS}
     return found
 
@@ -90,24 +98,40 @@ def worst_errors():
             found[name, key] = float(np.max(np.abs(law(*groups) / exact - 1)))
         with mp.workdps(50):
             found[name, "maxwell-eyring"] = max(
-                float(abs(exact[i] / exact_stress(*(float(group[i]) for group in groups)) - 1)) for i in range(40)
+                float(abs(exact[i] / exact_stress(*(float(group[i]) for group in groups)) - 1))
+                for i in range(40)
             )
     return found
 
 
 def main():
     """Measure, each instruction set in a process of its own, and write the table."""
-    errors, rows = worst_errors(), []
+    errors = worst_errors()
+    rows = []
     for name in simd.available():
-        command, environment = [sys.executable, __file__, name], os.environ | {"ROLLSLIP_SIMD": name}
-        times = json.loads(subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE).stdout)
+        command = [sys.executable, __file__, name]
+        environment = os.environ | {"ROLLSLIP_SIMD": name}
+        times = json.loads(
+            subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE).stdout
+        )
         for group, laws in times.items():
             law_base, stage_base = laws["muraki"]
             for key, (law, stage) in laws.items():
                 ratios = f"{law / law_base:.2f}", f"{stage / stage_base:.2f}"
-                rows.append((name, group, key, f"{errors[group, key]:.1e}", f"{1e9 * law / SLICES:.1f}", *ratios))
+                rows.append(
+                    (
+                        name,
+                        group,
+                        key,
+                        f"{errors[group, key]:.1e}",
+                        f"{1e9 * law / SLICES:.1f}",
+                        *ratios,
+                    )
+                )
     write_table(
-        "exact_law", ("instructions", "range", "law", "worst_error", "ns_a_slice", "ratio", "stage_ratio"), rows
+        "exact_law",
+        ("instructions", "range", "law", "worst_error", "ns_a_slice", "ratio", "stage_ratio"),
+        rows,
     )
 
 

@@ -14,7 +14,12 @@ import numpy as np
 from output import BLACK, BLUE, ORANGE, figure, percent, save_figure, write_table
 
 from rollslip import evolve, load_scene, run
-from rollslip_studies.dynamics.findings import difference, energy_closure, momentum_closure, unslipped_cage_speed
+from rollslip_studies.dynamics.findings import (
+    difference,
+    energy_closure,
+    momentum_closure,
+    unslipped_cage_speed,
+)
 
 SCENE = load_scene("1032930-50C")
 #: Constant friction that lets the cage slip about as much as the film does: the largest effective friction, and the
@@ -45,22 +50,33 @@ STEADY = {
 
 def motion(changes):
     """Return a motion of the scene with changes of study.dynamics."""
-    return run(evolve(SCENE, {f"study.dynamics.{key}": value for key, value in changes.items()}), "dynamics")
+    return run(
+        evolve(SCENE, {f"study.dynamics.{key}": value for key, value in changes.items()}),
+        "dynamics",
+    )
 
 
 def frictions():
     """Fig. 4: conventional and effective friction from the same start."""
     steady = float(run(SCENE, "steady-slip").steady_slip[0])
     found = {name: motion(changes) for name, changes in FRICTIONS.items()}
-    reference, rows = found["conventional"], []
+    reference = found["conventional"]
+    rows = []
 
     def ends(slip):
         return percent(slip, 2), f"{100 * ((1 - slip) / (1 - slip_of(reference)) - 1):+.2f}"
 
     for name, data in found.items():
-        apart = [100 * np.abs(difference(reference, data, which)).max() for which in ("cage_speed", "roller_speed")]
+        apart = [
+            100 * np.abs(difference(reference, data, which)).max()
+            for which in ("cage_speed", "roller_speed")
+        ]
         closures = energy_closure(data), momentum_closure(data)
-        cells = *(f"{value:.2f}" for value in apart), data.attrs["steps"], *(f"{value:.0e}" for value in closures)
+        cells = (
+            *(f"{value:.2f}" for value in apart),
+            data.attrs["steps"],
+            *(f"{value:.0e}" for value in closures),
+        )
         rows.append((name, *ends(slip_of(data)), *cells))
     rows.append(("study steady-slip", *ends(steady), *[""] * len(cells)))
     header = (
@@ -74,7 +90,8 @@ def frictions():
 
 def slip_of(data):
     """Mean cage slip over the last orbit."""
-    t, speed = data.time.to_numpy(), float(data.cage_speed[-1])
+    t = data.time.to_numpy()
+    speed = float(data.cage_speed[-1])
     return float(data.cage_slip.to_numpy()[t > t[-1] - 2 * np.pi / abs(speed)].mean())
 
 
@@ -82,15 +99,27 @@ def draw(found, steady):
     """Draw both motions on top of each other, and their difference."""
     made, axes = figure(3, width=2.6)
     rpm = 30 / np.pi
-    styles = {"conventional": {"color": "0.7", "linewidth": 3.2}, "effective": {"color": BLUE, "linewidth": 1.0}}
+    styles = {
+        "conventional": {"color": "0.7", "linewidth": 3.2},
+        "effective": {"color": BLUE, "linewidth": 1.0},
+    }
     for name, style in styles.items():
         data = found[name]
         speeds = rpm * data.roller_speed
         axes[0].plot(data.time, rpm * data.cage_speed, label=f"{name} friction", **style)
         axes[1].plot(data.time, speeds.mean("roller"), **style)
     cage = unslipped_cage_speed(found["conventional"])
-    axes[0].axhline(rpm * cage * (1 - steady), color=BLACK, linestyle=":", linewidth=0.8, label="study steady-slip")
-    for name, style in {"effective": {"color": BLUE}, "effective, over both slips": {"color": ORANGE}}.items():
+    axes[0].axhline(
+        rpm * cage * (1 - steady),
+        color=BLACK,
+        linestyle=":",
+        linewidth=0.8,
+        label="study steady-slip",
+    )
+    for name, style in {
+        "effective": {"color": BLUE},
+        "effective, over both slips": {"color": ORANGE},
+    }.items():
         gap = 100 * difference(found["conventional"], found[name], "cage_speed")
         axes[2].plot(found["conventional"].time, gap, linewidth=1.0, label=name, **style)
     axes[2].axhline(0, color="0.6", linewidth=0.8)
@@ -110,7 +139,9 @@ def costs():
         for _ in range(TURNS):
             for name, changes in FRICTIONS.items():
                 settings = {"level": level, "duration": duration, "points": 2, **changes}
-                scene = evolve(SCENE, {f"study.dynamics.{key}": value for key, value in settings.items()})
+                scene = evolve(
+                    SCENE, {f"study.dynamics.{key}": value for key, value in settings.items()}
+                )
                 made = run(evolve(scene, {"accuracy.slices": slices}), "dynamics").attrs
                 if name not in best or made["integration_time"] < best[name]["integration_time"]:
                     best[name] = made
@@ -142,9 +173,17 @@ def steady():
     rows = []
     for name, changes in STEADY.items():
         scene = evolve(SCENE, {"accuracy.slices": 15, "study.dynamics.duration": 8.0, **changes})
-        data, found = run(scene, "dynamics"), run(scene, "steady-slip")
+        data = run(scene, "dynamics")
+        found = run(scene, "steady-slip")
         speed = abs((1 - slip_of(data)) / (1 - float(found.steady_slip[0])) - 1)
-        rows.append((name, percent(slip_of(data), 3), percent(float(found.steady_slip[0]), 3), f"{100 * speed:.4f}"))
+        rows.append(
+            (
+                name,
+                percent(slip_of(data), 3),
+                percent(float(found.steady_slip[0]), 3),
+                f"{100 * speed:.4f}",
+            )
+        )
     header = "change,cage_slip_after_8_s_percent,study_steady-slip_percent,difference_of_cage_speed_percent"
     write_table("dynamics_steady", header.split(","), rows)
 

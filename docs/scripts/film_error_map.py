@@ -29,7 +29,9 @@ OILS = (0.0, 2.5, 5.0, 8.0, 10.0, 12.0, 15.0)
 PAPER = ((0.5, 3.0), (8.0, 15.0))
 ACCURACY = 1e-4
 
-RADIUS, MODULUS, ALPHA = 0.006875, 2.2857e11, 10.74e-9
+RADIUS = 0.006875
+MODULUS = 2.2857e11
+ALPHA = 10.74e-9
 FORMULAS = {
     "martin": get_model("film", "martin"),
     "blok": get_model("film", "blok"),
@@ -59,7 +61,9 @@ def formula(name, M, L):
     speeds = (L / (ALPHA * MODULUS)) ** 4 if L > 0 else 1e-11
     speed = speeds / 2 * MODULUS * RADIUS / 0.01
     load = M * math.sqrt(speeds) * MODULUS * RADIUS
-    return float(model.film_thickness(load, speed, RADIUS, MODULUS, 0.01, alpha)) / (RADIUS * math.sqrt(speeds))
+    return float(model.film_thickness(load, speed, RADIUS, MODULUS, 0.01, alpha)) / (
+        RADIUS * math.sqrt(speeds)
+    )
 
 
 def percent(value, digits=1):
@@ -72,7 +76,9 @@ def percent(value, digits=1):
 
 def errors():
     """Relative error of every formula, (M, L) -> formula -> error; and the films."""
-    films = {(M, L): solve_line_contact(M, L, accuracy=ACCURACY).thickness for M in LOADS for L in OILS}
+    films = {
+        (M, L): solve_line_contact(M, L, accuracy=ACCURACY).thickness for M in LOADS for L in OILS
+    }
     return films, {
         (M, L): {name: formula(name, M, L) / film[location(name)] - 1 for name in FORMULAS}
         for (M, L), film in films.items()
@@ -81,13 +87,22 @@ def errors():
 
 def error_tables(films, error):
     rows = [
-        (f"{L:g}", f"{M:g}", *(f"{films[M, L][place]:.4g}" for place in LOCATIONS), *map(percent, error[M, L].values()))
+        (
+            f"{L:g}",
+            f"{M:g}",
+            *(f"{films[M, L][place]:.4g}" for place in LOCATIONS),
+            *map(percent, error[M, L].values()),
+        )
         for L, M in itertools.product(OILS, LOADS)
     ]
     write_table("film_error", ("L", "M", "H_minimum", "H_central", "H_dp/dx_=_0", *FORMULAS), rows)
 
     def extremes(name, region):
-        found = [error[point][name] for point in error if region(*point) and not math.isnan(error[point][name])]
+        found = [
+            error[point][name]
+            for point in error
+            if region(*point) and not math.isnan(error[point][name])
+        ]
         return f"{percent(min(found), 0)} to {percent(max(found), 0)}"
 
     (light, heavy), (thin, thick) = PAPER
@@ -112,15 +127,20 @@ def error_tables(films, error):
 def error_figure():
     """Draw film_error.svg from film_error.csv."""
     error = {
-        (float(row["M"]), float(row["L"])): {name: float(row[name] or "nan") / 100 for name in FORMULAS}
+        (float(row["M"]), float(row["L"])): {
+            name: float(row[name] or "nan") / 100 for name in FORMULAS
+        }
         for row in read_table("film_error")
     }
     made = Figure(figsize=(8.75, 4.6), layout="constrained")
     axes = made.subplots(2, 5, sharex=True, sharey=True)
-    x, y = np.arange(len(LOADS)), np.arange(len(OILS))
+    x = np.arange(len(LOADS))
+    y = np.arange(len(OILS))
     for axis, name in zip(axes.flat, FORMULAS, strict=True):
         value = 100 * np.array([[error[M, L][name] for M in LOADS] for L in OILS])
-        image = axis.imshow(value, "RdBu", vmin=-50, vmax=50, aspect="auto", origin="lower", interpolation="none")
+        image = axis.imshow(
+            value, "RdBu", vmin=-50, vmax=50, aspect="auto", origin="lower", interpolation="none"
+        )
         axis.contour(x, y, value, levels=[-10, 10], colors=BLACK, linewidths=0.7)
         axis.set_title(f"{name}\n({location(name)})", fontsize=6.5)
         axis.set_xticks(x[::3], [f"{M:g}" for M in LOADS[::3]])
@@ -140,25 +160,53 @@ def limits_table():
     rows = []
 
     def row(what, found, known, source):
-        rows.append((what, f"{found:.6g}", f"{known:.6g}", f"{100 * (found / known - 1):+.2g}", source))
+        rows.append(
+            (what, f"{found:.6g}", f"{known:.6g}", f"{100 * (found / known - 1):+.2g}", source)
+        )
 
     light = solve_line_contact(1e-6, 0.0, accuracy=1e-6)
     closed = "closed form"
-    row("rigid, isoviscous: 2 H M, minimum (Martin)", 2e-6 * light.thickness["minimum"], 4.894968495, closed)
+    row(
+        "rigid, isoviscous: 2 H M, minimum (Martin)",
+        2e-6 * light.thickness["minimum"],
+        4.894968495,
+        closed,
+    )
     row("rigid, isoviscous: H M, dp/dx = 0", 1e-6 * light.thickness["dp/dx = 0"], 3.0, closed)
-    for gV, hhat in ((5.62040476, 6.681369413), (9.683087826, 8.120822605), (14.69914773, 10.06600379)):
+    for gV, hhat in (
+        (5.62040476, 6.681369413),
+        (9.683087826, 8.120822605),
+        (14.69914773, 10.06600379),
+    ):
         M = 1e-4
         contact = solve_line_contact(M, gV / math.sqrt(2) / M**1.5, accuracy=1e-6)
-        row(f"rigid, Barus: 2 H M at g_V = {gV:.4g}", 2 * M * contact.thickness["minimum"], hhat, closed)
+        row(
+            f"rigid, Barus: 2 H M at g_V = {gV:.4g}",
+            2 * M * contact.thickness["minimum"],
+            hhat,
+            closed,
+        )
     for L in (0.0, 15.0):
         contact = solve_line_contact(200.0, L, accuracy=ACCURACY)
         middle = float(np.interp(0.0, contact.x, contact.pressure))
-        row(f"heavy: P in the middle, M = 200, L = {L:g}", middle, math.sqrt(200 / (2 * math.pi)), "Hertz")
+        row(
+            f"heavy: P in the middle, M = 200, L = {L:g}",
+            middle,
+            math.sqrt(200 / (2 * math.pi)),
+            "Hertz",
+        )
     for M in (20.0, 200.0):
         film = solve_line_contact(M, 0.0, accuracy=ACCURACY).thickness
-        row(f"soft: H M^0.2, minimum, M = {M:g}", film["minimum"] * M**0.2, 3.10 / 2**0.6, "fit, Herrebrugh")
+        row(
+            f"soft: H M^0.2, minimum, M = {M:g}",
+            film["minimum"] * M**0.2,
+            3.10 / 2**0.6,
+            "fit, Herrebrugh",
+        )
         row(f"soft: H M^0.2, dp/dx = 0, M = {M:g}", film["dp/dx = 0"] * M**0.2, 2.621, "fit, Moes")
-    write_table("reynolds_line_limits", ("quantity", "solved", "known", "difference_%", "from"), rows)
+    write_table(
+        "reynolds_line_limits", ("quantity", "solved", "known", "difference_%", "from"), rows
+    )
 
 
 def halving_table():
@@ -167,7 +215,8 @@ def halving_table():
     for M, L in ((0.5, 0.0), (20.0, 0.0), (0.5, 15.0), (2.0, 8.0), (20.0, 15.0)):
         law = (lambda P, L=L: L * P) if L > 0 else None
         problem = solver._Problem(M, law, None, share=1.0, floor=5e-5)
-        state, films = solver._along_the_path(problem, 24), []
+        state = solver._along_the_path(problem, 24)
+        films = []
         for _ in range(4):
             films.append(np.array(list(solver._films(state).values())))
             state = solver._solved(state.bisected(), problem, 1e-8)
@@ -182,7 +231,9 @@ def spike_table():
     """Height of the pressure spike and film against the floor of the fluidity."""
     rows = []
     for L in (8.0, 9.0, 9.2, 9.4, 10.0, 12.0):
-        contacts = [solve_line_contact(2.0, L, accuracy=accuracy) for accuracy in (2e-3, 2e-4, 2e-5)]
+        contacts = [
+            solve_line_contact(2.0, L, accuracy=accuracy) for accuracy in (2e-3, 2e-4, 2e-5)
+        ]
         hertz = math.sqrt(2.0 / (2 * math.pi))
         rows.append(
             (
@@ -203,14 +254,23 @@ def oil_table():
         oil = mil_prf_7808.at(273.15 + temperature)
         given = (force / 0.015, 29.8, RADIUS, MODULUS, oil.viscosity, oil.pressure_viscosity)
         speeds = 2 * oil.viscosity * 29.8 / (MODULUS * RADIUS)
-        M, L = given[0] / (MODULUS * RADIUS) / math.sqrt(speeds), oil.pressure_viscosity * MODULUS * speeds**0.25
+        M = given[0] / (MODULUS * RADIUS) / math.sqrt(speeds)
+        L = oil.pressure_viscosity * MODULUS * speeds**0.25
         films = [
-            ReynoldsLine(thickness="dp/dx = 0", law=law, compressible=compressible).film_thickness(*given)
+            ReynoldsLine(thickness="dp/dx = 0", law=law, compressible=compressible).film_thickness(
+                *given
+            )
             for law, compressible in ((Barus(), False), (Roelands(), False), (Roelands(), True))
         ]
         moes = FORMULAS["moes"].film_thickness(*given)
         rows.append(
-            (f"{temperature:g}", f"{force:g}", f"{M:.2f}", f"{L:.1f}", *(f"{1e6 * h:.3f}" for h in (*films, moes)))
+            (
+                f"{temperature:g}",
+                f"{force:g}",
+                f"{M:.2f}",
+                f"{L:.1f}",
+                *(f"{1e6 * h:.3f}" for h in (*films, moes)),
+            )
         )
     header = ("degC", "force_N", "M", "L", "Barus", "Roelands", "Roelands, compressible", "moes")
     write_table("reynolds_line_oil", header, rows)
@@ -225,17 +285,33 @@ def plot():
 def pressure_figure():
     """Draw film_error_pressure.svg."""
     made, (left, middle, right) = figure(3, width=2.6, height=2.6)
-    for axis, M, oils in ((left, 0.5, (0.0, 15.0)), (middle, 2.0, (0.0, 9.0)), (right, 20.0, (0.0, 5.0, 15.0))):
-        width, hertz = math.sqrt(8 * M / math.pi), math.sqrt(M / (2 * math.pi))
+    for axis, M, oils in (
+        (left, 0.5, (0.0, 15.0)),
+        (middle, 2.0, (0.0, 9.0)),
+        (right, 20.0, (0.0, 5.0, 15.0)),
+    ):
+        width = math.sqrt(8 * M / math.pi)
+        hertz = math.sqrt(M / (2 * math.pi))
         film = axis.twinx()
         film.spines["right"].set_visible(True)
         for L, color in zip(oils, (BLUE, ORANGE, GREEN), strict=False):
             contact = solve_line_contact(M, L, accuracy=1e-3)
             axis.plot(contact.x / width, contact.pressure / hertz, color=color, label=f"L = {L:g}")
-            film.plot(contact.x / width, contact.film / contact.thickness["minimum"], ":", color=color, linewidth=0.9)
+            film.plot(
+                contact.x / width,
+                contact.film / contact.thickness["minimum"],
+                ":",
+                color=color,
+                linewidth=0.9,
+            )
         x = np.linspace(-1, 1, 101)
         axis.plot(x, np.sqrt(1 - x**2), color=PURPLE, linewidth=0.7)
-        axis.set(xlim=(-4, 2.5) if M < 1 else (-2.5, 1.8), ylim=(0, 2.2), xlabel="x/b", title=f"M = {M:g}")
+        axis.set(
+            xlim=(-4, 2.5) if M < 1 else (-2.5, 1.8),
+            ylim=(0, 2.2),
+            xlabel="x/b",
+            title=f"M = {M:g}",
+        )
         film.set_ylim(0, 6)
         axis.legend(loc="upper left")
     left.set_ylabel("pressure over Hertz's largest")

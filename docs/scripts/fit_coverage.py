@@ -69,7 +69,9 @@ CASES = {
 
 def data(case: Case, friction: np.ndarray, uncertainty: np.ndarray | None = None) -> RigData:
     """Data of a case as if they had been read."""
-    T, p, s = (x.ravel() for x in np.meshgrid(case.temperatures, case.max_pressures, SLIPS, indexing="ij"))
+    T, p, s = (
+        x.ravel() for x in np.meshgrid(case.temperatures, case.max_pressures, SLIPS, indexing="ij")
+    )
     columns = {
         "temperature": T,
         "max_pressure": p,
@@ -88,7 +90,9 @@ def true_friction(case: Case) -> np.ndarray:
     return problem.friction(attrs.evolve(problem.lubricant, **case.truth), problem.chain)
 
 
-def repeat(case: Case, friction: np.ndarray, seed: int, *, profiles: bool = True) -> np.ndarray | None:
+def repeat(
+    case: Case, friction: np.ndarray, seed: int, *, profiles: bool = True
+) -> np.ndarray | None:
     """Whether covariance and profile hold the truth and whether the profile has both limits: (3, parameter, level)."""
     sigma = np.full(friction.size, case.noise * friction.max())
     if case.given:

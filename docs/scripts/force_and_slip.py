@@ -21,7 +21,8 @@ from rollslip import evolve, load_scene
 from rollslip.planning.plan import plan
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 
-INSTANT, QUIET = 2e-5, 1 / 6
+INSTANT = 2e-5
+QUIET = 1 / 6
 SPANS = {"pocket": 0.3, "planar": 0.1}
 CASES = (("planar", "effective"), ("planar", "conventional"), ("pocket", "conventional"))
 #: Integrator and relative tolerance; the first is what the other is held against.
@@ -41,17 +42,29 @@ NAMED = (
 
 def moving(level, friction):
     """Return the study, what moves, and the bearing."""
-    settings = {"level": "pocket", "friction": friction, "integrator": "rodas5p", "duration": SPANS[level]}
-    scene = evolve(load_scene("1032930-50C"), {f"study.dynamics.{name}": value for name, value in settings.items()})
+    settings = {
+        "level": "pocket",
+        "friction": friction,
+        "integrator": "rodas5p",
+        "duration": SPANS[level],
+    }
+    scene = evolve(
+        load_scene("1032930-50C"),
+        {f"study.dynamics.{name}": value for name, value in settings.items()},
+    )
     made = plan(scene, "dynamics")
-    study = made.studies["dynamics"].evolved(level=level, planar=PlanarSettings(inner_ring_mass=5.0))
+    study = made.studies["dynamics"].evolved(
+        level=level, planar=PlanarSettings(inner_ring_mass=5.0)
+    )
     return study, study.moving(made.assemblies["dynamics"]), made.assemblies["dynamics"]
 
 
 def runs(level, friction, starts):
     """Return mean squares of the force [N2] and mean slips, each (ways, starts)."""
     study, motion, assembly = moving(level, friction)
-    forces = moving(level, "effective")[1]  # the same of the same state, without the film of every slice
+    forces = moving(level, "effective")[
+        1
+    ]  # the same of the same state, without the film of every slice
     times = np.arange(0.0, SPANS[level], INSTANT)
     squares, slips = np.empty((2, len(WAYS), starts))
     for k, slip in enumerate((1e-3 * np.random.default_rng(1).uniform(size=starts)).tolist()):
@@ -59,7 +72,9 @@ def runs(level, friction, starts):
             found = study.evolved(integrator=name, cage_slip=slip).tried(motion, times, tolerance)
             assert found.outcome == "finished", found.message
             quiet = found.t > QUIET * SPANS[level]
-            squares[way, k] = np.mean(forces.outputs(found.t[quiet], found.y[quiet])["pocket_force"] ** 2)
+            squares[way, k] = np.mean(
+                forces.outputs(found.t[quiet], found.y[quiet])["pocket_force"] ** 2
+            )
             speed = motion.split(found.y)["cage_speed"][quiet].mean()
             slips[way, k] = 1.0 - speed / assembly.kinematics.epicyclic_cage_speed
     return squares, slips
@@ -67,13 +82,18 @@ def runs(level, friction, starts):
 
 def first_impacts():
     """Hold integrators against DOP853 while motions are the same."""
-    rows, times, start = [], np.arange(0.0, 8e-3, INSTANT), 5e-4
+    rows = []
+    times = np.arange(0.0, 8e-3, INSTANT)
+    start = 5e-4
     for level, friction in CASES:
         study, motion, assembly = moving(level, friction)
         forces = moving(level, "effective")[1]
 
         def told(y, motion=motion, forces=forces, assembly=assembly):
-            slip = 1.0 - motion.split(y)["cage_speed"].mean() / assembly.kinematics.epicyclic_cage_speed
+            slip = (
+                1.0
+                - motion.split(y)["cage_speed"].mean() / assembly.kinematics.epicyclic_cage_speed
+            )
             return np.array([np.sqrt(np.mean(forces.outputs(times, y)["pocket_force"] ** 2)), slip])
 
         exact = solve_ivp(
@@ -84,9 +104,15 @@ def first_impacts():
         for name, tolerance in (WAYS[0], WAYS[1], ("leapfrog", 1e-7)):
             found = study.evolved(integrator=name, cage_slip=start).tried(motion, times, tolerance)
             off = told(found.y) / reference - 1.0
-            rows.append((level, friction, f"{name}, {tolerance:.0e}", *(f"{part:+.1e}" for part in off)))
+            rows.append(
+                (level, friction, f"{name}, {tolerance:.0e}", *(f"{part:+.1e}" for part in off))
+            )
             print(*rows[-1], sep=", ", flush=True)
-    write_table("first_impacts", ("level", "friction", "integrator, tolerance", "rms force", "mean slip"), rows)
+    write_table(
+        "first_impacts",
+        ("level", "friction", "integrator, tolerance", "rms force", "mean slip"),
+        rows,
+    )
 
 
 def main(counts):

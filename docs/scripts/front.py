@@ -24,9 +24,14 @@ def draw_bearing(axes, scene):
     forces = rollslip.load_distribution(scene).normal_force.sel(ring="inner").isel(instant=0).values
     inner, outer, size = (
         500 * value  # radii in mm
-        for value in (bearing.inner_raceway_diameter, bearing.outer_raceway_diameter, bearing.roller_diameter)
+        for value in (
+            bearing.inner_raceway_diameter,
+            bearing.outer_raceway_diameter,
+            bearing.roller_diameter,
+        )
     )
-    ring, pitch = 1.0 * size, (inner + outer) / 2
+    ring = 1.0 * size
+    pitch = (inner + outer) / 2
     colours = ListedColormap(matplotlib.colormaps["cividis"](np.linspace(0.85, 0.05, 40)))
     scale = Normalize(0, forces.max())
     for radius, width in ((inner, ring), (outer + ring, ring)):
@@ -36,19 +41,47 @@ def draw_bearing(axes, scene):
     for k, force in enumerate(forces):
         angle = -90 + k * step
         axes.add_patch(
-            Wedge((0, 0), pitch + 0.3 * size, angle + gap, angle + step - gap, width=0.6 * size, color=ORANGE, lw=0)
+            Wedge(
+                (0, 0),
+                pitch + 0.3 * size,
+                angle + gap,
+                angle + step - gap,
+                width=0.6 * size,
+                color=ORANGE,
+                lw=0,
+            )
         )
         at = np.radians(angle)
         face = colours(scale(force)) if force > 0 else "white"
-        axes.add_patch(Circle((pitch * np.cos(at), pitch * np.sin(at)), 0.97 * size, fc=face, ec=BLACK, lw=0.5))
+        axes.add_patch(
+            Circle((pitch * np.cos(at), pitch * np.sin(at)), 0.97 * size, fc=face, ec=BLACK, lw=0.5)
+        )
     axes.annotate(
-        "load", (0, -0.72 * inner), (0, -0.3 * inner), ha="center", arrowprops={"arrowstyle": "-|>", "color": BLACK}
+        "load",
+        (0, -0.72 * inner),
+        (0, -0.3 * inner),
+        ha="center",
+        arrowprops={"arrowstyle": "-|>", "color": BLACK},
     )
     axes.add_patch(Arc((0, 0), 1.5 * inner, 1.5 * inner, theta1=50, theta2=130, color=BLACK, lw=1))
     tip = 0.75 * inner * np.array([np.cos(np.radians(130)), np.sin(np.radians(130))])
-    axes.annotate("", tip, tip + np.array([2.2, 2.6]), arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 1})
-    axes.text(0, 0.2 * inner, "inner ring turns,\nrollers and cage (orange)\nlag behind", ha="center", va="center")
-    axes.set(xlim=(-1.03 * (outer + ring), 1.03 * (outer + ring)), ylim=(-1.03 * (outer + ring), 1.03 * (outer + ring)))
+    axes.annotate(
+        "",
+        tip,
+        tip + np.array([2.2, 2.6]),
+        arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 1},
+    )
+    axes.text(
+        0,
+        0.2 * inner,
+        "inner ring turns,\nrollers and cage (orange)\nlag behind",
+        ha="center",
+        va="center",
+    )
+    axes.set(
+        xlim=(-1.03 * (outer + ring), 1.03 * (outer + ring)),
+        ylim=(-1.03 * (outer + ring), 1.03 * (outer + ring)),
+    )
     axes.set_aspect("equal")
     axes.axis("off")
     return ScalarMappable(scale, colours)
@@ -56,9 +89,13 @@ def draw_bearing(axes, scene):
 
 def draw_torques(axes, result):
     """The torque by which the rollers drive the cage, its drag, and what comes of the two."""
-    slip, drive, drag = 100 * result.cage_slip, 1e3 * result.driving_torque, 1e3 * result.drag_torque
-    fold, top = 100 * float(result.largest_drag_slip), 1e3 * float(result.largest_drag)
-    steady, held = 100 * float(result.steady_slip[0]), 1e3 * float(result.torque[0])
+    slip = 100 * result.cage_slip
+    drive = 1e3 * result.driving_torque
+    drag = 1e3 * result.drag_torque
+    fold = 100 * float(result.largest_drag_slip)
+    top = 1e3 * float(result.largest_drag)
+    steady = 100 * float(result.steady_slip[0])
+    held = 1e3 * float(result.torque[0])
     fine = np.linspace(0, float(slip[-1]), 400)
     axes.axvspan(fold, float(slip[-1]), color=ORANGE, alpha=0.12, lw=0)
     axes.plot(fine, PchipInterpolator(slip, drive)(fine), color=BLUE)
@@ -71,11 +108,23 @@ def draw_torques(axes, result):
         va="bottom",
         arrowprops={"arrowstyle": "-", "color": BLACK, "lw": 0.6, "shrinkB": 5},
     )
-    axes.annotate(f"limit drag torque, at {fold:.0f} % slip", (fold, top), (fold, 1.08 * top), ha="center")
-    axes.text(float(slip[-1]) - 1, 0.6 * top, "beyond, more slip\ndrives less: the\ncage skids", ha="right")
+    axes.annotate(
+        f"limit drag torque, at {fold:.0f} % slip", (fold, top), (fold, 1.08 * top), ha="center"
+    )
+    axes.text(
+        float(slip[-1]) - 1,
+        0.6 * top,
+        "beyond, more slip\ndrives less: the\ncage skids",
+        ha="right",
+    )
     axes.text(21, 0.76 * top, "the film drives", color=BLUE)
     axes.text(40, 0.24 * top, "the oil around it brakes", ha="right", va="top")
-    axes.set(xlim=(0, float(slip[-1])), ylim=(0, 1.2 * top), xlabel="Cage slip [%]", ylabel="Torque on the cage [mN m]")
+    axes.set(
+        xlim=(0, float(slip[-1])),
+        ylim=(0, 1.2 * top),
+        xlabel="Cage slip [%]",
+        ylabel="Torque on the cage [mN m]",
+    )
 
 
 def main():

@@ -68,15 +68,21 @@ def rows(dataset):
 def main():
     for table in sys.argv[1:] or CASES:
         name, study, changes, rounds, figures = CASES[table]
-        family = ParetoSettings(evolve(load_scene(name), changes), study=study, rounds=rounds).plan()
+        family = ParetoSettings(
+            evolve(load_scene(name), changes), study=study, rounds=rounds
+        ).plan()
         dataset = run_family(family, KEPT / table, lambda *told: print(*told, flush=True))
-        names = [str(result).replace(" ", "_").replace(",", "") for result in dataset["result"].values]
+        names = [
+            str(result).replace(" ", "_").replace(",", "") for result in dataset["result"].values
+        ]
         write_table(table, ("kind", "choice", "time_[ms]", *names), rows(dataset))
         with tempfile.TemporaryDirectory() as folder:
             save_plots(dataset, Path(folder))
             for figure in figures:
                 slug = f"{table.removeprefix('fronts_')}-{figure}".replace("-", "_").lower()
-                shutil.copy(Path(folder) / f"pareto-{figure}.svg", DOCS / "figures" / f"pareto_{slug}.svg")
+                shutil.copy(
+                    Path(folder) / f"pareto-{figure}.svg", DOCS / "figures" / f"pareto_{slug}.svg"
+                )
         print(*ParetoAccount.sentences(dataset), sep="\n")
 
 

@@ -67,5 +67,9 @@ def losses():
 
 if __name__ == "__main__":
     warnings.simplefilter("error")
-    write_table("lost_digits", ("formula", "where", "condition number", "error of the plain form", "error"), losses())
+    write_table(
+        "lost_digits",
+        ("formula", "where", "condition number", "error of the plain form", "error"),
+        losses(),
+    )
     write_table("hard_cases", ("case", "models", "outcome", "error"), table())

@@ -31,7 +31,11 @@ WARM_UP = {
     "accuracy.tolerance": 0.01,
     "operation.temperature": "10 degC",
     "models.damage": [],
-    "models.thermal": {"model": "network", "oil_flow": "15 g/s", "oil_inlet_temperature": "50 degC"},
+    "models.thermal": {
+        "model": "network",
+        "oil_flow": "15 g/s",
+        "oil_inlet_temperature": "50 degC",
+    },
     "study.dynamics": {"friction": "effective", "level": "cage-set", "duration": "120 s"},
 }
 HISTORIES = {
@@ -39,7 +43,9 @@ HISTORIES = {
     "run-up in 1.2 s": {"inner_speed": {"shape": "run-up", "from": "1000 rpm", "within": "1.2 s"}},
     "load drops to 600 N": {"radial_load": {"shape": "step", "to": "600 N", "at": "0.3 s"}},
     "stop in 1 s": {"inner_speed": {"shape": "emergency-stop", "at": "0.2 s", "within": "1 s"}},
-    "oil from 10 degC": {"temperature": {"shape": "ramp", "from": "10 degC", "to": "50 degC", "within": "1.5 s"}},
+    "oil from 10 degC": {
+        "temperature": {"shape": "ramp", "from": "10 degC", "to": "50 degC", "within": "1.5 s"}
+    },
 }
 DRAWN = {
     "run-up in 0.3 s": "history_run_up",
@@ -76,7 +82,10 @@ def rows():
 
 def gentlest():
     """Search the gentlest run-up that keeps a slip of 5 percent."""
-    scene = evolve(SCENE, {"study.dynamics.history": HISTORIES["run-up in 0.3 s"], "study.dynamics.duration": "3 s"})
+    scene = evolve(
+        SCENE,
+        {"study.dynamics.history": HISTORIES["run-up in 0.3 s"], "study.dynamics.duration": "3 s"},
+    )
     over = {"study.dynamics.history.inner_speed.within": "0.1 s:3 s"}
     return limit(scene, over, "largest_cage_slip <= 5 %", study="dynamics")
 

@@ -42,7 +42,9 @@ def figures(dataset, **names):
     with tempfile.TemporaryDirectory() as folder:
         save_plots(dataset, Path(folder))
         for theirs, ours in names.items():
-            shutil.copyfile(Path(folder) / f"{theirs.replace('_', '-')}.svg", DOCS / "figures" / f"{ours}.svg")
+            shutil.copyfile(
+                Path(folder) / f"{theirs.replace('_', '-')}.svg", DOCS / "figures" / f"{ours}.svg"
+            )
 
 
 def percent(share):
@@ -50,7 +52,9 @@ def percent(share):
 
 
 if __name__ == "__main__":
-    found = run_margin(UncertaintySettings(SCENE, samples=2048, indices=64).plan(), KEPT, said=print)
+    found = run_margin(
+        UncertaintySettings(SCENE, samples=2048, indices=64).plan(), KEPT, said=print
+    )
     figures(
         found,
         uncertainty="margin",
@@ -63,12 +67,22 @@ if __name__ == "__main__":
     for name in quantities:
         one = found.sel(quantity=name)
         size = 100.0 if "slip" in name else 1.0
-        quantiles = [size * one.quantile_value.sel(probability=p).item() for p in (0.01, 0.05, 0.5, 0.95)]
+        quantiles = [
+            size * one.quantile_value.sel(probability=p).item() for p in (0.01, 0.05, 0.5, 0.95)
+        ]
         values = [f"{value:.3g}" if np.isfinite(value) else "beyond" for value in quantiles]
         rows.append(
-            (f"{name} [{'%' if size > 1 else '–'}]", int(one.samples), int(one.beyond), int(one.unknown), *values)
+            (
+                f"{name} [{'%' if size > 1 else '–'}]",
+                int(one.samples),
+                int(one.beyond),
+                int(one.unknown),
+                *values,
+            )
         )
-    write_table("margin", ("quantity", "samples", "beyond", "unknown", "1 %", "5 %", "median", "95 %"), rows)
+    write_table(
+        "margin", ("quantity", "samples", "beyond", "unknown", "1 %", "5 %", "median", "95 %"), rows
+    )
     print("indices of", *found.indexed.values)
     share = found.isel(indexed=0)
     write_table(
@@ -97,7 +111,9 @@ if __name__ == "__main__":
         print(models_apart(apart))
         slips = apart.critical_cage_slip.sel(ring="inner").fillna(np.inf)
         for name in names:
-            values = np.quantile(slips.sel({key.rpartition(".")[2]: name}), (0.05, 0.5, 0.95), method="inverted_cdf")
+            values = np.quantile(
+                slips.sel({key.rpartition(".")[2]: name}), (0.05, 0.5, 0.95), method="inverted_cdf"
+            )
             rows.append((key, name, *map(percent, values)))
     write_table("margin_models", ("key", "choice", "5 % [%]", "median [%]", "95 % [%]"), rows)
     films = {"models.film": ["moes", "dowson-1968", "pan-hamrock"]}

@@ -62,9 +62,17 @@ CASES = {
     "square of one": (1, lambda u: u[:, 0] ** 2, lambda p: p**2),
     "log-normal product of four": (4, lognormal, lognormal_quantile),
     "the same, correlated": (4, correlated, correlated_quantile),
-    "sum of eight normal": (8, lambda u: norm.ppf(u).sum(axis=1), lambda p: math.sqrt(8.0) * norm.ppf(p)),
+    "sum of eight normal": (
+        8,
+        lambda u: norm.ppf(u).sum(axis=1),
+        lambda p: math.sqrt(8.0) * norm.ppf(p),
+    ),
     "oblique jump of two": (2, oblique_jump, oblique_jump_quantile),
-    "sum of two Cauchy": (2, lambda u: cauchy.ppf(u[:, :2]).sum(axis=1), lambda p: 2.0 * cauchy.ppf(p)),
+    "sum of two Cauchy": (
+        2,
+        lambda u: cauchy.ppf(u[:, :2]).sum(axis=1),
+        lambda p: 2.0 * cauchy.ppf(p),
+    ),
 }
 
 
@@ -76,7 +84,10 @@ def told(estimates, exact):
 
 def until(batches, half_width):
     """Return of every seed the first estimate that is as narrow, or the last one."""
-    return [next((one for one in row if one.half_width <= half_width), row[-1]) for row in zip(*batches, strict=True)]
+    return [
+        next((one for one in row if one.half_width <= half_width), row[-1])
+        for row in zip(*batches, strict=True)
+    ]
 
 
 if __name__ == "__main__":
@@ -90,19 +101,30 @@ if __name__ == "__main__":
         for p in QUANTILES:
             ours = [[quantile(v[:n], p, replicates=REPLICATES) for v in several] for n in SAMPLES]
             plain = [[quantile(v[:n], p) for v in single] for n in SAMPLES]
-            wider = [[quantile(v[:n], p, replicates=REPLICATES, confidence=ENDING) for v in several] for n in SAMPLES]
+            wider = [
+                [quantile(v[:n], p, replicates=REPLICATES, confidence=ENDING) for v in several]
+                for n in SAMPLES
+            ]
             for found, batches in ((ours, wider), (plain, plain)):
                 found.append(until(batches, told(batches[SAMPLES.index(1024)], exact(p))[1]))
             for (covered, ratios), one, other in zip(table.values(), ours, plain, strict=True):
-                (held, width), (held_plain, width_plain) = told(one, exact(p)), told(other, exact(p))
+                (held, width) = told(one, exact(p))
+                (held_plain, width_plain) = told(other, exact(p))
                 covered.append(f"{held:.1f} ({held_plain:.1f})")
-                ratios.append(f"{width / width_plain:.2f}" if np.isfinite(width / width_plain) else "–")
+                ratios.append(
+                    f"{width / width_plain:.2f}" if np.isfinite(width / width_plain) else "–"
+                )
         for n, (covered, ratios) in table.items():
             rows.append((name, n, *covered, *ratios))
             print(*rows[-1], sep=", ", flush=True)
     shares = [f"{100 * p:g} %" for p in QUANTILES]
     write_table(
         "margin_coverage",
-        ("function", "samples", *(f"held at {p} [%]" for p in shares), *(f"width at {p}" for p in shares)),
+        (
+            "function",
+            "samples",
+            *(f"held at {p} [%]" for p in shares),
+            *(f"width at {p}" for p in shares),
+        ),
         rows,
     )

@@ -27,7 +27,12 @@ ROUNDS = 2
 COMMANDS = {
     ("1032930-50C",): "50 degC as shipped: cage-set, conventional, 4 s",
     ("1032930-50C", "friction=effective"): "the same, effective friction",
-    ("1032930-50C", "level=pocket", "friction=effective", "duration=0.3 s"): "pocket, effective, 0.3 s",
+    (
+        "1032930-50C",
+        "level=pocket",
+        "friction=effective",
+        "duration=0.3 s",
+    ): "pocket, effective, 0.3 s",
 }
 #: Level and friction -> duration [s] of the motions that are foreseen.
 MOTIONS = {
@@ -84,11 +89,16 @@ def seconds(root, words, folder):
     typed += [part for setting in settings for part in ("--set", setting)]
     before = os.times()
     subprocess.run(
-        [sys.executable, "-c", "from rollslip.cli.main import main; main()", "run", *typed], **surroundings(root)
+        [sys.executable, "-c", "from rollslip.cli.main import main; main()", "run", *typed],
+        **surroundings(root),
     )
     after = os.times()
-    whole = after.children_user + after.children_system - before.children_user - before.children_system
-    told = subprocess.run([sys.executable, "-c", PLAN_AND_RUN, words[0], *settings], text=True, **surroundings(root))
+    whole = (
+        after.children_user + after.children_system - before.children_user - before.children_system
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", PLAN_AND_RUN, words[0], *settings], text=True, **surroundings(root)
+    )
     return whole, float(told.stdout.splitlines()[-1])
 
 
@@ -98,7 +108,10 @@ def commands(earlier):
     with tempfile.TemporaryDirectory() as folder:
         for words, what in COMMANDS.items():
             row = [what]
-            times = [[seconds(root, words, f"{folder}/out") for root in (earlier, HERE)] for _ in range(ROUNDS)]
+            times = [
+                [seconds(root, words, f"{folder}/out") for root in (earlier, HERE)]
+                for _ in range(ROUNDS)
+            ]
             for part in (0, 1):
                 before, now = (min(pair[version][part] for pair in times) for version in (0, 1))
                 row += [f"{before:.2f}", f"{now:.2f}", f"{before / now:.1f}"]
@@ -120,17 +133,42 @@ def estimates():
             planning = time.process_time() - begin
             found = execute(made, "dynamics")
             cost = json.loads(found.attrs["cost"])
-            foreseen, spent = cost["estimated"], cost["actual"]
-            numbers = (f"{planning:.2f}", f"{foreseen:.3f}", f"{spent:.3f}", f"{foreseen / spent:.2f}")
+            foreseen = cost["estimated"]
+            spent = cost["actual"]
+            numbers = (
+                f"{planning:.2f}",
+                f"{foreseen:.3f}",
+                f"{spent:.3f}",
+                f"{foreseen / spent:.2f}",
+            )
             rows.append((name, level, friction, f"{duration:g}", *numbers))
-            print(*rows[-1], found.attrs["outcome"], found.attrs["integrator"], sep=", ", flush=True)
+            print(
+                *rows[-1], found.attrs["outcome"], found.attrs["integrator"], sep=", ", flush=True
+            )
     return rows
 
 
 if __name__ == "__main__":
     if len(sys.argv) > 1:
-        named = ("command", "before [s]", "now [s]", "times as fast", "its plan and run", "now", "times as fast there")
+        named = (
+            "command",
+            "before [s]",
+            "now [s]",
+            "times as fast",
+            "its plan and run",
+            "now",
+            "times as fast there",
+        )
         write_table("motion_cost", named, commands(Path(sys.argv[1]).resolve()))
     else:
-        named = ("bearing", "level", "friction", "motion [s]", "planning [s]", "foreseen [s]", "spent [s]", "ratio")
+        named = (
+            "bearing",
+            "level",
+            "friction",
+            "motion [s]",
+            "planning [s]",
+            "foreseen [s]",
+            "spent [s]",
+            "ratio",
+        )
         write_table("motion_estimates", named, estimates())

@@ -33,7 +33,8 @@ MOTIONS = {
     ("planar", "conventional", PLANNED, 1e-5): 0.02,
 }
 #: Repetitions, and the time of the processor [s] after which there are enough of them.
-MOST, ENOUGH = 20, 1.0
+MOST = 20
+ENOUGH = 1.0
 
 
 def job(number):
@@ -44,10 +45,15 @@ def job(number):
         settings["integrator"] = integrator
     if level == "planar":
         settings["planar.inner_ring_mass"] = "5 kg"
-    scene = evolve(load_scene("1032930-50C"), {f"study.dynamics.{name}": value for name, value in settings.items()})
+    scene = evolve(
+        load_scene("1032930-50C"),
+        {f"study.dynamics.{name}": value for name, value in settings.items()},
+    )
     made = plan(scene, "dynamics")
-    study, moving = made.studies["dynamics"], made.studies["dynamics"].moving(made.assemblies["dynamics"])
-    seconds, found = [], None
+    study = made.studies["dynamics"]
+    moving = made.studies["dynamics"].moving(made.assemblies["dynamics"])
+    seconds = []
+    found = None
     while len(seconds) < MOST and sum(seconds) < ENOUGH:
         found = study.tried(moving, np.array([0.0, span]), tolerance)  # the first finds the loads
         begin = time.process_time()
@@ -77,9 +83,15 @@ def main(before):
         for _ in range(ROUNDS):
             for k, (root, simd) in enumerate(((before, None), (HERE, None), (HERE, "baseline"))):
                 with forced(simd):
-                    both[k] = min(both[k], measured(__file__, root, str(number)), key=lambda one: one["seconds"])
+                    both[k] = min(
+                        both[k],
+                        measured(__file__, root, str(number)),
+                        key=lambda one: one["seconds"],
+                    )
         names = list(dict.fromkeys(one["integrator"] for one in both))
-        integrator = integrator if integrator in names else f"{integrator}: {' and now '.join(names)}"
+        integrator = (
+            integrator if integrator in names else f"{integrator}: {' and now '.join(names)}"
+        )
         speeds = [f"{span / one['seconds']:.2g}" for one in both]
         each = [f"{1e6 * one['seconds'] / one['evaluations']:.3g}" for one in both[:2]]
         rows.append((level, friction, f"{integrator}, {tolerance:.0e}", *speeds, *each))

@@ -44,7 +44,9 @@ def as_printed(sigma, deborah, heating):
 
 def error(stress, exact):
     """Return the relative error in percent as text to 0.001 %, blank for no value."""
-    return "" if stress is None else f"{round(100 * (stress / exact - 1), 3) + 0.0:.6g}"  # + 0.0 turns -0 into 0
+    return (
+        "" if stress is None else f"{round(100 * (stress / exact - 1), 3) + 0.0:.6g}"
+    )  # + 0.0 turns -0 into 0
 
 
 def main():
@@ -52,7 +54,17 @@ def main():
     path.parent.mkdir(exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(("sigma", "deborah", "heating", "exact_stress", "muraki", "with_logarithm", "as_printed"))
+        table.writerow(
+            (
+                "sigma",
+                "deborah",
+                "heating",
+                "exact_stress",
+                "muraki",
+                "with_logarithm",
+                "as_printed",
+            )
+        )
         for point in itertools.product(SIGMA, DEBORAH, HEATING):
             exact = float(maxwell_eyring(*point))
             errors = (error(law(*point), exact) for law in (muraki, with_logarithm, as_printed))

@@ -60,7 +60,11 @@ class Counting(np.ndarray):
             counted["functions"] += size
         elif name not in FREE:
             raise NotImplementedError(f"{name} is not on the lists of what is counted")
-        return result.view(Counting) if isinstance(result, np.ndarray) else np.asarray(result).view(Counting)
+        return (
+            result.view(Counting)
+            if isinstance(result, np.ndarray)
+            else np.asarray(result).view(Counting)
+        )
 
 
 def counting_numpy():
@@ -77,7 +81,8 @@ def counting_numpy():
 
     ours.asarray = lambda x, dtype=None: np.asanyarray(x, dtype=dtype)
     ours.broadcast_arrays = lambda *arrays: np.broadcast_arrays(*arrays, subok=True)
-    ours.where, ours.clip = keep(np.where), lambda x, low, high: np.minimum(np.maximum(x, low), high)
+    ours.where = keep(np.where)
+    ours.clip = lambda x, low, high: np.minimum(np.maximum(x, low), high)
     return ours
 
 
@@ -91,7 +96,8 @@ def count(stages, slices):
     columns = {name: np.array(getattr(slices, name)).view(Counting) for name in names}
     columns |= {name: np.full(n, np.nan).view(Counting) for name in COLUMNS if name not in columns}
     table = Slices.of_columns(slices.conditions, columns)
-    ours, theirs = counting_numpy(), [module.np for module in MODULES]
+    ours = counting_numpy()
+    theirs = [module.np for module in MODULES]
     counted.clear()
     try:
         for module in MODULES:
@@ -109,13 +115,17 @@ def effective(table, V, force):
     """mu_e(V) Q from the coefficients of the cells, with the operations of the compiled form."""
     low, high = table.limits
     cells = table.nodes.shape[0] - 1
-    per_cell, before = cells / (high - low), -low / (high - low) * cells
-    first, rise = table.nodes[:-1], table.nodes[1:] - table.nodes[:-1]
+    per_cell = cells / (high - low)
+    before = -low / (high - low) * cells
+    first = table.nodes[:-1]
+    rise = table.nodes[1:] - table.nodes[:-1]
     # coefficients of the powers of the place in a cell, once for a table: not counted
-    d0, d1 = first[:, 1], table.nodes[1:, 1]
+    d0 = first[:, 1]
+    d1 = table.nodes[1:, 1]
     a = np.stack([first[:, 0], d0, 3.0 * rise[:, 0] - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise[:, 0]])
     counted.clear()
-    V, force = V.view(Counting), force.view(Counting)
+    V = V.view(Counting)
+    force = force.view(Counting)
     place = V / (abs(V) + table.sliding_scale) * per_cell + before
     cell = np.asarray(np.minimum(np.maximum(place, 0.0), cells - 1.0)).astype(int)
     x = np.minimum(np.maximum(place - cell, 0.0), 1.0)
@@ -128,7 +138,8 @@ def cases():
     """Loaded slices of both rings at a cage slip of 10 %, with the raceway and the assembly."""
     for name in ("1032930-70C", "1032930-50C"):
         assembly = assemble(evolve(load_scene(name), {"bearing.profile": "none"}))
-        loads, k = assembly.load_distribution(), assembly.kinematics
+        loads = assembly.load_distribution()
+        k = assembly.kinematics
         speeds = k.surface_speeds(0.1, 0.0)
         for ring in RINGS:
             load = getattr(loads, f"{ring}_load")[0].ravel()
@@ -142,16 +153,21 @@ def operations():
     rows = {}
     for assembly, raceway, load, u, V in cases():
         slices = Slices(load.size, raceway.conditions, load=load, rolling_speed=u, sliding_speed=V)
-        law, blended = assembly.lubricant.pressure_viscosity_law, assembly.traction
+        law = assembly.lubricant.pressure_viscosity_law
+        blended = assembly.traction
         exact = blended.with_full_film(eyring.MaxwellEyring())
         before = (assembly.contact, assembly.film, law)
         common, _ = count(before, slices)
         for name, traction in (("conventional, muraki", blended), ("conventional, exact", exact)):
             whole, table = count((*before, traction), slices)
-            compiled_table = Slices(load.size, raceway.conditions, load=load, rolling_speed=u, sliding_speed=V)
+            compiled_table = Slices(
+                load.size, raceway.conditions, load=load, rolling_speed=u, sliding_speed=V
+            )
             for stage in (*before, traction):
                 stage.evaluate(compiled_table)
-            np.testing.assert_allclose(np.asarray(table.friction), compiled_table.friction, rtol=1e-13)
+            np.testing.assert_allclose(
+                np.asarray(table.friction), compiled_table.friction, rtol=1e-13
+            )
             rows.setdefault(name, []).append(whole)
             rows.setdefault(f"{name}: traction alone", []).append(whole - common)
         made = effective_table(assembly, raceway, load[:, None], 1e-3, False)
@@ -159,15 +175,22 @@ def operations():
         sliding = np.full(load.size, V)
         numbers, traction = effective(made, sliding, force)
         nothing = np.zeros(load.size)
-        found = compiled.friction(made.raceway(load.size), 0.0, force, sliding, np.full(load.size, u), nothing)[0]
+        found = compiled.friction(
+            made.raceway(load.size), 0.0, force, sliding, np.full(load.size, u), nothing
+        )[0]
         np.testing.assert_allclose(traction, found, rtol=1e-12)
         rows.setdefault("effective", []).append(numbers)
     paper = {"conventional, muraki": 115, "effective": 3}
     order = sorted(rows, key=lambda name: -np.mean(rows[name], axis=0).sum())
-    return [(name, *(f"{x:.0f}" for x in np.mean(rows[name], axis=0)), str(paper.get(name, ""))) for name in order]
+    return [
+        (name, *(f"{x:.0f}" for x in np.mean(rows[name], axis=0)), str(paper.get(name, "")))
+        for name in order
+    ]
 
 
 if __name__ == "__main__":
     from output import write_table  # which sets the style of figures
 
-    write_table("operations", ("friction", "arithmetic", "functions", "the_paper_counts"), operations())
+    write_table(
+        "operations", ("friction", "arithmetic", "functions", "the_paper_counts"), operations()
+    )

@@ -12,7 +12,11 @@ from matplotlib.figure import Figure
 DOCS = Path(__file__).parents[1]
 
 #: Okabe & Ito (2008): told apart with every kind of colour vision.
-BLUE, ORANGE, GREEN, PURPLE, BLACK = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000"
+BLUE = "#0072B2"
+ORANGE = "#D55E00"
+GREEN = "#009E73"
+PURPLE = "#CC79A7"
+BLACK = "#000000"
 
 #: Of a figure, in bytes: pages shall load on a slow line.
 LARGEST = 200_000
@@ -51,7 +55,9 @@ def read_table(name: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def figure(columns: int = 1, *, height: float = 2.9, width: float = 3.4, **options: object) -> tuple[Figure, object]:
+def figure(
+    columns: int = 1, *, height: float = 2.9, width: float = 3.4, **options: object
+) -> tuple[Figure, object]:
     """Return a figure with its axes, side by side."""
     made = Figure(figsize=(width * columns, height), layout="constrained")
     return made, made.subplots(1, columns, **options)
@@ -64,12 +70,16 @@ def save_figure(made: Figure, name: str) -> None:
     made.savefig(path, metadata={"Date": None, "Creator": None})
     path.write_text(rounded(path.read_text(encoding="utf-8")), encoding="utf-8")
     if (size := path.stat().st_size) > LARGEST:
-        raise ValueError(f"{path.name} has {size} bytes, more than {LARGEST}; draw fewer marks or letters")
+        raise ValueError(
+            f"{path.name} has {size} bytes, more than {LARGEST}; draw fewer marks or letters"
+        )
 
 
 def rounded(svg: str) -> str:
     """Return a drawing with coordinates to 0.01 pt: matplotlib writes six digits behind the point."""
-    return re.sub(r' (?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d\d)\d+", r"\1", found.group()), svg)
+    return re.sub(
+        r' (?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d\d)\d+", r"\1", found.group()), svg
+    )
 
 
 def percent(slip: float, digits: int = 1) -> str:

@@ -71,15 +71,22 @@ def search(case):
     """Return the nearest pair of one law, closure and family, with its misfit and the number of evaluations."""
     law, closure, family = case
     keys, low, high = zip(*FAMILIES[family], strict=True)
-    fixed = {"bearing.profile": "none", "models.traction.hydrodynamic": LAWS[law], "accuracy.tolerance": 1e-2}
+    fixed = {
+        "bearing.profile": "none",
+        "models.traction.hydrodynamic": LAWS[law],
+        "accuracy.tolerance": 1e-2,
+    }
     bases = {name: evolve(load_scene(name), fixed) for name in TARGETS}
-    low, high = np.array(low), np.array(high)
+    low = np.array(low)
+    high = np.array(high)
     counted = 0
 
     def pair(share):
         nonlocal counted
         counted += 1
-        changes = dict(zip(keys, map(float, low + np.clip(share, 0.0, 1.0) * (high - low)), strict=True))
+        changes = dict(
+            zip(keys, map(float, low + np.clip(share, 0.0, 1.0) * (high - low)), strict=True)
+        )
         return [critical(evolve(base, changes), closure) for base in bases.values()]
 
     def misfit(share):
@@ -89,7 +96,13 @@ def search(case):
     found = differential_evolution(
         misfit, [(0.0, 1.0)] * len(keys), popsize=5, maxiter=5, polish=False, rng=1, init="sobol"
     )
-    found = minimize(misfit, found.x, method="Nelder-Mead", bounds=[(0.0, 1.0)] * len(keys), options={"maxfev": 60})
+    found = minimize(
+        misfit,
+        found.x,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(keys),
+        options={"maxfev": 60},
+    )
     values = low + np.clip(found.x, 0.0, 1.0) * (high - low)
     return pair(found.x), found.fun, counted, dict(zip(keys, map(float, values), strict=True))
 
@@ -101,8 +114,21 @@ def write_search():
         results = list(pool.map(search, cases))
     rows = []
     for (law, closure, family), (pair, misfit, counted, _) in zip(cases, results, strict=True):
-        hit = all(abs(s - target) <= width for s, (target, width) in zip(pair, TARGETS.values(), strict=True))
-        rows.append((family, law, closure, *map(percent, pair), "yes" if hit else "no", f"{misfit:.2g}", counted))
+        hit = all(
+            abs(s - target) <= width
+            for s, (target, width) in zip(pair, TARGETS.values(), strict=True)
+        )
+        rows.append(
+            (
+                family,
+                law,
+                closure,
+                *map(percent, pair),
+                "yes" if hit else "no",
+                f"{misfit:.2g}",
+                counted,
+            )
+        )
     header = "alpha,law,closure,at_70_degC_percent,at_50_degC_percent,within_11±1.5_and_50±5,misfit,evaluations"
     write_table("paper_pair_search", header.split(","), sorted(rows))
     return results
@@ -147,15 +173,26 @@ def write_sets():
 def plot():
     """Fig. 1 to 3 with one set of each family."""
     made, axes = figure(3, width=2.6, height=3.0)
-    chosen = dict(zip(("handbook", "logarithm", "logarithm-epicyclic"), (BLUE, ORANGE, GREEN), strict=True))
+    chosen = dict(
+        zip(("handbook", "logarithm", "logarithm-epicyclic"), (BLUE, ORANGE, GREEN), strict=True)
+    )
     for name, colour in chosen.items():
         contact = run(figure_scene("fig-1", name), "friction-curve")
         for force, style in zip(contact.normal_force.values, ("--", "-"), strict=True):
-            axes[0].plot(100 * contact.slip, contact.friction.sel(normal_force=force), style, color=colour)
+            axes[0].plot(
+                100 * contact.slip, contact.friction.sel(normal_force=force), style, color=colour
+            )
         for axis, which in zip(axes[1:], ("fig-2", "fig-3"), strict=True):
             data = whole(figure_scene(which, name))
-            axis.plot(100 * data.cage_slip, data.effective_friction.sel(ring="inner"), color=colour, label=name)
-            axis.plot(100 * data.cage_slip, data.effective_friction.sel(ring="outer"), ":", color=colour)
+            axis.plot(
+                100 * data.cage_slip,
+                data.effective_friction.sel(ring="inner"),
+                color=colour,
+                label=name,
+            )
+            axis.plot(
+                100 * data.cage_slip, data.effective_friction.sel(ring="outer"), ":", color=colour
+            )
     for axis, slip in zip(axes[1:], (11, 50), strict=True):
         axis.axvline(slip, color=PURPLE, linewidth=0.8)
     for axis, title, label, limit in zip(

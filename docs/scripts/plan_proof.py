@@ -15,7 +15,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from plan_scenes import BASE, STUDY, judge, points, scene
 
-COUNT, WORKERS = 208, 2
+COUNT = 208
+WORKERS = 2
 RESULTS = ("friction", "critical_slip")
 
 
@@ -26,9 +27,12 @@ def verdict(x):
 
 def described(one):
     """What a scene is, in one line."""
-    o, m = one.operation, one.models
+    o = one.operation
+    m = one.models
     inner = m.traction.parameters.get("hydrodynamic")
-    hydrodynamic = "" if inner is None else f" of {inner['model'] if hasattr(inner, 'keys') else inner}"
+    hydrodynamic = (
+        "" if inner is None else f" of {inner['model'] if hasattr(inner, 'keys') else inner}"
+    )
     return (
         f"{o.radial_load:.0f} N; {o.inner_speed * 30 / np.pi:.0f} rpm; {o.temperature - 273.15:.0f} degC; "
         f"{one.bearing.radial_clearance * 1e6:.0f} um; {o.misalignment * 1e3:.2f} mrad; {one.bearing.profile.shape}; "

@@ -26,7 +26,11 @@ from rollslip.errors import RollslipError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 
-COUNT, WORKERS, SEED, FIRST, LONGEST = 100, 2, 37, 300_000, 60.0
+COUNT = 100
+WORKERS = 2
+SEED = 37
+FIRST = 300_000
+LONGEST = 60.0
 KINDS = {
     "near a paper's": lambda k: plan_scenes.scene(plan_scenes.points(2 * COUNT)[COUNT + k]),
     "any friction": lambda k: evolve(promise_scenes.scene(k, SEED), {"accuracy.tolerance": 1e-3}),
@@ -47,7 +51,10 @@ def stop(*_):
 def timed(case):
     """Row of a scene."""
     kind, k = case
-    study, told, spent, again = STUDIES[kind], "", "", ""
+    study = STUDIES[kind]
+    told = ""
+    spent = ""
+    again = ""
     signal.signal(signal.SIGPROF, stop)
     try:
         made = plan(KINDS[kind](k), study)
@@ -55,10 +62,16 @@ def timed(case):
         signal.setitimer(signal.ITIMER_PROF, LONGEST)
         result = execute(made, study)
         spent = f"{json.loads(result.attrs['cost'])['actual']:.3f}"
-        found, chosen = json.loads(result.attrs["resolution"]), made.estimated[study].resolution
-        again = "yes" if (found["slices"], found["instants"]) != (chosen.slices, chosen.instants) else "no"
+        found = json.loads(result.attrs["resolution"])
+        chosen = made.estimated[study].resolution
+        again = (
+            "yes"
+            if (found["slices"], found["instants"]) != (chosen.slices, chosen.instants)
+            else "no"
+        )
     except TooLongError:
-        spent, again = f"over {LONGEST:g}", "unknown"
+        spent = f"over {LONGEST:g}"
+        again = "unknown"
     except RollslipError:
         again = "refused"
     finally:
@@ -70,7 +83,10 @@ def summary(rows):
     """Rows of what was spent over what was told, by scenes that ran once and again."""
     for kind in KINDS:
         own = [row for row in rows if row[0] == kind]
-        once, again = (np.array([float(r[4]) / float(r[3]) for r in own if r[5] == word]) for word in ("no", "yes"))
+        once, again = (
+            np.array([float(r[4]) / float(r[3]) for r in own if r[5] == word])
+            for word in ("no", "yes")
+        )
         within = f"{np.count_nonzero((once >= 0.5) & (once <= 3.0))} of {once.size}"
         endless = sum(row[5] == "unknown" for row in own)
         yield [kind, within, *(f"{np.median(of):.2g} ({of.min():.2g} to {of.max():.2g})" for of in (once, again)),
@@ -80,11 +96,20 @@ def summary(rows):
 def main():
     """Run all scenes and write both tables."""
     cases = [(kind, k) for k in range(COUNT) for kind in KINDS]
-    with ProcessPoolExecutor(WORKERS, initializer=plan_scenes.judge, initargs=(plan_scenes.BASE,)) as pool:
+    with ProcessPoolExecutor(
+        WORKERS, initializer=plan_scenes.judge, initargs=(plan_scenes.BASE,)
+    ) as pool:
         rows = list(pool.map(timed, cases))
     rows.sort()
-    write_table("plan_times", ["scenes", "scene", "study", "told [s]", "spent [s]", "run again"], rows)
-    head = ["scenes", "half to three times, run once", "spent over told, run once", "spent over told, run again"]
+    write_table(
+        "plan_times", ["scenes", "scene", "study", "told [s]", "spent [s]", "run again"], rows
+    )
+    head = [
+        "scenes",
+        "half to three times, run once",
+        "spent over told, run once",
+        "spent over told, run again",
+    ]
     write_table("plan_times_summary", [*head, "run again", f"over {LONGEST:g} s"], summary(rows))
 
 

@@ -14,8 +14,13 @@ from rollslip_studies.dynamics.levels.planar import PlanarMotion, PlanarSettings
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
-TURNS, DURATION, TOLERANCE = 5, 0.1, 1e-5
-LIST = {"bearing.catalogue": {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028}, "accuracy.slices": 15}
+TURNS = 5
+DURATION = 0.1
+TOLERANCE = 1e-5
+LIST = {
+    "bearing.catalogue": {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028},
+    "accuracy.slices": 15,
+}
 
 
 def sleeve(highest: int, outside: str = "230 mm") -> dict[str, object]:
@@ -43,21 +48,30 @@ RINGS: dict[str, dict[str, object]] = {
 
 def moving(rings: dict[str, object], friction: str) -> PlanarMotion:
     assembly = assemble(evolve(load_scene("1032930-50C"), LIST | rings))
-    return planar_motion(assembly, PlanarSettings(inner_ring_mass=5.0), FrictionSettings(name=friction, tolerance=1e-2))
+    return planar_motion(
+        assembly,
+        PlanarSettings(inner_ring_mass=5.0),
+        FrictionSettings(name=friction, tolerance=1e-2),
+    )
 
 
 def main() -> None:
     rows: dict[str, list[str]] = {}
     for friction in ("effective", "conventional"):
         motions = {name: moving(rings, friction) for name, rings in RINGS.items()}
-        seconds, evaluations = {name: list[float]() for name in motions}, dict[str, int]()
+        seconds = {name: list[float]() for name in motions}
+        evaluations = dict[str, int]()
         for _ in range(TURNS):
             for name, motion in motions.items():
                 problem = InitialValueProblem(
-                    rates=motion.system, y=motion.initial(0.002), atol=TOLERANCE * motion.system.scale
+                    rates=motion.system,
+                    y=motion.initial(0.002),
+                    atol=TOLERANCE * motion.system.scale,
                 )
                 times = np.linspace(0.0, DURATION, 51)
-                found = integrate(problem, get_model("integrator", "leapfrog"), times, rtol=TOLERANCE)
+                found = integrate(
+                    problem, get_model("integrator", "leapfrog"), times, rtol=TOLERANCE
+                )
                 assert found.outcome == "finished"
                 seconds[name].append(found.processor_time)
                 evaluations[name] = found.evaluations

@@ -23,7 +23,8 @@ from rollslip.planning.plan import plan
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 
-INSTANT, QUIET = 2e-5, 1 / 6
+INSTANT = 2e-5
+QUIET = 1 / 6
 SPANS = {"pocket": 0.3, "planar": 0.1}
 #: Integrator, relative tolerance, and the part of the starts that it is given: dear ones a quarter. The first is what
 #: the others are held against.
@@ -84,35 +85,57 @@ def off(found, reference):
 
 def lines(level, starts, only, before):
     """Measure a level; lines from before where another integrator is measured."""
-    settings = {"level": "pocket", "friction": "effective", "integrator": "rodas5p", "duration": SPANS[level]}
-    scene = evolve(load_scene("1032930-50C"), {f"study.dynamics.{name}": value for name, value in settings.items()})
+    settings = {
+        "level": "pocket",
+        "friction": "effective",
+        "integrator": "rodas5p",
+        "duration": SPANS[level],
+    }
+    scene = evolve(
+        load_scene("1032930-50C"),
+        {f"study.dynamics.{name}": value for name, value in settings.items()},
+    )
     made = plan(scene, "dynamics")
-    study, assembly = made.studies["dynamics"], made.assemblies["dynamics"]
+    study = made.studies["dynamics"]
+    assembly = made.assemblies["dynamics"]
     study = study.evolved(level=level, planar=PlanarSettings(inner_ring_mass=5.0))
-    moving, times = study.moving(assembly), np.arange(0.0, SPANS[level], INSTANT)
+    moving = study.moving(assembly)
+    times = np.arange(0.0, SPANS[level], INSTANT)
     slips = 1e-3 * np.random.default_rng(1).uniform(size=starts)
     reference = None
     for number, (name, tolerance, part) in enumerate(WAYS[level]):
         if only and reference is not None and name != only:
             yield [row for row in before if row[0] == level][number]
             continue
-        squares, ends, spent = [], [], 0.0
+        squares = []
+        ends = []
+        spent = 0.0
         for slip in slips[: max(starts // part, 2)].tolist():
             begin = time.process_time()
             if name == "scipy":
                 found = told_nothing(study.evolved(cage_slip=slip), moving, times, tolerance)
             else:
-                found = study.evolved(integrator=name, cage_slip=slip).tried(moving, times, tolerance)
+                found = study.evolved(integrator=name, cage_slip=slip).tried(
+                    moving, times, tolerance
+                )
             spent += time.process_time() - begin
             assert found.outcome == "finished", found.message
             quiet = found.t > QUIET * SPANS[level]
             squares.append(powers(moving.outputs(found.t[quiet], found.y[quiet])["pocket_force"]))
-            ends.append(1.0 - moving.split(found.y)["cage_speed"][-1] / assembly.kinematics.epicyclic_cage_speed)
+            ends.append(
+                1.0
+                - moving.split(found.y)["cage_speed"][-1] / assembly.kinematics.epicyclic_cage_speed
+            )
         means = np.sqrt(np.mean(squares, axis=0))
         errors = np.std(squares, axis=0, ddof=1) / np.sqrt(len(ends)) / (2.0 * means)
         all_of = list(zip(means, errors, strict=True))
-        first, reference = reference is None, reference or all_of
-        offs = [""] * len(all_of) if first else [off(one, of) for one, of in zip(all_of, reference, strict=True)]
+        first = reference is None
+        reference = reference or all_of
+        offs = (
+            [""] * len(all_of)
+            if first
+            else [off(one, of) for one, of in zip(all_of, reference, strict=True)]
+        )
         row = (
             level,
             "rk45, told of no contact" if name == "scipy" else name,
@@ -133,7 +156,11 @@ def main(starts, only):
     before = list(csv.reader(table.open()))[1:] if table.exists() else []
     rows = []
     for level, count in starts.items():
-        rows += lines(level, count, only, before) if count else [row for row in before if row[0] == level]
+        rows += (
+            lines(level, count, only, before)
+            if count
+            else [row for row in before if row[0] == level]
+        )
     write_table("pocket_force", NAMED, rows)
 
 

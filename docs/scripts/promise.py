@@ -23,7 +23,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 from promise_scenes import BASE, CLOSURES, described, judge, scene
 from rollslip.errors import RollslipError
 
-COUNT, SCENE_SECONDS = 1000, 8.0
+COUNT = 1000
+SCENE_SECONDS = 8.0
 HEADER = [
     "scene", "what", "tolerance", "friction, found by the run", "friction, actual", "critical slip, found by the run",
     "critical slip, actual", "slices", "instants", "verdict",
@@ -48,7 +49,8 @@ def number(errors, name):
 
 def taken(found, part):
     """How many slices or instants a scene was run with, after how many where it was run again."""
-    last, first = found.resolution[part], found.planned[part]
+    last = found.resolution[part]
+    first = found.planned[part]
     return f"{last} after {first}" if last != first else str(last)
 
 
@@ -65,8 +67,18 @@ def row(k):
         signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
     if found.refused:
         return [k, found.refused[:160], "", "", "", "", "", "", "", "refused"]
-    verdict = ("kept, but told" if found.warned else "kept") if found.kept else "told" if found.warned else "silent"
-    errors = [number(of, name) for name in ("friction", "critical_slip") for of in (found.witnessed, found.actual)]
+    verdict = (
+        ("kept, but told" if found.warned else "kept")
+        if found.kept
+        else "told"
+        if found.warned
+        else "silent"
+    )
+    errors = [
+        number(of, name)
+        for name in ("friction", "critical_slip")
+        for of in (found.witnessed, found.actual)
+    ]
     slices, instants = (taken(found, part) for part in ("slices", "instants"))
     numbers = [f"{slices} {found.resolution['quadrature']}", instants]
     return [k, described(found.scene), f"{found.tolerance:.1e}", *errors, *numbers, verdict]
@@ -104,10 +116,19 @@ def main(count=COUNT, seconds=float("inf")):
         rows.sort(key=lambda one: int(one[0]))
         write_table("promise", HEADER, rows)
         print(k, next(one[-1] for one in rows if one[0] == str(k)), flush=True)
-    head = ["closure", "scenes", "run again", *VERDICTS, "largest error over tolerance", "largest that was not told"]
+    head = [
+        "closure",
+        "scenes",
+        "run again",
+        *VERDICTS,
+        "largest error over tolerance",
+        "largest that was not told",
+    ]
     write_table("promise_summary", head, list(summary(rows)))
     left = {verdict: sum(one[-1] == verdict for one in rows) for verdict in ("refused", "too dear")}
-    write_table("promise_left_out", ["scenes", "refused", "too dear"], [[len(rows), *left.values()]])
+    write_table(
+        "promise_left_out", ["scenes", "refused", "too dear"], [[len(rows), *left.values()]]
+    )
 
 
 if __name__ == "__main__":

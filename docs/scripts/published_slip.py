@@ -24,7 +24,9 @@ def main():
     for at in (70, 50, 30):
         cold = {"operation.temperature": f"{at} degC"}
         least = float(steady(cold, acceptable_slip=0.05).least_load)
-        print(f"at {at} degC: {least:.0f} N for 5 %, {slip({'operation.radial_load': '2 kN'} | cold):.4f} at 2 kN")
+        print(
+            f"at {at} degC: {least:.0f} N for 5 %, {slip({'operation.radial_load': '2 kN'} | cold):.4f} at 2 kN"
+        )
     write_table("published_slip", ("published", "by", "here", "verdict"), rows)
 
 

@@ -24,12 +24,20 @@ from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.thermal_balance.balance import Heated
 
 BEARINGS = ("NU1010", "NU210", "NU2210", "NU310", "NU2310", "NU1020", "NU220", "NU320")
-FLUX, AREA, LESS = 1.6e4, 0.05, -0.34
+FLUX = 1.6e4
+AREA = 0.05
+LESS = -0.34
 
 
 def scene(name):
     """The bearing at the reference conditions, at any speed, as ``rollslip new`` writes it."""
-    asked = {"bearing": name, "oil": "iso-vg-32", "speed": "3000 rpm", "load": "1 kN", "cage": "brass"}
+    asked = {
+        "bearing": name,
+        "oil": "iso-vg-32",
+        "speed": "3000 rpm",
+        "load": "1 kN",
+        "cage": "brass",
+    }
     written = parse_scene(new_scene(name, **(ASSUMED | asked)), name)
     load = 0.05 * static_rating(written.bearing)
     return evolve(written, {"operation.radial_load": load, "accuracy.tolerance": 0.01})
@@ -56,10 +64,20 @@ def row(name):
 
         return brentq(excess, 1.0, 1e4)
 
-    palmgren, skf = by(Palmgren()), by(Skf())
-    ours = brentq(lambda speed: lost(one, speed) - carried, 0.2 * palmgren, 4.0 * palmgren, xtol=1.0)
+    palmgren = by(Palmgren())
+    skf = by(Skf())
+    ours = brentq(
+        lambda speed: lost(one, speed) - carried, 0.2 * palmgren, 4.0 * palmgren, xtol=1.0
+    )
     rpm = [f"{speed * 30 / math.pi:.0f}" for speed in (palmgren, skf, ours)]
-    return [name, f"{carried:.0f}", f"{own.radial_load:.0f}", f"{1e6 * nu:.1f}", *rpm, f"{ours / palmgren:.2f}"]
+    return [
+        name,
+        f"{carried:.0f}",
+        f"{own.radial_load:.0f}",
+        f"{1e6 * nu:.1f}",
+        *rpm,
+        f"{ours / palmgren:.2f}",
+    ]
 
 
 def main():

@@ -25,13 +25,15 @@ CLOSURES = ("epicyclic", "free-roller", "outer-rolling")
 PROFILES = ("iso16281", "none")
 TRACTIONS = ("muraki", "maxwell-eyring")
 FIGURES = {"Fig. 2": "1032930-70C", "Fig. 3": "1032930-50C"}
-TRACTION, PROFILE = "models.traction.hydrodynamic", "bearing.profile"
+TRACTION = "models.traction.hydrodynamic"
+PROFILE = "bearing.profile"
 COLOURS = dict(zip(CLOSURES, (BLUE, GREEN, ORANGE), strict=True))
 
 
 def contact_curves():
     """Fig. 1: draw the friction of one contact, and return header and rows on where it is largest."""
-    rows, (made, axes) = [], figure(2, sharey=True)
+    rows = []
+    (made, axes) = figure(2, sharey=True)
     study = {"study.friction-curve.max_slip": 1.0, "study.friction-curve.points": 101}
     for profile, traction in itertools.product(PROFILES, TRACTIONS):
         scene = evolve(load_scene("1032930-30C"), {PROFILE: profile, TRACTION: traction, **study})
@@ -40,13 +42,33 @@ def contact_curves():
             one = data.sel(normal_force=force)
             at = [coefficient(float(one.friction.interp(slip=s))) for s in (0.05, 0.1, 0.3)]
             critical = percent(float(one.critical_slip)), coefficient(float(one.critical_friction))
-            rows.append((profile, traction, f"{force:.0f}", *critical, *at, f"{float(one.load_parameter):.2f}"))
+            rows.append(
+                (
+                    profile,
+                    traction,
+                    f"{force:.0f}",
+                    *critical,
+                    *at,
+                    f"{float(one.load_parameter):.2f}",
+                )
+            )
             axis = axes[PROFILES.index(profile)]
             style = "-" if traction == "muraki" else "--"
-            axis.plot(100 * one.slip, one.friction, style, color=colour, label=f"{force:.0f} N, {traction}")
+            axis.plot(
+                100 * one.slip,
+                one.friction,
+                style,
+                color=colour,
+                label=f"{force:.0f} N, {traction}",
+            )
     header = "profile,traction,force_N,critical_slip_percent,friction,at_5_percent,at_10_percent,at_30_percent,moes_M"
     for axis, profile in zip(axes, PROFILES, strict=True):
-        axis.set(title=f"profile {profile}", xlabel="slide-roll ratio V/u [%]", xlim=(0, 60), ylim=(0, None))
+        axis.set(
+            title=f"profile {profile}",
+            xlabel="slide-roll ratio V/u [%]",
+            xlim=(0, 60),
+            ylim=(0, None),
+        )
     axes[0].set_ylabel("friction coefficient")
     made.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper")
     save_figure(made, "fig1_contact")
@@ -55,12 +77,15 @@ def contact_curves():
 
 def is_drawn(name, profile, traction, closure):
     """Whether a curve stands in Fig. 2 or 3."""
-    return traction == "muraki" and (name == "Fig. 2" or (profile, closure) == ("iso16281", "epicyclic"))
+    return traction == "muraki" and (
+        name == "Fig. 2" or (profile, closure) == ("iso16281", "epicyclic")
+    )
 
 
 def effective_friction(kept=lambda *_: True):
     """Fig. 2 and 3: draw effective friction of the raceways, and return header and rows for what is kept."""
-    rows, (made, axes) = [], figure(2, sharey=True)
+    rows = []
+    (made, axes) = figure(2, sharey=True)
     for name, shipped in FIGURES.items():
         base = evolve(load_scene(shipped), {"study.effective-friction.map_points": 0})
         for profile, traction, closure in itertools.product(PROFILES, TRACTIONS, CLOSURES):
@@ -68,7 +93,10 @@ def effective_friction(kept=lambda *_: True):
                 continue
             changes = {"closure": closure, "points": 41, "per_roller": True}
             changes = {f"study.effective-friction.{key}": value for key, value in changes.items()}
-            data = run(evolve(base, {PROFILE: profile, TRACTION: traction, **changes}), "effective-friction")
+            data = run(
+                evolve(base, {PROFILE: profile, TRACTION: traction, **changes}),
+                "effective-friction",
+            )
             inner, outer = (data.sel(ring=ring) for ring in ("inner", "outer"))
             loaded = inner.roller_friction.isel(roller=int(inner.normal_force.values.argmax()))
             rows.append(
@@ -85,9 +113,21 @@ def effective_friction(kept=lambda *_: True):
                 )
             )
             if name == "Fig. 2" and traction == "muraki":
-                axis, slip = axes[PROFILES.index(profile)], 100 * data.cage_slip
-                axis.plot(slip, inner.effective_friction, color=COLOURS[closure], label=f"inner, {closure}")
-                axis.plot(slip, outer.effective_friction, ":", color=COLOURS[closure], label=f"outer, {closure}")
+                axis = axes[PROFILES.index(profile)]
+                slip = 100 * data.cage_slip
+                axis.plot(
+                    slip,
+                    inner.effective_friction,
+                    color=COLOURS[closure],
+                    label=f"inner, {closure}",
+                )
+                axis.plot(
+                    slip,
+                    outer.effective_friction,
+                    ":",
+                    color=COLOURS[closure],
+                    label=f"outer, {closure}",
+                )
             if name == "Fig. 3" and is_drawn(name, profile, traction, closure):
                 single_rollers(data)
     header = (
@@ -115,10 +155,18 @@ def single_rollers(data):
     made, axis = figure(1, width=5.2)
     inner = data.sel(ring="inner")
     half = data.angle.values % (2 * np.pi) <= np.pi  # both halves are alike
-    loaded = [k for k in np.argsort(-inner.normal_force.values) if inner.normal_force[k] > 0 and half[k]]
+    loaded = [
+        k for k in np.argsort(-inner.normal_force.values) if inner.normal_force[k] > 0 and half[k]
+    ]
     for k, tone in zip(loaded, np.linspace(0.2, 0.8, len(loaded)), strict=True):
         label = f"roller with {float(inner.normal_force[k]):.0f} N"
-        axis.plot(100 * data.cage_slip, inner.roller_friction[k], color=str(tone), linewidth=0.9, label=label)
+        axis.plot(
+            100 * data.cage_slip,
+            inner.roller_friction[k],
+            color=str(tone),
+            linewidth=0.9,
+            label=label,
+        )
     axis.plot(100 * data.cage_slip, inner.effective_friction, color=BLUE, label="raceway")
     axis.set(xlabel="cage slip [%]", ylabel="friction coefficient", xlim=(0, 95), ylim=(0, None))
     made.legend(loc="outside right upper")
@@ -150,12 +198,19 @@ SENSITIVITY = {
 def sensitivity():
     """What moves the critical cage slip of Fig. 2, one change at a time, closure epicyclic."""
     base = evolve(
-        load_scene("1032930-70C"), {"study.effective-friction.map_points": 0, "study.effective-friction.points": 21}
+        load_scene("1032930-70C"),
+        {"study.effective-friction.map_points": 0, "study.effective-friction.points": 21},
     )
     rows = []
     for name, changes in SENSITIVITY.items():
         inner = run(evolve(base, changes), "effective-friction").sel(ring="inner")
-        rows.append((name, percent(float(inner.critical_cage_slip)), coefficient(float(inner.critical_friction))))
+        rows.append(
+            (
+                name,
+                percent(float(inner.critical_cage_slip)),
+                coefficient(float(inner.critical_friction)),
+            )
+        )
     write_table("sensitivity", ("change", "critical_cage_slip_percent", "largest_friction"), rows)
 
 
@@ -164,12 +219,16 @@ class MurakiLogarithm(Muraki):
     """The closed form with log(2 sigma) in place of asinh(sigma); for this comparison only."""
 
     def dimensionless_stress(self, strain_rate, deborah, heating):
-        sigma, sign = np.abs(strain_rate), np.sign(strain_rate)
+        sigma = np.abs(strain_rate)
+        sign = np.sign(strain_rate)
         sigma = np.maximum(sigma, 1e-12)  # at no slip the logarithm has no value
-        logarithm, a = np.log(2 * sigma), 1 + heating * sigma
+        logarithm = np.log(2 * sigma)
+        a = 1 + heating * sigma
         y = 2 * logarithm / (a + np.sqrt(np.maximum(a**2 - deborah * heating * logarithm, 0)))
         ramp = deborah * logarithm > sigma * (1 + a)
-        return sign * np.where(ramp, sigma / np.maximum(deborah, 1e-300), y - deborah * y**2 / (4 * sigma))
+        return sign * np.where(
+            ramp, sigma / np.maximum(deborah, 1e-300), y - deborah * y**2 / (4 * sigma)
+        )
 
     def kernel(self):
         return None
@@ -183,7 +242,9 @@ def logarithm():
     for name, shipped in FIGURES.items():
         assembly = assemble(load_scene(shipped))
         law = attrs.evolve(assembly.traction, hydrodynamic=MurakiLogarithm())
-        chain = Chain(assembly.contact, assembly.film, assembly.lubricant.pressure_viscosity_law, law)
+        chain = Chain(
+            assembly.contact, assembly.film, assembly.lubricant.pressure_viscosity_law, law
+        )
         with_log = attrs.evolve(
             assembly,
             traction=law,
@@ -192,9 +253,16 @@ def logarithm():
         )
         for which, bearing in (("asinh(sigma)", assembly), ("ln(2 sigma)", with_log)):
             inner = study.run(bearing).sel(ring="inner")
-            values = [coefficient(float(inner.effective_friction.interp(cage_slip=s))) for s in slips]
+            values = [
+                coefficient(float(inner.effective_friction.interp(cage_slip=s))) for s in slips
+            ]
             rows.append((name, which, percent(float(inner.critical_cage_slip)), *values))
-    header = ("figure", "law", "critical_inner_percent", *(f"at_{100 * s:.0f}_percent" for s in slips))
+    header = (
+        "figure",
+        "law",
+        "critical_inner_percent",
+        *(f"at_{100 * s:.0f}_percent" for s in slips),
+    )
     write_table("logarithm", header, rows)
 
 

@@ -32,13 +32,15 @@ CASES = {
     ("planar", "effective"): BLACK,
     ("planar", "conventional"): RED,
 }
-STEPS, TURNS = 20, 5
+STEPS = 20
+TURNS = 5
 TABLES = 1e-2  # error of effective friction, which its cost does not depend on
 
 
 def bearing(rollers):
     """The bearing with another number of rollers of the same size and load, as fast at their surfaces."""
-    b, grown = SCENE.bearing, rollers / SCENE.bearing.rollers
+    b = SCENE.bearing
+    grown = rollers / SCENE.bearing.rollers
     orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 2 * grown
     diameters = {"inner": orbit - b.roller_diameter, "outer": orbit + b.roller_diameter}
     speed = SCENE.operation.inner_speed * b.inner_raceway_diameter / diameters["inner"]
@@ -61,12 +63,14 @@ def moving(level, friction, assembly, loads):
 
 def step(motion):
     """Evaluations and time [us] of a step."""
-    system, best = motion.system, math.inf
+    system = motion.system
+    best = math.inf
     start = motion.initial(cage_slip=0.02)
     for _ in range(TURNS):
         solver = Rosenbrock(system.capsule, 0.0, start, 1.0, 1e-5, 1e-5 * system.scale, 1e-5, 1e-5)
         solver.advance(max_steps=STEPS)
-        evaluations, steps = solver.evaluations, solver.steps + solver.rejected
+        evaluations = solver.evaluations
+        steps = solver.steps + solver.rejected
         begin = time.process_time()
         solver.advance(max_steps=STEPS)
         taken = solver.steps + solver.rejected - steps
@@ -84,7 +88,17 @@ def against_rollers():
             motion = moving(level, friction, bearing(rollers), loads)
             each, us = step(motion)
             times.append(us)
-            rows.append((level, friction, rollers, motion.system.n, f"{each:.3g}", f"{us:.3g}", f"{us / rollers:.3g}"))
+            rows.append(
+                (
+                    level,
+                    friction,
+                    rollers,
+                    motion.system.n,
+                    f"{each:.3g}",
+                    f"{us:.3g}",
+                    f"{us / rollers:.3g}",
+                )
+            )
         slope = np.polyfit(np.log(ROLLERS[2:]), np.log(times[2:]), 1)[0]
         print(level, friction, "power", slope, flush=True)
     header = "level,friction,rollers,unknowns,evaluations_a_step,microseconds_a_step,microseconds_a_step_and_roller"
@@ -93,10 +107,13 @@ def against_rollers():
 
 def plot():
     """Draw rollers_cost.svg from rollers_cost.csv."""
-    rows, (made, axis) = read_table("rollers_cost"), figure(1, width=4.6)
+    rows = read_table("rollers_cost")
+    (made, axis) = figure(1, width=4.6)
     for (level, friction), colour in CASES.items():
         points = [row for row in rows if (row["level"], row["friction"]) == (level, friction)]
-        rollers, times = ([float(row[key]) for row in points] for key in ("rollers", "microseconds_a_step"))
+        rollers, times = (
+            [float(row[key]) for row in points] for key in ("rollers", "microseconds_a_step")
+        )
         axis.loglog(rollers, times, "o-", color=colour, markersize=3, label=f"{level}, {friction}")
     axis.set(xlabel="rollers", ylabel="time of a step [µs]")
     made.legend(loc="outside right upper")
@@ -109,11 +126,15 @@ def against_slices():
     for level, friction in CASES:
         for slices in SLICES:
             assembly = assemble(evolve(SCENE, {"accuracy.slices": slices}))
-            loads = None if level == "planar" else build_load_map(assembly, SCENE.accuracy.tolerance)
+            loads = (
+                None if level == "planar" else build_load_map(assembly, SCENE.accuracy.tolerance)
+            )
             each, us = step(moving(level, friction, assembly, loads))
             rows.append((level, friction, slices, f"{each:.3g}", f"{us:.3g}", f"{us / slices:.3g}"))
             print(*rows[-1], flush=True)
-    header = "level,friction,slices,evaluations_a_step,microseconds_a_step,microseconds_a_step_and_slice"
+    header = (
+        "level,friction,slices,evaluations_a_step,microseconds_a_step,microseconds_a_step_and_slice"
+    )
     write_table("slices_cost", header.split(","), rows)
 
 

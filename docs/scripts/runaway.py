@@ -25,8 +25,14 @@ from rollslip.errors import RollslipError
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.motion.torque_balance import rollers, runaway
 
-COUNT, WORKERS, SCENES, HELD = 224, 2, 200, 64
-SLICES, INSTANTS, RANGE, POINTS = 24, 2, 0.95, 25
+COUNT = 224
+WORKERS = 2
+SCENES = 200
+HELD = 64
+SLICES = 24
+INSTANTS = 2
+RANGE = 0.95
+POINTS = 25
 #: Error of the tables of effective friction, over ten.
 TABLES = 1e-2
 #: Of the drag at which the cage skids: where the two frictions are held against each other at small slip.
@@ -48,7 +54,9 @@ class Found:
 
 def critical(assembly, closure):
     """Smaller critical slip of both rings; infinite where neither curve has its maximum in the range."""
-    study = EffectiveFriction(closure=closure, max_cage_slip=RANGE, points=POINTS, map_points=0, runaway_range=0.0)
+    study = EffectiveFriction(
+        closure=closure, max_cage_slip=RANGE, points=POINTS, map_points=0, runaway_range=0.0
+    )
     raceways = study.loaded(assembly, INSTANTS)
     slip = slip_grid(RANGE, POINTS)
     slips = [found.slip for found in raceways.critical(slip, raceways.curve(slip))]
@@ -69,7 +77,9 @@ def slip_at(balance, drag, end):
     low = 0.0
     for high in slip_grid(end, 12)[1:]:
         if balance.torque(float(high)) >= drag:
-            return brentq(lambda s: balance.torque(s) - drag if s else -drag, low, float(high), rtol=1e-8)
+            return brentq(
+                lambda s: balance.torque(s) - drag if s else -drag, low, float(high), rtol=1e-8
+            )
         low = float(high)
     return np.nan
 
@@ -79,7 +89,9 @@ def bearing(x):
     one = evolve(scene(x), {"accuracy.tolerance": 1e-3})
     fine = assemble(one)
     slices = min(SLICES, fine.slices)
-    made = fine.at(attrs.evolve(fine.resolution, slices=slices, instants=INSTANTS, table_tolerance=TABLES))
+    made = fine.at(
+        attrs.evolve(fine.resolution, slices=slices, instants=INSTANTS, table_tolerance=TABLES)
+    )
     loaded = made.load_distribution(INSTANTS).inner_force.any()
     return described(one).rpartition(";")[0], made if loaded else None
 
@@ -105,7 +117,9 @@ def hold(given):
     _, assembly = bearing(x)
     try:
         effective = runaway(rollers(assembly, INSTANTS, effective=True), RANGE, "")
-        exact, simple = (rollers(assembly, INSTANTS, effective=effective) for effective in (False, True))
+        exact, simple = (
+            rollers(assembly, INSTANTS, effective=effective) for effective in (False, True)
+        )
         slips = [slip_at(balance, SMALL * fold.drag, fold.slip) for balance in (exact, simple)]
     except RollslipError:
         return None
@@ -115,7 +129,11 @@ def hold(given):
 
 def quantiles(values):
     """Median, 90 % and largest, in points."""
-    return [f"{100 * np.quantile(values, q):.1f}" for q in (0.5, 0.9, 1.0)] if len(values) else ["none"] * 3
+    return (
+        [f"{100 * np.quantile(values, q):.1f}" for q in (0.5, 0.9, 1.0)]
+        if len(values)
+        else ["none"] * 3
+    )
 
 
 def main():
@@ -130,7 +148,10 @@ def main():
         print(f"{sum(f.earlier > 0 for _, f in away)} have a smaller maximum before")
         print(f"time of the processor: {1e3 * np.median([f.seconds for _, f in known]):.0f} ms")
         held = [
-            (f, off) for (_, f), off in zip(away, pool.map(hold, [(x, f.fold) for x, f in away[:HELD]]), strict=False)
+            (f, off)
+            for (_, f), off in zip(
+                away, pool.map(hold, [(x, f.fold) for x, f in away[:HELD]]), strict=False
+            )
         ]
     effective_friction([(f, off) for f, off in held if off is not None])
 
@@ -146,7 +167,10 @@ def closures(known, away):
                 f.what,
                 percent(f.fold.slip),
                 f"{f.fold.drag:.4g}",
-                *("beyond" if np.isinf(f.critical[c]) else percent(f.critical[c]) for c in CLOSURES),
+                *(
+                    "beyond" if np.isinf(f.critical[c]) else percent(f.critical[c])
+                    for c in CLOSURES
+                ),
             ]
             for k, f in enumerate(known)
         ],
@@ -156,7 +180,8 @@ def closures(known, away):
     ratio = {c: np.array([f.critical[c] / f.fold.slip for f in away]) for c in CLOSURES}
     rows = []
     for k, c in enumerate(CLOSURES):
-        there, unsafe = np.isfinite(off[c]), off[c] > 0.0
+        there = np.isfinite(off[c])
+        unsafe = off[c] > 0.0
         rows.append(
             [
                 c,
@@ -181,14 +206,22 @@ def effective_friction(held):
         "runaway_effective",
         ["what", "skids from [%]", *OFF],
         [
-            [f.what, percent(f.fold.slip), f"{100 * drag:+.2f}", f"{100 * slip:+.1f}", f"{100 * speed:+.3f}"]
+            [
+                f.what,
+                percent(f.fold.slip),
+                f"{100 * drag:+.2f}",
+                f"{100 * slip:+.1f}",
+                f"{100 * speed:+.3f}",
+            ]
             for f, (drag, slip, speed) in held
         ],
     )
     rows = []
     for name, values in zip(OFF, np.abs(np.array([off for _, off in held])).T, strict=True):
         there = values[np.isfinite(values)]
-        rows.append([name, *(f"{100 * np.quantile(there, q):.2g}" for q in (0.5, 0.9, 1.0)), len(there)])
+        rows.append(
+            [name, *(f"{100 * np.quantile(there, q):.2g}" for q in (0.5, 0.9, 1.0)), len(there)]
+        )
     write_table("runaway_effective_summary", ["off", "median", "90 %", "most", "scenes"], rows)
 
 

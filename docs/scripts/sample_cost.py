@@ -17,10 +17,15 @@ from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.sweep.point import _TOGETHER, _Task, compute
 from rollslip_campaigns.uncertainty import UncertaintySettings
-from rollslip_studies.effective_friction.raceways import agree_together, critical_together, evaluated_together
+from rollslip_studies.effective_friction.raceways import (
+    agree_together,
+    critical_together,
+    evaluated_together,
+)
 from rollslip_studies.effective_friction.study import _held_at
 
-SCENE, SAMPLES = "1032930-70C", 320
+SCENE = "1032930-70C"
+SAMPLES = 320
 OUTPUTS = ("critical_cage_slip", "critical_friction")
 
 
@@ -41,9 +46,11 @@ def least(step, inputs):
 
 if __name__ == "__main__":
     sweep = UncertaintySettings(SCENE, samples=SAMPLES).plan().critical
-    work, points = sweep.work, [(number, sweep.design.changes(number)) for number in range(SAMPLES)]
+    work = sweep.work
+    points = [(number, sweep.design.changes(number)) for number in range(SAMPLES)]
     work = attrs.evolve(work, outputs=named_outputs(study_class(sweep.study), OUTPUTS))
-    task, resolution = _Task(work), work.resolutions.of({})
+    task = _Task(work)
+    resolution = work.resolutions.of({})
     study = settings(sweep.scene, sweep.study)[sweep.study]
     slip = slip_grid(study.max_cage_slip, study.points)
     compute(work, points)  # whatever is made once
@@ -55,10 +62,18 @@ if __name__ == "__main__":
         return found
 
     like = assemble(work.scene, resolution)
-    scenes = step("scene changed and checked", lambda _, changes: evolve(work.scene, changes), points)
-    step("key of the point", lambda scene: task.key(scene, resolution), [(scene,) for scene in scenes])
+    scenes = step(
+        "scene changed and checked", lambda _, changes: evolve(work.scene, changes), points
+    )
+    step(
+        "key of the point",
+        lambda scene: task.key(scene, resolution),
+        [(scene,) for scene in scenes],
+    )
     bearings = step(
-        "oil and conditions of its bearing", lambda one: assemble(one, resolution, like=like), [(s,) for s in scenes]
+        "oil and conditions of its bearing",
+        lambda one: assemble(one, resolution, like=like),
+        [(s,) for s in scenes],
     )
 
     raceways = step(
@@ -78,12 +93,19 @@ if __name__ == "__main__":
         [(some,) for some in together([*zip(raceways, frictions, strict=True)])],
     )
     maxima = [both for some in found for both in some]
-    held = [(few, [_held_at(slip, ring) for ring in both]) for few, both in zip(raceways, maxima, strict=True)]
+    held = [
+        (few, [_held_at(slip, ring) for ring in both])
+        for few, both in zip(raceways, maxima, strict=True)
+    ]
     step(
-        "held against all slices", lambda some: agree_together(some, [1e-5] * len(some)), [(s,) for s in together(held)]
+        "held against all slices",
+        lambda some: agree_together(some, [1e-5] * len(some)),
+        [(s,) for s in together(held)],
     )
     whole = min(least(lambda: compute(work, points), [()])[0] for _ in range(3))
     rows.append(["all of it", whole])
     write_table(
-        "sample_cost", ("step", "time [ms]", "share [%]"), [(n, f"{t:.2f}", f"{100 * t / whole:.0f}") for n, t in rows]
+        "sample_cost",
+        ("step", "time [ms]", "share [%]"),
+        [(n, f"{t:.2f}", f"{100 * t / whole:.0f}") for n, t in rows],
     )

@@ -53,16 +53,27 @@ def job(name):
     begin = os.times()
     if name == "command":
         with tempfile.TemporaryDirectory() as folder:
-            command = [sys.executable, "-c", "from rollslip.cli import main; main()", *COMMAND, "--out", f"{folder}/u"]
+            command = [
+                sys.executable,
+                "-c",
+                "from rollslip.cli import main; main()",
+                *COMMAND,
+                "--out",
+                f"{folder}/u",
+            ]
             subprocess.run(command, check=True, capture_output=True)
         points = 1
     else:
         _, study, outputs, changes, points = POINTS[name]
-        sweep = plan_sweep(evolve(load_scene(SCENE), changes), OIL, samples=points, study=study, output=outputs)
+        sweep = plan_sweep(
+            evolve(load_scene(SCENE), changes), OIL, samples=points, study=study, output=outputs
+        )
         work = sweep.work
         compute(work, [(0, sweep.design.changes(0))])  # what is imported once
         begin = os.times()
-        rows = compute(work, [(number, sweep.design.changes(number)) for number in range(points)]).rows
+        rows = compute(
+            work, [(number, sweep.design.changes(number)) for number in range(points)]
+        ).rows
         assert {row.status for row in rows} == {"ok"}
     return (sum(os.times()[:4]) - sum(begin[:4])) / points
 
@@ -72,7 +83,10 @@ def main(before):
     rows = []
     for name in (*POINTS, "command"):
         rounds = 1 if name == "command" else _ROUNDS
-        times = [(measured(__file__, before, name), measured(__file__, HERE, name)) for _ in range(rounds)]
+        times = [
+            (measured(__file__, before, name), measured(__file__, HERE, name))
+            for _ in range(rounds)
+        ]
         old, new = (min(column) for column in zip(*times, strict=True))
         if name == "command":
             said = f"rollslip {' '.join(COMMAND)}", f"{old:.1f} s", f"{new:.1f} s"

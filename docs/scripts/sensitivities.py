@@ -29,7 +29,8 @@ SCENES = {
     "NU 2216": ("iso-vg-68", "4500 rpm", "1.5 kN"),
     "NU 422": ("iso-vg-220", "600 rpm", "2 kN"),
 }
-LAST, SHOWN = 0.95, 14
+LAST = 0.95
+SHOWN = 14
 NO_HEAT = {"models.film.thermal": "none", "cage.drag.rolling-resistance.inlet_heating": "none"}
 #: What is chosen or stated in place of a default; those in pairs are the two sides of one.
 CHOICES = {
@@ -48,7 +49,10 @@ CHOICES = {
     "surfaces superfinished": {"surface": {"name": "superfinished"}},
     "cage of brass on the outer ring": {"cage.make": "brass", "cage.guidance": "outer"},
     "cage of steel sheet": {"cage.make": "steel"},
-    **{f"supply {kind}": {"lubrication.supply": kind} for kind in ("splash", "circulating", "jet", "mist", "grease")},
+    **{
+        f"supply {kind}": {"lubrication.supply": kind}
+        for kind in ("splash", "circulating", "jet", "mist", "grease")
+    },
     **{f"clearance {kind}": {"bearing.clearance_class": kind} for kind in ("C2", "CN", "C3", "C4")},
     "shaft h6": {"bearing.mounting.shaft_fit": "h6"},
     "shaft n6": {"bearing.mounting.shaft_fit": "n6"},
@@ -65,14 +69,22 @@ CHOICES = {
 def scene(name):
     """A scene as it is written."""
     oil, speed, load = SCENES[name]
-    asked = {"bearing": name, "oil": oil, "speed": speed, "load": load, "temperature": "70 degC", "cage": "polyamide"}
+    asked = {
+        "bearing": name,
+        "oil": oil,
+        "speed": speed,
+        "load": load,
+        "temperature": "70 degC",
+        "cage": "polyamide",
+    }
     return parse_scene(new_scene(name, **(ASSUMED | asked)), name)
 
 
 def found(one, inertia=True):
     """Steady slip, infinite where the cage skids, and reserve of drag."""
     balance = rollers(assemble(one), 1, inertia=inertia)
-    away, runs = runaway(balance, LAST, ""), running(balance, LAST)
+    away = runaway(balance, LAST, "")
+    runs = running(balance, LAST)
     held = reserve(balance, away, runs, LAST)
     slip = math.inf if held.status.startswith("the cage skids") else runs.slip
     return slip, held.factor, not math.isnan(away.slip)
@@ -82,12 +94,17 @@ def ends(one):
     """What scatters, at 5 and 95 %, by key, and its grade."""
     problems = []
     given, said = with_scatter(one)
-    table = read_uncertainty(given.uncertainty, Location({}), quantities(assemble(one), {}), problems)
+    table = read_uncertainty(
+        given.uncertainty, Location({}), quantities(assemble(one), {}), problems
+    )
     if problems:
         raise ValueError(problems)
     grades = {text.partition(" ")[0]: text.partition("(")[2][:1] for text in said}
     at = np.array([0.05, 0.95])
-    return {key: (grades[key], distribution.quantile(at)) for key, distribution in table.distributions.items()}
+    return {
+        key: (grades[key], distribution.quantile(at))
+        for key, distribution in table.distributions.items()
+    }
 
 
 @attrs.frozen
@@ -105,7 +122,9 @@ class Moved:
     @property
     def decides(self):
         """Largest change of the logarithm of the slip."""
-        return max(abs(math.log(one / self.slip)) if math.isfinite(one) else math.inf for one in self.slips)
+        return max(
+            abs(math.log(one / self.slip)) if math.isfinite(one) else math.inf for one in self.slips
+        )
 
 
 def changed(one, changes):
@@ -123,7 +142,14 @@ def moved(name):
     print(f"{name}: slip {slip:.4f}, reserve {held:.3g}, fold: {folds}", flush=True)
     for key, (grade, both) in ends(one).items():
         each = [found(evolve(one, {key: float(end)})) for end in both]
-        yield Moved(name, key, f"scatter ({grade})", *zip(*(pair[:2] for pair in each), strict=True), slip, held)
+        yield Moved(
+            name,
+            key,
+            f"scatter ({grade})",
+            *zip(*(pair[:2] for pair in each), strict=True),
+            slip,
+            held,
+        )
     for what, changes in CHOICES.items():
         try:
             pair = found(changed(one, changes), inertia=what != "inertia of the spin off")[:2]
@@ -164,9 +190,18 @@ def drawn(rows):
         first = [one for one in rows if one.scene == name][:SHOWN][::-1]
         for k, one in enumerate(first):
             sides = [100.0 * min(slip, LAST) for slip in (*one.slips, one.slip)]
-            ax.barh(k, max(sides) - min(sides), left=min(sides), height=0.7, color=colours[one.kind.split()[0]])
+            ax.barh(
+                k,
+                max(sides) - min(sides),
+                left=min(sides),
+                height=0.7,
+                color=colours[one.kind.split()[0]],
+            )
         ax.axvline(100.0 * first[0].slip, color="black", lw=0.8)
-        ax.set_yticks(range(len(first)), [one.what.removeprefix("stated: ").split(".", 1)[-1] for one in first])
+        ax.set_yticks(
+            range(len(first)),
+            [one.what.removeprefix("stated: ").split(".", 1)[-1] for one in first],
+        )
         ax.tick_params(axis="y", labelsize=6.0, length=0)
         ax.set_xscale("log")
         ax.set_title(name)
@@ -198,7 +233,9 @@ def main():
         *(f"{100 * one.slip:.3g}" for one in firsts(rows)),
         *(f"{one.reserve:.3g}" for one in firsts(rows)),
     ]
-    told = [[some[0].what, some[0].kind, f"{mean:.3g}", *cells(some)] for mean, some in ranked(rows)]
+    told = [
+        [some[0].what, some[0].kind, f"{mean:.3g}", *cells(some)] for mean, some in ranked(rows)
+    ]
     write_table("sensitivities", head, [as_is, *told])
     drawn(rows)
 

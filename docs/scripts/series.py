@@ -52,17 +52,28 @@ def fixed_work():
 def once(root, command, folder):
     """Clock and processor [s] of a command, and the processor time of the fixed work beside it."""
     unit = fixed_work()
-    before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    call = [sys.executable, "-c", "from rollslip.cli import main; main()", *command.split(), "--out", folder]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    begin = time.perf_counter()
+    call = [
+        sys.executable,
+        "-c",
+        "from rollslip.cli import main; main()",
+        *command.split(),
+        "--out",
+        folder,
+    ]
     subprocess.run(call, **surroundings(root))
-    clock, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
+    clock = time.perf_counter() - begin
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return clock, processor, unit
 
 
 def git(root, *arguments):
     """What git says of a folder."""
-    return subprocess.run(["git", "-C", root, *arguments], capture_output=True, text=True, check=True).stdout.strip()
+    return subprocess.run(
+        ["git", "-C", root, *arguments], capture_output=True, text=True, check=True
+    ).stdout.strip()
 
 
 def main(rounds=5, *folders):
@@ -81,7 +92,15 @@ def main(rounds=5, *folders):
     unit = min(unit for times in measured.values() for *_, unit in times)
     for (root, command), times in measured.items():
         clock, processor, _ = (statistics.median(of) for of in zip(*times, strict=True))
-        rows.append([*versions[root], command, f"{clock:.2f}", f"{processor:.2f}", f"{processor / unit:.1f}"])
+        rows.append(
+            [
+                *versions[root],
+                command,
+                f"{clock:.2f}",
+                f"{processor:.2f}",
+                f"{processor / unit:.1f}",
+            ]
+        )
         print(*rows[-1], sep=" | ", flush=True)
     rows.sort(key=lambda row: (COMMANDS.index(row[2]), row[0]))
     write_table("series", HEADER, rows)

@@ -24,16 +24,21 @@ MAKERS = ("NTN", "Schaeffler")
 
 def share(one, bulk):
     """Return how much of a limit is used on the ring that fares worse."""
-    worst, limit = one.worst.to_numpy(), float(one.limit)
-    return np.nanmax(limit / worst if one.sense.item() == "smallest" else (worst - bulk) / (limit - bulk))
+    worst = one.worst.to_numpy()
+    limit = float(one.limit)
+    return np.nanmax(
+        limit / worst if one.sense.item() == "smallest" else (worst - bulk) / (limit - bulk)
+    )
 
 
 def rows(name):
     """Yield the rows of a scene."""
     scene = load_scene(name)
-    operation, loads = scene.operation, [RULES[maker].asked(scene.bearing, 0.0)[0] for maker in MAKERS]
+    operation = scene.operation
+    loads = [RULES[maker].asked(scene.bearing, 0.0)[0] for maker in MAKERS]
     for slip in SLIPS:
-        shares, at = [], {} if slip is None else {"study.surface-damage.cage_slip": slip}
+        shares = []
+        at = {} if slip is None else {"study.surface-damage.cage_slip": slip}
         for measure in MEASURES.values():
             result = run(evolve(scene, {"models.damage": measure, **at}), "surface-damage")
             shares.append(share(result.isel(measure=0), operation.temperature))
@@ -43,5 +48,11 @@ def rows(name):
 
 
 if __name__ == "__main__":
-    head = "scene", "cage slip [%]", *MEASURES, *(f"load, {maker}" for maker in MAKERS), "largest/smallest"
+    head = (
+        "scene",
+        "cage slip [%]",
+        *MEASURES,
+        *(f"load, {maker}" for maker in MAKERS),
+        "largest/smallest",
+    )
     write_table("smearing_limits", head, [row for name in SCENES for row in rows(name)])

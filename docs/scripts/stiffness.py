@@ -15,7 +15,8 @@ from rollslip.bearing.resolution import Resolution
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 
-HEAVY, FILM = {"operation.radial_load": "20 kN"}, {"cage.pocket_contact": "film"}
+HEAVY = {"operation.radial_load": "20 kN"}
+FILM = {"cage.pocket_contact": "film"}
 #: Level, friction, what is changed, and that in words.
 CASES = (
     ("pocket", "effective", {}, ""),
@@ -29,7 +30,8 @@ CASES = (
     ("pocket", "constant", HEAVY, "20 kN, 0.05 over 0.05 m/s"),
     ("pocket", "effective", FILM, "film in the pockets"),
 )
-SPAN, INSTANTS = 0.05, 17
+SPAN = 0.05
+INSTANTS = 17
 
 
 def main():
@@ -40,7 +42,9 @@ def main():
         assembly = assemble(scene, Resolution(slices=12, table_tolerance=1e-3))
         study = Dynamics(level=level, friction=friction, planar=PlanarSettings(inner_ring_mass=5.0))
         moving = study.moving(assembly)
-        found = study.evolved(integrator="rk45").tried(moving, np.linspace(0.0, SPAN, INSTANTS), 1e-4)
+        found = study.evolved(integrator="rk45").tried(
+            moving, np.linspace(0.0, SPAN, INSTANTS), 1e-4
+        )
         assert found.outcome == "finished", found.message
         contact, _ = moving.system.frequencies
         speeds = ~moving.system.places
@@ -51,7 +55,15 @@ def main():
             damping = max(damping, -np.linalg.eigvals(jacobian[np.ix_(speeds, speeds)]).real.min())
         fastest = f"{swing:.2g}" if level == "planar" else ""
         rows.append(
-            (level, friction, words, f"{contact:.2g}", fastest, f"{damping:.2g}", f"{damping * 0.2 / contact:.2g}")
+            (
+                level,
+                friction,
+                words,
+                f"{contact:.2g}",
+                fastest,
+                f"{damping:.2g}",
+                f"{damping * 0.2 / contact:.2g}",
+            )
         )
         print(*rows[-1], sep=", ", flush=True)
     named = (

@@ -38,7 +38,8 @@ from rollslip_studies.steady_slip.minimum_load import static_rating
 from rollslip_studies.steady_slip.study import SteadySlip
 
 #: n d_m [mm/min] that are judged, and that are only reported.
-SPEEDS, SLOW = (3.5e5, 4.6e5, 6e5), (5e4, 1e5, 2e5)
+SPEEDS = (3.5e5, 4.6e5, 6e5)
+SLOW = (5e4, 1e5, 2e5)
 #: Oil and temperature: kinematic viscosities of about 9, 20 and 75 mm2/s.
 OILS = (("iso-vg-32", "80 degC"), ("iso-vg-68", "70 degC"), ("iso-vg-220", "60 degC"))
 #: Radial load over the static rating.
@@ -49,12 +50,18 @@ SERIES = ("10", "2", "2 old", "22", "3", "3 old", "23", "4")
 #: Upper ends of groups of bores [mm].
 BORES = (25, 50, 100, 1000)
 #: What is asked of the torque over the formulas: this share between these, and the median between those.
-WITHIN, SHARE, MEDIAN = (0.5, 1.6), 0.99, (0.75, 1.1)
+WITHIN = (0.5, 1.6)
+SHARE = 0.99
+MEDIAN = (0.75, 1.1)
 #: What new scenes had before: of drags, and of the film.
 BEFORE = {"cage.drag": [{"model": "churning", "oil_fraction": 0.02}], "models.film": "moes"}
 #: Least cage slip that is told from none, where the search begins, how close it comes, and where it gives up.
-_LEAST, _FIRST, _CLOSE, _FARTHEST = 1e-4, 0.02, 0.05, 0.9
-_INSTANTS, _SLICES = 2, 21
+_LEAST = 1e-4
+_FIRST = 0.02
+_CLOSE = 0.05
+_FARTHEST = 0.9
+_INSTANTS = 2
+_SLICES = 21
 
 
 @attrs.frozen
@@ -87,22 +94,36 @@ class Held:
 
 def bearings():
     """Names of bearings, one of each series and size: types differ in their ribs alone."""
-    return [name for name in CATALOGUE.names if name.startswith("NU") and not name.startswith("NUP")]
+    return [
+        name for name in CATALOGUE.names if name.startswith("NU") and not name.startswith("NUP")
+    ]
 
 
 def states():
     """States of a bearing: n d_m, oil, load and supply."""
     for n_dm in SPEEDS:
         yield from ((n_dm, oil, load, "bath") for oil in range(3) for load in range(3))
-        yield from ((n_dm, k, (k + of) % 3, supply) for of, supply in enumerate(SUPPLIES[1:]) for k in range(3))
+        yield from (
+            (n_dm, k, (k + of) % 3, supply)
+            for of, supply in enumerate(SUPPLIES[1:])
+            for k in range(3)
+        )
     yield from ((n_dm, k, k, "bath") for n_dm in SLOW for k in range(3))
 
 
 @cache
 def written(name, oil, temperature):
     """The scene that is written for a bearing."""
-    asked = {"bearing": name, "oil": oil, "load": "1 kN", "temperature": temperature, "cage": "polyamide"}
-    return evolve(parse_scene(new_scene(name, **(ASSUMED | asked)), name), {"accuracy.slices": _SLICES})
+    asked = {
+        "bearing": name,
+        "oil": oil,
+        "load": "1 kN",
+        "temperature": temperature,
+        "cage": "polyamide",
+    }
+    return evolve(
+        parse_scene(new_scene(name, **(ASSUMED | asked)), name), {"accuracy.slices": _SLICES}
+    )
 
 
 def scene(name, n_dm, oil, load, supply, **changes):
@@ -110,7 +131,10 @@ def scene(name, n_dm, oil, load, supply, **changes):
     one = written(name, *OILS[oil])
     listed = one.bearing.catalogue
     speed = n_dm / (500.0 * (listed.bore + listed.outside_diameter)) * math.pi / 30.0
-    at_work = {"operation.inner_speed": speed, "operation.radial_load": LOADS[load] * static_rating(one.bearing)}
+    at_work = {
+        "operation.inner_speed": speed,
+        "operation.radial_load": LOADS[load] * static_rating(one.bearing),
+    }
     return evolve(one, at_work | {"lubrication.supply": supply} | changes)
 
 
@@ -118,10 +142,14 @@ def torque(made):
     """Friction torque [N m] of a bearing at its steady slip or at 2 % if that is less, and at the steady slip."""
     settings = structure(SteadySlip, made.scene.study["steady-slip"], Location({}), [])
     resisting = made.with_resistance()
-    balance = TorqueBalance(resisting, made.cage.drags, instants=_INSTANTS, inertia=settings.inertia)
+    balance = TorqueBalance(
+        resisting, made.cage.drags, instants=_INSTANTS, inertia=settings.inertia
+    )
     try:
         return _at_slips(made, balance)
-    except ConvergenceError:  # of a motion that repeats; without inertia of the spin contacts balance at every position
+    except (
+        ConvergenceError
+    ):  # of a motion that repeats; without inertia of the spin contacts balance at every position
         return _at_slips(made, balance.with_inertia(False))
 
 
@@ -130,13 +158,20 @@ def _at_slips(made, balance):
     turns = abs(made.scene.operation.inner_speed - made.scene.operation.outer_speed)
 
     def at(slip):
-        return sum(loss.power for loss in power_balance(balance, balance.orbit(slip)).losses) / turns
+        return (
+            sum(loss.power for loss in power_balance(balance, balance.orbit(slip)).losses) / turns
+        )
 
-    low, below, high, above = _LEAST, balance.excess(_LEAST), _FIRST, balance.excess(_FIRST)
+    low = _LEAST
+    below = balance.excess(_LEAST)
+    high = _FIRST
+    above = balance.excess(_FIRST)
     if below >= 0.0:
         return (at(_LEAST),) * 2
     while above < 0.0 and high < _FARTHEST:
-        low, below, high = high, above, min(2.5 * high, _FARTHEST)
+        low = high
+        below = above
+        high = min(2.5 * high, _FARTHEST)
         above = balance.excess(high)
     if above < 0.0:
         return at(_FIRST), math.nan
@@ -144,7 +179,9 @@ def _at_slips(made, balance):
         share = min(max(below / (below - above), 0.1), 0.9)
         middle = low + share * (high - low)
         excess = balance.excess(middle)
-        low, below, high, above = (low, below, middle, excess) if excess > 0.0 else (middle, excess, high, above)
+        low, below, high, above = (
+            (low, below, middle, excess) if excess > 0.0 else (middle, excess, high, above)
+        )
     steady = at(0.5 * (low + high))
     return steady if high <= _FIRST else at(_FIRST), steady
 
@@ -170,7 +207,9 @@ def verdict(found):
 
 def at_steady(one):
     """The state with the torque at its steady slip."""
-    return attrs.evolve(one, over_iso=one.over_iso * one.skidding, over_skf=one.over_skf * one.skidding)
+    return attrs.evolve(
+        one, over_iso=one.over_iso * one.skidding, over_skf=one.over_skf * one.skidding
+    )
 
 
 def told(found):
@@ -181,10 +220,23 @@ def told(found):
     within = np.mean((over >= WITHIN[0]) & (over <= WITHIN[1]))
     each = (np.median([one.over_iso for one in found]), np.median([one.over_skf for one in found]))
     ends = np.quantile(over, (0.5, 0.01, 0.99))
-    return [len(found), *(f"{value:.2f}" for value in ends), f"{100 * within:.1f}", *(f"{value:.2f}" for value in each)]
+    return [
+        len(found),
+        *(f"{value:.2f}" for value in ends),
+        f"{100 * within:.1f}",
+        *(f"{value:.2f}" for value in each),
+    ]
 
 
-HEAD = ["states", "median", "1 % below", "99 % below", "0.5 to 1.6 [%]", "over ISO 15312", "over SKF"]
+HEAD = [
+    "states",
+    "median",
+    "1 % below",
+    "99 % below",
+    "0.5 to 1.6 [%]",
+    "over ISO 15312",
+    "over SKF",
+]
 
 
 def groups(found):
@@ -211,14 +263,22 @@ def groups(found):
     yield "steady slip", "beyond 2 %, torque at 2 %", beyond
     skids = [one for one in beyond if math.isfinite(one.skidding)]
     yield "steady slip", "beyond 2 %, torque there", [at_steady(one) for one in skids]
-    yield "steady slip", "none up to 90 %, torque at 2 %", [one for one in beyond if math.isnan(one.skidding)]
+    yield (
+        "steady slip",
+        "none up to 90 %, torque at 2 %",
+        [one for one in beyond if math.isnan(one.skidding)],
+    )
 
 
 def by_series_and_speed(found, before):
     """Rows of medians and 1 to 99 % by series, over speed, today and before."""
 
     def cell(some, series, n_dm):
-        over = [one.over for one in some if one.series == series and one.n_dm == n_dm and one.supply == "bath"]
+        over = [
+            one.over
+            for one in some
+            if one.series == series and one.n_dm == n_dm and one.supply == "bath"
+        ]
         return "{:.2g} ({:.2g} to {:.2g})".format(*np.quantile(over, (0.5, 0.01, 0.99)))
 
     for series in SERIES:
@@ -233,7 +293,11 @@ def main():
         found = [one for some in pool.map(held, bearings(), chunksize=4) for one in some]
         churning = partial(held, only=bath, **BEFORE)
         before = [one for some in pool.map(churning, bearings(), chunksize=4) for one in some]
-    write_table("torque_bench", ["by", "of", *HEAD], [[by, of, *told(some)] for by, of, some in groups(found)])
+    write_table(
+        "torque_bench",
+        ["by", "of", *HEAD],
+        [[by, of, *told(some)] for by, of, some in groups(found)],
+    )
     head = ["series", "drags", *(f"n d_m {n_dm:g}" for n_dm in (*SLOW, *SPEEDS))]
     write_table("torque_bench_series", head, by_series_and_speed(found, before))
     share, median = verdict(found)

@@ -15,13 +15,29 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from output import BLUE, GREEN, ORANGE, PURPLE, coefficient, figure, percent, save_figure, write_table
+from output import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    coefficient,
+    figure,
+    percent,
+    save_figure,
+    write_table,
+)
 
 from rollslip import Chain, Conditions, Slices, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.regimes import moes_groups
 from rollslip_plugins.pressure_viscosity import Barus
-from rollslip_plugins.traction.field import GRIDS, OIL_HEAT_CAPACITY, solve_field, solve_friction, stress_on_grid
+from rollslip_plugins.traction.field import (
+    GRIDS,
+    OIL_HEAT_CAPACITY,
+    solve_field,
+    solve_friction,
+    stress_on_grid,
+)
 
 #: The models that are compared with the field.
 MODELS = ("muraki", "maxwell-eyring", "eyring")
@@ -38,7 +54,11 @@ def against_the_method_of_lines():
         for row in csv.DictReader(file):
             values = {name: float(text) for name, text in row.items()}
             shared = {f.name: values[f.name] for f in attrs.fields(Conditions) if f.name in values}
-            columns = {name: values[name] for name in Slices.__slots__ if name in values and name != "friction"}
+            columns = {
+                name: values[name]
+                for name in Slices.__slots__
+                if name in values and name != "friction"
+            }
             slices = Slices(1, Conditions(**shared), **columns)
             cells = [
                 f"{1e6 * values['film_thickness']:g}",
@@ -49,7 +69,9 @@ def against_the_method_of_lines():
                 row["error"],
             ]
             for accuracy in (1e-4, 1e-6):
-                friction, error = solve_friction(slices, heat_capacity=values["heat_capacity"], accuracy=accuracy)
+                friction, error = solve_friction(
+                    slices, heat_capacity=values["heat_capacity"], accuracy=accuracy
+                )
                 cells += [f"{abs(friction[0] / values['friction'] - 1):.1e}", f"{error[0]:.1e}"]
             rows.append(cells)
     header = "h_um,u_m/s,V_m/s,p_MPa,lines,lines_error,off_at_1e-4,estimate_at_1e-4,off_at_1e-6,estimate_at_1e-6"
@@ -82,7 +104,13 @@ def contact(case, slip):
     assembly = assemble(load_scene(scene))
     speed = ROLLING_SPEED * np.asarray(slip, dtype=float)
     shared = assembly.inner.conditions
-    slices = Slices(speed.size, shared, load=force / shared.length, rolling_speed=ROLLING_SPEED, sliding_speed=speed)
+    slices = Slices(
+        speed.size,
+        shared,
+        load=force / shared.length,
+        rolling_speed=ROLLING_SPEED,
+        sliding_speed=speed,
+    )
     Chain(assembly.contact, assembly.film, assembly.lubricant.pressure_viscosity_law)(slices)
     return slices
 
@@ -103,8 +131,13 @@ def cases():
     rows = []
     for case in CASES:
         slices = contact(case, [0.1])
-        c, h, b, u = slices.conditions, slices.film_thickness[0], slices.half_width[0], ROLLING_SPEED
-        p, eta, beta = slices.pressure[0], slices.film_viscosity[0], slices.film_thermoviscosity[0]
+        c = slices.conditions
+        h = slices.film_thickness[0]
+        b = slices.half_width[0]
+        u = ROLLING_SPEED
+        p = slices.pressure[0]
+        eta = slices.film_viscosity[0]
+        beta = slices.film_thermoviscosity[0]
         zeta = 0.97 * np.sqrt(b / (np.pi * u)) / c.effusivity + h / (12 * c.conductivity)
         values = (
             f"{1e6 * h:.2f}",
@@ -124,7 +157,9 @@ def cases():
 
 def bearing():
     """What each simplification costs in the paper's contacts."""
-    rows, critical, (made, axes) = [], [], figure(len(CASES), sharey=False, width=2.6)
+    rows = []
+    critical = []
+    (made, axes) = figure(len(CASES), sharey=False, width=2.6)
     dense = np.geomspace(0.003, 1.0, 40)
     told = {"field": {}, **PARTS, **{name: {} for name in MODELS}}
     for case, axis in zip(CASES, axes, strict=True):
@@ -162,9 +197,18 @@ def bearing():
     axes[0].set_ylabel("friction coefficient")
     made.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper")
     save_figure(made, "traction_field")
-    header = ("case", "slip_percent", "field", *(name.replace(" ", "_") for name in told if name != "field"))
+    header = (
+        "case",
+        "slip_percent",
+        "field",
+        *(name.replace(" ", "_") for name in told if name != "field"),
+    )
     write_table("traction_field_parts", header, rows)
-    write_table("traction_field_critical", ("case", "model", "critical_slip_percent", "largest_friction"), critical)
+    write_table(
+        "traction_field_critical",
+        ("case", "model", "critical_slip_percent", "largest_friction"),
+        critical,
+    )
 
 
 def grid():
@@ -202,7 +246,9 @@ def inside():
         field = solve_field(contact("30 °C, 518 N", [0.3]), heat_capacity=heat, accuracy=1e-6)
         x = field.position / field.position[-1]
         first = heat == OIL_HEAT_CAPACITY  # only solid lines are named
-        left.plot(x, field.stress / 1e6, style, color=BLUE, label="field" if first else "conducting film")
+        left.plot(
+            x, field.stress / 1e6, style, color=BLUE, label="field" if first else "conducting film"
+        )
         curves = {"middle of the film": (field.film_temperature[:, field.height.size // 2], ORANGE)}
         curves["surfaces"] = (field.surface_temperature, GREEN)
         for name, (values, colour) in curves.items():
@@ -239,7 +285,13 @@ FILMS = (
 
 def of_groups(sigma, deborah, heating, capacity, barus):
     """Return slices that have the groups, at a mean pressure of 0.4 GPa; the surfaces have 5 % of the heating."""
-    eta, tau0, p, b, u, h, k = 1.0, 4e6, 4e8, 5e-5, 30.0, 1e-6, 0.14
+    eta = 1.0
+    tau0 = 4e6
+    p = 4e8
+    b = 5e-5
+    u = 30.0
+    h = 1e-6
+    k = 0.14
     zeta = h / (12 * k) / 0.95
     shared = Conditions(
         viscosity=eta * np.exp(-barus),
@@ -252,7 +304,13 @@ def of_groups(sigma, deborah, heating, capacity, barus):
         effusivity=0.97 * np.sqrt(b / (np.pi * u)) / (0.05 * zeta),
     )
     speed = np.asarray(sigma) * tau0 * h / eta
-    columns = {"half_width": b, "pressure": p, "film_thickness": h, "rolling_speed": u, "sliding_speed": speed}
+    columns = {
+        "half_width": b,
+        "pressure": p,
+        "film_thickness": h,
+        "rolling_speed": u,
+        "sliding_speed": speed,
+    }
     slices = Slices(speed.size, shared, **columns)
     Chain(Barus())(slices)
     return slices, capacity * k * b / (u * h**2)
@@ -276,7 +334,9 @@ def group_map():
             texts = [f"{off[name][k]:+.1f}" if known else "" for name in MODELS]
             groups = (f"{value:g}" for value in (*film, barus, sigma))
             rows.append((*groups, f"{stress[k]:.5g}" if known else "", *texts))
-    write_table("traction_field_map", ("D", "Phi", "C", "alpha_p", "sigma", "field_stress", *MODELS), rows)
+    write_table(
+        "traction_field_map", ("D", "Phi", "C", "alpha_p", "sigma", "field_stress", *MODELS), rows
+    )
 
     shown = {"cold, D = 0.001": FILMS[0], "Φ = 0.1, C = 0.1": FILMS[4], "Φ = 0.1, C = 15": FILMS[5]}
     made, axes = figure(len(shown), width=2.6, sharey=True)
@@ -284,7 +344,10 @@ def group_map():
     for (title, film), axis in zip(shown.items(), axes, strict=True):
         for barus, colour in zip(BARUS, (BLUE, ORANGE, PURPLE), strict=True):
             _, off = errors(sigma, film, barus)
-            for name, style in (("maxwell-eyring", "-"), ("muraki", "--")):  # eyring is as the former at these D
+            for name, style in (
+                ("maxwell-eyring", "-"),
+                ("muraki", "--"),
+            ):  # eyring is as the former at these D
                 axis.plot(sigma, off[name], style, color=colour, label=f"{name}, αp = {barus:g}")
         axis.axhline(0, color="0.7", linewidth=0.6)
         axis.set(xscale="log", xlabel="σ", title=title)

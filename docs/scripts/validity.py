@@ -40,12 +40,17 @@ def elastic(D):
 
 def heated(product):
     """Return the lowest error at a heating of a Newtonian film Phi sigma, for Phi from 1e-4 to 1 and D to 0.1."""
-    return min(off(product / phi, D, phi) for phi in np.logspace(-4, 0, 41) for D in (0.0, 1e-3, 0.1))
+    return min(
+        off(product / phi, D, phi) for phi in np.logspace(-4, 0, 41) for D in (0.0, 1e-3, 0.1)
+    )
 
 
 def largest(phi):
     """Return the error of the largest stress over sigma."""
-    of = [max(float(law(sigma, 0.0, phi)) for sigma in np.logspace(-3, 4, 2001)) for law in (muraki, maxwell_eyring)]
+    of = [
+        max(float(law(sigma, 0.0, phi)) for sigma in np.logspace(-3, 4, 2001))
+        for law in (muraki, maxwell_eyring)
+    ]
     return 100 * (of[0] / of[1] - 1)
 
 
@@ -53,8 +58,16 @@ def main():
     """Write the tables."""
     table = [(f"{M:g}", *(f"{pressure(M, L):.0f}" for L in LUBRICANTS)) for M in LOADS]
     write_table("validity_pressure", ("M", *(f"L = {L:g}" for L in LUBRICANTS)), table)
-    groups = (("D", DEBORAH, elastic), ("Phi sigma", FILM_HEATING, heated), ("Phi", HEATING, largest))
-    table = [(name, f"{value:g}", f"{error(value):.1f}") for name, values, error in groups for value in values]
+    groups = (
+        ("D", DEBORAH, elastic),
+        ("Phi sigma", FILM_HEATING, heated),
+        ("Phi", HEATING, largest),
+    )
+    table = [
+        (name, f"{value:g}", f"{error(value):.1f}")
+        for name, values, error in groups
+        for value in values
+    ]
     write_table("validity_muraki", ("group", "value", "error %"), table)
 
 

@@ -10,7 +10,12 @@ def surroundings(root):
     """Return what `subprocess.run` takes for a process that uses the version of a folder; it keeps its bytecode."""
     path = os.pathsep.join(str(root / part) for part in ("framework", "plugins", "kernels", ""))
     given = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    return {"env": {**given, "PYTHONPATH": path}, "cwd": root, "check": True, "capture_output": True}
+    return {
+        "env": {**given, "PYTHONPATH": path},
+        "cwd": root,
+        "check": True,
+        "capture_output": True,
+    }
 
 
 def measured(script, root, job):

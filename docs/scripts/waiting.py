@@ -47,18 +47,30 @@ def job(name):
         return time.process_time() - begin
 
     if name in ("curve", "free-roller", "epicyclic"):
-        changes = {"closure": "free-roller" if name == "curve" else name, "runaway_range": 0.0, "map_points": 0}
+        changes = {
+            "closure": "free-roller" if name == "curve" else name,
+            "runaway_range": 0.0,
+            "map_points": 0,
+        }
         scene = evolve(
-            load_scene("1032930-70C"), {f"study.effective-friction.{key}": value for key, value in changes.items()}
+            load_scene("1032930-70C"),
+            {f"study.effective-friction.{key}": value for key, value in changes.items()},
         )
-        assembly, study, slip = assemble(scene), EffectiveFriction.of(scene), slip_grid(0.4, 101)
+        assembly = assemble(scene)
+        study = EffectiveFriction.of(scene)
+        slip = slip_grid(0.4, 101)
         if name != "curve":
             study.run(assembly)  # what is imported and made once
             return min(took(study.run, attrs.evolve(assembly, known_loads={})) for _ in range(3))
         return min(took(lambda: study.loaded(assembly, 4).curve(slip)) for _ in range(3))
     if name in ("critical", "steady"):
         own = UncertaintySettings("1032930-70C", samples=1024).plan().critical
-        steady = {"samples": 1024, "sampling": "replicated-sobol", "study": "steady-slip", "output": ["steady_slip"]}
+        steady = {
+            "samples": 1024,
+            "sampling": "replicated-sobol",
+            "study": "steady-slip",
+            "output": ["steady_slip"],
+        }
         sweep = own if name == "critical" else plan_sweep(own.given, **steady)
         points = [(number, sweep.design.changes(number)) for number in range(_SAMPLES)]
         compute(sweep.work, points[:1])
@@ -72,10 +84,19 @@ if __name__ == "__main__":
     if sys.argv[1] == "--job":
         print(json.dumps(job(sys.argv[2])))
     else:
-        earlier, rows = Path(sys.argv[1]).resolve(), []
+        earlier = Path(sys.argv[1]).resolve()
+        rows = []
         for name, what in JOBS.items():
-            times = [[measured(__file__, root, name) for root in (earlier, HERE)] for _ in range(_ROUNDS)]
+            times = [
+                [measured(__file__, root, name) for root in (earlier, HERE)] for _ in range(_ROUNDS)
+            ]
             before, after = (min(column) for column in zip(*times, strict=True))
-            rows.append((what, *(f"{float(f'{1e3 * one:.3g}'):g}" for one in (before, after)), f"{before / after:.1f}"))
+            rows.append(
+                (
+                    what,
+                    *(f"{float(f'{1e3 * one:.3g}'):g}" for one in (before, after)),
+                    f"{before / after:.1f}",
+                )
+            )
             print(*rows[-1], sep=", ", flush=True)
         write_table("waiting", ("what", "before [ms]", "now [ms]", "times as fast"), rows)

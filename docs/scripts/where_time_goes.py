@@ -27,7 +27,8 @@ from versions import surroundings
 
 HERE = Path(__file__).parents[2]
 SCENES = ("1032930-70C", "1032930-50C", "1032930-30C")
-DATA, ALL = "the command with data only", "the command with plots and report"
+DATA = "the command with data only"
+ALL = "the command with plots and report"
 COMMAND = (sys.executable, "-c", "from rollslip.cli import main; main()", "run")
 
 
@@ -43,7 +44,9 @@ class Clock:
         """Add what has passed to the part that runs."""
         now = time.process_time()
         if self.running:
-            self.seconds[self.running[-1]] = self.seconds.get(self.running[-1], 0.0) + now - self.since
+            self.seconds[self.running[-1]] = (
+                self.seconds.get(self.running[-1], 0.0) + now - self.since
+            )
         self.since = now
 
     def call(self, part: str, function: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
@@ -67,7 +70,13 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
             __import__(name)
 
     clock.call("import NumPy", import_, "numpy")
-    clock.call("import rollslip", import_, "rollslip.cli.main", "rollslip.cli.console", "rollslip.planning.execution")
+    clock.call(
+        "import rollslip",
+        import_,
+        "rollslip.cli.main",
+        "rollslip.cli.console",
+        "rollslip.planning.execution",
+    )
     clock.call("import xarray", import_, "xarray")
     clock.call("import h5py", import_, "h5py")
     from rollslip.planning.plan import plan
@@ -90,11 +99,16 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
         (LoadedRaceways, "map", "map of effective friction"),
     ):
         original = getattr(owner, method)
-        setattr(owner, method, lambda *a, _part=part, _do=original, **k: clock.call(_part, _do, *a, **k))
+        setattr(
+            owner, method, lambda *a, _part=part, _do=original, **k: clock.call(_part, _do, *a, **k)
+        )
     datasets = {name: clock.call(f"study {name}", execute, made, name) for name in made.studies}
     for name, dataset in datasets.items():
         clock.call("write the results", save, dataset, folder / f"{name}.nc")
-    figures = {name: clock.call("draw the plots", save_plots, dataset, folder) for name, dataset in datasets.items()}
+    figures = {
+        name: clock.call("draw the plots", save_plots, dataset, folder)
+        for name, dataset in datasets.items()
+    }
     clock.call("write the report", write_report, datasets, figures, folder / "report.html")
     return clock.seconds
 
@@ -104,7 +118,9 @@ def seconds_of(command: list[str], root: Path = HERE) -> float:
     before = os.times()
     subprocess.run(command, **surroundings(root))
     after = os.times()
-    return after.children_user + after.children_system - before.children_user - before.children_system
+    return (
+        after.children_user + after.children_system - before.children_user - before.children_system
+    )
 
 
 def measured(scene: str) -> dict[str, float]:
@@ -127,7 +143,9 @@ def main(processes: int) -> None:
     for scene in SCENES:
         runs = [measured(scene) for _ in range(processes)]
         medians = {part: statistics.median(run[part] for run in runs) for part in runs[0]}
-        rows += [(scene, part, f"{s:.3f}", f"{s / medians[ALL]:.1%}") for part, s in medians.items()]
+        rows += [
+            (scene, part, f"{s:.3f}", f"{s / medians[ALL]:.1%}") for part, s in medians.items()
+        ]
     write_table("where_time_goes", ("scene", "part", "seconds", "share"), rows)
 
 
@@ -142,7 +160,9 @@ def compared(earlier: Path, rounds: int) -> None:
             for k in range(rounds + 1):
                 for root, taken in times.items():
                     with tempfile.TemporaryDirectory() as folder:
-                        seconds = seconds_of([*COMMAND, scene, options, "--out", f"{folder}/out"], root)
+                        seconds = seconds_of(
+                            [*COMMAND, scene, options, "--out", f"{folder}/out"], root
+                        )
                     taken += [seconds] if k else []  # the first one compiles
             before, now = (statistics.median(taken) for taken in times.values())
             rows.append((scene, told, f"{before:.2f}", f"{now:.2f}", f"{now / before:.2f}"))

@@ -25,12 +25,23 @@ def main():
     for name, level in CASES:
         t, differences = compared(name, level)
         largest = np.max([off for what, off in differences.items() if "force" not in what], axis=0)
-        ours, theirs = on_the_whole(name, level), their_whole(name, level)
-        scatter = np.std([on_the_whole(name, level, seed) for seed in range(STARTS)], axis=0, ddof=1)
+        ours = on_the_whole(name, level)
+        theirs = their_whole(name, level)
+        scatter = np.std(
+            [on_the_whole(name, level, seed) for seed in range(STARTS)], axis=0, ddof=1
+        )
         place = motion(name, level)["position"]
-        parted = [np.abs(motion(name, level, seed)["position"] - place).max(axis=1) for seed in range(STARTS)]
+        parted = [
+            np.abs(motion(name, level, seed)["position"] - place).max(axis=1)
+            for seed in range(STARTS)
+        ]
         parted = np.max(parted, axis=0)[np.round(t * 1e5).astype(int)] / np.abs(place).max()
-        print(name, level, f"left out {left_out(name):.2g}, starts part:", " ".join(f"{part:.0e}" for part in parted))
+        print(
+            name,
+            level,
+            f"left out {left_out(name):.2g}, starts part:",
+            " ".join(f"{part:.0e}" for part in parted),
+        )
         print("  differences:", " ".join(f"{off:.0e}" for off in largest))
         at = np.searchsorted(t, np.array(SHOWN) - 1e-6)
         whole = [

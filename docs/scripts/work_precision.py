@@ -86,7 +86,8 @@ def order():
     rows = []
     problems = {"Kaps": kaps(), "Prothero-Robinson": prothero_robinson(), "pendulum": pendulum()}
     for name, (rates, solution, end) in problems.items():
-        start, last = solution(0.0), solution(end)
+        start = solution(0.0)
+        last = solution(end)
         capsule = python_system(rates, start.size)
         errors = [np.abs(fixed_steps(capsule, start, end, count) - last).max() for count in STEPS]
         rows += halvings(name, errors)
@@ -96,11 +97,16 @@ def order():
         ("cage-set, as shipped", {}, 0.002, 0.05),
     ):
         moving = carried_motion(
-            assemble(evolve(SCENE, changes)), FrictionSettings(name="conventional"), level="cage-set"
+            assemble(evolve(SCENE, changes)),
+            FrictionSettings(name="conventional"),
+            level="cage-set",
         )
-        capsule, start = moving.system.capsule, moving.initial(cage_slip=slip, roller_slip=slip)
+        capsule = moving.system.capsule
+        start = moving.initial(cage_slip=slip, roller_slip=slip)
         known = fixed_steps(capsule, start, end, 2048)
-        errors = [distance(moving, fixed_steps(capsule, start, end, count), known) for count in STEPS]
+        errors = [
+            distance(moving, fixed_steps(capsule, start, end, count), known) for count in STEPS
+        ]
         rows += halvings(name, errors)
     header = "problem", *(f"error_with_{count}_steps" for count in STEPS), "order_of_the_halvings"
     write_table("rodas5p_order", header, rows)
@@ -142,9 +148,13 @@ def solve(moving, name, tolerance, end):
     )
     before = system.evaluations
     times = np.array([0.0, end])
-    found = integrate(problem, get_model("integrator", name), times, rtol=tolerance, first_step=FIRST_STEP)
+    found = integrate(
+        problem, get_model("integrator", name), times, rtol=tolerance, first_step=FIRST_STEP
+    )
     evaluations = system.evaluations - before
-    compiled = get_model("integrator", name).compiled() is not None  # it does not count them in the system
+    compiled = (
+        get_model("integrator", name).compiled() is not None
+    )  # it does not count them in the system
     return found, evaluations + found.evaluations if compiled else evaluations
 
 
@@ -165,7 +175,8 @@ def installed():
 
 def work_precision():
     """Error against work."""
-    rows, (made, axes) = [], figure(4, width=2.3, height=2.9)
+    rows = []
+    (made, axes) = figure(4, width=2.3, height=2.9)
     for (level, end), (left, right) in zip(DURATION.items(), (axes[:2], axes[2:]), strict=True):
         moving = carried_motion(assemble(SCENE), FrictionSettings(name="effective"), level=level)
         known = solve(moving, "radau", 1e-12, end)[0].last_y
@@ -182,13 +193,25 @@ def work_precision():
                 error = max(distance(moving, found.last_y, known), apart)
                 points.append((error, evaluations, 1e3 * found.wall_time))
                 if tolerance in SHOWN:
-                    cells = f"{tolerance:.0e}", f"{error:.0e}", evaluations, found.steps, f"{points[-1][-1]:.3g}"
+                    cells = (
+                        f"{tolerance:.0e}",
+                        f"{error:.0e}",
+                        evaluations,
+                        found.steps,
+                        f"{points[-1][-1]:.3g}",
+                    )
                     rows.append((level, name, *cells))
                 if found.wall_time > PATIENCE:
                     break
             if points:
                 colour, line, marker = STYLES[name]
-                style = {"color": colour, "linestyle": line, "marker": marker, "markersize": 3, "linewidth": 1}
+                style = {
+                    "color": colour,
+                    "linestyle": line,
+                    "marker": marker,
+                    "markersize": 3,
+                    "linewidth": 1,
+                }
                 errors, evaluations, milliseconds = zip(*points, strict=True)
                 left.loglog(errors, evaluations, label=name, **style)
                 right.loglog(errors, milliseconds, **style)
@@ -196,7 +219,11 @@ def work_precision():
         right.set(title=f"{level}: time [ms]", xlabel="error")
         left.invert_xaxis()
         right.invert_xaxis()
-    drawn = {label: line for axis in axes for line, label in zip(*axis.get_legend_handles_labels(), strict=True)}
+    drawn = {
+        label: line
+        for axis in axes
+        for line, label in zip(*axis.get_legend_handles_labels(), strict=True)
+    }
     made.legend(drawn.values(), drawn, loc="outside right upper")
     save_figure(made, "work_precision")
     header = "level,integrator,tolerance,error,evaluations_of_the_rates,steps,milliseconds"

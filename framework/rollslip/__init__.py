@@ -38,9 +38,12 @@ if TYPE_CHECKING:
     from rollslip_kernels.slices import Conditions as Conditions
     from rollslip_kernels.slices import Slices as Slices
 
-    compare, explore = function_of(ComparisonSettings), function_of(ExplorerSettings)
-    fit, limit = function_of(FitSettings), function_of(LimitSettings)
-    pareto, sweep = function_of(ParetoSettings), function_of(SweepSettings)
+    compare = function_of(ComparisonSettings)
+    explore = function_of(ExplorerSettings)
+    fit = function_of(FitSettings)
+    limit = function_of(LimitSettings)
+    pareto = function_of(ParetoSettings)
+    sweep = function_of(SweepSettings)
     uncertainty = function_of(UncertaintySettings)
 
 _HOMES = {
@@ -72,17 +75,25 @@ _OF_DATASETS = {"answer", "info", "load_distribution", "open_result", "run", "ta
 _CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")
 __all__ = sorted((*_HOMES, *_CAMPAIGNS))
 
-logging.getLogger(__name__).addHandler(logging.NullHandler())  # who uses the library decides what becomes of its log
+logging.getLogger(__name__).addHandler(
+    logging.NullHandler()
+)  # who uses the library decides what becomes of its log
 
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return importlib.import_module("importlib.metadata").version("rollslip")
-    value = getattr(importlib.import_module(_HOMES[name]), name) if name in _HOMES else _of_campaign(name)
+    value = (
+        getattr(importlib.import_module(_HOMES[name]), name)
+        if name in _HOMES
+        else _of_campaign(name)
+    )
     if value is None:
         raise AttributeError(f"module 'rollslip' has no attribute {name!r}")
     if name in _OF_DATASETS:
-        pandas, xarray, figures = map(importlib.import_module, ("pandas", "xarray", "rollslip.results.figures"))
+        pandas, xarray, figures = map(
+            importlib.import_module, ("pandas", "xarray", "rollslip.results.figures")
+        )
         known = {"pd": pandas, "xr": xarray, "Result": figures.Result}
         value.__annotations__ = importlib.import_module("typing").get_type_hints(value, None, known)
     globals()[name] = value

@@ -7,7 +7,16 @@ from typing import Any, Final, NamedTuple
 
 import attrs
 
-from rollslip.fields import FieldError, Scatter, at_least, field, in_range, non_negative, one_of, positive
+from rollslip.fields import (
+    FieldError,
+    Scatter,
+    at_least,
+    field,
+    in_range,
+    non_negative,
+    one_of,
+    positive,
+)
 from rollslip.references import Citation
 from rollslip.toml import FrozenTable
 from rollslip.units import format_quantity
@@ -36,16 +45,31 @@ class Material:
     """Material of rings and rollers; the defaults are bearing steel."""
 
     elastic_modulus: float = field(
-        default=208e9, unit="Pa", doc="Young's modulus", validator=positive, usual=(50e9, 500e9), possible=(1e6, 2e12)
+        default=208e9,
+        unit="Pa",
+        doc="Young's modulus",
+        validator=positive,
+        usual=(50e9, 500e9),
+        possible=(1e6, 2e12),
     )
     poisson_ratio: float = field(
         default=0.3, unit="1", doc="Poisson's ratio", validator=in_range(0, 0.5), usual=(0.15, 0.45)
     )
     density: float = field(
-        default=7800.0, unit="kg/m3", doc="density", validator=positive, usual=(2500, 9000), possible=(1e-12, 25e3)
+        default=7800.0,
+        unit="kg/m3",
+        doc="density",
+        validator=positive,
+        usual=(2500, 9000),
+        possible=(1e-12, 25e3),
     )
     specific_heat: float = field(
-        default=470.0, unit="J/(kg K)", doc="specific heat", validator=positive, usual=(300, 1200), possible=(50, 1e4)
+        default=470.0,
+        unit="J/(kg K)",
+        doc="specific heat",
+        validator=positive,
+        usual=(300, 1200),
+        possible=(50, 1e4),
     )
     thermal_conductivity: float = field(
         default=46.0,
@@ -93,7 +117,9 @@ class Profile:
 
     def __attrs_post_init__(self) -> None:
         if self.shape == "circular" and self.radius is None:
-            raise FieldError("radius", "missing, but required for shape = 'circular', such as '5 m'")
+            raise FieldError(
+                "radius", "missing, but required for shape = 'circular', such as '5 m'"
+            )
         if self.shape != "circular" and self.radius is not None:
             raise FieldError("radius", f"only read for shape = 'circular', not for {self.shape!r}")
         if self.shape != "table":
@@ -102,10 +128,17 @@ class Profile:
                     raise FieldError(name, f"only read for shape = 'table', not for {self.shape!r}")
             return
         if len(self.position) < 2:
-            raise FieldError("position", f"a table needs at least 2 places, not {len(self.position)}")
+            raise FieldError(
+                "position", f"a table needs at least 2 places, not {len(self.position)}"
+            )
         if len(self.drop) != len(self.position):
-            raise FieldError("drop", f"needs one value for each of {len(self.position)} places, not {len(self.drop)}")
-        if any(right <= left for left, right in zip(self.position, self.position[1:], strict=False)):
+            raise FieldError(
+                "drop",
+                f"needs one value for each of {len(self.position)} places, not {len(self.drop)}",
+            )
+        if any(
+            right <= left for left, right in zip(self.position, self.position[1:], strict=False)
+        ):
             raise FieldError("position", "must ascend from one end of the roller to the other")
 
 
@@ -125,7 +158,9 @@ class Catalogue:
     """What a maker's catalogue lists of the bearing: for makers' rules of minimum load and friction torque."""
 
     series: str = field(
-        default="", doc='dimension series of ISO 15 as designations have it: "2", "3", "10", "22"', bare=True
+        default="",
+        doc='dimension series of ISO 15 as designations have it: "2", "3", "10", "22"',
+        bare=True,
     )
     bore: float | None = _boundary("bore d")
     outside_diameter: float | None = _boundary("outside diameter D")
@@ -150,8 +185,12 @@ class Catalogue:
     )
 
 
-def _length(doc: str, usual: Any, possible: Any, default: float | None = None, validator: Any = None) -> Any:
-    return field(default=default, unit="m", doc=doc, usual=usual, possible=possible, validator=validator)
+def _length(
+    doc: str, usual: Any, possible: Any, default: float | None = None, validator: Any = None
+) -> Any:
+    return field(
+        default=default, unit="m", doc=doc, usual=usual, possible=possible, validator=validator
+    )
 
 
 def _expansion(of: str, default: float | None) -> Any:
@@ -179,12 +218,20 @@ class Mounting:
         (0, 1e-3), (-0.1, 1),
     )  # fmt: skip
     initial_tolerance: float = _length(
-        "width of the range in which the clearance before mounting lies, as that of a class", (0, 2e-4), (0, 1e-2), 0.0
+        "width of the range in which the clearance before mounting lies, as that of a class",
+        (0, 2e-4),
+        (0, 1e-2),
+        0.0,
     )
     clearance_deviation: float = _length(
-        "what is added to the clearance in operation, as it scatters", (-1e-4, 1e-4), (-1e-2, 1e-2), 0.0
+        "what is added to the clearance in operation, as it scatters",
+        (-1e-4, 1e-4),
+        (-1e-2, 1e-2),
+        0.0,
     )
-    shaft_fit: str | None = _fit("the shaft", "by default k5 up to a bore of 50 mm, m5 to 100 mm, m6 above")
+    shaft_fit: str | None = _fit(
+        "the shaft", "by default k5 up to a bore of 50 mm, m5 to 100 mm, m6 above"
+    )
     housing_fit: str | None = _fit("the housing", "by default H7")
     shaft_interference: float | None = _interference("the inner ring on its shaft")
     housing_interference: float | None = _interference("the outer ring in its housing")
@@ -212,15 +259,26 @@ class Mounting:
         "outside diameter of the housing; by default it is thick",
         (1e-2, 5), (1e-4, 100), validator=attrs.validators.optional(positive),
     )  # fmt: skip
-    shaft_material: Material | None = field(default=None, doc="material of the shaft, by default that of the rings")
-    housing_material: Material | None = field(default=None, doc="material of the housing, by default that of the rings")
+    shaft_material: Material | None = field(
+        default=None, doc="material of the shaft, by default that of the rings"
+    )
+    housing_material: Material | None = field(
+        default=None, doc="material of the housing, by default that of the rings"
+    )
     shaft_expansion: float | None = _expansion("of the shaft, by default that of the rings", None)
-    housing_expansion: float | None = _expansion("of the housing, by default that of the rings", None)
+    housing_expansion: float | None = _expansion(
+        "of the housing, by default that of the rings", None
+    )
 
     def __attrs_post_init__(self) -> None:
         for part in ("shaft", "housing"):
-            if getattr(self, f"{part}_fit") is not None and getattr(self, f"{part}_interference") is not None:
-                raise FieldError(f"{part}_interference", f"{part}_fit says the same; leave one of them out")
+            if (
+                getattr(self, f"{part}_fit") is not None
+                and getattr(self, f"{part}_interference") is not None
+            ):
+                raise FieldError(
+                    f"{part}_interference", f"{part}_fit says the same; leave one of them out"
+                )
 
 
 @attrs.frozen(kw_only=True)
@@ -238,17 +296,26 @@ class FormPart:
         default=0.0, unit="m", doc="half the difference of largest and smallest radius", validator=non_negative,
         usual=(0, 1e-4), possible=(0, 1e-2),
     )  # fmt: skip
-    angle: float = field(default=0.0, unit="rad", doc="where a lobe is nearest to the rollers, from the line of load")
-    angles: tuple[float, ...] = field(default=(), unit="rad", doc="of a table: ascending, within one turn")
+    angle: float = field(
+        default=0.0, unit="rad", doc="where a lobe is nearest to the rollers, from the line of load"
+    )
+    angles: tuple[float, ...] = field(
+        default=(), unit="rad", doc="of a table: ascending, within one turn"
+    )
     heights: tuple[float, ...] = field(default=(), unit="m", doc="of a table: towards the rollers")
     file: str | None = field(
-        default=None, doc="full path of a CSV file with the columns 'angle [rad]' and 'height [m]', or in other units"
+        default=None,
+        doc="full path of a CSV file with the columns 'angle [rad]' and 'height [m]', or in other units",
     )
 
     def __attrs_post_init__(self) -> None:
-        kinds = [name for name in ("lobes", "angles", "file") if getattr(self, name) not in (None, ())]
+        kinds = [
+            name for name in ("lobes", "angles", "file") if getattr(self, name) not in (None, ())
+        ]
         if len(kinds) != 1:
-            raise FieldError("lobes", "give one of lobes (with amplitude), angles (with heights) or file")
+            raise FieldError(
+                "lobes", "give one of lobes (with amplitude), angles (with heights) or file"
+            )
         if self.lobes is None and self.amplitude != 0.0:
             raise FieldError("amplitude", "only read with lobes")
         if self.heights or self.angles:
@@ -260,7 +327,9 @@ class FormPart:
                 )
             ascending = all(b > a for a, b in zip(self.angles, self.angles[1:], strict=False))
             if not ascending or self.angles[-1] - self.angles[0] >= 2.0 * math.pi:
-                raise FieldError("angles", "must ascend within less than one turn: the first follows on the last")
+                raise FieldError(
+                    "angles", "must ascend within less than one turn: the first follows on the last"
+                )
 
 
 @attrs.frozen(kw_only=True)
@@ -276,7 +345,8 @@ class Raceway:
         doc="material of a shaft or a ring that is not of that of the rollers; of the contact laws lundberg knows it",
     )
     form: tuple[FormPart, ...] = field(
-        default=(), doc="what is added up: waves, { lobes = 3, amplitude = '25 um', angle = '60 deg' }, and tables"
+        default=(),
+        doc="what is added up: waves, { lobes = 3, amplitude = '25 um', angle = '60 deg' }, and tables",
     )
 
 
@@ -301,7 +371,8 @@ class MountedClearance:
         text = f"{initial * 1e6:.4g} {first}"
         for name, size in others:
             if abs(size) >= 5e-8:
-                sign, shown = "+" if size > 0.0 else "-", abs(size) * 1e6
+                sign = "+" if size > 0.0 else "-"
+                shown = abs(size) * 1e6
                 text += f" {sign} {shown:.{0 if shown >= 9.95 else 1}f} {name}"
         found = self.clearance * 1e6
         return f"{text} = {found:.3g} um" if abs(found) < 999.5 else f"{text} = {found:.0f} um"
@@ -311,18 +382,32 @@ class MountedClearance:
 class Bearing:
     """Geometry and material of a cylindrical roller bearing."""
 
-    rollers: int = field(doc="number of rollers", validator=at_least(3), usual=(6, 200), possible=(3, 10e3))
+    rollers: int = field(
+        doc="number of rollers", validator=at_least(3), usual=(6, 200), possible=(3, 10e3)
+    )
     roller_diameter: float = field(
         unit="m", doc="roller diameter", validator=positive, usual=(1e-3, 0.15), possible=(1e-5, 5)
     )
     roller_length: float = field(
-        unit="m", doc="effective roller length", validator=positive, usual=(2e-3, 0.25), possible=(1e-5, 10)
+        unit="m",
+        doc="effective roller length",
+        validator=positive,
+        usual=(2e-3, 0.25),
+        possible=(1e-5, 10),
     )
     inner_raceway_diameter: float = field(
-        unit="m", doc="inner raceway diameter", validator=positive, usual=(3e-3, 3), possible=(1e-4, 50)
+        unit="m",
+        doc="inner raceway diameter",
+        validator=positive,
+        usual=(3e-3, 3),
+        possible=(1e-4, 50),
     )
     outer_raceway_diameter: float = field(
-        unit="m", doc="outer raceway diameter", validator=positive, usual=(6e-3, 3.5), possible=(1e-4, 50)
+        unit="m",
+        doc="outer raceway diameter",
+        validator=positive,
+        usual=(6e-3, 3.5),
+        possible=(1e-4, 50),
     )
     radial_clearance: float = field(
         default=attrs.Factory(lambda bearing: bearing.nominal_clearance, takes_self=True),
@@ -332,18 +417,28 @@ class Bearing:
         possible=(-0.1, 1),
     )
     clearance_class: str | None = field(
-        default=None, doc="class of the clearance before mounting (ISO 5753-1), such as C3; by default that of the name"
+        default=None,
+        doc="class of the clearance before mounting (ISO 5753-1), such as C3; by default that of the name",
     )
-    mounting: Mounting | None = field(default=None, doc="seats and temperatures, which change the clearance")
-    inner_raceway: Raceway | None = field(default=None, doc="material and form of the inner raceway")
-    outer_raceway: Raceway | None = field(default=None, doc="material and form of the outer raceway")
+    mounting: Mounting | None = field(
+        default=None, doc="seats and temperatures, which change the clearance"
+    )
+    inner_raceway: Raceway | None = field(
+        default=None, doc="material and form of the inner raceway"
+    )
+    outer_raceway: Raceway | None = field(
+        default=None, doc="material and form of the outer raceway"
+    )
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rollers and rings")
     catalogue: Catalogue | None = field(
-        default=None, doc="what the catalogue lists, for makers' rules of minimum load and friction torque"
+        default=None,
+        doc="what the catalogue lists, for makers' rules of minimum load and friction torque",
     )
     #: How `radial_clearance` came about in a scene; None where that is stated.
-    mounted: MountedClearance | None = attrs.field(default=None, eq=False, repr=False, metadata={"key": None})
+    mounted: MountedClearance | None = attrs.field(
+        default=None, eq=False, repr=False, metadata={"key": None}
+    )
 
     @property
     def nominal_clearance(self) -> float:
@@ -361,8 +456,13 @@ class Bearing:
     def boundaries(self) -> tuple[float, float]:
         """Bore and outside diameter [m]: listed, or estimated half a diameter of a roller from the raceways (D)."""
         listed = self.catalogue or Catalogue()
-        bore = max(self.inner_raceway_diameter - self.roller_diameter, 0.5 * self.inner_raceway_diameter)
-        return listed.bore or bore, listed.outside_diameter or self.outer_raceway_diameter + self.roller_diameter
+        bore = max(
+            self.inner_raceway_diameter - self.roller_diameter, 0.5 * self.inner_raceway_diameter
+        )
+        return (
+            listed.bore or bore,
+            listed.outside_diameter or self.outer_raceway_diameter + self.roller_diameter,
+        )
 
     @property
     def width(self) -> float:
@@ -370,7 +470,8 @@ class Bearing:
         return (self.catalogue and self.catalogue.width) or 1.8 * self.roller_length
 
     def __attrs_post_init__(self) -> None:
-        inner, outer = self.inner_raceway_diameter, self.outer_raceway_diameter
+        inner = self.inner_raceway_diameter
+        outer = self.outer_raceway_diameter
         diameter = self.roller_diameter
         shown = format_quantity(diameter, "m")
         if inner >= outer:
@@ -379,10 +480,14 @@ class Bearing:
         room = (outer - inner) / 2
         if abs(room - diameter) >= diameter / 2:
             raise FieldError(
-                "roller_diameter", f"rollers of {shown} do not fit raceways that are {format_quantity(room, 'm')} apart"
+                "roller_diameter",
+                f"rollers of {shown} do not fit raceways that are {format_quantity(room, 'm')} apart",
             )
         bore, outside = self.boundaries
-        for name, ring, wrong in (("bore", inner, bore >= inner), ("outside_diameter", outer, outside <= outer)):
+        for name, ring, wrong in (
+            ("bore", inner, bore >= inner),
+            ("outside_diameter", outer, outside <= outer),
+        ):
             if wrong:
                 size = format_quantity(bore if name == "bore" else outside, "m")
                 raise FieldError(
@@ -392,7 +497,10 @@ class Bearing:
                 )
         if abs(self.radial_clearance) >= diameter:
             clearance = format_quantity(self.radial_clearance, "m")
-            raise FieldError("radial_clearance", f"must be less than the roller diameter, {shown}, not {clearance}")
+            raise FieldError(
+                "radial_clearance",
+                f"must be less than the roller diameter, {shown}, not {clearance}",
+            )
         most = math.ceil(math.pi / math.asin(2 * diameter / (inner + outer))) - 1
         if self.rollers > most:
             raise FieldError(
@@ -461,7 +569,9 @@ class SceneData:
 
     def read(self) -> bytes:
         """Return its text; `OSError` if the file is not there."""
-        from importlib.resources import files  # costs 20 ms, and a path given by the user does not need it
+        from importlib.resources import (
+            files,
+        )  # costs 20 ms, and a path given by the user does not need it
 
         return (files(self.package) / f"{self.name}.toml").read_bytes()
 

@@ -126,7 +126,9 @@ def _help(work: "SimpleQueue[tuple[Future[None], Callable[[], None]]]") -> None:
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_helpers.cache_clear)  # the threads of the parent are not in the child
+    os.register_at_fork(
+        after_in_child=_helpers.cache_clear
+    )  # the threads of the parent are not in the child
 
 
 def shared(run: Callable[[int, int], T | None], whole: int, step: int, count: int) -> T | None:
@@ -136,7 +138,8 @@ def shared(run: Callable[[int, int], T | None], whole: int, step: int, count: in
     A thread that is late does less: the calling one takes what is left, and waits for parts begun only. Threads are
     made when the first whole comes, and kept; a forked process makes its own.
     """
-    starts, outcomes = iter(range(0, whole, step)), dict[int, Any]()
+    starts = iter(range(0, whole, step))
+    outcomes = dict[int, Any]()
     others: list[Future[None]] = []
     held = [run]  # what is taken back below waits in its queue, and is not to keep a table
 

@@ -130,7 +130,11 @@ def field(
     }
     if key is not None:
         metadata["key"] = key
-    checks = [check for check in (validator, None if possible is None else within_possible) if check is not None]
+    checks = [
+        check
+        for check in (validator, None if possible is None else within_possible)
+        if check is not None
+    ]
     both = attrs.validators.and_(*checks) if len(checks) > 1 else checks[0] if checks else None
     return attrs.field(default=default, validator=both, metadata=metadata)
 
@@ -168,7 +172,13 @@ def parameter(
     rollslip.fields.FieldError: stress: must be above 0, not -1 Pa
     """
     return field(
-        doc=doc, unit=unit, default=default, validator=validator, usual=usual, possible=possible, scatter=scatter
+        doc=doc,
+        unit=unit,
+        default=default,
+        validator=validator,
+        usual=usual,
+        possible=possible,
+        scatter=scatter,
     )
 
 
@@ -191,15 +201,22 @@ class _Range:
         above = self.low is None or value > self.low or (value == self.low and not self.open)
         below = self.high is None or value < self.high or (value == self.high and not self.open)
         if not (above and below):
-            raise FieldError(attribute.name, f"must be {self._allowed(attribute)}, not {_shown(value, attribute)}")
+            raise FieldError(
+                attribute.name,
+                f"must be {self._allowed(attribute)}, not {_shown(value, attribute)}",
+            )
 
     def _allowed(self, attribute: "attrs.Attribute[Any]") -> str:
-        low, high = (bound if bound == 0 else _shown(bound, attribute) for bound in (self.low, self.high))
+        low, high = (
+            bound if bound == 0 else _shown(bound, attribute) for bound in (self.low, self.high)
+        )
         if self.high is None:
             return f"above {low}" if self.open else f"at least {low}"
         if self.low is None:
             return f"below {high}" if self.open else f"at most {high}"
-        return f"between {low} and {high}, without the ends" if self.open else f"from {low} to {high}"
+        return (
+            f"between {low} and {high}, without the ends" if self.open else f"from {low} to {high}"
+        )
 
 
 @attrs.frozen
@@ -211,7 +228,9 @@ class _OneOf:
     def __call__(self, instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
         if value not in self.options:
             options = ", ".join(as_written(option) for option in self.options)
-            raise FieldError(attribute.name, f"must be one of {options}, not {_shown(value, attribute)}")
+            raise FieldError(
+                attribute.name, f"must be one of {options}, not {_shown(value, attribute)}"
+            )
 
 
 positive = _Range(0, None, open=True)
@@ -285,7 +304,8 @@ def _bound(value: float, unit: str | None, given: str | None) -> str:
 
 def _unit_and_given(attribute: "attrs.Attribute[Any]") -> tuple[str | None, str | None]:
     """Unit of a field, and that in which a person gave its value, where it is another."""
-    unit, given = attribute.metadata.get("unit"), attribute.metadata.get("given")
+    unit = attribute.metadata.get("unit")
+    given = attribute.metadata.get("given")
     return unit, None if given in (unit, "1") else given
 
 
@@ -295,7 +315,8 @@ def _told(value: float, attribute: "attrs.Attribute[Any]") -> str:
         return f"{value:.6g}"
     if given is not None:
         return format_quantity(value, unit, given=given)
-    plain, read = format_quantity(value, unit, given=unit), format_quantity(value, unit)
+    plain = format_quantity(value, unit, given=unit)
+    read = format_quantity(value, unit)
     return plain if plain == read else f"{plain} = {read}"
 
 

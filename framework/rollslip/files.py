@@ -39,7 +39,9 @@ def decoded(content: bytes, source: str) -> str:
         return content.decode("utf-8-sig")  # some editors put a mark at the start
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise SceneError([f"{source}:{line}: not UTF-8 text; save the file in the encoding UTF-8"]) from None
+        raise SceneError(
+            [f"{source}:{line}: not UTF-8 text; save the file in the encoding UTF-8"]
+        ) from None
 
 
 def readable(name: str) -> str:
@@ -71,7 +73,8 @@ def _through_pipe(path: Path) -> bytes:
 
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     try:
-        waiting, read = select.poll(), b""
+        waiting = select.poll()
+        read = b""
         waiting.register(descriptor, select.POLLIN)
         while len(read) <= _LARGEST:
             if not waiting.poll(1e3 * _PATIENCE):
@@ -96,19 +99,26 @@ def named_text(file: str) -> str:
     path = Path(file)
     if not path.is_absolute():
         raise FieldError(
-            "file", f"must be a full path, not {as_written(file)}, which from this folder would be '{path.resolve()}'"
+            "file",
+            f"must be a full path, not {as_written(file)}, which from this folder would be '{path.resolve()}'",
         )
     try:
         return path.read_text(encoding="utf-8-sig")  # some editors put a mark at the start
     except UnicodeDecodeError:
-        raise FieldError("file", f"{file}: not UTF-8 text; save the file in the encoding UTF-8") from None
+        raise FieldError(
+            "file", f"{file}: not UTF-8 text; save the file in the encoding UTF-8"
+        ) from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         said = getattr(error, "strerror", None) or error
         raise FieldError("file", f"{file}: cannot be read: {said}") from None
 
 
 def read_columns(
-    text: str, source: str, row: type, faults: list[str], check: Callable[[Collection[str]], str] = lambda names: ""
+    text: str,
+    source: str,
+    row: type,
+    faults: list[str],
+    check: Callable[[Collection[str]], str] = lambda names: "",
 ) -> tuple[dict[str, list[float]], tuple[int, ...]]:
     """Read comma-separated values under a header ``name [unit], name [unit], ...``.
 
@@ -118,14 +128,20 @@ def read_columns(
     known = {attribute.name: attribute for attribute in attrs.fields(row)}
     required = [name for name, attribute in known.items() if attribute.default is attrs.NOTHING]
     stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
-    rows = [(number, _cells(line)) for number, line in stripped if line and not line.startswith("#")]
+    rows = [
+        (number, _cells(line)) for number, line in stripped if line and not line.startswith("#")
+    ]
     units: list[tuple[str, str]] = []
     if rows:
         number, header = rows.pop(0)
         where = f"{source}:{number}"
         units = [_header(cell, known, where, faults) for cell in header]
         names = [name for name, _ in units]
-        faults += [f"{where}: {name}: stands there twice" for name in dict.fromkeys(names) if names.count(name) > 1]
+        faults += [
+            f"{where}: {name}: stands there twice"
+            for name in dict.fromkeys(names)
+            if names.count(name) > 1
+        ]
         faults += [
             f"{where}: {name}: missing, but required ({known[name].metadata['doc']})"
             for name in required
@@ -135,16 +151,22 @@ def read_columns(
             faults.append(f"{where}: {fault}")
     if not rows and not faults:
         example = ", ".join(f"{name} [{known[name].metadata['unit']}]" for name in required)
-        faults.append(f"{source}: no data; a header such as '{example}' and rows of numbers are expected")
+        faults.append(
+            f"{source}: no data; a header such as '{example}' and rows of numbers are expected"
+        )
     columns: dict[str, list[float]] = {name: [] for name, _ in units}
     for number, cells in rows:
         if len(cells) != len(units):
             hint = "; a decimal comma is not read, write 0.05" if len(cells) > len(units) else ""
-            faults.append(f"{source}:{number}: {len(cells)} values under {len(units)} columns{hint}")
+            faults.append(
+                f"{source}:{number}: {len(cells)} values under {len(units)} columns{hint}"
+            )
             continue
         for (name, unit), cell in zip(units, cells, strict=True):
             if unit:
-                columns[name].append(_value(cell, unit, known[name], f"{source}:{number}: {name}", faults))
+                columns[name].append(
+                    _value(cell, unit, known[name], f"{source}:{number}: {name}", faults)
+                )
     return columns, tuple(number for number, _ in rows)
 
 
@@ -156,18 +178,23 @@ def _cells(line: str) -> list[str]:
         return [line]
 
 
-def _header(cell: str, known: "dict[str, attrs.Attribute[Any]]", where: str, faults: list[str]) -> tuple[str, str]:
+def _header(
+    cell: str, known: "dict[str, attrs.Attribute[Any]]", where: str, faults: list[str]
+) -> tuple[str, str]:
     """Name and unit of a column; no unit where the column cannot be read."""
     name, bracket, rest = (part.strip() for part in cell.partition("["))
     if ";" in cell or "\t" in cell:
-        faults.append(f"{where}: {as_written(cell)}: columns are separated by commas, and decimals by points")
+        faults.append(
+            f"{where}: {as_written(cell)}: columns are separated by commas, and decimals by points"
+        )
         return name, ""
     if name not in known:
         near = nearest(name, known)
         hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
         faults.append(f"{where}: {as_written(name)}: unknown column; {hint}")
         return name, ""
-    unit, SI = rest.removesuffix("]").strip(), known[name].metadata["unit"]
+    unit = rest.removesuffix("]").strip()
+    SI = known[name].metadata["unit"]
     if not bracket or not rest.endswith("]") or not unit:
         faults.append(f"{where}: {name}: has no unit, write '{name} [{SI}]'; {expectation(SI)}")
         return name, ""
@@ -179,12 +206,16 @@ def _header(cell: str, known: "dict[str, attrs.Attribute[Any]]", where: str, fau
     return name, unit
 
 
-def _value(cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, faults: list[str]) -> float:
+def _value(
+    cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, faults: list[str]
+) -> float:
     """SI value of a cell, or NaN after noting what is wrong with it."""
     try:
         number = _NUMBER.match(cell)
         if number is not None and number[0] != cell and "," not in cell:
-            raise UnitError(f"{as_written(cell)} is not a number alone; its unit stands in the header")
+            raise UnitError(
+                f"{as_written(cell)} is not a number alone; its unit stands in the header"
+            )
         if number is None or number[0] != cell:
             quantity(cell, "1")  # says what is wrong with it
         value = quantity(f"{cell} {unit}", column.metadata["unit"])
@@ -201,7 +232,11 @@ def _value(cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, fau
 
 @contextmanager
 def whole(
-    target: Path, *, sort: str = "", put: Callable[[Path, Path], None] | None = None, remedy: str = _REMEDY
+    target: Path,
+    *,
+    sort: str = "",
+    put: Callable[[Path, Path], None] | None = None,
+    remedy: str = _REMEDY,
 ) -> Iterator[Path]:
     """Give an empty folder that becomes the new folder ``target`` when the block ends well, else vanishes."""
     # named before it is made, so that an interrupt right after that finds it too
@@ -224,7 +259,9 @@ def blamed(target: Path, remedy: str = _REMEDY) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror or error}); {remedy}") from error
+        raise OutputError(
+            f"{target}: cannot be written ({error.strerror or error}); {remedy}"
+        ) from error
 
 
 def umask() -> int:

@@ -47,13 +47,17 @@ class _Model(ctypes.Structure):
     ]
 
 
-_name_of = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(("PyCapsule_GetName", ctypes.pythonapi))
+_name_of = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(
+    ("PyCapsule_GetName", ctypes.pythonapi)
+)
 _pointer_in = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(
     ("PyCapsule_GetPointer", ctypes.pythonapi)
 )
 
 
-def capsule_from_address(evaluate_address: int, params_address: int = 0, keep: object = None) -> object:
+def capsule_from_address(
+    evaluate_address: int, params_address: int = 0, keep: object = None
+) -> object:
     """Return what ``kernel()`` of a model returns, for a C function at an address.
 
     Parameters
@@ -81,7 +85,8 @@ def capsule_from_address(evaluate_address: int, params_address: int = 0, keep: o
     # parameters are exchanged here, and the callee, never called, is what has to be kept.
     capsule: Any = python_stage(keep, ())  # type: ignore[arg-type]
     table = _Model.from_address(_pointer_in(capsule, _name_of(capsule)))
-    table.evaluate, table.params = evaluate_address, params_address
+    table.evaluate = evaluate_address
+    table.params = params_address
     return capsule
 
 

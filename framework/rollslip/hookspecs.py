@@ -44,7 +44,9 @@ def _hook(name: str, offered: str) -> Callable[[], Iterable[Any]]:
     def hook() -> Iterable[Any]:
         raise NotImplementedError(name)  # pluggy calls those of plugins
 
-    hook.__name__, hook.__qualname__, hook.__doc__ = name, name, offered
+    hook.__name__ = name
+    hook.__qualname__ = name
+    hook.__doc__ = offered
     marked: Callable[[], Iterable[Any]] = hookspec(hook)
     return marked
 

@@ -12,7 +12,9 @@ SHAPES = ("none", "iso16281", "circular", "table")
 def slice_positions(length: float, slices: int) -> Floats:
     """Midpoints [m] of equal slices of a roller of effective length [m], from its middle (ISO/TS 16281)."""
     if not 0.0 < length < np.inf or slices < 1:
-        raise ValueError(f"a roller of length {length} m cannot be cut into {slices} slices: both must be positive")
+        raise ValueError(
+            f"a roller of length {length} m cannot be cut into {slices} slices: both must be positive"
+        )
     # Odd integers times half a width: symmetric about the middle to the last bit.
     return np.arange(1.0 - slices, slices, 2.0) * (length / (2.0 * slices))
 
@@ -45,14 +47,20 @@ def profile_drop(
         raise ValueError(f"unknown roller profile {shape!r}: one of {', '.join(SHAPES)}")
     for name, value, owner in (("radius", radius, "circular"), ("table", table, "table")):
         if (value is None) == (shape == owner):
-            raise ValueError(f"the roller profile {shape!r} {'needs' if shape == owner else 'has no'} {name!r}")
+            raise ValueError(
+                f"the roller profile {shape!r} {'needs' if shape == owner else 'has no'} {name!r}"
+            )
     if not (0.0 < roller_length < np.inf and 0.0 < roller_diameter < np.inf):
-        raise ValueError(f"roller length {roller_length} m and diameter {roller_diameter} m must be positive")
+        raise ValueError(
+            f"roller length {roller_length} m and diameter {roller_diameter} m must be positive"
+        )
 
     x = np.asarray(positions, dtype=float)
     half = 0.5 * roller_length
     if not np.all(np.abs(x) <= half):
-        raise ValueError(f"positions must lie on the roller, between {-half} m and {half} m of its middle")
+        raise ValueError(
+            f"positions must lie on the roller, between {-half} m and {half} m of its middle"
+        )
     if radius is not None:
         return _crown(x, half, radius)
     if table is not None:
@@ -60,13 +68,17 @@ def profile_drop(
     if shape == "none":
         return np.zeros_like(x)
     if np.any(np.abs(x) == half):
-        raise DomainError("the logarithmic profile is infinite at the ends of the roller: ask at midpoints of slices")
+        raise DomainError(
+            "the logarithmic profile is infinite at the ends of the roller: ask at midpoints of slices"
+        )
     return -0.00035 * roller_diameter * np.log1p(-((x / half) ** 2))
 
 
 def _crown(x: Floats, half: float, radius: float) -> Floats:
     if not half <= radius < np.inf:
-        raise ValueError(f"a crown of radius {radius} m does not span the roller: at least half its length, {half} m")
+        raise ValueError(
+            f"a crown of radius {radius} m does not span the roller: at least half its length, {half} m"
+        )
     # R - sqrt(R^2 - x^2) without cancellation: R is a thousand times x.
     crown: Floats = x**2 / (radius + np.sqrt((radius - x) * (radius + x)))
     return crown
@@ -87,6 +99,10 @@ def _interpolated(x: Floats, half: float, position: Floats, drop: Floats) -> Flo
         )
     from scipy.interpolate import PchipInterpolator
 
-    with np.errstate(over="ignore", divide="ignore"):  # of a slope's reciprocal, where drops are denormal
-        interpolated: Floats = PchipInterpolator(position, drop)(np.clip(x, position[0], position[-1]))
+    with np.errstate(
+        over="ignore", divide="ignore"
+    ):  # of a slope's reciprocal, where drops are denormal
+        interpolated: Floats = PchipInterpolator(position, drop)(
+            np.clip(x, position[0], position[-1])
+        )
     return interpolated

@@ -63,7 +63,17 @@ _REQUIRED: Final = MappingProxyType(
 #: What stands in BibTeX for a title that nobody could find out.
 UNKNOWN_TITLE: Final = "[title not confirmed]"
 #: What can be found out about a publication and may have stayed open.
-_CHECKABLE: Final = ("authors", "title", "journal", "volume", "issue", "pages", "year", "publisher", "doi")
+_CHECKABLE: Final = (
+    "authors",
+    "title",
+    "journal",
+    "volume",
+    "issue",
+    "pages",
+    "year",
+    "publisher",
+    "doi",
+)
 
 
 @attrs.frozen(kw_only=True)
@@ -138,24 +148,32 @@ class Reference:
                 fits = isinstance(value, tuple) and all(isinstance(one, str) for one in value)
                 wanted = "a tuple of texts"
             elif name == "year":
-                fits, wanted = value is None or (isinstance(value, int) and value > 999), "a year such as 1992"
+                fits = value is None or (isinstance(value, int) and value > 999)
+                wanted = "a year such as 1992"
             else:
-                fits, wanted = isinstance(value, str), "a text"
+                fits = isinstance(value, str)
+                wanted = "a text"
             if not fits:
                 raise self._fault(name, f"must be {wanted}, not {value!r}")
         if self.kind not in _ENTRIES:
             raise self._fault("kind", f"{self.kind!r} is not one of {', '.join(_ENTRIES)}")
         if unknown := [name for name in self.unconfirmed if name not in _CHECKABLE]:
-            raise self._fault("unconfirmed", f"{unknown[0]!r} is not one of {', '.join(_CHECKABLE)}")
+            raise self._fault(
+                "unconfirmed", f"{unknown[0]!r} is not one of {', '.join(_CHECKABLE)}"
+            )
         if not self.title and "title" not in self.unconfirmed:
             raise self._fault("title", "missing; name it in unconfirmed if it cannot be found out")
         for name in _REQUIRED[self.kind]:
             if not getattr(self, name) and name not in self.unconfirmed:
                 raise self._fault(
-                    name, f"missing, but required for kind = {self.kind!r}, or to be named in unconfirmed"
+                    name,
+                    f"missing, but required for kind = {self.kind!r}, or to be named in unconfirmed",
                 )
         if self.doi and not re.fullmatch(r"10\.\d{4,9}/[^\s{}\\%#]+", self.doi):
-            raise self._fault("doi", f"{self.doi!r} is no DOI such as '10.3103/S1068366622010068', without a resolver")
+            raise self._fault(
+                "doi",
+                f"{self.doi!r} is no DOI such as '10.3103/S1068366622010068', without a resolver",
+            )
 
     def _fault(self, name: str, reason: str) -> ValueError:
         return ValueError(f"reference {self.title or self.authors!r}: {name}: {reason}")
@@ -179,9 +197,12 @@ class Reference:
         title = ", ".join(filter(None, (self.title, self.edition and f"{self.edition} ed")))
         issue = f"({self.issue})" if self.issue else ""
         thesis = "Thesis" if self.kind == "thesis" else ""
-        number = f"Version {self.number}" if self.kind == "software" and self.number else self.number
+        number = (
+            f"Version {self.number}" if self.kind == "software" and self.number else self.number
+        )
         if self.kind == "standard":
-            title, number = ". ".join(filter(None, (self.number, title))), ""
+            title = ". ".join(filter(None, (self.number, title)))
+            number = ""
         where = ", ".join(
             filter(
                 None,
@@ -198,7 +219,9 @@ class Reference:
         open_ = f"not confirmed: {', '.join(self.unconfirmed)}" if self.unconfirmed else ""
         notes = "; ".join(filter(None, (self.note, open_)))
         text = " ".join(f"{part.rstrip('.')}." for part in (authors, title, where) if part)
-        return " ".join(filter(None, (text, self.doi and f"doi:{self.doi}", notes and f"({notes})")))
+        return " ".join(
+            filter(None, (text, self.doi and f"doi:{self.doi}", notes and f"({notes})"))
+        )
 
 
 #: What a package may name as a source; a text is told as it is.
@@ -226,12 +249,16 @@ def as_dict(citation: Citation) -> dict[str, Any]:
     """Return a citation as plain values: ``text`` as it reads, and what is known of a reference."""
     if isinstance(citation, str):
         return {"text": citation}
-    return {"text": str(citation)} | attrs.asdict(citation, filter=lambda _, value: value not in ("", (), None))
+    return {"text": str(citation)} | attrs.asdict(
+        citation, filter=lambda _, value: value not in ("", (), None)
+    )
 
 
 def from_dict(values: Mapping[str, Any]) -> Citation:
     """Return the citation that `as_dict` told; the text where there is no more, or more than this version knows."""
-    known: dict[str, Any] = {k: tuple(value) if isinstance(value, list) else value for k, value in values.items()}
+    known: dict[str, Any] = {
+        k: tuple(value) if isinstance(value, list) else value for k, value in values.items()
+    }
     text = known.pop("text", "")
     try:
         return Reference(**known)
@@ -246,7 +273,15 @@ _SPECIAL: Final = str.maketrans(
     {c: f"\\{c}" for c in "&%$#_"}
     | {"\\": r"{\textbackslash}", "{": r"{\textbraceleft}", "}": r"{\textbraceright}"}
     | {"~": r"{\textasciitilde}", "^": r"{\textasciicircum}"}
-    | {"ø": r"{\o}", "Ø": r"{\O}", "ß": r"{\ss}", "ł": r"{\l}", "Ł": r"{\L}", "æ": r"{\ae}", "å": r"{\aa}"}
+    | {
+        "ø": r"{\o}",
+        "Ø": r"{\O}",
+        "ß": r"{\ss}",
+        "ł": r"{\l}",
+        "Ł": r"{\L}",
+        "æ": r"{\ae}",
+        "å": r"{\aa}",
+    }
     | {"\u2013": "--", "\u2014": "---", "\u2019": "'"}  # dashes and the apostrophe of typography
 )
 _NAMED: Final = frozenset(map(chr, _SPECIAL))
@@ -260,14 +295,19 @@ def as_bibtex(citations: Iterable[Citation]) -> str:
     Keys are the first author's family name with the year, and a letter where two have the same. All is ASCII that LaTeX
     can set, but for letters that have no command here.
     """
-    entries, keys = [], set[str]()
+    entries = []
+    keys = set[str]()
     for one in once(citations):
         if isinstance(one, Reference) and one.kind == "remark":
-            entries.append("% " + " ".join(str(one).replace("@", " at ").split()))  # "@" begins an entry anywhere
+            entries.append(
+                "% " + " ".join(str(one).replace("@", " at ").split())
+            )  # "@" begins an entry anywhere
             continue
         stem = _key(one)
         others = chain(ascii_lowercase, map("-{}".format, count(2)))
-        key = next(key for key in chain([stem], (stem + other for other in others)) if key not in keys)
+        key = next(
+            key for key in chain([stem], (stem + other for other in others)) if key not in keys
+        )
         keys.add(key)
         entry, fields = _entry(one)
         body = "".join(f",\n  {name} = {{{value}}}" for name, value in fields.items() if value)
@@ -281,14 +321,20 @@ def _entry(citation: Citation) -> tuple[str, dict[str, str]]:
         return "misc", {"key": _key(citation), "note": _latex(citation)}
     entry, publisher = _ENTRIES[citation.kind]
     open_ = f"not confirmed: {', '.join(citation.unconfirmed)}" if citation.unconfirmed else ""
-    version = f"version {citation.number}" if citation.kind == "software" and citation.number else ""
+    version = (
+        f"version {citation.number}" if citation.kind == "software" and citation.number else ""
+    )
     notes = "; ".join(filter(None, (version, citation.note, open_)))
     published = {publisher: _latex(citation.publisher)}
     if citation.kind == "standard":
         published = {"howpublished": _latex(citation.number)}
     return entry, {
-        "key": "" if citation.authors else _key(citation),  # by which styles sort what has no author
-        "author": " and ".join(_latex(a) if ", " in a else f"{{{_latex(a)}}}" for a in citation.authors),
+        "key": ""
+        if citation.authors
+        else _key(citation),  # by which styles sort what has no author
+        "author": " and ".join(
+            _latex(a) if ", " in a else f"{{{_latex(a)}}}" for a in citation.authors
+        ),
         # in braces its capitals stay; styles set no entry without one
         "title": f"{{{_latex(citation.title or UNKNOWN_TITLE)}}}",
         "booktitle" if citation.kind == "proceedings" else "journal": _latex(citation.journal),
@@ -305,12 +351,17 @@ def _entry(citation: Citation) -> tuple[str, dict[str, str]]:
 
 def _key(citation: Citation) -> str:
     if isinstance(citation, str):
-        who, years = citation, re.findall(r"\b(1[89]\d\d|20\d\d)\b", citation)
+        who = citation
+        years = re.findall(r"\b(1[89]\d\d|20\d\d)\b", citation)
         when = years[-1] if years else ""
     else:
         who = (citation.authors or (citation.number or citation.title,))[0].partition(",")[0]
         when = str(citation.year or "")
-    plain = unicodedata.normalize("NFD", who.replace("ø", "o").replace("The ", "")).encode("ascii", "ignore").decode()
+    plain = (
+        unicodedata.normalize("NFD", who.replace("ø", "o").replace("The ", ""))
+        .encode("ascii", "ignore")
+        .decode()
+    )
     words = re.findall("[a-z]+", plain.lower())
     return (words[0] if words else "source") + when
 
@@ -355,7 +406,13 @@ def published(path: Path) -> dict[str, Reference]:
         told: dict[str, Any] = {"kind": kind}
         for name, value in re.findall(r"(\w+) = \{([^{}]*)\}", fields):
             text = " ".join(value.split())
-            told[name] = int(text) if name == "year" else tuple(text.split(", ")) if name == "unconfirmed" else text
+            told[name] = (
+                int(text)
+                if name == "year"
+                else tuple(text.split(", "))
+                if name == "unconfirmed"
+                else text
+            )
         if authors := told.pop("author", ""):
             told["authors"] = tuple(authors.split(" and "))
         found[key] = Reference(**told)

@@ -25,7 +25,9 @@ from rollslip.references import Citation
 __all__ = ["RingModel", "RingShapes", "Rings", "Stops"]
 
 Floats = NDArray[np.float64]
-_HIGHEST, _STEPS = 60, 257  # waves that are looked at, and steps that are tried
+# waves that are looked at, and steps that are tried
+_HIGHEST = 60
+_STEPS = 257
 
 
 @attrs.frozen(eq=False)
@@ -61,12 +63,16 @@ class RingShapes:
     #: Of each shape [kg], (m,): kinetic energy sum M (dq/dt)^2/2. None where nobody knows; plane motion needs it.
     mass: Floats | None = None
     damping_ratio: float = 0.0  #: Of critical damping, the same for all shapes [1].
-    departs: tuple[str, ...] = ()  #: Keys of the model by which its seat is not that of ``bearing.mounting``.
+    departs: tuple[
+        str, ...
+    ] = ()  #: Keys of the model by which its seat is not that of ``bearing.mounting``.
 
     def __attrs_post_init__(self) -> None:
         m = self.stiffness.size
         if self.harmonics.ndim != 2 or not self.harmonics.shape[0] == m == self.pushes.size:
-            raise ValueError(f"{self.harmonics.shape[0]} shapes, {m} stiffnesses and {self.pushes.size} pushes")
+            raise ValueError(
+                f"{self.harmonics.shape[0]} shapes, {m} stiffnesses and {self.pushes.size} pushes"
+            )
         if self.mass is not None and not (self.mass.shape == (m,) and np.all(self.mass > 0.0)):
             raise ValueError(f"{m} shapes need as many masses above 0 kg, not {self.mass}")
         least = 0.0 if self.stops else np.finfo(float).tiny
@@ -83,7 +89,9 @@ class RingShapes:
     @property
     def parity(self) -> Floats:
         """1 for shapes that are their mirror image in the line of load, -1 for odd ones, 0 for others, (m,)."""
-        even, odd = (np.all(part == 0.0, axis=1) for part in (self.harmonics.imag, self.harmonics.real))
+        even, odd = (
+            np.all(part == 0.0, axis=1) for part in (self.harmonics.imag, self.harmonics.real)
+        )
         return np.where(even, 1.0, np.where(odd, -1.0, 0.0))
 
     @property
@@ -128,7 +136,9 @@ def _step(instants: int, rollers: int) -> int:
     their pitch: exp(2 pi i (n x + (s - n Z) y)) of the phases x, y. The lattice takes those for constants for which n +
     k (s - n Z) is 0 mod M. The k is the one whose least 10 n + |s| of these is largest.
     """
-    n, s = (of.ravel()[_HIGHEST + 1 :] for of in np.mgrid[: _HIGHEST // 5, -_HIGHEST : _HIGHEST + 1])
+    n, s = (
+        of.ravel()[_HIGHEST + 1 :] for of in np.mgrid[: _HIGHEST // 5, -_HIGHEST : _HIGHEST + 1]
+    )
 
     def least(k: int) -> float:
         taken = (n + k * (s - n * rollers)) % instants == 0
@@ -146,7 +156,9 @@ class Rings:
     #: Forms of both raceways: number of waves, amplitude [m], angle [rad], and tables of angles [rad] and heights [m].
     waves: tuple[tuple[int, float, float], ...] = ()
     tables: tuple[tuple[Floats, Floats], ...] = ()
-    left: float = 0.0  #: Relative error of friction that shapes which were left out are estimated to leave.
+    left: float = (
+        0.0  #: Relative error of friction that shapes which were left out are estimated to leave.
+    )
     #: Of each of these how many periods a turn of its ring has, 0 if it stands, and 1 for the inner ring, 2 for the
     #: outer one; where they are empty all stand.
     turns: tuple[tuple[int, int], ...] = ()
@@ -154,7 +166,11 @@ class Rings:
     @property
     def yielding(self) -> dict[str, RingShapes]:
         """The rings that have shapes, by "inner" and "outer"."""
-        return {ring: one for ring, one in (("inner", self.inner), ("outer", self.outer)) if one.stiffness.size}
+        return {
+            ring: one
+            for ring, one in (("inner", self.inner), ("outer", self.outer))
+            if one.stiffness.size
+        }
 
     @property
     def parity(self) -> Floats:
@@ -170,7 +186,10 @@ class Rings:
         turned: list[Floats] = [np.zeros(1)] * (len(self.waves) + len(self.tables))
         if self.turning and psi.ndim == 2:
             M, Z = psi.shape
-            turned = [_lattice(M, Z, periods, ring)[:, None] if periods else turned[0] for periods, ring in self.turns]
+            turned = [
+                _lattice(M, Z, periods, ring)[:, None] if periods else turned[0]
+                for periods, ring in self.turns
+            ]
         for (lobes, amplitude, angle), turn in zip(self.waves, turned, strict=False):
             form += amplitude * np.cos(lobes * (psi - angle - turn))
         for (angles, heights), turn in zip(self.tables, turned[len(self.waves) :], strict=True):
@@ -180,7 +199,8 @@ class Rings:
     def formed(self, ring: int) -> "Rings":
         """Return them with the form of one ring alone, 1 for the inner one, 2 for the outer one, as it stands."""
         own = [number == ring for _, number in self.turns]
-        waves, tables = tuple(compress(self.waves, own)), tuple(compress(self.tables, own[len(self.waves) :]))
+        waves = tuple(compress(self.waves, own))
+        tables = tuple(compress(self.tables, own[len(self.waves) :]))
         return attrs.evolve(self, waves=waves, tables=tables, turns=())
 
     @property
@@ -188,12 +208,16 @@ class Rings:
         """The same rings in a mirror along the line of load."""
 
         def seen(ring: RingShapes) -> RingShapes:
-            stops = None if ring.stops is None else attrs.evolve(ring.stops, angles=-ring.stops.angles)
+            stops = (
+                None if ring.stops is None else attrs.evolve(ring.stops, angles=-ring.stops.angles)
+            )
             return attrs.evolve(ring, harmonics=ring.harmonics.conj(), stops=stops)
 
         waves = tuple((lobes, amplitude, -angle) for lobes, amplitude, angle in self.waves)
         tables = tuple((-angles, heights) for angles, heights in self.tables)
-        return attrs.evolve(self, inner=seen(self.inner), outer=seen(self.outer), waves=waves, tables=tables)
+        return attrs.evolve(
+            self, inner=seen(self.inner), outer=seen(self.outer), waves=waves, tables=tables
+        )
 
     @property
     def turning(self) -> bool:
@@ -204,8 +228,11 @@ class Rings:
         """Whether what rollers at these angles feel mirrors itself in the line of load."""
         if self.turning:
             return False
-        here, there = self.form(psi), self.form(-psi)
-        same = bool(np.all(np.abs(here - there) <= 1e-12 * max(np.abs(here).max(initial=0.0), 1e-12)))
+        here = self.form(psi)
+        there = self.form(-psi)
+        same = bool(
+            np.all(np.abs(here - there) <= 1e-12 * max(np.abs(here).max(initial=0.0), 1e-12))
+        )
         return same and self.inner.symmetric and self.outer.symmetric
 
     def directions(self, psi: Floats) -> Floats:
@@ -218,13 +245,16 @@ class Rings:
         far = 0.0
         for ring in (self.inner, self.outer):
             held = ring.stiffness > 0.0
-            far += float(((np.abs(ring.pushes) + load)[held] / ring.stiffness[held]).max(initial=0.0))
+            far += float(
+                ((np.abs(ring.pushes) + load)[held] / ring.stiffness[held]).max(initial=0.0)
+            )
             far += 0.0 if ring.stops is None else abs(ring.stops.gap)
         return far
 
     def stops(self) -> Floats:
         """Return shapes, stiffness and gap of all stops, by unknowns of the rings, (s, 2 + m + 2)."""
-        m, rows = self.parity.size, [np.zeros((0, self.parity.size + 4))]
+        m = self.parity.size
+        rows = [np.zeros((0, self.parity.size + 4))]
         for first, ring in ((2, self.inner), (2 + self.inner.stiffness.size, self.outer)):
             if ring.stops is not None:
                 row = np.zeros((ring.stops.angles.size, m + 4))

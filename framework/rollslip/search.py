@@ -22,7 +22,8 @@ Rows = NDArray[np.intp]
 _PLACE: Final = 1e-8
 #: How far beside an end it is told whether a curve rises from there, more than its noise, and beside a smooth maximum
 #: two more values place it better; and by how much at most, relative to that.
-_BESIDE, _MOVED = 1e-4, 1e-2
+_BESIDE = 1e-4
+_MOVED = 1e-2
 _GOLDEN: Final = 0.5 * (3.0 - math.sqrt(5.0))
 #: Most evaluations of a search, far more than halving takes.
 _MOST: Final = 200
@@ -46,46 +47,72 @@ def largest(evaluate: Callable[[Rows, Array], Array], x: Array, y: Array) -> tup
     T. R. Chandrupatla, "An efficient quadratic fit-sectioning algorithm for minimization without derivatives",
     Computer Methods in Applied Mechanics and Engineering 152 (1998) 211-217.
     """
-    low, wide, top = x[:, 0], x[:, 2] - x[:, 0], y[:, 1].copy()
-    share, rows = np.full(top.size, np.nan), np.arange(top.size)
+    low = x[:, 0]
+    wide = x[:, 2] - x[:, 0]
+    top = y[:, 1].copy()
+    share = np.full(top.size, np.nan)
+    rows = np.arange(top.size)
     # three places of each curve and the values there, relative to interval and largest sample: no size gets lost
-    at, value = ((x - low[:, None]) / wide[:, None]).T, (y / top[:, None]).T
-    if (ends := (at[1] == at[0]) | (at[1] == at[2])).any():  # the largest there, unless the curve rises from it
+    at = ((x - low[:, None]) / wide[:, None]).T
+    value = (y / top[:, None]).T
+    if (
+        ends := (at[1] == at[0]) | (at[1] == at[2])
+    ).any():  # the largest there, unless the curve rises from it
         at[1, ends] = np.abs(at[1, ends] - _BESIDE)
         value[1, ends] = evaluate(rows[ends], low[ends] + at[1, ends] * wide[ends]) / top[ends]
         ends[ends] = ~(value[1, ends] > 1.0)
-        rows, at, value = rows[~ends], at[:, ~ends], value[:, ~ends]
+        rows = rows[~ends]
+        at = at[:, ~ends]
+        value = value[:, ~ends]
     before = at[2]
     for _ in range(_MOST):
         swap = np.abs(at[2] - at[1]) < np.abs(at[1] - at[0])  # the larger interval is the second
-        at, value = np.where(swap, at[::-1], at), np.where(swap, value[::-1], value)
-        goes_on = (np.abs(at[2] - at[1]) > 2.0 * _PLACE) & (2.0 * value[1] - value[0] - value[2] > 0.0)
-        known = rows[ended := ~goes_on & (value[1] > 1.0)]  # else a kink or a plateau, which the search did not hit
-        share[known], top[known] = at[1, ended], value[1, ended] * top[known]
-        rows, at, value, before = rows[goes_on], at[:, goes_on], value[:, goes_on], before[goes_on]
+        at = np.where(swap, at[::-1], at)
+        value = np.where(swap, value[::-1], value)
+        goes_on = (np.abs(at[2] - at[1]) > 2.0 * _PLACE) & (
+            2.0 * value[1] - value[0] - value[2] > 0.0
+        )
+        known = rows[
+            ended := ~goes_on & (value[1] > 1.0)
+        ]  # else a kink or a plateau, which the search did not hit
+        share[known] = at[1, ended]
+        top[known] = value[1, ended] * top[known]
+        rows = rows[goes_on]
+        at = at[:, goes_on]
+        value = value[:, goes_on]
+        before = before[goes_on]
         if not rows.size:
             break
-        (a, b, c), falls = at, value - value[1]
+        (a, b, c) = at
+        falls = value - value[1]
         with np.errstate(invalid="ignore"):
             weight = (b - a) * falls[2] / ((b - a) * falls[2] + (c - b) * falls[0])
             turns = 0.5 * (weight * (a - c) + b + c)
             trusted = np.abs(turns - before) < 0.5 * np.abs(b - a)
             near = np.abs(turns - b) <= _PLACE
         new = np.where(near, b + np.copysign(_PLACE, c - b), turns)
-        new, before = np.where(trusted, new, b + _GOLDEN * (c - b)), turns
+        new = np.where(trusted, new, b + _GOLDEN * (c - b))
+        before = turns
         found = evaluate(rows, low[rows] + new * wide[rows]) / top[rows]
         found = np.where(np.isnan(found), -np.inf, found)
-        better, every = found >= value[1], np.arange(rows.size)
+        better = found >= value[1]
+        every = np.arange(rows.size)
         end = np.where(((new - b) * (c - b) > 0.0) ^ better, 2, 0)
-        at[end, every], value[end, every] = np.where(better, b, new), np.where(better, value[1], found)
-        at[1], value[1] = np.where(better, new, b), np.where(better, found, value[1])
+        at[end, every] = np.where(better, b, new)
+        value[end, every] = np.where(better, value[1], found)
+        at[1] = np.where(better, new, b)
+        value[1] = np.where(better, found, value[1])
     rows = np.flatnonzero((share > _BESIDE) & (share < 1.0 - _BESIDE))
     if rows.size:
         beside = np.concatenate((share[rows] - _BESIDE, share[rows] + _BESIDE))
-        behind, ahead = np.split(evaluate(np.tile(rows, 2), np.tile(low[rows], 2) + beside * np.tile(wide[rows], 2)), 2)
+        behind, ahead = np.split(
+            evaluate(np.tile(rows, 2), np.tile(low[rows], 2) + beside * np.tile(wide[rows], 2)), 2
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
             step = 0.5 * _BESIDE * (ahead - behind) / (2.0 * top[rows] - ahead - behind)
-        share[rows] += np.where(np.abs(step) <= _MOVED * _BESIDE, step, 0.0)  # a kink moves it further
+        share[rows] += np.where(
+            np.abs(step) <= _MOVED * _BESIDE, step, 0.0
+        )  # a kink moves it further
     return np.where(np.isnan(share), x[:, 1], low + share * wide), top
 
 
@@ -98,10 +125,15 @@ def vertex(x: Sequence[float] | Array, y: Sequence[float] | Array) -> tuple[floa
     if not 0 < best < len(x) - 1:
         return float(x[best]), float(y[best])
     first = max(min(best - 2, len(x) - 5), 0)
-    at, width = np.asarray(x[first : first + 5]) - x[best], x[best + 1] - x[best - 1]
-    t, curve = at / width, np.polynomial.Polynomial((0.0,))
-    near = np.argsort(np.abs(t))  # Newton's differences, far points last: a fit would take near ones for the same
-    t, terms = t[near], np.asarray(y[first : first + 5], dtype=float)[near]
+    at = np.asarray(x[first : first + 5]) - x[best]
+    width = x[best + 1] - x[best - 1]
+    t = at / width
+    curve = np.polynomial.Polynomial((0.0,))
+    near = np.argsort(
+        np.abs(t)
+    )  # Newton's differences, far points last: a fit would take near ones for the same
+    t = t[near]
+    terms = np.asarray(y[first : first + 5], dtype=float)[near]
     for k in range(1, t.size):
         terms[k:] = np.diff(terms[k - 1 :]) / (t[k:] - t[:-k])
     for root, term in zip(t[::-1], terms[::-1], strict=True):
@@ -133,17 +165,28 @@ def bracketed(
     M. Dowell, P. Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 11 (1971)
     168-174.
     """
-    positive, side, at = at_high > at_low, 0, low
+    positive = at_high > at_low
+    side = 0
+    at = low
     for _ in range(_MOST):
         at = high - at_high * (high - low) / (at_high - at_low)
-        value, wide = curve(at), abs(high - low)
+        value = curve(at)
+        wide = abs(high - low)
         fallen = abs(value) <= 0.5 * abs(at_low if (value < 0.0) == positive else at_high)
         if (value < 0.0) == positive:
-            low, at_low, at_high, side = at, value, at_high * (0.5 if side > 0 else 1.0), 1
+            low = at
+            at_low = value
+            at_high = at_high * (0.5 if side > 0 else 1.0)
+            side = 1
         else:
-            high, at_high, at_low, side = at, value, at_low * (0.5 if side < 0 else 1.0), -1
+            high = at
+            at_high = value
+            at_low = at_low * (0.5 if side < 0 else 1.0)
+            side = -1
         left = abs(high - low)
-        if value == 0.0 or min(wide - left if fallen else wide, left) <= tolerance + relative * abs(at):
+        if value == 0.0 or min(wide - left if fallen else wide, left) <= tolerance + relative * abs(
+            at
+        ):
             break
     return at
 
@@ -162,7 +205,8 @@ def secants(
     They start with about the slope at the place, and end with a step of the tolerance: what is left is far less. Steps
     are no longer than ``longest``, and leave ``within`` nowhere; there are twelve at most.
     """
-    at, value = start, curve(start)
+    at = start
+    value = curve(start)
     for _ in range(_SECANTS):
         step = min(max(-value / slope, -longest), longest) if slope else math.nan
         if not within[0] <= at + step <= within[1]:
@@ -170,6 +214,7 @@ def secants(
         at += step
         if abs(step) <= tolerance:
             return at, slope
-        before, value = value, curve(at)
+        before = value
+        value = curve(at)
         slope = (value - before) / step
     return None

@@ -56,7 +56,9 @@ class Location:
     def says(self, reason: str) -> str:
         """Return a message about this place: ``scene.toml:8: lubricant.alhpa: unknown key``."""
         lengths = range(len(self.path), -1, -1)
-        origin = next((self.origins[self.path[:n]] for n in lengths if self.path[:n] in self.origins), None)
+        origin = next(
+            (self.origins[self.path[:n]] for n in lengths if self.path[:n] in self.origins), None
+        )
         return ": ".join(part for part in (origin, _dotted(self.path), reason) if part)
 
 
@@ -104,7 +106,9 @@ def structure(
     if isinstance(raw, str) and bare is not None:
         raw = {bare: raw}
     if not isinstance(raw, Mapping):
-        problems.append(where.says(f"a table{' or a name' if bare else ''} is expected, not {as_written(raw)}"))
+        problems.append(
+            where.says(f"a table{' or a name' if bare else ''} is expected, not {as_written(raw)}")
+        )
         return None
     faults: list[str] = []
     values: dict[str, object] = {}
@@ -116,7 +120,9 @@ def structure(
         if attribute is not None and known is not None and key in known:
             values[attribute.name] = known[key]
         elif attribute is not None:
-            values[attribute.name] = _checked(kinds[attribute.name], value, attribute, where.at(key), faults, own)
+            values[attribute.name] = _checked(
+                kinds[attribute.name], value, attribute, where.at(key), faults, own
+            )
             if values[attribute.name] is MISSING and key in advice:
                 faults[-1] += f"; {advice[key]}"
         elif rest is not None:
@@ -147,7 +153,12 @@ def _layout(
     """Return of a class the key of a bare name, its fields by name and by key, and the one that takes what is left."""
     fields = {a.name: a for a in attrs.fields(cls) if a.init}
     by_key = {key: a for key, a in fields_of(cls) if a.init and not a.metadata.get("rest")}
-    return bare_key(cls), fields, by_key, next((a for a in fields.values() if a.metadata.get("rest")), None)
+    return (
+        bare_key(cls),
+        fields,
+        by_key,
+        next((a for a in fields.values() if a.metadata.get("rest")), None),
+    )
 
 
 @cache
@@ -158,7 +169,9 @@ def types_of(cls: "type[Any]") -> dict[str, Any]:
 
 def fields_of(cls: Any) -> "list[tuple[str, attrs.Attribute[Any]]]":
     """Return key and field of all fields of a class that have a key in a scene."""
-    return [(key, a) for a in attrs.fields(cls) if (key := a.metadata.get("key", a.name)) is not None]
+    return [
+        (key, a) for a in attrs.fields(cls) if (key := a.metadata.get("key", a.name)) is not None
+    ]
 
 
 def bare_key(cls: Any) -> str | None:
@@ -169,19 +182,27 @@ def bare_key(cls: Any) -> str | None:
 def _unknown(key: str, known: Collection[str]) -> str:
     if alike := nearest(key, known, count=1):
         return f"unknown key, did you mean '{alike[0]}'?"
-    return f"unknown key; known are {', '.join(sorted(known))}" if known else "unknown key; there are none here"
+    return (
+        f"unknown key; known are {', '.join(sorted(known))}"
+        if known
+        else "unknown key; there are none here"
+    )
 
 
 def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
-    doc, unit = attribute.metadata.get("doc"), attribute.metadata.get("unit")
+    doc = attribute.metadata.get("doc")
+    unit = attribute.metadata.get("unit")
     what = f" ({doc})" if doc else ""
     expected = expectation(unit) if unit else _EXPECTED.get(kind, "")
-    return f"missing, but required{what}" + (f"; {_such_as(expected, attribute)}" if expected else "")
+    return f"missing, but required{what}" + (
+        f"; {_such_as(expected, attribute)}" if expected else ""
+    )
 
 
 def _such_as(text: str, attribute: "attrs.Attribute[Any]") -> str:
     """Put a usual value of a field in place of the example of its unit, where that is none: no roughness of 15 mm."""
-    unit, (low, high) = attribute.metadata.get("unit"), attribute.metadata.get("usual") or (0.0, 0.0)
+    unit = attribute.metadata.get("unit")
+    (low, high) = attribute.metadata.get("usual") or (0.0, 0.0)
     example = re.search("such as '([^']+)'", text)
     if unit is None or example is None or not 0.0 < low < high < math.inf:
         return text
@@ -193,7 +214,12 @@ def _such_as(text: str, attribute: "attrs.Attribute[Any]") -> str:
 
 
 def _checked(
-    kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: Location, faults: list[str], own: str
+    kind: Any,
+    raw: object,
+    attribute: "attrs.Attribute[Any]",
+    where: Location,
+    faults: list[str],
+    own: str,
 ) -> object:
     """Convert and validate one field on its own, so that the faults of the other fields are found as well."""
     words = attribute.metadata.get("words", {})
@@ -204,7 +230,9 @@ def _checked(
     value = _converted(kind, raw, unit, where, faults)
     faults[before:] = [_such_as(fault, attribute) for fault in faults[before:]]
     if words and isinstance(raw, str):
-        faults[before:] = [f"{fault}; or write {' or '.join(map(repr, words))}" for fault in faults[before:]]
+        faults[before:] = [
+            f"{fault}; or write {' or '.join(map(repr, words))}" for fault in faults[before:]
+        ]
     if value is not MISSING and attribute.validator is not None:
         try:
             attribute.validator(None, attribute, value)
@@ -218,7 +246,12 @@ def _checked(
 def _in_the_unit_given(attribute: "attrs.Attribute[Any]", raw: object, value: object) -> str:
     """Say what a validator says of a value, in the unit in which it was written; nothing where there is none."""
     unit = attribute.metadata.get("unit")
-    if unit is None or isinstance(raw, bool) or not isinstance(raw, str | Real) or attribute.validator is None:
+    if (
+        unit is None
+        or isinstance(raw, bool)
+        or not isinstance(raw, str | Real)
+        or attribute.validator is None
+    ):
         return ""
     told = attribute.evolve(metadata={**attribute.metadata, "given": unit_given(raw, unit)})
     try:
@@ -248,7 +281,10 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         return _frozen(raw, where, faults)
     elif origin is Mapping:
         if isinstance(raw, Mapping):
-            items = {key: _converted(arguments[1], value, unit, where.at(key), faults) for key, value in raw.items()}
+            items = {
+                key: _converted(arguments[1], value, unit, where.at(key), faults)
+                for key, value in raw.items()
+            }
             return MISSING if MISSING in items.values() else FrozenTable(items)
     elif origin is tuple:
         if isinstance(raw, str | Mapping) and attrs.has(arguments[0]) and bare_key(arguments[0]):
@@ -271,7 +307,9 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         if isinstance(raw, kind):
             return raw
     else:
-        raise TypeError(f"{_dotted(where.path)}: a field of type {kind} cannot be read from a scene")
+        raise TypeError(
+            f"{_dotted(where.path)}: a field of type {kind} cannot be read from a scene"
+        )
     told = f"{_EXPECTED.get(kind, 'a table is expected')}, not {as_written(raw)}"
     if origin is tuple:
         told = f"a list is expected, not {as_written(raw)}; put it in [ ]"
@@ -286,7 +324,11 @@ def _parts(kind: Any) -> tuple[Any, tuple[Any, ...], bool]:
 
 
 def _list(
-    kinds: tuple[Any, ...], raw: list[object] | tuple[object, ...], unit: str, where: Location, faults: list[str]
+    kinds: tuple[Any, ...],
+    raw: list[object] | tuple[object, ...],
+    unit: str,
+    where: Location,
+    faults: list[str],
 ) -> object:
     if kinds[-1] is Ellipsis:
         kinds = kinds[:1] * len(raw)
@@ -294,14 +336,20 @@ def _list(
         faults.append(where.says(f"a list of {len(kinds)} values is expected, not of {len(raw)}"))
         return MISSING
     each = enumerate(zip(kinds, raw, strict=True))
-    values = tuple(_converted(kind, value, unit, where.at(index), faults) for index, (kind, value) in each)
+    values = tuple(
+        _converted(kind, value, unit, where.at(index), faults) for index, (kind, value) in each
+    )
     return MISSING if MISSING in values else values
 
 
 def _frozen(raw: object, where: Location, faults: list[str]) -> object:
     """Keep a value as it is written, if it is of a kind that a scene may hold."""
     if len(where.path) > DEEPEST:
-        faults.append(where.says(f"is nested too deeply, {DEEPEST} tables and lists within each other are the most"))
+        faults.append(
+            where.says(
+                f"is nested too deeply, {DEEPEST} tables and lists within each other are the most"
+            )
+        )
         return MISSING
     if isinstance(raw, bool | str) or (type(raw) is float and math.isfinite(raw)):
         return raw
@@ -316,7 +364,11 @@ def _frozen(raw: object, where: Location, faults: list[str]) -> object:
             return raw if isinstance(raw, int) else int(raw)
     elif isinstance(raw, Real) and math.isfinite(raw):
         return raw if isinstance(raw, float) else float(raw)
-    faults.append(where.says(f"{as_written(raw)} cannot be used: a finite number, a text, a list or a table can"))
+    faults.append(
+        where.says(
+            f"{as_written(raw)} cannot be used: a finite number, a text, a list or a table can"
+        )
+    )
     return MISSING
 
 
@@ -369,7 +421,9 @@ def _sorted(cls: Any) -> list[tuple[str, str]]:
 
 
 #: The text of plain values that is hashed.
-_canonical: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode
+_canonical: Final = json.JSONEncoder(
+    sort_keys=True, separators=(",", ":"), ensure_ascii=True
+).encode
 
 
 def _contents(plain: object) -> str:
@@ -378,8 +432,14 @@ def _contents(plain: object) -> str:
         return "".join(map(_contents, plain))
     if not isinstance(plain, dict):
         return ""
-    found, file = "".join(map(_contents, plain.values())), plain.get("file")
-    if isinstance(file, str) and "\0" not in file and (path := Path(file)).is_absolute() and path.is_file():
+    found = "".join(map(_contents, plain.values()))
+    file = plain.get("file")
+    if (
+        isinstance(file, str)
+        and "\0" not in file
+        and (path := Path(file)).is_absolute()
+        and path.is_file()
+    ):
         with contextlib.suppress(OSError):  # who reads it says so
             found += hashlib.sha256(path.read_bytes()).hexdigest()
     return found
@@ -389,7 +449,8 @@ class SceneHashes:
     """Hashes of scenes that share tables with one of them, of which the text is made once."""
 
     def __init__(self, scene: Any) -> None:
-        self._scene, self._known = scene, dict[str, str]()
+        self._scene = scene
+        self._known = dict[str, str]()
 
     def of(self, scene: Any) -> str:
         """Return the SHA-256 of a resolved scene with its files; equal scenes have equal hashes however written."""

@@ -13,7 +13,16 @@ from typing import Any, Final, TypeAlias
 
 from rollslip.errors import SceneError
 
-__all__ = ["DEEPEST", "FrozenTable", "KeyPath", "key_lines", "loads", "parse", "split_key", "thawed"]
+__all__ = [
+    "DEEPEST",
+    "FrozenTable",
+    "KeyPath",
+    "key_lines",
+    "loads",
+    "parse",
+    "split_key",
+    "thawed",
+]
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
@@ -70,11 +79,16 @@ def thawed(value: object) -> Any:
         return {str(key): thawed(inner) for key, inner in value.items()}
     if isinstance(value, Decimal):
         return float(value)
-    if (array := getattr(value, "to_numpy", lambda: value)()) is not None and hasattr(array, "tolist"):
-        plain, unit = array.tolist(), getattr(value, "attrs", {}).get("units")
+    if (array := getattr(value, "to_numpy", lambda: value)()) is not None and hasattr(
+        array, "tolist"
+    ):
+        plain = array.tolist()
+        unit = getattr(value, "attrs", {}).get("units")
         if not unit:
             return plain
-        return [f"{one!r} {unit}" for one in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
+        return (
+            [f"{one!r} {unit}" for one in plain] if isinstance(plain, list) else f"{plain!r} {unit}"
+        )
     return [thawed(inner) for inner in value] if isinstance(value, list | tuple | range) else value
 
 
@@ -92,7 +106,9 @@ def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:
         raw = loads(text)
     except (ValueError, RecursionError) as error:
         raise SceneError([_syntax_error(error, text, source)]) from None
-    origins: dict[KeyPath, str] = {path: f"{source}:{line}" for path, line in key_lines(text).items()}
+    origins: dict[KeyPath, str] = {
+        path: f"{source}:{line}" for path, line in key_lines(text).items()
+    }
     origins[()] = source
     return raw, origins
 
@@ -106,7 +122,9 @@ def _syntax_error(error: Exception, text: str, source: str) -> str:
     if not isinstance(error, tomllib.TOMLDecodeError):  # endless digits or brackets
         return f"{source}: not valid TOML: {error}"
     message, _, place = str(error).rpartition(" (at ")
-    message = message if len(message) <= 200 else message[:197] + "..."  # it may spell a whole key out
+    message = (
+        message if len(message) <= 200 else message[:197] + "..."
+    )  # it may spell a whole key out
     position = re.fullmatch(r"line (\d+), column (\d+)\)", place)
     line = int(position[1]) if position else text.count("\n") + 1
     column = f" (column {position[2]})" if position else " (at the end of the file)"
@@ -137,7 +155,8 @@ def key_lines(text: str) -> dict[KeyPath, int]:
     lines: dict[KeyPath, int] = {}
     tables: dict[KeyPath, int] = {}  # how many elements each array of tables has so far
     table: KeyPath = ()
-    position, line = 0, 1
+    position = 0
+    line = 1
 
     def skip_to(target: int) -> None:
         nonlocal position, line
@@ -200,5 +219,7 @@ def split_key(text: str) -> tuple[str, ...]:
     if _KEY.fullmatch(text) is not None:
         with contextlib.suppress(tomllib.TOMLDecodeError):  # an escape that TOML does not have
             parts = _PARTS.findall(text)
-            return tuple(str(tomllib.loads(f"k={part}")["k"]) if part[0] in "\"'" else part for part in parts)
+            return tuple(
+                str(tomllib.loads(f"k={part}")["k"]) if part[0] in "\"'" else part for part in parts
+            )
     raise ValueError("is not a key, such as 'operation.radial_load'")

@@ -162,7 +162,8 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
 }
 
 #: The least number that people write before a unit, and the largest without an exponent.
-_WRITTEN_LEAST, _WRITTEN_MOST = 1e-3, 1e6
+_WRITTEN_LEAST = 1e-3
+_WRITTEN_MOST = 1e6
 #: SI unit, or one that was given -> units in which the same number is likely meant, the likeliest first.
 _MEANT: Mapping[str, tuple[str, ...]] = {
     "1": ("%",),
@@ -213,7 +214,8 @@ def _unit(text: str) -> tuple[Fraction, Dimension]:
         below = below[1:-1]
     elif " " in below:
         raise UnitError(f"{as_written(text)} is ambiguous without parentheses")
-    (top, dimension), (bottom, divisor) = _product(above, text), _product(below if slash else "1", text)
+    (top, dimension) = _product(above, text)
+    (bottom, divisor) = _product(below if slash else "1", text)
     return top / bottom, tuple(a - b for a, b in zip(dimension, divisor, strict=True))
 
 
@@ -222,7 +224,8 @@ def _unit_in(text: str, unit: str) -> tuple[Fraction, Dimension]:
     spelled = text.translate(_SPELLINGS)
     if unit == "rad/s" and spelled in _TURNS:
         return _ATOMS[_TURNS[spelled]]
-    known, expected = None, _unit(unit)[1]
+    known = None
+    expected = _unit(unit)[1]
     with contextlib.suppress(UnitError):
         if (known := _unit(text))[1] == expected:
             return known
@@ -274,7 +277,9 @@ def as_written(value: object) -> str:
         return "a table"
     if isinstance(value, list | tuple):
         return "a list"
-    if isinstance(value, int) and value.bit_length() > 256:  # beyond some thousand digits Python writes none
+    if (
+        isinstance(value, int) and value.bit_length() > 256
+    ):  # beyond some thousand digits Python writes none
         return "a whole number of more than 77 digits"
     text = repr(value) if isinstance(value, str) else str(value)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
@@ -283,14 +288,18 @@ def as_written(value: object) -> str:
 def expect_results(asks: str, *given: object) -> None:
     """Refuse, for the function that asks, what is no result."""
     if bad := [as_written(one) for one in given if not hasattr(one, "data_vars")]:
-        raise RollslipError(f"{asks}: a result is expected, as rollslip.run gives, not {bad[0]}; {asks}(run({bad[0]}))")
+        raise RollslipError(
+            f"{asks}: a result is expected, as rollslip.run gives, not {bad[0]}; {asks}(run({bad[0]}))"
+        )
 
 
 @lru_cache
 def check_unit(unit: str) -> str:
     """Return the unit of a field, if it is one of the table and without a factor: that of SI."""
     if _unit(unit)[0] != 1:
-        raise UnitError(f"{unit!r} is not an SI unit: a field declares the unit in which its value is kept")
+        raise UnitError(
+            f"{unit!r} is not an SI unit: a field declares the unit in which its value is kept"
+        )
     return unit
 
 
@@ -398,7 +407,8 @@ def no_unit(number: str, unit: str) -> str:
         float(number)
     except ValueError:  # too long to be written out
         return f"{number} has no unit, here {expectation(unit)}"
-    told, plain = format_quantity(float(number), unit), f"{number} {unit}"
+    told = format_quantity(float(number), unit)
+    plain = f"{number} {unit}"
     size = "" if told == plain else f", which is {told}"
     usual = f"{number} {_QUANTITIES.get(unit, ('', plain))[1].partition(' ')[2]}"
     degrees = [f"{number} deg"] if unit == "rad" else []
@@ -426,10 +436,15 @@ def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
     bare = [_NUMBER.fullmatch(end) is not None for end in ends]
     if bare[0] != bare[1] and unit != "1":
         without = ends[0] if bare[0] else ends[1]
-        raise UnitError(f"{as_written(without)} has no unit, the other end has one; write it at both ends")
+        raise UnitError(
+            f"{as_written(without)} has no unit, the other end has one; write it at both ends"
+        )
     for end, plain in zip(ends, bare, strict=True):
         quantity(float(end) if plain else end, unit)  # refuses what no field can hold
-    first, last = (Fraction(end) if plain else _from_text(end, unit) for end, plain in zip(ends, bare, strict=True))
+    first, last = (
+        Fraction(end) if plain else _from_text(end, unit)
+        for end, plain in zip(ends, bare, strict=True)
+    )
     return tuple(float(first + (last - first) * k / max(count - 1, 1)) for k in range(count))
 
 
@@ -437,7 +452,9 @@ def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
 def _from_text(text: str, unit: str) -> Fraction:
     stripped = text.strip()
     if "," in stripped:
-        raise UnitError(f"{as_written(text)}: a decimal comma is not read; {_without_comma(stripped, unit)}")
+        raise UnitError(
+            f"{as_written(text)}: a decimal comma is not read; {_without_comma(stripped, unit)}"
+        )
     number = _NUMBER.match(stripped)
     try:
         value = Fraction(number[0]) if number else None
@@ -463,7 +480,9 @@ def _from_text(text: str, unit: str) -> Fraction:
         raise UnitError(f"{as_written(text)}: {error}; here {expectation(unit)}") from None
     if dimension != _unit(unit)[1]:
         known = _known_as(dimension)
-        name = f"a quantity in {' '.join(symbol.split())}" if known is None else _QUANTITIES[known][0]
+        name = (
+            f"a quantity in {' '.join(symbol.split())}" if known is None else _QUANTITIES[known][0]
+        )
         raise UnitError(f"{as_written(text)} is {name}, here {expectation(unit)}")
     return value * size
 
@@ -521,7 +540,9 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
     if unit == "K":
         return f"{_shown(value - float(_CELSIUS_ZERO), digits)} degC"
     smallest, *larger = _QUANTITIES.get(unit, ("", "", (unit,)))[2]
-    shown = next((one for one in reversed(larger) if (abs(value) or 1.0) >= float(_unit(one)[0])), smallest)
+    shown = next(
+        (one for one in reversed(larger) if (abs(value) or 1.0) >= float(_unit(one)[0])), smallest
+    )
     return f"{_shown(value / float(_unit(shown)[0]), digits)} {shown}"
 
 

@@ -125,7 +125,9 @@ class Slices:
 
     def __len__(self) -> int:
         if not hasattr(self, "_table"):  # a view on columns, as ``evaluate`` is given
-            return max((np.size(getattr(self, name)) for name in COLUMNS if hasattr(self, name)), default=0)
+            return max(
+                (np.size(getattr(self, name)) for name in COLUMNS if hasattr(self, name)), default=0
+            )
         n: int = self._table.shape[1]
         return n
 

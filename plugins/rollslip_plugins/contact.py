@@ -13,7 +13,12 @@ from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel, Validity
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
-from rollslip_plugins.bibliography import HARRIS_ESSENTIAL_2007, ISO_16281, JOHNSON_1985, LUNDBERG_1939
+from rollslip_plugins.bibliography import (
+    HARRIS_ESSENTIAL_2007,
+    ISO_16281,
+    JOHNSON_1985,
+    LUNDBERG_1939,
+)
 from rollslip_plugins.symbols import explained
 
 MPA = 1e6  # Pa, the unit of the published coefficients, N/mm2
@@ -50,7 +55,9 @@ class PowerDeflection(SliceModel):
     writes = frozenset({"load", "stiffness"})
     domain = MappingProxyType({"approach": FINITE, "length": POSITIVE})
 
-    coefficient: float = parameter(unit="Pa", validator=positive, doc="coefficient k, fitted to steel on steel")
+    coefficient: float = parameter(
+        unit="Pa", validator=positive, doc="coefficient k, fitted to steel on steel"
+    )
 
     def evaluate(self, slices: Slices) -> None:
         """Fill load and stiffness from the approach; surfaces apart carry nothing."""
@@ -98,7 +105,9 @@ class LundbergDeflection(SliceModel):
     references: ClassVar[tuple[Reference, ...]] = (LUNDBERG_1939,)
     reads = frozenset({"approach", "length", "radius", "modulus"})
     writes = frozenset({"load", "stiffness"})
-    domain = MappingProxyType({"approach": FINITE, "length": POSITIVE, "radius": POSITIVE, "modulus": POSITIVE})
+    domain = MappingProxyType(
+        {"approach": FINITE, "length": POSITIVE, "radius": POSITIVE, "modulus": POSITIVE}
+    )
 
     def evaluate(self, slices: Slices) -> None:
         """Fill load and stiffness from the approach; surfaces apart carry nothing."""

@@ -15,7 +15,10 @@ def _outcomes(engine: Engine, tasks: Sequence[tuple[Any, ...]]) -> list[Any]:
     except EngineError as error:
         raise Inapplicable(f"it cannot be started here: {error}") from error
     try:
-        refuse_unless(engine.workers(executor) >= 1, f"it says that {engine.workers(executor)} tasks run at once")
+        refuse_unless(
+            engine.workers(executor) >= 1,
+            f"it says that {engine.workers(executor)} tasks run at once",
+        )
         found: list[Any] = []
         for future in [executor.submit(*task) for task in tasks]:
             try:
@@ -32,7 +35,9 @@ def check_gives_back_what_its_tasks_return(engine: Engine) -> None:
     """Every task is computed once, and its result is that of the same task."""
     found = _outcomes(engine, [(divmod, n, 7) for n in range(20)])
     wanted = [divmod(n, 7) for n in range(20)]
-    refuse_unless(found == wanted, f"of divmod(n, 7) it gives {found[:4]} ..., not {wanted[:4]} ...")
+    refuse_unless(
+        found == wanted, f"of divmod(n, 7) it gives {found[:4]} ..., not {wanted[:4]} ..."
+    )
 
 
 @rule(Engine)
@@ -40,6 +45,8 @@ def check_hands_on_what_a_task_raises(engine: Engine) -> None:
     """A sweep tells by the error of a task what was lost with it, and other tasks go on."""
     found = _outcomes(engine, [(int, "1"), (int, "one"), (int, "2")])
     refuse_unless(
-        isinstance(found[1], ValueError) and not engine.killed(found[1]) and (found[0], found[2]) == (1, 2),
+        isinstance(found[1], ValueError)
+        and not engine.killed(found[1])
+        and (found[0], found[2]) == (1, 2),
         f"of a task that raises a ValueError between two that do not, it gives {found!r}",
     )

@@ -13,7 +13,13 @@ import multiprocessing
 import os
 import signal
 import threading
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import (
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
 from contextlib import suppress
 from typing import Any, ClassVar, Final
 
@@ -34,7 +40,9 @@ ENGINE: Final = Kind(
 
 
 def _count() -> Any:
-    return parameter(default=0, doc="points at a time; 0 for as many as there are cores", validator=at_least(0))
+    return parameter(
+        default=0, doc="points at a time; 0 for as many as there are cores", validator=at_least(0)
+    )
 
 
 class _Immediate(Executor):
@@ -88,7 +96,9 @@ class _Pool(ProcessPoolExecutor):
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
         if not hasattr(signal, "pthread_sigmask"):
             return super().submit(fn, *args, **kwargs)
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a new process takes it over
+        before = signal.pthread_sigmask(
+            signal.SIG_BLOCK, {signal.SIGINT}
+        )  # a new process takes it over
         try:
             return super().submit(fn, *args, **kwargs)
         finally:
@@ -111,7 +121,9 @@ class Processes(Engine):
         return self._pool(1)
 
     def _pool(self, count: int) -> Executor:
-        return _Pool(count, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker)
+        return _Pool(
+            count, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
+        )
 
     def workers(self, executor: Executor) -> int:
         """Return the number of processes."""
@@ -131,7 +143,9 @@ def _prepare_worker() -> None:
         if number is not None:
             signal.signal(number, signal.SIG_DFL)
     if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # ignored from here on; children have it as usual
+        signal.pthread_sigmask(
+            signal.SIG_UNBLOCK, {signal.SIGINT}
+        )  # ignored from here on; children have it as usual
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -149,7 +163,9 @@ class Dask(Engine):
     """Workers of a dask scheduler, on this computer or on many."""
 
     name: ClassVar[str] = "dask"
-    scheduler: str = parameter(doc="address of the scheduler, such as tcp://10.0.0.1:8786, or the path of its file")
+    scheduler: str = parameter(
+        doc="address of the scheduler, such as tcp://10.0.0.1:8786, or the path of its file"
+    )
     patience: float = parameter(
         default=60.0,
         unit="s",
@@ -176,10 +192,23 @@ class Dask(Engine):
         try:
             import distributed
         except ModuleNotFoundError as error:
-            raise EngineError("engine 'dask' needs dask.distributed: pip install 'rollslip[cluster]'") from error
-        for logger in ("distributed.client", "distributed.utils", "distributed.comm", "tornado.application"):
-            logging.getLogger(logger).setLevel(logging.CRITICAL)  # a lost connection is told by the sweep
-        place = {"scheduler_file": self.scheduler} if self.scheduler.endswith(".json") else {"address": self.scheduler}
+            raise EngineError(
+                "engine 'dask' needs dask.distributed: pip install 'rollslip[cluster]'"
+            ) from error
+        for logger in (
+            "distributed.client",
+            "distributed.utils",
+            "distributed.comm",
+            "tornado.application",
+        ):
+            logging.getLogger(logger).setLevel(
+                logging.CRITICAL
+            )  # a lost connection is told by the sweep
+        place = (
+            {"scheduler_file": self.scheduler}
+            if self.scheduler.endswith(".json")
+            else {"address": self.scheduler}
+        )
         try:
             return distributed.Client(**place, timeout=self.patience, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
@@ -211,7 +240,8 @@ class _OfClient(Executor):
     """
 
     def __init__(self, client: Any) -> None:
-        self.client, self._threads = client, 1
+        self.client = client
+        self._threads = 1
 
     def threads(self) -> int:
         """Return the number of threads of all workers."""
@@ -226,7 +256,8 @@ class _OfClient(Executor):
         task = self.client.submit(fn, *args, **kwargs, pure=False)
 
         async def deliver() -> None:
-            value, lost = None, None
+            value = None
+            lost = None
             try:
                 value = await self.client.gather(task, asynchronous=True)
             except BaseException as error:

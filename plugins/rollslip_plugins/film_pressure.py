@@ -12,7 +12,12 @@ from rollslip.references import Reference
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
-from rollslip_plugins.bibliography import DOWSON_HIGGINSON_1966, JOHNSON_1985, MARTIN_1916, MOES_1992
+from rollslip_plugins.bibliography import (
+    DOWSON_HIGGINSON_1966,
+    JOHNSON_1985,
+    MARTIN_1916,
+    MOES_1992,
+)
 from rollslip_plugins.symbols import explained
 
 #: i = POWER[0] + POWER[1] L + POWER[2] L^2, up to L = FITTED_TO.
@@ -147,7 +152,12 @@ class LightContact(PressureModel):
     )
     reads = PressureModel.reads | {"film_thickness"}
     domain = MappingProxyType({**PressureModel.domain, "film_thickness": POSITIVE})
-    references: ClassVar[tuple[Reference, ...]] = (MOES_1992, DOWSON_HIGGINSON_1966, MARTIN_1916, JOHNSON_1985)
+    references: ClassVar[tuple[Reference, ...]] = (
+        MOES_1992,
+        DOWSON_HIGGINSON_1966,
+        MARTIN_1916,
+        JOHNSON_1985,
+    )
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
             code="W17",
@@ -167,7 +177,9 @@ class LightContact(PressureModel):
         Hertz().evaluate(slices)
         M, L = moes_groups(slices)
         r = pressure_ratio(M, np.asarray(L))
-        most = slices.half_width + np.sqrt(2 * GAP * slices.conditions.radius * slices.film_thickness)
+        most = slices.half_width + np.sqrt(
+            2 * GAP * slices.conditions.radius * slices.film_thickness
+        )
         wide = slices.half_width / r >= most
         slices.half_width[...] = np.where(wide, most, slices.half_width / r)
         slices.pressure[...] = np.where(wide, slices.load / (2 * most), slices.pressure * r)
@@ -185,7 +197,8 @@ def pressure_ratio(M: Array, L: Array) -> Array:
     fitted = np.minimum(x, 0.0) - i * np.log1p(np.exp2(-np.abs(x) / i)) / np.log(2)
     uncut = np.array([x + np.interp(x, KNOTS, row) for row in RISE])
     k = np.clip(np.searchsorted(LUBRICANTS, L, side="right") - 1, 0, len(LUBRICANTS) - 2)
-    low, high = np.take(LUBRICANTS, k), np.take(LUBRICANTS, k + 1)
+    low = np.take(LUBRICANTS, k)
+    high = np.take(LUBRICANTS, k + 1)
     part = np.clip((L - low) / (high - low), 0.0, 1.0)
     below, above = (np.take_along_axis(uncut, at[None], axis=0)[0] for at in (k, k + 1))
     tabled = np.minimum(below + part * (above - below), 0.0)

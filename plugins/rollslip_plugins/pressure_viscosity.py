@@ -30,7 +30,8 @@ POLE_PRESSURE: Final = 1 / 5.1e-9
 
 def _above_roelands(pressure: float) -> float:
     """Per cent by which Barus is above Roelands, for MIL-L-7808 at 50 degC: 8.58 mPa s and alpha = 10.74 /GPa."""
-    k, rise = math.log(8.58e-3 / POLE_VISCOSITY), 10.74e-9 * pressure
+    k = math.log(8.58e-3 / POLE_VISCOSITY)
+    rise = 10.74e-9 * pressure
     roelands = k * math.expm1(10.74e-9 * POLE_PRESSURE / k * math.log1p(pressure / POLE_PRESSURE))
     return 100.0 * math.expm1(min(rise - roelands, 700.0))
 
@@ -60,7 +61,15 @@ class Barus(PressureViscosity):
     name: ClassVar[str] = "barus"
     equation: ClassVar[str] = "eta = eta0 exp(alpha p)"
     references: ClassVar[tuple[Reference, ...]] = (BARUS,)
-    reads = frozenset({"pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"})
+    reads = frozenset(
+        {
+            "pressure",
+            "viscosity",
+            "pressure_viscosity",
+            "thermoviscosity",
+            "pressure_thermoviscosity",
+        }
+    )
     domain = MappingProxyType(
         {
             "pressure": NON_NEGATIVE,
@@ -73,7 +82,8 @@ class Barus(PressureViscosity):
 
     def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
         """Return viscosity and its fall with temperature."""
-        c, p = conditions, np.asarray(pressure, dtype=float)
+        c = conditions
+        p = np.asarray(pressure, dtype=float)
         return (
             c.viscosity * np.exp(self.factor * c.pressure_viscosity * p),
             c.thermoviscosity + self.factor * c.pressure_thermoviscosity * p,
@@ -99,14 +109,17 @@ def _gamma(s: Array, k: Array) -> tuple[Array, Array]:
     """
     whole = np.ceil(s) - 1.0
     part = s - whole
-    value, slope = k + 801.0 - part, np.full_like(s, -1.0)
+    value = k + 801.0 - part
+    slope = np.full_like(s, -1.0)
     for n in range(400, 0, -1):
         over = n * (n - part) / value
         slope = -1.0 + (n + over * slope) / value
         value = k + 2.0 * n - 1.0 - part - over
-    value, slope = 1.0 / value, -slope / value**2
+    slope = -slope / value**2
+    value = 1.0 / value
     for turn in range(int(np.max(whole, initial=0.0))):
-        left, at = turn < whole, part + turn
+        left = turn < whole
+        at = part + turn
         slope = np.where(left, (value + at * slope) / k, slope)
         value = np.where(left, (at * value + 1.0) / k, value)
     return value, slope
@@ -126,11 +139,14 @@ def _exponent_of_film(a: ArrayLike, k: ArrayLike) -> tuple[Array, Array, Array]:
         g, slope = _gamma(1.0 / z, k)
         bend = 1.0 + slope / (g * z)
         change = (np.log(z / g) - np.log(of)) / bend
-        over_a, over_k = z / (of * bend), z / bend * (1.0 - 1.0 / (z * k) - 1.0 / (k * g))
+        over_a = z / (of * bend)
+        over_k = z / bend * (1.0 - 1.0 / (z * k) - 1.0 / (k * g))
         z = z * np.exp(-np.clip(change, -1.0, 1.0))
         if np.all(np.abs(change) < 1e-13 * (1.0 + k)):
             return z, over_a, over_k
-    raise DomainError("roelands: slice 0 is outside its domain: no exponent z gives alpha* of the film")
+    raise DomainError(
+        "roelands: slice 0 is outside its domain: no exponent z gives alpha* of the film"
+    )
 
 
 @attrs.frozen
@@ -160,13 +176,19 @@ class Roelands(PressureViscosity):
         ),
     )
     name: ClassVar[str] = "roelands"
-    equation: ClassVar[str] = "eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
+    equation: ClassVar[str] = (
+        "eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
+    )
     references: ClassVar[tuple[Reference, ...]] = (ROELANDS,)
     reads = Barus.reads
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"check_does_not_know_metre_kilogram_second_and_kelvin": "eta_inf and p0 are numbers of the law with units"}
+        {
+            "check_does_not_know_metre_kilogram_second_and_kelvin": "eta_inf and p0 are numbers of the law with units"
+        }
     )
-    domain = MappingProxyType({**Barus.domain, "viscosity": (math.nextafter(POLE_VISCOSITY, 1.0), FINITE[1])})
+    domain = MappingProxyType(
+        {**Barus.domain, "viscosity": (math.nextafter(POLE_VISCOSITY, 1.0), FINITE[1])}
+    )
     alpha: str = alpha_of_oil()
     factor: float = factor_of_oil()
 
@@ -176,11 +198,16 @@ class Roelands(PressureViscosity):
         k = np.log(c.viscosity / POLE_VISCOSITY)
         x = np.log1p(np.asarray(pressure, dtype=float) / POLE_PRESSURE)
         z = c.pressure_viscosity * POLE_PRESSURE / k
-        bend = POLE_PRESSURE * (c.pressure_thermoviscosity - c.pressure_viscosity * c.thermoviscosity / k)
+        bend = POLE_PRESSURE * (
+            c.pressure_thermoviscosity - c.pressure_viscosity * c.thermoviscosity / k
+        )
         if self.alpha == "film" and np.all(np.asarray(c.pressure_viscosity) > 0.0):
             z, over_a, over_k = _exponent_of_film(c.pressure_viscosity * POLE_PRESSURE, k)
-            bend = k * (over_a * c.pressure_thermoviscosity * POLE_PRESSURE + over_k * c.thermoviscosity)
-        y, share = np.expm1(z * x), self.factor
+            bend = k * (
+                over_a * c.pressure_thermoviscosity * POLE_PRESSURE + over_k * c.thermoviscosity
+            )
+        y = np.expm1(z * x)
+        share = self.factor
         return (
             c.viscosity * np.exp(share * k * y),
             (1 - share) * c.thermoviscosity + share * ((1 + y) * (c.thermoviscosity + bend * x)),
@@ -206,7 +233,9 @@ class Yasutomi(PressureViscosity):
     """
 
     name: ClassVar[str] = "yasutomi"
-    equation: ClassVar[str] = "log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg0 - A1 ln(1 + A2 p)) (1 - B1 ln(1 + B2 p))"
+    equation: ClassVar[str] = (
+        "log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg0 - A1 ln(1 + A2 p)) (1 - B1 ln(1 + B2 p))"
+    )
     references: ClassVar[tuple[Reference, ...]] = (YASUTOMI, EHRET)
     reads = frozenset({"pressure", "temperature", "viscosity", "thermoviscosity"})
     domain = MappingProxyType(
@@ -227,22 +256,43 @@ class Yasutomi(PressureViscosity):
     )
     a1: float = field(unit="K", validator=non_negative, doc="A1, rise of the glass temperature")
     a2: float = field(
-        unit="1/Pa", validator=positive, doc="A2, its pressure", usual=(1e-11, 1e-7), possible=(1e-14, 1e-3)
+        unit="1/Pa",
+        validator=positive,
+        doc="A2, its pressure",
+        usual=(1e-11, 1e-7),
+        possible=(1e-14, 1e-3),
     )
     b1: float = field(
-        unit="1", validator=non_negative, doc="B1, fall of the free volume's expansion", usual=(0, 1), possible=(0, 1e3)
+        unit="1",
+        validator=non_negative,
+        doc="B1, fall of the free volume's expansion",
+        usual=(0, 1),
+        possible=(0, 1e3),
     )
     b2: float = field(
-        unit="1/Pa", validator=positive, doc="B2, its pressure", usual=(1e-11, 1e-7), possible=(1e-14, 1e-3)
+        unit="1/Pa",
+        validator=positive,
+        doc="B2, its pressure",
+        usual=(1e-11, 1e-7),
+        possible=(1e-14, 1e-3),
     )
-    c1: float = field(unit="1", validator=positive, doc="C1 of the WLF equation", usual=(5, 50), possible=(0.01, 1e4))
+    c1: float = field(
+        unit="1",
+        validator=positive,
+        doc="C1 of the WLF equation",
+        usual=(5, 50),
+        possible=(0.01, 1e4),
+    )
     c2: float = field(unit="K", validator=positive, doc="C2 of the WLF equation")
     factor: float = factor_of_oil()
 
     def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
         """Return viscosity and its fall with temperature."""
-        c, p = conditions, np.asarray(pressure, dtype=float)
-        x0 = np.float64(c.temperature) - self.glass_temperature  # whose square may overflow without a word
+        c = conditions
+        p = np.asarray(pressure, dtype=float)
+        x0 = (
+            np.float64(c.temperature) - self.glass_temperature
+        )  # whose square may overflow without a word
         share = 1 - self.b1 * np.log1p(self.b2 * p)
         x = (x0 - self.a1 * np.log1p(self.a2 * p)) * share
         glass = ~((share > 0) & (x >= 0) & (x0 > 0))
@@ -267,5 +317,12 @@ class Yasutomi(PressureViscosity):
     def kernel(self) -> object:
         """Return the compiled form."""
         return compiled.yasutomi(
-            self.glass_temperature, self.a1, self.a2, self.b1, self.b2, self.c1, self.c2, self.factor
+            self.glass_temperature,
+            self.a1,
+            self.a2,
+            self.b1,
+            self.b2,
+            self.c1,
+            self.c2,
+            self.factor,
         )

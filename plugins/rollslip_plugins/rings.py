@@ -43,17 +43,28 @@ def _rows(n: int, r: Any, modulus: float, nu: float) -> tuple[list[list[Any]], l
     if n == 0:  # s = A + B/r^2, E u = (1 - nu) A r - (1 + nu) B/r
         return [[1.0, r**-2]], [[(1.0 - nu) * r / modulus, -(1.0 + nu) / r / modulus]]
     powers = (n, n + 2, -n, 2 - n)
-    stress = [[(p - n * n) * r ** (p - 2) for p in powers], [n * (p - 1) * r ** (p - 2) for p in powers]]
+    stress = [
+        [(p - n * n) * r ** (p - 2) for p in powers],
+        [n * (p - 1) * r ** (p - 2) for p in powers],
+    ]
     radial = [((p - n * n) / (p - 1) - nu * p) * r ** (p - 1) / modulus for p in powers]
-    along = [(p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus) for p in powers]
+    along = [
+        (p * (p - 1) + nu * n * n - (p - n * n) / (p - 1)) * r ** (p - 1) / (n * modulus)
+        for p in powers
+    ]
     return stress, [radial, along]
 
 
 def _annulus(n: int, layers: Layers) -> Floats:
     """Coefficients of the powers in each layer under a unit load, lengths in the first radius, moduli in the first."""
-    R, E0 = layers[0][0], layers[0][2]
-    many, each, faces = 2 if n == 0 else 4, 1 if n == 0 else 2, len(layers)
-    A, load, at = np.zeros((many * faces, many * faces)), np.zeros(many * faces), 0
+    R = layers[0][0]
+    E0 = layers[0][2]
+    many = 2 if n == 0 else 4
+    each = 1 if n == 0 else 2
+    faces = len(layers)
+    A = np.zeros((many * faces, many * faces))
+    load = np.zeros(many * faces)
+    at = 0
     for k, (near, far, modulus, nu) in enumerate(layers):
         own = slice(many * k, many * (k + 1))
         for r, first, last in ((near / R, k == 0, False), (far / R, False, k == faces - 1)):
@@ -63,7 +74,9 @@ def _annulus(n: int, layers: Layers) -> Floats:
                 load[at] = -1.0 if first else 0.0
                 at += each
             else:  # what leaves a layer enters the next
-                A[at : at + 2 * each, own] = np.array(stress + moved) * (1.0 if r == far / R else -1.0)
+                A[at : at + 2 * each, own] = np.array(stress + moved) * (
+                    1.0 if r == far / R else -1.0
+                )
                 at += 2 * each * (r == near / R)
     scale = np.abs(A).max(axis=0)
     return np.asarray((np.linalg.solve(A / scale, load) / scale).reshape(faces, many))
@@ -86,18 +99,23 @@ def _gauss() -> tuple[Floats, Floats]:
     return np.polynomial.legendre.leggauss(48)
 
 
-@functools.lru_cache(maxsize=1024)  # ten times the compliance's time, and asked for at every point of a sweep
+@functools.lru_cache(
+    maxsize=1024
+)  # ten times the compliance's time, and asked for at every point of a sweep
 def mass_of_annulus(n: int, layers: Layers, width: float, densities: tuple[float, ...]) -> float:
     """Return what an annulus weighs [kg] in its displacement under a load cos(n psi), 1 on the loaded face.
 
     int rho (u^2 + v^2) dV over u^2 there. Nothing counts beyond twice the loaded radius: a thick housing yields with
     1/r for n = 0 and 2, by which its mass would have no bound, while waves leave with what is stored so far out (D).
     """
-    R, E0, found = layers[0][0], layers[0][2], 0.0
+    R = layers[0][0]
+    E0 = layers[0][2]
+    found = 0.0
     node, weight = _gauss()
     coefficients = _annulus(n, layers)
     for (near, far, modulus, nu), density, own in zip(layers, densities, coefficients, strict=True):
-        low, high = np.log(min(near / R, _HEAVY)), np.log(min(far / R, _HEAVY))
+        low = np.log(min(near / R, _HEAVY))
+        high = np.log(min(far / R, _HEAVY))
         r = np.exp(0.5 * (low + high) + 0.5 * (high - low) * node)
         squares = sum((own @ np.array(row)) ** 2 for row in _rows(n, r, modulus / E0, nu)[1])
         found += density * 0.5 * abs(high - low) * float(weight @ (r * r * squares))
@@ -105,7 +123,9 @@ def mass_of_annulus(n: int, layers: Layers, width: float, densities: tuple[float
     return (math.pi if n else 2.0 * math.pi) * width * R * R * found / float(face) ** 2
 
 
-def modal(radius: float, stiffness: dict[int, float], mass: dict[int, float] | None = None, **more: Any) -> RingShapes:
+def modal(
+    radius: float, stiffness: dict[int, float], mass: dict[int, float] | None = None, **more: Any
+) -> RingShapes:
     """Return shapes cos n psi and sin n psi of a load per arc and displacement k_n [N/m2], and their masses [kg].
 
     K_0 = 2 pi R k_0, K_n = pi R k_n.
@@ -123,7 +143,11 @@ def modal(radius: float, stiffness: dict[int, float], mass: dict[int, float] | N
 
 def numbers(bearing: Bearing, highest: int | None) -> list[int]:
     """Return n of the shapes but 1: up to that which is asked for, or half the rollers."""
-    return [n for n in range((max(2, bearing.rollers // 2) if highest is None else highest) + 1) if n != 1]
+    return [
+        n
+        for n in range((max(2, bearing.rollers // 2) if highest is None else highest) + 1)
+        if n != 1
+    ]
 
 
 def _size(doc: str, **more: Any) -> Any:
@@ -179,7 +203,9 @@ class Rigid(RingModel):
     name: ClassVar[str] = "rigid"
     yields: ClassVar[bool] = False
     equation: ClassVar[str] = "w = 0"
-    references: ClassVar[tuple[Reference, ...]] = (Reference(kind="remark", title="No law: the ring keeps its shape."),)
+    references: ClassVar[tuple[Reference, ...]] = (
+        Reference(kind="remark", title="No law: the ring keeps its shape."),
+    )
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return none."""
@@ -239,22 +265,35 @@ class Annulus(RingModel):
 
     def layers(self, bearing: Bearing, ring: str) -> tuple[tuple[float, float, float, float], ...]:
         """Return near and far radius [m], E [Pa] and nu of the ring and of what it sits on, if that is anything."""
-        steel, mounting = bearing.material_of(ring), bearing.mounting or Mounting()
+        steel = bearing.material_of(ring)
+        mounting = bearing.mounting or Mounting()
         d, D = bearing.boundaries
         if ring == "outer":
             if self.bore is not None:
-                raise FieldError("bore", "is that of a shaft, of the inner ring; give 'outside' of the housing")
-            raceway, seat, other = bearing.outer_raceway_diameter, D, mounting.housing_material or steel
+                raise FieldError(
+                    "bore", "is that of a shaft, of the inner ring; give 'outside' of the housing"
+                )
+            raceway = bearing.outer_raceway_diameter
+            seat = D
+            other = mounting.housing_material or steel
             beyond = self.outside or mounting.housing_outside_diameter or _FAR * D
             if beyond < D * (1.0 - 1e-9):
-                raise FieldError("outside", f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m")
+                raise FieldError(
+                    "outside", f"must be at least the ring's own, {D:.4g} m, not {beyond:.4g} m"
+                )
         else:
             if self.outside is not None:
-                raise FieldError("outside", "is that of a housing, of the outer ring; give 'bore' of the shaft")
-            raceway, seat, other = bearing.inner_raceway_diameter, d, mounting.shaft_material or steel
+                raise FieldError(
+                    "outside", "is that of a housing, of the outer ring; give 'bore' of the shaft"
+                )
+            raceway = bearing.inner_raceway_diameter
+            seat = d
+            other = mounting.shaft_material or steel
             beyond = mounting.shaft_bore if self.bore is None else self.bore
             if beyond > d * (1.0 + 1e-9):
-                raise FieldError("bore", f"must be at most the ring's own, {d:.4g} m, not {beyond:.4g} m")
+                raise FieldError(
+                    "bore", f"must be at most the ring's own, {d:.4g} m, not {beyond:.4g} m"
+                )
             beyond = max(beyond, d / _FAR)
         own = (raceway / 2.0, seat / 2.0, steel.elastic_modulus, steel.poisson_ratio)
         if abs(beyond - seat) <= 1e-9 * seat:
@@ -264,12 +303,16 @@ class Annulus(RingModel):
 
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return cosines and sines of the numbers n."""
-        layers, width = self.layers(bearing, ring), self.width or bearing.width
+        layers = self.layers(bearing, ring)
+        width = self.width or bearing.width
         m = bearing.mounting or Mounting()
         own = bearing.material_of(ring)
         other = (m.housing_material if ring == "outer" else m.shaft_material) or own
         densities = (own.density, self.density or other.density)[: len(layers)]
-        k = {n: 1.0 / compliance_of_annulus(n, layers, width) for n in numbers(bearing, self.harmonics)}
+        k = {
+            n: 1.0 / compliance_of_annulus(n, layers, width)
+            for n in numbers(bearing, self.harmonics)
+        }
         mass = {n: mass_of_annulus(n, layers, width, densities) for n in k}
         seat = {"outside": m.housing_outside_diameter, "bore": m.shaft_bore,
                 "modulus": other.elastic_modulus, "poisson_ratio": other.poisson_ratio}  # fmt: skip
@@ -287,7 +330,9 @@ class ToothForce:
     arm: float = field(default=0.0, unit="m", doc="how far outside the middle of the rim it acts")
 
 
-def beam_stiffness(n: int, radius: float, area: float, inertia: float, modulus: float, nu: float) -> float:
+def beam_stiffness(
+    n: int, radius: float, area: float, inertia: float, modulus: float, nu: float
+) -> float:
     """Return load of the arc per radial displacement of a thin free ring [N/m2], n = 0 or from 2 on."""
     if n == 0:
         return modulus * area / radius**2
@@ -322,11 +367,15 @@ class Thin(RingModel):
     """
 
     name: ClassVar[str] = "thin"
-    equation: ClassVar[str] = "k_n = E I (n^2 - 1)^2/R^4/(1 + I/(A R^2) (2.4 (1 + nu) n^2 - 1)) + k_s"
+    equation: ClassVar[str] = (
+        "k_n = E I (n^2 - 1)^2/R^4/(1 + I/(A R^2) (2.4 (1 + nu) n^2 - 1)) + k_s"
+    )
     references: ClassVar[tuple[Reference, ...]] = (TIMOSHENKO_1956, BARBER_1978)
 
     thickness: float | None = _size("radial thickness; by default from the raceway to the seat")
-    width: float | None = _size("width; by default that of the catalogue, or 1.8 times the rollers (D)")
+    width: float | None = _size(
+        "width; by default that of the catalogue, or 1.8 times the rollers (D)"
+    )
     section_inertia: float | None = parameter(
         default=None, doc="moment of inertia of the section; by default width times thickness^3/12",
         validator=attrs.validators.optional(positive), unit="m4", possible=(1e-20, 1.0),
@@ -346,31 +395,46 @@ class Thin(RingModel):
     def shapes(self, bearing: Bearing, ring: str, turns: bool) -> RingShapes:
         """Return cosines and sines of the numbers n; with a seat n = 1 is among them."""
         d, D = bearing.boundaries
-        raceway, seat = (bearing.outer_raceway_diameter, D) if ring == "outer" else (bearing.inner_raceway_diameter, d)
-        h, width = self.thickness or abs(raceway - seat) / 2.0, self.width or bearing.width
+        raceway, seat = (
+            (bearing.outer_raceway_diameter, D)
+            if ring == "outer"
+            else (bearing.inner_raceway_diameter, d)
+        )
+        h = self.thickness or abs(raceway - seat) / 2.0
+        width = self.width or bearing.width
         R = raceway / 2.0 + (0.5 if ring == "outer" else -0.5) * h
         if h / 2.0 >= R:
-            raise FieldError("thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m")
+            raise FieldError(
+                "thickness", f"{h:.4g} m leaves no bore of a raceway of {raceway:.4g} m"
+            )
         area = width * h
         inertia = self.section_inertia or width * h**3 / 12.0
         steel = bearing.material_of(ring)
         loose = self.fit_clearance is not None
         if loose and not self.seat_stiffness > 0.0:
-            raise FieldError("seat_stiffness", "must be above 0 with a fit_clearance: nothing else stops the ring")
+            raise FieldError(
+                "seat_stiffness",
+                "must be above 0 with a fit_clearance: nothing else stops the ring",
+            )
         support = 0.0 if loose else self.seat_stiffness
         chosen = numbers(bearing, self.harmonics)
         k = {
-            n: support + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio) for n in chosen
+            n: support
+            + beam_stiffness(n, R, area, inertia, steel.elastic_modulus, steel.poisson_ratio)
+            for n in chosen
         }
         if self.seat_stiffness > 0.0:
             k = {n: k[n] if n != 1 else support for n in sorted((*k, 1))}
         pushes = sum(
-            (self._push(list(k), one, R, ring) for one in self.forces), np.zeros(sum(2 if n else 1 for n in k))
+            (self._push(list(k), one, R, ring) for one in self.forces),
+            np.zeros(sum(2 if n else 1 for n in k)),
         )
         stops = None
         if self.fit_clearance is not None:
             angles = 2.0 * math.pi / _STOPS * np.arange(_STOPS, dtype=float)
-            stops = Stops(angles, self.seat_stiffness * R * 2.0 * math.pi / _STOPS, 0.5 * self.fit_clearance)
+            stops = Stops(
+                angles, self.seat_stiffness * R * 2.0 * math.pi / _STOPS, 0.5 * self.fit_clearance
+            )
         around = math.pi * steel.density * area * R
         mass = {n: around * (1.0 + 1.0 / (n * n) if n else 2.0) for n in k}
         return modal(R, k, mass, pushes=pushes, stops=stops, damping_ratio=self.damping_ratio)
@@ -379,10 +443,15 @@ class Thin(RingModel):
     def _push(numbers: list[int], force: ToothForce, radius: float, ring: str) -> Floats:
         """Work of a force on each shape; v' = -w, and a section turns by (v - w')/R."""
         found = list[float]()
-        W, T, arm = force.radial * (1.0 if ring == "outer" else -1.0), force.tangential, force.arm
+        W = force.radial * (1.0 if ring == "outer" else -1.0)
+        T = force.tangential
+        arm = force.arm
         for n in numbers:
-            c, s = math.cos(n * force.angle), math.sin(n * force.angle)
-            for w, v, slope in ((c, -s / n, -n * s), (s, c / n, n * c)) if n else ((1.0, 0.0, 0.0),):
+            c = math.cos(n * force.angle)
+            s = math.sin(n * force.angle)
+            for w, v, slope in (
+                ((c, -s / n, -n * s), (s, c / n, n * c)) if n else ((1.0, 0.0, 0.0),)
+            ):
                 found.append(W * w + T * (v + arm * (v - slope) / radius))
         return np.array(found)
 
@@ -429,18 +498,25 @@ class Compliance(RingModel):
     def matrix(self) -> Floats:
         """Return the matrix, made symmetric."""
         rows = [
-            line.split(",") for line in named_text(self.file).splitlines() if line.strip() and line.strip()[0] != "#"
+            line.split(",")
+            for line in named_text(self.file).splitlines()
+            if line.strip() and line.strip()[0] != "#"
         ]
         try:
             C = np.array([[float(cell) for cell in row] for row in rows])
         except ValueError as error:
-            raise FieldError("file", f"{self.file}: rows of N numbers are expected, N times: {error}") from None
+            raise FieldError(
+                "file", f"{self.file}: rows of N numbers are expected, N times: {error}"
+            ) from None
         if C.ndim != 2 or C.shape[0] != C.shape[1] or len(C) < 8:
-            raise FieldError("file", f"{self.file}: a square matrix of 8 rows or more is expected, not {C.shape}")
+            raise FieldError(
+                "file", f"{self.file}: a square matrix of 8 rows or more is expected, not {C.shape}"
+            )
         largest = np.abs(C).max()
         if not 0.0 < largest < math.inf or np.abs(C - C.T).max() > 1e-3 * largest:
             raise FieldError(
-                "file", f"{self.file}: must be finite and symmetric, for work to be the same both ways (Maxwell)"
+                "file",
+                f"{self.file}: must be finite and symmetric, for work to be the same both ways (Maxwell)",
             )
         return np.asarray(0.5 * (C + C.T))
 
@@ -448,7 +524,8 @@ class Compliance(RingModel):
         """Return the eigenvectors of what Fourier terms leave of the matrix."""
         if turns:
             raise FieldError(
-                "model", "a matrix stands in the line of load, but this ring turns: take 'annulus' or 'thin'"
+                "model",
+                "a matrix stands in the line of load, but this ring turns: take 'annulus' or 'thin'",
             )
         C = self.matrix()
         N = len(C)
@@ -461,7 +538,9 @@ class Compliance(RingModel):
             )
         highest = min((N - 1) // 2, max(2, bearing.rollers // 2))
         angles = 2.0 * math.pi / N * np.arange(N)
-        waves = [(n, phase) for n in range(highest + 1) for phase in ((1.0, -1.0j) if n else (1.0,))]
+        waves = [
+            (n, phase) for n in range(highest + 1) for phase in ((1.0, -1.0j) if n else (1.0,))
+        ]
         basis = np.array([np.real(phase * np.exp(1j * n * angles)) for n, phase in waves]).T
         size = np.sqrt((basis**2).sum(axis=0))
         weight = size  # by what shapes are orthogonal: each other, or their masses

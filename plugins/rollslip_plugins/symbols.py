@@ -50,7 +50,9 @@ _SHARED: Final = {
 def explained(cls: _T) -> _T:
     """Put meaning and unit to the symbols that the docstring of a class lists by name: "- R, U" among others."""
     if cls.__doc__:
-        cls.__doc__ = re.sub(r"^( *)- ([^:\n]+(?:\n\1  [^:\n]+)*)$", _items, cls.__doc__, flags=re.MULTILINE)
+        cls.__doc__ = re.sub(
+            r"^( *)- ([^:\n]+(?:\n\1  [^:\n]+)*)$", _items, cls.__doc__, flags=re.MULTILINE
+        )
     return cls
 
 

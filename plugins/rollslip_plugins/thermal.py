@@ -21,9 +21,11 @@ if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
 
 #: Heat that leaves the seats at the reference conditions of ISO 15312 [W/m2], and its excess of temperature [K].
-_REFERENCE_FLUX, _REFERENCE_EXCESS = 1.6e4, 50.0
+_REFERENCE_FLUX = 1.6e4
+_REFERENCE_EXCESS = 50.0
 #: Area of the seats up to which that flux holds, and the exponent beyond.
-_REFERENCE_AREA, _LESS = 0.05, -0.34
+_REFERENCE_AREA = 0.05
+_LESS = -0.34
 #: Temperature of the surroundings there [K].
 _AMBIENT: Final = 293.15
 #: Conductance of a seat with an interference or transition fit [W/(m2 K)] (D).
@@ -31,7 +33,9 @@ _SEAT: Final = 2000.0
 #: Width of a bearing over the length of its rollers (D): 1.87 of the 1032930.
 _WIDTH: Final = 1.8
 #: Masses of housing and shaft over that of the rings (D), and of the oil in the bearing over its free volume (D).
-_HOUSING, _SHAFT, _FILLED = 5.0, 3.0, 0.1
+_HOUSING = 5.0
+_SHAFT = 3.0
+_FILLED = 0.1
 #: Specific heat of an oil where none is given [J/(kg K)] (B).
 _OIL_HEAT: Final = 2000.0
 
@@ -224,7 +228,9 @@ class Network(ThermalModel):
     oil_inlet_temperature: float | None = _temperature(
         "temperature of the oil at its inlet; by default operation.temperature", None
     )
-    ambient_temperature: float = _temperature("temperature of the surroundings, 20 degC in ISO 15312", _AMBIENT)
+    ambient_temperature: float = _temperature(
+        "temperature of the surroundings, 20 degC in ISO 15312", _AMBIENT
+    )
     contact_share: float = parameter(
         default=0.5,
         unit="1",
@@ -265,7 +271,9 @@ class Network(ThermalModel):
     @property
     def _places(self) -> list[int]:
         """Numbers of the nodes that anything connects; the oil is always there."""
-        linked = {node for name, ends in _LINKS.items() if getattr(self, name) != 0.0 for node in ends}
+        linked = {
+            node for name, ends in _LINKS.items() if getattr(self, name) != 0.0 for node in ends
+        }
         return sorted(linked | {_OIL})
 
     @property
@@ -276,12 +284,20 @@ class Network(ThermalModel):
     def of(self, assembly: "Assembly") -> Self:
         """Return the network with what is not given estimated from the bearing."""
         estimates: dict[str, Any] = _estimates(self, assembly)
-        model = attrs.evolve(self, **{k: v for k, v in estimates.items() if getattr(self, k) is None})
-        supply, oil = assembly.scene.lubrication.oil_flow, assembly.lubricant.density
+        model = attrs.evolve(
+            self, **{k: v for k, v in estimates.items() if getattr(self, k) is None}
+        )
+        supply = assembly.scene.lubrication.oil_flow
+        oil = assembly.lubricant.density
         if self.oil_flow == 0.0 and supply is not None:
             density = DENSITY if oil is None else oil(assembly.scene.operation.temperature)
             model = attrs.evolve(model, oil_flow=supply * density)
-        reached = {node for name, ends in _LINKS.items() if len(ends) == 1 and getattr(model, name) for node in ends}
+        reached = {
+            node
+            for name, ends in _LINKS.items()
+            if len(ends) == 1 and getattr(model, name)
+            for node in ends
+        }
         reached |= {_OIL} if model.oil_flow > 0.0 else set()
         for _ in _NODES:
             for name, ends in _LINKS.items():
@@ -322,7 +338,8 @@ class Network(ThermalModel):
 
     def inflows(self, temperatures: Array, losses: Mapping[str, float]) -> Array:
         """Return the heat that flows into each node."""
-        T, flow = self._all(temperatures), np.zeros(len(_NODES))
+        T = self._all(temperatures)
+        flow = np.zeros(len(_NODES))
         share = self.contact_share
         for place, parts in {
             "inner contact": ((_INNER, 1.0 - share), (_ROLLERS, share)),
@@ -359,9 +376,12 @@ class Network(ThermalModel):
     def changes(self, temperatures: Array, scene: Scene) -> dict[str, float]:
         """Return the temperatures of oil, rings and rollers, and the clearance where parts expand."""
         known = dict(zip(self.nodes, map(float, temperatures), strict=True))
-        o, b = scene.operation, scene.bearing
+        o = scene.operation
+        b = scene.bearing
         oil = known["oil"]
-        inner, rollers, outer = (known.get(part, oil) for part in ("inner ring", "rollers", "outer ring"))
+        inner, rollers, outer = (
+            known.get(part, oil) for part in ("inner ring", "rollers", "outer ring")
+        )
         found = {
             "operation.temperature": oil,
             "operation.inner_ring_temperature": inner,
@@ -390,7 +410,9 @@ class Network(ThermalModel):
 
 def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     """What a bearing's size and speed say of conductances and capacities; see `Network`."""
-    b, k, scene = assembly.scene.bearing, assembly.kinematics, assembly.scene
+    b = assembly.scene.bearing
+    k = assembly.kinematics
+    scene = assembly.scene
     oil = assembly.lubricant.at(scene.operation.temperature)
     width = _WIDTH * b.roller_length
     bore, outside = b.boundaries
@@ -399,16 +421,24 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     flux = _REFERENCE_FLUX * max(area / _REFERENCE_AREA, 1.0) ** _LESS
     found: dict[str, float] = {}
     for ring, part in (("inner_ring", "shaft"), ("outer_ring", "housing")):
-        whole, seat = flux * seats[part] / _REFERENCE_EXCESS, _SEAT * seats[part]
+        whole = flux * seats[part] / _REFERENCE_EXCESS
+        seat = _SEAT * seats[part]
         found[f"{ring}_{part}"] = model.surroundings_factor * seat
         found[f"{part}_ambient"] = model.surroundings_factor / (1.0 / whole - 1.0 / seat)
     density = DENSITY if assembly.lubricant.density is None else assembly.lubricant.density(
         scene.operation.temperature
     )  # fmt: skip
-    nu, diffusivity = oil.viscosity / density, oil.conductivity / (density * model.oil_specific_heat)
+    nu = oil.viscosity / density
+    diffusivity = oil.conductivity / (density * model.oil_specific_heat)
     pitch = 2.0 * k.orbit_radius
     speed = max(abs(k.epicyclic_cage_speed), 0.1 * k.epicyclic_roller_speed) * k.orbit_radius / 3.0
-    plate = 0.332 * math.sqrt(speed * pitch / nu) * (nu / diffusivity) ** (1.0 / 3.0) * oil.conductivity / pitch
+    plate = (
+        0.332
+        * math.sqrt(speed * pitch / nu)
+        * (nu / diffusivity) ** (1.0 / 3.0)
+        * oil.conductivity
+        / pitch
+    )
     wetted = {
         "inner_ring": math.pi * b.inner_raceway_diameter * width,
         "rollers": b.rollers * math.pi * b.roller_diameter * b.roller_length,
@@ -419,11 +449,18 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     mean = (2.0 * scene.operation.radial_load / b.rollers + 1.0) / b.roller_length
     for raceway in assembly.raceways:
         slices = raceway.evaluate(np.array([mean]), rolling, 0.0)
-        across, film = 2.0 * float(slices.half_width[0]), float(slices.film_thickness[0])
+        across = 2.0 * float(slices.half_width[0])
+        film = float(slices.film_thickness[0])
         flash = math.sqrt(math.pi * across / rolling) / raceway.conditions.effusivity
         area = b.rollers * b.roller_length * across
-        found[f"{raceway.ring}_ring_rollers"] = model.contact_factor * area / (film / oil.conductivity + flash)
-    materials = {"rollers": b.material, "inner_ring": b.material_of("inner"), "outer_ring": b.material_of("outer")}
+        found[f"{raceway.ring}_ring_rollers"] = (
+            model.contact_factor * area / (film / oil.conductivity + flash)
+        )
+    materials = {
+        "rollers": b.material,
+        "inner_ring": b.material_of("inner"),
+        "outer_ring": b.material_of("outer"),
+    }
     heat = {part: m.density * m.specific_heat for part, m in materials.items()}
     heat |= {"shaft": heat["inner_ring"], "housing": heat["outer_ring"]}
     rings = {
@@ -431,7 +468,10 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
         "outer_ring": 0.25 * math.pi * (outside**2 - b.outer_raceway_diameter**2) * width,
     }
     rollers = b.rollers * 0.25 * math.pi * b.roller_diameter**2 * b.roller_length
-    free = 0.25 * math.pi * (b.outer_raceway_diameter**2 - b.inner_raceway_diameter**2) * width - rollers
+    free = (
+        0.25 * math.pi * (b.outer_raceway_diameter**2 - b.inner_raceway_diameter**2) * width
+        - rollers
+    )
     both = sum(rings.values())
     volumes = rings | {"rollers": rollers, "housing": _HOUSING * both, "shaft": _SHAFT * both}
     found |= {f"{part}_capacity": heat[part] * volume for part, volume in volumes.items()}

@@ -31,12 +31,24 @@ _ROLLING: Final[Mapping[str, float]] = MappingProxyType(
     }
 )  # fmt: skip
 #: S2 of table 3c, K_Z of table 5, K_L of a bearing with a cage, and the friction of sliding in mixed and full film.
-_SLIDING, _CROWDED, _CAGED, _MIXED, _FULL = 0.0015, 5.1, 0.65, 0.15, 0.02
+_SLIDING = 0.0015
+_CROWDED = 5.1
+_CAGED = 0.65
+_MIXED = 0.15
+_FULL = 0.02
 #: Largest level of oil over d_m up to which V_M is known to rise in proportion, and its slope (C).
-_DEEPEST, _BY_LEVEL = 0.3, 7.3e-4
+_DEEPEST = 0.3
+_BY_LEVEL = 7.3e-4
 #: Dimension series -> f_0r and f_1r of ISO 15312, of a bath to the middle of the lowest roller.
 _ISO: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
-    {"10": (2.0, 2e-4), "2": (2.0, 3e-4), "3": (2.0, 3.5e-4), "4": (2.0, 4e-4), "22": (3.0, 4e-4), "23": (4.0, 4e-4)}
+    {
+        "10": (2.0, 2e-4),
+        "2": (2.0, 3e-4),
+        "3": (2.0, 3.5e-4),
+        "4": (2.0, 4e-4),
+        "22": (3.0, 4e-4),
+        "23": (4.0, 4e-4),
+    }
 )
 #: Kind of supply -> Palmgren's f_0 over that of a bath: 1.5 to 2.8 and 0.6 to 1 over 2.2 to 4 (C).
 _BY_SUPPLY: Final[Mapping[str, float]] = MappingProxyType(
@@ -47,7 +59,8 @@ _REPLENISHED: Final[Mapping[str, float]] = MappingProxyType(
     {"splash": 3e-8, "circulating": 3e-8, "jet": 3e-8, "mist": 6e-8, "grease": 6e-8}
 )
 #: (D - d)/d^0.9 [mm] from which a diameter series begins, and B over half of D - d from which a bearing is a wide one.
-_BEGINS, _WIDE = (("4", 2.15), ("3", 1.62), ("2", 1.03), ("10", 0.0)), 1.03
+_BEGINS = (("4", 2.15), ("3", 1.62), ("2", 1.03), ("10", 0.0))
+_WIDE = 1.03
 #: Of catalogues' formulas, in mm, N mm, mm2/s.
 _MM: Final = 1e3
 _PER_NMM: Final = 1e-3
@@ -62,7 +75,9 @@ def dimension_series(duty: Duty) -> str:
     """
     if duty.series:
         return duty.series
-    d, D, B = _MM * duty.bore, _MM * duty.outside_diameter, _MM * (duty.width or 0.0)
+    d = _MM * duty.bore
+    D = _MM * duty.outside_diameter
+    B = _MM * (duty.width or 0.0)
     series = next(name for name, least in _BEGINS if (D - d) / d**0.9 >= least)
     wide = series != "10" and 2.0 * B / (D - d) > _WIDE
     return ("22" if series == "2" else "23") if wide else series
@@ -70,7 +85,9 @@ def dimension_series(duty: Duty) -> str:
 
 def _of_series(table: Mapping[str, Any], series: str, whose: str) -> Any:
     if series not in table:
-        raise DomainError(f"has no factors of dimension series {series!r} by {whose}: there are {', '.join(table)}")
+        raise DomainError(
+            f"has no factors of dimension series {series!r} by {whose}: there are {', '.join(table)}"
+        )
     return table[series]
 
 
@@ -129,7 +146,9 @@ class Skf(TorqueFormula):
     """
 
     name: ClassVar[str] = "skf"
-    equation: ClassVar[str] = "M = phi_ish phi_rs R_1 d_m^2.41 F_r^0.31 (nu n)^0.6 + S_2 d_m F_r mu_sl + M_drag"
+    equation: ClassVar[str] = (
+        "M = phi_ish phi_rs R_1 d_m^2.41 F_r^0.31 (nu n)^0.6 + S_2 d_m F_r mu_sl + M_drag"
+    )
     references: ClassVar[tuple[Reference, ...]] = (_SKF_CATALOGUE, _SKF_LATER)
     basis: ClassVar[str] = "a maker's regression of its tests"
 
@@ -139,16 +158,24 @@ class Skf(TorqueFormula):
         doc="dimension series, by which R_1 goes; empty for that of the designation",
     )
     drag: str = parameter(
-        default="later", validator=one_of("later", "2006", "none"), doc="which catalogue's drag of the oil is added"
+        default="later",
+        validator=one_of("later", "2006", "none"),
+        doc="which catalogue's drag of the oil is added",
     )
 
     def terms(self, duty: Duty) -> dict[str, float]:
         """Return the torque of rolling, of sliding and of the oil [N m]."""
-        d, D, d_m = _MM * duty.bore, _MM * duty.outside_diameter, _MM * duty.mean_diameter
-        nu, n, load = _CST * duty.kinematic_viscosity, duty.revolutions, duty.radial_load
+        d = _MM * duty.bore
+        D = _MM * duty.outside_diameter
+        d_m = _MM * duty.mean_diameter
+        nu = _CST * duty.kinematic_viscosity
+        n = duty.revolutions
+        load = duty.radial_load
         constant = _of_series(_ROLLING, self.series or dimension_series(duty), "SKF")
         heated = 1.0 / (1.0 + 1.84e-9 * (n * d_m) ** 1.28 * nu**0.64)
-        starved = math.exp(-_replenishment(duty) * nu * n * (d + D) * math.sqrt(_CROWDED / (2.0 * (D - d))))
+        starved = math.exp(
+            -_replenishment(duty) * nu * n * (d + D) * math.sqrt(_CROWDED / (2.0 * (D - d)))
+        )
         rolling = heated * starved * constant * d_m**2.41 * load**0.31 * (nu * n) ** 0.6
         mixed = math.exp(-2.6e-8 * (n * nu) ** 1.4 * d_m)
         sliding = _SLIDING * d_m * load * (mixed * _MIXED + (1.0 - mixed) * _FULL)
@@ -162,8 +189,12 @@ class Skf(TorqueFormula):
         if duty.supply in ("mist", "grease"):
             return 0.0
         if duty.width is None:
-            raise DomainError("needs the width of the bearing: give bearing.catalogue, such as { width = '20 mm' }")
-        d, D, d_m, B = (_MM * x for x in (duty.bore, duty.outside_diameter, duty.mean_diameter, duty.width))
+            raise DomainError(
+                "needs the width of the bearing: give bearing.catalogue, such as { width = '20 mm' }"
+            )
+        d, D, d_m, B = (
+            _MM * x for x in (duty.bore, duty.outside_diameter, duty.mean_diameter, duty.width)
+        )
         flows = duty.supply in ("circulating", "jet")
         middle = _MM * _lowest_middle(duty)
         level = middle if flows or duty.oil_level is None else _MM * duty.oil_level
@@ -184,13 +215,19 @@ class Skf(TorqueFormula):
         t = 2.0 * math.acos(1.0 - level / (0.6 * d_m))
         if level > 0.0 < n:
             wet = 0.36 * d_m**2 * (t - math.sin(t)) * 0.05 * crowd
-            whole += 1.093e-7 * n**2 * d_m**3 * (n * d_m**2 * math.sin(0.5 * t) / nu) ** -1.379 * wet
+            whole += (
+                1.093e-7 * n**2 * d_m**3 * (n * d_m**2 * math.sin(0.5 * t) / nu) ** -1.379 * wet
+            )
         return whole * (2.0 if flows else 1.0)
 
 
 def _lowest_middle(duty: Duty) -> float:
     """Return the level of a bath to the middle of the lowest roller [m]."""
-    return 0.125 * (duty.outside_diameter - duty.bore) if duty.roller_diameter is None else 0.5 * duty.roller_diameter
+    return (
+        0.125 * (duty.outside_diameter - duty.bore)
+        if duty.roller_diameter is None
+        else 0.5 * duty.roller_diameter
+    )
 
 
 def _replenishment(duty: Duty) -> float:
@@ -203,7 +240,9 @@ def _replenishment(duty: Duty) -> float:
 
 def _of_kind(table: Mapping[str, float], duty: Duty) -> float:
     if duty.supply not in table:
-        raise DomainError(f"has nothing for a supply of {duty.supply!r}: there are bath, {', '.join(_REPLENISHED)}")
+        raise DomainError(
+            f"has nothing for a supply of {duty.supply!r}: there are bath, {', '.join(_REPLENISHED)}"
+        )
     return table[duty.supply]
 
 
@@ -249,7 +288,9 @@ class Palmgren(TorqueFormula):
     name: ClassVar[str] = "palmgren-torque"
     equation: ClassVar[str] = "M = f_0 1e-7 (nu n)^(2/3) d_m^3 + f_1 F_r d_m"
     references: ClassVar[tuple[Reference, ...]] = (PALMGREN_1959, HARRIS_2007, ISO_15312)
-    basis: ClassVar[str] = "the formula of ISO 15312, Palmgren's tests of baths at one speed and load"
+    basis: ClassVar[str] = (
+        "the formula of ISO 15312, Palmgren's tests of baths at one speed and load"
+    )
 
     oil_factor: float | None = parameter(
         default=None,
@@ -270,8 +311,10 @@ class Palmgren(TorqueFormula):
 
     def terms(self, duty: Duty) -> dict[str, float]:
         """Return the torque of the oil and that of the load [N m]."""
-        d_m, turned = _MM * duty.mean_diameter, max(_CST * duty.kinematic_viscosity * duty.revolutions, 2000.0)
-        f0, f1 = self.oil_factor, self.load_factor
+        d_m = _MM * duty.mean_diameter
+        turned = max(_CST * duty.kinematic_viscosity * duty.revolutions, 2000.0)
+        f0 = self.oil_factor
+        f1 = self.load_factor
         if f0 is None or f1 is None:
             of_oil, of_load = _of_series(_ISO, dimension_series(duty), "ISO 15312")
             f0 = _of_kind(_BY_SUPPLY, duty) * of_oil if f0 is None else f0

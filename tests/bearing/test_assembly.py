@@ -41,7 +41,9 @@ SCENE = evolve(
         ("outer", 1.25 * math.sqrt(0.12**2 + 0.05**2) * 1e-6, 7.5e-3 * 97.5e-3 / 90e-3, 70.0),
     ],
 )
-def test_contacts_of_a_ring_have_its_roughness_radius_and_temperature(ring, roughness, radius, celsius):
+def test_contacts_of_a_ring_have_its_roughness_radius_and_temperature(
+    ring, roughness, radius, celsius
+):
     assembly = assemble(SCENE)
     conditions = {"inner": assembly.inner, "outer": assembly.outer}[ring].conditions
     oil = assembly.lubricant.at(celsius + 273.15)
@@ -57,10 +59,16 @@ def test_contacts_of_a_ring_have_its_roughness_radius_and_temperature(ring, roug
 def test_a_shaft_of_another_material_is_half_of_its_contacts():
     bronze = {"elastic_modulus": "110 GPa", "poisson_ratio": 0.34, "thermal_conductivity": "60 W/(m K)",
               "specific_heat": "380 J/(kg K)", "density": "8800 kg/m3"}  # fmt: skip
-    shaft = assemble(evolve(SCENE, {"bearing.inner_raceway.material": bronze, "models.contact": "lundberg"}))
-    inner, outer, plain = shaft.inner.conditions, shaft.outer.conditions, assemble(SCENE)
+    shaft = assemble(
+        evolve(SCENE, {"bearing.inner_raceway.material": bronze, "models.contact": "lundberg"})
+    )
+    inner = shaft.inner.conditions
+    outer = shaft.outer.conditions
+    plain = assemble(SCENE)
     # 2/E' is the sum of (1 - nu^2)/E of both bodies, as Hertz has it; of heat each takes what its effusivity says
-    assert 2.0 / inner.modulus == pytest.approx((1 - 0.34**2) / 110e9 + (1 - 0.25**2) / 200e9, rel=1e-12)
+    assert 2.0 / inner.modulus == pytest.approx(
+        (1 - 0.34**2) / 110e9 + (1 - 0.25**2) / 200e9, rel=1e-12
+    )
     both = math.sqrt(60.0 * 380.0 * 8800.0), math.sqrt(40.0 * 7700.0 * 450.0)
     assert inner.effusivity == pytest.approx(sum(both) / 2.0, rel=1e-12)
     assert outer == plain.outer.conditions
@@ -68,7 +76,9 @@ def test_a_shaft_of_another_material_is_half_of_its_contacts():
     # b = sqrt(4 w R (sum of (1 - nu^2)/E)/pi)
     [half_width] = shaft.inner.evaluate(np.array([1e5]), 10.0, 0.1).half_width
     soft = (1 - 0.34**2) / 110e9 + (1 - 0.25**2) / 200e9
-    assert half_width == pytest.approx(math.sqrt(4.0 * 1e5 * inner.radius * soft / math.pi), rel=1e-12)
+    assert half_width == pytest.approx(
+        math.sqrt(4.0 * 1e5 * inner.radius * soft / math.pi), rel=1e-12
+    )
     same = evolve(SCENE, {"bearing.inner_raceway.material": resolved(SCENE.bearing.material)})
     assert assemble(same).inner.conditions == plain.inner.conditions  # to the bit
 
@@ -82,14 +92,17 @@ def test_a_contact_is_pressed_by_the_law_of_its_own_ring(ring):
     raceway, other = (assembly.inner, assembly.outer) if inner else (assembly.outer, assembly.inner)
     touching = approach > 0.0
     slices, of_other = (
-        Slices(int(touching.sum()), one.conditions, approach=approach[touching]) for one in (raceway, other)
+        Slices(int(touching.sum()), one.conditions, approach=approach[touching])
+        for one in (raceway, other)
     )
     raceway.deflection(slices)
     raceway.deflection(of_other)
     np.testing.assert_array_equal(load[touching], slices.load)
     np.testing.assert_array_equal(stiffness[touching], slices.stiffness)
     assert not load[~touching].any()
-    assert np.abs(slices.load / of_other.load - 1.0).min() > 1e-3  # the radii differ, and so must the loads
+    assert (
+        np.abs(slices.load / of_other.load - 1.0).min() > 1e-3
+    )  # the radii differ, and so must the loads
 
 
 OTHER_OIL = {"lubricant.viscosity_factor": 1.07, "operation.temperature": "68 degC"}
@@ -108,9 +121,11 @@ OTHER_OIL = {"lubricant.viscosity_factor": 1.07, "operation.temperature": "68 de
     ],
 )
 def test_what_is_taken_from_another_bearing_is_the_same_to_the_last_bit(changes, shared):
-    scene, like = evolve(SCENE, changes), assemble(SCENE)
+    scene = evolve(SCENE, changes)
+    like = assemble(SCENE)
     like.load_distribution(2)
-    taken, alone = assemble(scene, like=like), assemble(scene)
+    taken = assemble(scene, like=like)
+    alone = assemble(scene)
     assert (taken.inner.chain is like.inner.chain) == shared
     assert (taken.load_distribution(2) is like.load_distribution(2)) == shared
     assert taken.lubricant == alone.lubricant
@@ -122,8 +137,12 @@ def test_what_is_taken_from_another_bearing_is_the_same_to_the_last_bit(changes,
     ):
         assert own.conditions == other.conditions
         some = load[load > 0.0]
-        np.testing.assert_array_equal(own.evaluate(some, 20.0, 1.0).friction, other.evaluate(some, 20.0, 1.0).friction)
-    np.testing.assert_array_equal(taken.load_distribution(2).inner_load, alone.load_distribution(2).inner_load)
+        np.testing.assert_array_equal(
+            own.evaluate(some, 20.0, 1.0).friction, other.evaluate(some, 20.0, 1.0).friction
+        )
+    np.testing.assert_array_equal(
+        taken.load_distribution(2).inner_load, alone.load_distribution(2).inner_load
+    )
     assert taken.cage == alone.cage
 
 
@@ -134,12 +153,19 @@ def test_a_bearing_under_another_load_is_that_of_a_scene_with_it_to_the_last_bit
     taken = before.at_load(2000.0)
     assert taken.scene.operation == there.scene.operation
     assert (taken.inner.chain, taken.cage) == (before.inner.chain, there.cage)
-    np.testing.assert_array_equal(taken.load_distribution(2).inner_load, there.load_distribution(2).inner_load)
-    assert before.load_distribution(2).inner_force.sum() > 1.2 * taken.load_distribution(2).inner_force.sum()
+    np.testing.assert_array_equal(
+        taken.load_distribution(2).inner_load, there.load_distribution(2).inner_load
+    )
+    assert (
+        before.load_distribution(2).inner_force.sum()
+        > 1.2 * taken.load_distribution(2).inner_force.sum()
+    )
 
 
 def test_what_is_wrong_with_an_oil_is_said_beside_another_bearing_too():
-    scene = evolve(SCENE, {"operation.temperature": "-90 degC", "operation.roller_temperature": "-90 degC"})
+    scene = evolve(
+        SCENE, {"operation.temperature": "-90 degC", "operation.roller_temperature": "-90 degC"}
+    )
     said = []
     for like in (None, assemble(SCENE)):
         with pytest.raises(SceneError) as error:
@@ -155,5 +181,7 @@ def test_loaded_slices_carry_what_their_rollers_carry(slices, tilt):
     loads = assembly.load_distribution(2)
     for raceway, load in zip(assembly.raceways, (loads.inner_load, loads.outer_load), strict=True):
         contacts = LoadedContacts(raceway, load[0], assembly.widths, 1.0)
-        np.testing.assert_allclose(contacts.per_roller(contacts.force), load[0] @ assembly.widths, rtol=1e-12)
+        np.testing.assert_allclose(
+            contacts.per_roller(contacts.force), load[0] @ assembly.widths, rtol=1e-12
+        )
         assert contacts.total == pytest.approx((load[0] @ assembly.widths).sum(), rel=1e-12)

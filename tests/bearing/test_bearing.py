@@ -25,7 +25,8 @@ slips = st.floats(-1, 1)
 @st.composite
 def bearings(draw):
     inner, outer, roller = draw(radii)
-    inner_speed, outer_speed = draw(speeds), draw(speeds)
+    inner_speed = draw(speeds)
+    outer_speed = draw(speeds)
     assume(abs(inner_speed - outer_speed) > 1e-3)
     bearing = Kinematics(inner, outer, roller, inner_speed, outer_speed)
     assume(bearing.epicyclic_cage_speed != 0.0)
@@ -38,7 +39,9 @@ def test_values_of_the_1032930():
     assert BEARING.outer_equivalent_radius == pytest.approx(8.125e-3, rel=1e-14)
     assert BEARING.orbit_radius == pytest.approx(0.09, rel=1e-15)
     assert BEARING.surface_speeds(0.0, 0.0).inner_rolling == pytest.approx(29.8, abs=0.05)
-    assert 0.0207 * BEARING.epicyclic_cage_speed**2 * BEARING.orbit_radius == pytest.approx(174, abs=0.5)
+    assert 0.0207 * BEARING.epicyclic_cage_speed**2 * BEARING.orbit_radius == pytest.approx(
+        174, abs=0.5
+    )
 
 
 @given(bearings())
@@ -50,9 +53,12 @@ def test_nothing_slides_at_the_epicyclic_speeds(bearing):
 
 @given(bearings(), slips, slips)
 def test_surface_speeds_are_those_of_the_cage_and_roller_speeds(bearing, cage_slip, roller_slip):
-    b, s = bearing, bearing.surface_speeds(cage_slip, roller_slip)
-    wi, wo = b.direction * b.inner_speed, b.direction * b.outer_speed
-    inner, outer = b.inner_radius * (wi - s.cage_speed), b.outer_radius * (s.cage_speed - wo)
+    b = bearing
+    s = bearing.surface_speeds(cage_slip, roller_slip)
+    wi = b.direction * b.inner_speed
+    wo = b.direction * b.outer_speed
+    inner = b.inner_radius * (wi - s.cage_speed)
+    outer = b.outer_radius * (s.cage_speed - wo)
     roller = b.roller_radius * s.roller_speed
     scale = b.outer_radius * (abs(wi) + abs(wo) + abs(s.cage_speed)) + abs(roller)
     assert s.inner_sliding == pytest.approx(inner - roller, abs=1e-13 * scale)
@@ -77,10 +83,16 @@ def test_leads_are_the_sliding_speeds_without_roller_slip(bearing, cage_slip):
 
 
 @given(bearings(), slips, slips)
-def test_bearing_turning_backwards_is_described_by_its_mirror_image(bearing, cage_slip, roller_slip):
-    mirrored = attrs.evolve(bearing, inner_speed=-bearing.inner_speed, outer_speed=-bearing.outer_speed)
+def test_bearing_turning_backwards_is_described_by_its_mirror_image(
+    bearing, cage_slip, roller_slip
+):
+    mirrored = attrs.evolve(
+        bearing, inner_speed=-bearing.inner_speed, outer_speed=-bearing.outer_speed
+    )
     assert mirrored.direction == -bearing.direction
-    ours, theirs = (attrs.astuple(b.surface_speeds(cage_slip, roller_slip)) for b in (bearing, mirrored))
+    ours, theirs = (
+        attrs.astuple(b.surface_speeds(cage_slip, roller_slip)) for b in (bearing, mirrored)
+    )
     assert ours == theirs
     assert mirrored.epicyclic_roller_speed == bearing.epicyclic_roller_speed > 0.0
 
@@ -138,19 +150,27 @@ def test_profiles_follow_their_formulas():
     assert profile_drop("iso16281", X, 0.015, 0.012) == pytest.approx(log, rel=1e-12)
     crown = 1.0 - np.sqrt(1.0 - X**2)
     assert profile_drop("circular", X, 0.015, 0.012, radius=1.0) == pytest.approx(crown, abs=1e-16)
-    assert profile_drop("circular", 5e-3, 0.015, 0.012, radius=20.0) == pytest.approx(6.25e-7, rel=1e-6)
+    assert profile_drop("circular", 5e-3, 0.015, 0.012, radius=20.0) == pytest.approx(
+        6.25e-7, rel=1e-6
+    )
 
 
 def test_logarithmic_profile_has_its_quadratic_limit_in_the_middle():
     x = 1e-9
-    assert profile_drop("iso16281", x, 0.015, 0.012) == pytest.approx(0.00035 * 0.012 * (2 * x / 0.015) ** 2, rel=1e-9)
+    assert profile_drop("iso16281", x, 0.015, 0.012) == pytest.approx(
+        0.00035 * 0.012 * (2 * x / 0.015) ** 2, rel=1e-9
+    )
 
 
 @given(st.lists(st.floats(0, 1e-4), min_size=2, max_size=8))
 def test_profile_table_is_met_at_its_points_and_not_exceeded_between(drops):
     positions = np.linspace(-0.0075, 0.0075, len(drops))
-    assert profile_drop("table", positions, 0.015, 0.012, table=(positions, drops)) == pytest.approx(drops, abs=1e-18)
-    between = profile_drop("table", np.linspace(-0.0075, 0.0075, 101), 0.015, 0.012, table=(positions, drops))
+    assert profile_drop(
+        "table", positions, 0.015, 0.012, table=(positions, drops)
+    ) == pytest.approx(drops, abs=1e-18)
+    between = profile_drop(
+        "table", np.linspace(-0.0075, 0.0075, 101), 0.015, 0.012, table=(positions, drops)
+    )
     assert min(drops) - 1e-18 <= between.min() <= between.max() <= max(drops) + 1e-18
 
 
@@ -167,14 +187,19 @@ def test_profile_table_is_met_at_its_points_and_not_exceeded_between(drops):
         ({"shape": "none", "roller_diameter": -1.0}, "must be positive"),
         ({"shape": "table", "table": ([-0.007, 0.0075], [0, 0])}, "must cover the roller"),
         ({"shape": "table", "table": ([0.0075, -0.0075], [0, 0])}, "must ascend"),
-        ({"shape": "table", "table": ([-0.0075, 0.0, 0.0, 0.0075], [0, 0, 1e-6, 0])}, "must ascend"),
+        (
+            {"shape": "table", "table": ([-0.0075, 0.0, 0.0, 0.0075], [0, 0, 1e-6, 0])},
+            "must ascend",
+        ),
         ({"shape": "table", "table": ([-0.0075, 0.0075], [0, 0, 0])}, "as many drops"),
         ({"shape": "table", "table": ([-0.0075, 0.0075], [0, np.inf])}, "must be finite"),
     ],
 )
 def test_unfit_profiles_are_refused(arguments, says):
     with pytest.raises(ValueError, match=says):
-        profile_drop(**{"positions": X, "roller_length": 0.015, "roller_diameter": 0.012} | arguments)
+        profile_drop(
+            **{"positions": X, "roller_length": 0.015, "roller_diameter": 0.012} | arguments
+        )
 
 
 def test_logarithmic_profile_has_no_ends():

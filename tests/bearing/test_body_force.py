@@ -26,7 +26,8 @@ pytestmark = pytest.mark.quick
 
 SCENE = load_scene("1032930-50C")
 LAW = SimpleNamespace(
-    conditions=Conditions(length=0.014), deflection=Chain(get_model("contact", "iso16281").deflection())
+    conditions=Conditions(length=0.014),
+    deflection=Chain(get_model("contact", "iso16281").deflection()),
 )
 
 
@@ -49,12 +50,22 @@ def planet(**changes):
 @settings(max_examples=60, deadline=None)
 def test_forces_of_all_rollers_add_up(Z, centrifugal, body, angle, clearance, load):
     b = body * math.cos(angle), body * math.sin(angle)
-    one = case(Z, 1, body_force=b, centrifugal_force=centrifugal, radial_clearance=clearance, radial_load=load)
+    one = case(
+        Z,
+        1,
+        body_force=b,
+        centrifugal_force=centrifugal,
+        radial_clearance=clearance,
+        radial_load=load,
+    )
     s = solve_equilibrium(one, (LAW, LAW))
     e = np.stack((np.cos(s.psi), np.sin(s.psi)))
     size = max(load, centrifugal + body, s.inner_force.max())
     # each roller, the inner ring, and the outer one, which bears half of all body forces besides: Z/2 of e e^T is 1
-    assert np.abs(s.outer_force - s.inner_force - centrifugal - b @ e.reshape(2, -1)).max() < 1e-9 * size
+    assert (
+        np.abs(s.outer_force - s.inner_force - centrifugal - b @ e.reshape(2, -1)).max()
+        < 1e-9 * size
+    )
     assert (s.inner_force * e).sum(axis=(1, 2)) == pytest.approx([load, 0.0], abs=1e-9 * size)
     outer = np.array([load, 0.0]) + 0.5 * Z * np.array(b)
     assert (s.outer_force * e).sum(axis=(1, 2)) == pytest.approx(outer, abs=1e-9 * Z * size)
@@ -62,11 +73,17 @@ def test_forces_of_all_rollers_add_up(Z, centrifugal, body, angle, clearance, lo
 
 def test_rollers_at_rest_on_a_race_bear_what_points_at_it():
     # without load a roller stands on the outer ring with F_c + b cos psi; where that is below zero it lies on the inner
-    s = solve_equilibrium(case(radial_load=0.0, centrifugal_force=50.0, body_force=(30.0, 40.0)), (LAW, LAW))
+    s = solve_equilibrium(
+        case(radial_load=0.0, centrifugal_force=50.0, body_force=(30.0, 40.0)), (LAW, LAW)
+    )
     assert s.inner_force == pytest.approx(0.0, abs=1e-12)
-    assert s.outer_force == pytest.approx(50.0 + 30.0 * np.cos(s.psi) + 40.0 * np.sin(s.psi), abs=1e-10)
+    assert s.outer_force == pytest.approx(
+        50.0 + 30.0 * np.cos(s.psi) + 40.0 * np.sin(s.psi), abs=1e-10
+    )
     # a heavy ring under few light rollers: those above it lie on it, those below it carry it
-    s = solve_equilibrium(case(radial_load=4000.0, body_force=(2.0, 0.0), radial_clearance=2e-4), (LAW, LAW))
+    s = solve_equilibrium(
+        case(radial_load=4000.0, body_force=(2.0, 0.0), radial_clearance=2e-4), (LAW, LAW)
+    )
     above = np.cos(s.psi) < -1e-9
     assert s.inner_force[above] == pytest.approx(-2.0 * np.cos(s.psi[above]), abs=1e-9)
     assert s.outer_force[above] == pytest.approx(0.0, abs=1e-9)
@@ -75,9 +92,12 @@ def test_rollers_at_rest_on_a_race_bear_what_points_at_it():
 @pytest.mark.parametrize("body", [(25.0, 0.0), (-60.0, 35.0)])
 def test_another_solver_finds_the_same_loads(body):
     """Each roller by a bracket, where the ring is held; the ring by the hybrid method of MINPACK."""
-    G, F, centrifugal = 1e-5, 2000.0, 20.0
+    G = 1e-5
+    F = 2000.0
+    centrifugal = 20.0
     one = case(9, radial_clearance=G, radial_load=F, centrifugal_force=centrifugal, body_force=body)
-    law, psi = get_model("contact", "iso16281").deflection(), one.psi[0]
+    law = get_model("contact", "iso16281").deflection()
+    psi = one.psi[0]
     outwards = centrifugal + body[0] * np.cos(psi) + body[1] * np.sin(psi)
 
     def force(approach):
@@ -88,12 +108,22 @@ def test_another_solver_finds_the_same_loads(body):
     def inner(x):
         gaps = 1e-5 * (x[0] * np.cos(psi) + x[1] * np.sin(psi)) - G / 2
         at = [
-            brentq(lambda y, gap=gap, f=f: force(gap - y) - force(y) + f, -1e-3, 1e-3, xtol=1e-17, rtol=1e-15)
+            brentq(
+                lambda y, gap=gap, f=f: force(gap - y) - force(y) + f,
+                -1e-3,
+                1e-3,
+                xtol=1e-17,
+                rtol=1e-15,
+            )
             for gap, f in zip(gaps, outwards, strict=True)
         ]
         return np.array([force(gap - y) for gap, y in zip(gaps, at, strict=True)])
 
-    found = root(lambda x: np.array([F - inner(x) @ np.cos(psi), inner(x) @ np.sin(psi)]), [2.0, 0.1], tol=1e-12)
+    found = root(
+        lambda x: np.array([F - inner(x) @ np.cos(psi), inner(x) @ np.sin(psi)]),
+        [2.0, 0.1],
+        tol=1e-12,
+    )
     solved = solve_equilibrium(one, (LAW, LAW))
     assert solved.inner_force[0] == pytest.approx(inner(found.x), abs=1e-6 * F)
     assert solved.displacement[0] == pytest.approx(1e-5 * found.x, abs=1e-11)
@@ -102,7 +132,8 @@ def test_another_solver_finds_the_same_loads(body):
 def test_over_a_pitch_half_is_solved_only_if_the_other_mirrors_it():
     for body in ((40.0, 0.0), (40.0, 25.0)):
         one = case(11, 4, body_force=body, centrifugal_force=60.0)
-        every, pitch = solve_equilibrium(one, (LAW, LAW)), solve_pitch(one, (LAW, LAW))
+        every = solve_equilibrium(one, (LAW, LAW))
+        pitch = solve_pitch(one, (LAW, LAW))
         assert pitch.outer_force == pytest.approx(every.outer_force, rel=1e-9, abs=1e-7)
         inner, _ = solve_orbits(one, (LAW, LAW), np.array([60.0, 30.0]))
         assert inner.shape[1] == (3 if body[1] == 0.0 else 4)
@@ -111,8 +142,10 @@ def test_over_a_pitch_half_is_solved_only_if_the_other_mirrors_it():
 
 def test_a_planet_feels_its_carrier():
     scene = planet()
-    a, b = assemble(scene), scene.bearing
-    w, mass = 400.0 * math.pi / 30.0, 7800.0 * math.pi / 4.0 * 0.015**2 * 0.015
+    a = assemble(scene)
+    b = scene.bearing
+    w = 400.0 * math.pi / 30.0
+    mass = 7800.0 * math.pi / 4.0 * 0.015**2 * 0.015
     k = a.kinematics
     # outwards is across the load, and seen in a mirror, since the outer ring turns backwards as the inner one forwards
     assert math.hypot(*a.body_force) == pytest.approx(mass * w**2 * 0.3, rel=1e-9)
@@ -150,19 +183,34 @@ def test_friction_counts_every_roller_where_a_carrier_leaves_no_mirror():
 
 def test_over_an_orbit_unloaded_rollers_feel_where_the_carrier_points():
     balance = rollers(assemble(planet(radius="1.2 m")), 2)
-    orbit, a = balance.orbit(0.02), balance.assembly
-    psi = 2.0 * math.pi / orbit.roller_slip.size * np.arange(orbit.roller_slip.size) * balance.motions.sense
-    b, free = a.body_force, orbit.force[0] == 0.0
-    outwards = a.centrifugal_force_at(balance.cage_speed(0.02)) + b[0] * np.cos(psi) + b[1] * np.sin(psi)
-    assert orbit.force[1][free] == pytest.approx(np.maximum(outwards, 0.0)[free], rel=1e-9, abs=1e-9)
+    orbit = balance.orbit(0.02)
+    a = balance.assembly
+    psi = (
+        2.0
+        * math.pi
+        / orbit.roller_slip.size
+        * np.arange(orbit.roller_slip.size)
+        * balance.motions.sense
+    )
+    b = a.body_force
+    free = orbit.force[0] == 0.0
+    outwards = (
+        a.centrifugal_force_at(balance.cage_speed(0.02)) + b[0] * np.cos(psi) + b[1] * np.sin(psi)
+    )
+    assert orbit.force[1][free] == pytest.approx(
+        np.maximum(outwards, 0.0)[free], rel=1e-9, abs=1e-9
+    )
     assert np.any(free & (outwards > 0.0))
     assert (outwards < 0.0).any()
-    assert np.all(orbit.force[0][outwards < 0.0] >= -outwards[outwards < 0.0] * (1.0 - 1e-9))  # on the inner ring
+    assert np.all(
+        orbit.force[0][outwards < 0.0] >= -outwards[outwards < 0.0] * (1.0 - 1e-9)
+    )  # on the inner ring
 
 
 def test_a_full_complement_pushes_against_the_carrier():
     """Of rollers that nothing else drives N is a sine above its least of zero, of a chain that hangs."""
-    Z, pull = 12, 9.0
+    Z = 12
+    pull = 9.0
     psi = 2.0 * math.pi / Z * np.arange(Z)
     behind, ahead = Train(Z, 0.01, 0.5, 0.1).pushes((pull * np.cos(psi))[None])
     # c (a_k - b_k) = pull cos psi_k: the sum is pull sin/(2 c sin(pi/Z)) at the half steps
@@ -196,7 +244,9 @@ def test_half_a_carrier_is_refused(carrier, says):
 
 
 def slow(**changes):
-    return evolve(SCENE, {"operation.inner_speed": "20 rpm", "operation.radial_load": "30 N", **changes})
+    return evolve(
+        SCENE, {"operation.inner_speed": "20 rpm", "operation.radial_load": "30 N", **changes}
+    )
 
 
 def test_rollers_lie_where_their_weight_puts_them():
@@ -205,7 +255,8 @@ def test_rollers_lie_where_their_weight_puts_them():
     assert a.body_force == pytest.approx((weight, 0.0), rel=1e-9)
     s = a.load_distribution(4)
     held = a.centrifugal_force + weight * np.cos(s.psi)
-    lying, standing = held < 0.0, (s.inner_force == 0.0) & (held > 0.0)
+    lying = held < 0.0
+    standing = (s.inner_force == 0.0) & (held > 0.0)
     assert lying.any()
     assert standing.any()
     assert s.inner_force[lying & (np.cos(s.psi) < -0.5)] == pytest.approx(
@@ -226,7 +277,9 @@ def test_weight_is_left_out_where_it_moves_nothing_beyond_the_tolerance(toleranc
     light = assemble(evolve(SCENE, {**given, "operation.radial_load": "3 kN"}))
     assert light.weight_share < tolerance
     assert light.body_force == (0.0, 0.0)
-    exact = assemble(evolve(SCENE, {**given, "operation.radial_load": "3 kN", "accuracy.tolerance": 1e-6}))
+    exact = assemble(
+        evolve(SCENE, {**given, "operation.radial_load": "3 kN", "accuracy.tolerance": 1e-6})
+    )
     assert exact.body_force[1] > 0.0
     one, other = (of.load_distribution(2).inner_force.sum(axis=1) for of in (light, exact))
     assert one == pytest.approx(other, rel=tolerance)
@@ -257,7 +310,10 @@ def test_weight_is_refused_where_it_turns_or_moves_in_time():
 
 
 def test_a_run_says_what_weight_leaves_out():
-    few = {"study.effective-friction": {"points": 5, "map_points": 0, "runaway_range": 0.0}, "accuracy.tolerance": 0.05}
+    few = {
+        "study.effective-friction": {"points": 5, "map_points": 0, "runaway_range": 0.0},
+        "accuracy.tolerance": 0.05,
+    }
     scene = slow(**few)
     share = f"{100.0 * assemble(scene).weight_share:.2g} % of what presses them"
     assert run(scene, "effective-friction").attrs["warnings"].count(share) == 1
@@ -270,7 +326,9 @@ def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own
 
     def rates(direction, **own):
         given = {} if direction is None else {"operation.gravity_direction": direction}
-        assembly = assemble(evolve(SCENE, {"accuracy.tolerance": 1e-6, "accuracy.slices": 5, **given}))
+        assembly = assemble(
+            evolve(SCENE, {"accuracy.tolerance": 1e-6, "accuracy.slices": 5, **given})
+        )
         planar = planar_motion(assembly, PlanarSettings(inner_ring_mass=3.0, **own), friction)
         return planar.system(0.0, planar.initial())
 
@@ -286,5 +344,7 @@ def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own
 
 
 def test_a_minimum_load_knows_the_weight_that_the_scene_states():
-    assert rollers_weight(assemble(slow())) == pytest.approx(28.0 * 9.80665 * 7800.0 * math.pi / 4.0 * 0.015**3)
+    assert rollers_weight(assemble(slow())) == pytest.approx(
+        28.0 * 9.80665 * 7800.0 * math.pi / 4.0 * 0.015**3
+    )
     assert rollers_weight(assemble(slow(**{"operation.gravity_direction": "0 deg"}))) == 0.0

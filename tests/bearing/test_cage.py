@@ -72,7 +72,9 @@ def test_a_cage_is_read_with_its_units():
 
 
 def test_what_is_silent_is_estimated_from_the_bearing():
-    free, inner, outer = (bearing(guidance=guidance).cage for guidance in ("roller", "inner", "outer"))
+    free, inner, outer = (
+        bearing(guidance=guidance).cage for guidance in ("roller", "inner", "outer")
+    )
     assert bearing().cage == free
     assert free.pocket_clearance == pytest.approx(0.225e-3, rel=1e-12)
     assert (free.land_radius, free.land_width, free.land_clearance) == (None, None, None)
@@ -81,7 +83,9 @@ def test_what_is_silent_is_estimated_from_the_bearing():
     assert outer.land_radius == pytest.approx(0.0945, rel=1e-12)
     assert outer.land_width == pytest.approx(0.0075, rel=1e-12)
     assert outer.land_clearance == pytest.approx(0.0025 * 0.0945, rel=1e-12)
-    assert bearing(guidance="inner", land_radius="90 mm").cage.land_clearance == pytest.approx(2.25e-4, rel=1e-12)
+    assert bearing(guidance="inner", land_radius="90 mm").cage.land_clearance == pytest.approx(
+        2.25e-4, rel=1e-12
+    )
 
 
 def test_the_proposed_inertia_is_in_the_range_for_the_bearing():
@@ -97,7 +101,9 @@ def test_the_proposed_inertia_is_in_the_range_for_the_bearing():
 def weights(density, thickness, b):
     """Mass and inertia of a ring with pockets in plain numbers: 1.6 roller lengths wide, on the orbit."""
     orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
-    ring = 2 * np.pi * orbit * 1.6 * b.roller_length - b.rollers * b.roller_diameter * b.roller_length
+    ring = (
+        2 * np.pi * orbit * 1.6 * b.roller_length - b.rollers * b.roller_diameter * b.roller_length
+    )
     mass = density * thickness * b.roller_diameter * ring
     return mass, mass * orbit**2
 
@@ -110,9 +116,13 @@ def weights(density, thickness, b):
         ("polyamide", 1320, 0.4, "roller", 0.025, 5e6),
     ],
 )
-def test_all_of_a_cage_follows_from_its_make_and_the_bearing(make, density, thickness, guidance, clearance, stiffness):
+def test_all_of_a_cage_follows_from_its_make_and_the_bearing(
+    make, density, thickness, guidance, clearance, stiffness
+):
     cage = assemble(evolve(SCENE, {"cage": {"make": make}})).cage
-    assert (cage.mass, cage.inertia) == pytest.approx(weights(density, thickness, SCENE.bearing), rel=1e-12)
+    assert (cage.mass, cage.inertia) == pytest.approx(
+        weights(density, thickness, SCENE.bearing), rel=1e-12
+    )
     assert (cage.guidance, cage.pocket_stiffness) == (guidance, stiffness)
     assert cage.pocket_clearance == pytest.approx(clearance * 0.015, rel=1e-12)
 
@@ -154,7 +164,8 @@ temperature = "70 degC"
 def test_the_cage_follows_the_name_whichever_way_it_is_given(name, make, guidance):
     first = parse_scene(NAMED, "mine.toml")
     written = parse_scene(NAMED.replace("NU 2312 MA", name), "mine.toml")
-    changed, once_more = evolve(first, {"bearing.name": name}), evolve(written, {"bearing.name": "NU 2312 MA"})
+    changed = evolve(first, {"bearing.name": name})
+    once_more = evolve(written, {"bearing.name": "NU 2312 MA"})
     cages = [assemble(scene).cage for scene in (written, changed)]
     assert cages[0] == cages[1]
     assert (cages[0].make, cages[0].guidance) == (make, guidance)
@@ -165,7 +176,9 @@ def test_the_cage_follows_the_name_whichever_way_it_is_given(name, make, guidanc
 
 
 def test_what_a_scene_states_of_its_cage_stays_and_is_questioned():
-    first = parse_scene(NAMED + "[cage]\nmass = '453 g'\nguidance = 'outer'\ndrag = ['churning']\n", "mine.toml")
+    first = parse_scene(
+        NAMED + "[cage]\nmass = '453 g'\nguidance = 'outer'\ndrag = ['churning']\n", "mine.toml"
+    )
     assert not implausible(first)
     other = evolve(first, {"bearing.name": "NU 2312 ECP"})
     cage = assemble(other).cage
@@ -174,17 +187,32 @@ def test_what_a_scene_states_of_its_cage_stays_and_is_questioned():
     assert len(told) == 2
     assert "cage.guidance: 'outer', but P of NU 2312 ECP says 'roller'" in told[0]
     mass = weights(1320, 0.4, other.bearing)[0]
-    assert f"cage.mass: 453 g is {0.453 / mass:.3g} times that of a cage of polyamide in this bearing" in told[1]
+    assert (
+        f"cage.mass: 453 g is {0.453 / mass:.3g} times that of a cage of polyamide in this bearing"
+        in told[1]
+    )
 
 
 @pytest.mark.parametrize(
     ("table", "sentence"),
     [
         ({"make": "steel"}, "cage.make: 'steel', but MA of NU 2312 MA says 'brass'"),
-        ({"land_radius": "70 mm"}, "cage.land_radius: 70 mm, but the shoulder of the outer ring ends between"),
-        ({"land_radius": "40 mm"}, "cage.land_radius: 40 mm, but the shoulder of the outer ring ends between"),
-        ({"pocket_clearance": "3 mm"}, "cage.pocket_clearance: 3 mm is 0.158 times the roller diameter, 19 mm"),
-        ({"pocket_clearance": "3 um"}, "cage.pocket_clearance: 3 um is 0.000158 times the roller diameter"),
+        (
+            {"land_radius": "70 mm"},
+            "cage.land_radius: 70 mm, but the shoulder of the outer ring ends between",
+        ),
+        (
+            {"land_radius": "40 mm"},
+            "cage.land_radius: 40 mm, but the shoulder of the outer ring ends between",
+        ),
+        (
+            {"pocket_clearance": "3 mm"},
+            "cage.pocket_clearance: 3 mm is 0.158 times the roller diameter, 19 mm",
+        ),
+        (
+            {"pocket_clearance": "3 um"},
+            "cage.pocket_clearance: 3 um is 0.000158 times the roller diameter",
+        ),
         ({"inertia": "0.01 kg m2"}, "cage.inertia: 0.01 kg m2 is"),
     ],
 )
@@ -197,11 +225,16 @@ def test_the_plan_says_what_of_the_cage_is_estimated():
     scene = parse_scene(NAMED + "[study.steady-slip]\n", "mine.toml")
     (part,) = (part for part in plan(scene).parts if part.part == "cage")
     assert part.choice == "brass, 457 g, guided by the outer ring"
-    assert part.reason.startswith("MA of NU 2312 MA says so; estimated (D): mass, inertia, pocket_clearance")
+    assert part.reason.startswith(
+        "MA of NU 2312 MA says so; estimated (D): mass, inertia, pocket_clearance"
+    )
     (note,) = (text for text in plan(scene).foreseen if text.startswith("the cage"))
     assert "MA of NU 2312 MA says so" in note
     bare = plan(evolve(scene, {"bearing.name": "NU 2312"})).foreseen
-    assert any("the make is assumed, as most makers have it in NU 2312; state cage.make where" in text for text in bare)
+    assert any(
+        "the make is assumed, as most makers have it in NU 2312; state cage.make where" in text
+        for text in bare
+    )
     stated = evolve(scene, {"cage.mass": "450 g"})
     assert not any(text.startswith("the cage") for text in plan(stated).foreseen)
 
@@ -244,10 +277,16 @@ def test_all_faults_are_found_at_once():
 @pytest.mark.parametrize(
     ("table", "sentence"),
     [
-        ({"guidance": "outside"}, "cage.guidance: must be one of 'roller', 'inner', 'outer', not 'outside'"),
+        (
+            {"guidance": "outside"},
+            "cage.guidance: must be one of 'roller', 'inner', 'outer', not 'outside'",
+        ),
         ({"guidance": ["outer"]}, "cage.guidance: a text is expected, not a list"),
         ({"guidance": "outer", "land_radius": "94"}, "cage.land_radius: '94' has no unit"),
-        ({"land_width": "8 mm"}, "cage.land_width: only read for guidance = 'inner' or 'outer', not for 'roller'"),
+        (
+            {"land_width": "8 mm"},
+            "cage.land_width: only read for guidance = 'inner' or 'outer', not for 'roller'",
+        ),
         ({"drag": "churning"}, "cage.drag: a list is expected, not 'churning'; put it in [ ]"),
         ({"drags": []}, "cage.drags: unknown key, did you mean 'drag'?"),
         ({"pocket_clearance": "-0.1 mm"}, "cage.pocket_clearance: must be at least 0, not -0.1 mm"),
@@ -291,7 +330,8 @@ def test_a_fault_names_file_and_line():
         "guides the cage; give one here or in cage.guidance"
     )
     with pytest.raises(
-        PluginError, match=rf"mine.toml:{line}: cage.drag\[0\]: no drag is called 'petrof'; did you mean"
+        PluginError,
+        match=rf"mine.toml:{line}: cage.drag\[0\]: no drag is called 'petrof'; did you mean",
     ):
         _ = assemble(parse_scene(text.replace("petroff-land", "petrof"), "mine.toml")).cage
 
@@ -316,7 +356,11 @@ def test_a_resolved_cage_reads_as_the_same():
 
 
 def test_a_drag_takes_from_the_scene_what_it_is_not_given():
-    a = bearing("petroff-land", {"model": "churning", "density": "930 kg/m3", "rollers": 14}, guidance="outer")
+    a = bearing(
+        "petroff-land",
+        {"model": "churning", "density": "930 kg/m3", "rollers": 14},
+        guidance="outer",
+    )
     land, rollers = a.cage.drags.torques
     assert land == PetroffLand(
         ring="outer",
@@ -330,7 +374,12 @@ def test_a_drag_takes_from_the_scene_what_it_is_not_given():
     thick = 1 + (2.6e5 * 1e6 * nu / (6371 * 180**2)) ** 1.38
     assert rollers.oil_fraction == pytest.approx(0.05 * thick, rel=1e-12)
     assert attrs.evolve(rollers, oil_fraction=0.1) == Churning(
-        density=930.0, oil_fraction=0.1, rollers=14.0, roller_diameter=0.015, roller_length=0.015, orbit_radius=0.09
+        density=930.0,
+        oil_fraction=0.1,
+        rollers=14.0,
+        roller_diameter=0.015,
+        roller_length=0.015,
+        orbit_radius=0.09,
     )
     own = bearing(
         {"model": "petroff-land", "viscosity": "2 mPa s", "ring": "inner"}, guidance="outer"
@@ -344,14 +393,22 @@ def test_a_drag_takes_from_the_scene_what_it_is_not_given():
         ({}, "roller", ["churning", "rolling-resistance", "hysteresis"]),
         ({}, "outer", ["churning", "petroff-land", "rolling-resistance", "hysteresis"]),
         ({"supply": "grease"}, "inner", ["churning", "rolling-resistance", "hysteresis"]),
-        ({"supply": "mist"}, "inner", ["churning", "petroff-land", "rolling-resistance", "hysteresis"]),
+        (
+            {"supply": "mist"},
+            "inner",
+            ["churning", "petroff-land", "rolling-resistance", "hysteresis"],
+        ),
     ],
 )
 def test_a_cage_whose_drags_are_not_stated_has_those_of_its_supply(table, guidance, named):
-    cage = assemble(evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}, "lubrication": table})).cage
+    cage = assemble(
+        evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}, "lubrication": table})
+    ).cage
     assert [drag.name for drag in cage.drags] == named
     whole = assemble(evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}})).cage.drags
-    share = {"grease": 0.0, "mist": 0.01 / whole.torques[0].oil_fraction}.get(table.get("supply"), 1.0)
+    share = {"grease": 0.0, "mist": 0.01 / whole.torques[0].oil_fraction}.get(
+        table.get("supply"), 1.0
+    )
     assert cage.drags.torques[0].torque(300.0, 667.0, 0.0) == pytest.approx(
         share * whole.torques[0].torque(300.0, 667.0, 0.0), rel=1e-12
     )
@@ -371,9 +428,9 @@ def test_drags_that_are_stated_stay_what_they_are():
 
 def test_the_oil_of_a_drag_has_the_temperature_of_the_scene():
     cold, warm = (
-        bearing("petroff-land", guidance="inner", scene=evolve(SCENE, {"operation.temperature": T})).cage.drags.torques[
-            0
-        ]
+        bearing(
+            "petroff-land", guidance="inner", scene=evolve(SCENE, {"operation.temperature": T})
+        ).cage.drags.torques[0]
         for T in ("40 degC", "100 degC")
     )
     # MIL-L-7808: 11.6 and 2.87 mPa s
@@ -398,9 +455,15 @@ def test_density_is_that_of_the_oil():
     assert bearing("churning", scene=own).cage.drags.torques[0].density == 950.0
     falling = {"temperature": ["40 degC", "60 degC"], "value": ["900 kg/m3", "880 kg/m3"]}
     over = evolve(SCENE, {"lubricant.density": falling, "operation.temperature": "40 degC"})
-    assert bearing("churning", scene=over).cage.drags.torques[0].density == pytest.approx(900.0, rel=1e-15)
-    named = evolve(SCENE, {"operation.temperature": "15 degC"})  # read from the chart, see the oil's source
-    assert bearing("churning", scene=named).cage.drags.torques[0].density == pytest.approx(920.6, rel=1e-12)
+    assert bearing("churning", scene=over).cage.drags.torques[0].density == pytest.approx(
+        900.0, rel=1e-15
+    )
+    named = evolve(
+        SCENE, {"operation.temperature": "15 degC"}
+    )  # read from the chart, see the oil's source
+    assert bearing("churning", scene=named).cage.drags.torques[0].density == pytest.approx(
+        920.6, rel=1e-12
+    )
     of_none = evolve(SCENE, {"lubricant": oil})  # as everywhere where an oil has none
     assert bearing("churning", scene=of_none).cage.drags.torques[0].density == DENSITY
 
@@ -411,7 +474,9 @@ def test_a_resistance_reads_what_the_oil_must_give():
         conditions = attrs.evolve(assembly.inner.conditions, pressure_viscosity=float("nan"))
         return attrs.evolve(assembly, inner=attrs.evolve(assembly.inner, conditions=conditions))
 
-    with pytest.raises(SceneError, match=r"gives no pressure_viscosity .* which model 'rolling-resistance' needs"):
+    with pytest.raises(
+        SceneError, match=r"gives no pressure_viscosity .* which model 'rolling-resistance' needs"
+    ):
         _ = without(SCENE).cage
 
 
@@ -420,32 +485,50 @@ def test_a_resistance_reads_what_the_oil_must_give():
 
 def test_the_drags_are_sorted():
     drags = bearing(
-        {"model": "constant-torque", "size": "0.2 N m"}, "rolling-resistance", "pocket-friction", "hysteresis"
+        {"model": "constant-torque", "size": "0.2 N m"},
+        "rolling-resistance",
+        "pocket-friction",
+        "hysteresis",
     ).cage.drags
     assert drags == Drags(
         torques=(ConstantTorque(size=0.2),),
         resistance=TotalResistance(terms=(RollingResistance(starvation=1.0), Hysteresis())),
         pocket_friction=CoulombPocket(),
     )
-    assert [drag.name for drag in drags] == ["constant-torque", "rolling-resistance", "hysteresis", "pocket-friction"]
+    assert [drag.name for drag in drags] == [
+        "constant-torque",
+        "rolling-resistance",
+        "hysteresis",
+        "pocket-friction",
+    ]
     assert bearing("hysteresis").cage.drags.resistance == Hysteresis()
     assert list(bearing("hysteresis").cage.drags) == [Hysteresis()]
-    assert bearing("constant-torque").cage.drags.torque(300.0, 667.0, 0.0) == pytest.approx(-0.1, rel=1e-5)
+    assert bearing("constant-torque").cage.drags.torque(300.0, 667.0, 0.0) == pytest.approx(
+        -0.1, rel=1e-5
+    )
 
 
 def test_resistance_runs_behind_the_friction():
-    plain, with_both = bearing(), bearing({"model": "rolling-resistance", "inlet_heating": "none"}, "hysteresis")
+    plain = bearing()
+    with_both = bearing({"model": "rolling-resistance", "inlet_heating": "none"}, "hysteresis")
     assert plain.with_resistance() is plain
     resisting = with_both.with_resistance()
     loads = np.linspace(5e3, 5e4, 9)
     for before, after in zip(plain.raceways, resisting.raceways, strict=True):
-        one, other = before.evaluate(loads, 29.8, 0.5), after.evaluate(loads, 29.8, 0.5)
+        one = before.evaluate(loads, 29.8, 0.5)
+        other = after.evaluate(loads, 29.8, 0.5)
         np.testing.assert_array_equal(other.friction, one.friction)
         assert np.all(np.isnan(one.resistance))
         c = after.conditions
         a = 2.0796226511 * np.sqrt(c.viscosity * 29.8 * loads)
         GU = c.pressure_viscosity * c.viscosity * 29.8 / c.radius
-        b = 4.318 * c.radius / c.pressure_viscosity * GU**0.658 * (loads / (c.modulus * c.radius)) ** 0.0126
+        b = (
+            4.318
+            * c.radius
+            / c.pressure_viscosity
+            * GU**0.658
+            * (loads / (c.modulus * c.radius)) ** 0.0126
+        )
         steel = 0.01 * loads * other.half_width / (3 * np.pi * c.radius)
         np.testing.assert_allclose(other.resistance, (a**-5 + b**-5) ** -0.2 + steel, rtol=1e-12)
     # the bearing itself stays as it is
@@ -471,10 +554,23 @@ def test_a_drag_of_this_process_is_taken(monkeypatch):
 
 
 def test_sweeps_over_names_of_bearings_take_the_cage_of_each():
-    scene = parse_scene(NAMED + "[study.steady-slip]\n[accuracy]\ntolerance = 1e-2\nslices = 5\n", "mine.toml")
+    scene = parse_scene(
+        NAMED + "[study.steady-slip]\n[accuracy]\ntolerance = 1e-2\nslices = 5\n", "mine.toml"
+    )
     names = ["NU 2312 ECP", "NU 2312 MA"]
-    swept = sweep(scene, {"bearing.name": names}, study="steady-slip", output=["friction_torque"], engine="serial")
-    alone = [run(evolve(scene, {"bearing.name": name}), "steady-slip").friction_torque[0] for name in names]
+    swept = sweep(
+        scene,
+        {"bearing.name": names},
+        study="steady-slip",
+        output=["friction_torque"],
+        engine="serial",
+    )
+    alone = [
+        run(evolve(scene, {"bearing.name": name}), "steady-slip").friction_torque[0]
+        for name in names
+    ]
     # a run plans for its own bearing, and a sweep for that of the scene: each keeps the tolerance
-    assert swept.friction_torque.values.ravel() == pytest.approx([float(one) for one in alone], rel=1e-2)
+    assert swept.friction_torque.values.ravel() == pytest.approx(
+        [float(one) for one in alone], rel=1e-2
+    )
     assert alone[1] > 1.1 * alone[0]  # the cages tell them apart

@@ -119,7 +119,9 @@ def test_every_member_arrives_under_its_name(language):
         seen["n"] = part.n if language == "C" else len(part.friction)
 
     capsule = foreign_capsule(lambda part: keep(part) or 0) if language == "C" else None
-    stage = Stage(keep, capsule, reads=frozenset(COLUMNS))  # where slices are is there for who reads it
+    stage = Stage(
+        keep, capsule, reads=frozenset(COLUMNS)
+    )  # where slices are is there for who reads it
     slices = marked()
     Chain(stage)(slices)
     assert seen.pop("n") == 3
@@ -164,7 +166,9 @@ def results(slices):
 N = 1000
 
 
-@pytest.mark.parametrize("models", [mixed(), [NumpyForm(Palmgren()), Regime(), LambdaBlend()]], ids=["mixed", "other"])
+@pytest.mark.parametrize(
+    "models", [mixed(), [NumpyForm(Palmgren()), Regime(), LambdaBlend()]], ids=["mixed", "other"]
+)
 @pytest.mark.parametrize("block", [1, 7, 256, N, 0, 10 * N])
 def test_results_do_not_depend_on_the_block(models, block):
     def at(block):
@@ -178,7 +182,8 @@ def test_results_do_not_depend_on_the_block(models, block):
 @settings(max_examples=25)
 @given(order=st.permutations(range(40)), block=st.sampled_from([1, 7, 256, 0]))
 def test_results_do_not_depend_on_the_order_of_slices(order, block):
-    straight, shuffled = bearing_slices(40), bearing_slices(40)
+    straight = bearing_slices(40)
+    shuffled = bearing_slices(40)
     shuffled._table[:] = shuffled._table[:, order]
     for slices in (straight, shuffled):
         Chain(*mixed(), block=block)(slices)
@@ -186,7 +191,8 @@ def test_results_do_not_depend_on_the_order_of_slices(order, block):
 
 
 def test_one_chain_gives_the_same_bits_in_eight_threads():
-    chain, expected = Chain(*mixed(), block=64), []
+    chain = Chain(*mixed(), block=64)
+    expected = []
     for k in range(8):
         expected.append(bearing_slices(N + k))
         chain(expected[-1])
@@ -207,15 +213,18 @@ def test_compiled_blocks_run_without_the_gil():
     With an endless switch interval no thread is made to yield: the ticker lives in the moments in which the GIL is
     given up, by its own sleep or by the chain. Held through the call, not one tick would fall into it.
     """
-    ticks, stop = [0], threading.Event()
+    ticks = [0]
+    stop = threading.Event()
 
     def tick():
         while not stop.is_set():
             ticks[0] += 1
             time.sleep(1e-5)
 
-    chain, slices = Chain(MaxwellEyring()), bearing_slices(100_000)
-    interval, ticker = sys.getswitchinterval(), threading.Thread(target=tick)
+    chain = Chain(MaxwellEyring())
+    slices = bearing_slices(100_000)
+    interval = sys.getswitchinterval()
+    ticker = threading.Thread(target=tick)
     sys.setswitchinterval(1000.0)
     ticker.start()
     try:
@@ -237,10 +246,20 @@ def test_compiled_blocks_run_without_the_gil():
 def test_rows_of_speeds_are_as_the_table_at_each_of_them(rollers, size):
     """Compiled, mixed and guarded tables in one go; sums within the rounding of as many terms."""
     rng = np.random.default_rng(size)
-    u, V, weight, owner = 10 + rng.random((9, rollers)), rng.random((9, rollers)), rng.random(size), np.arange(size) % 3
-    chains = [Chain(Moes(), Muraki()), Chain(*mixed()), Chain(Moes(), Muraki(), bounds=[lambda slices: None])]
+    u = 10 + rng.random((9, rollers))
+    V = rng.random((9, rollers))
+    weight = rng.random(size)
+    owner = np.arange(size) % 3
+    chains = [
+        Chain(Moes(), Muraki()),
+        Chain(*mixed()),
+        Chain(Moes(), Muraki(), bounds=[lambda slices: None]),
+    ]
     tables = [bearing_slices(size) for _ in chains]
-    jobs = [(chain.bind(table), u, V, owner, weight) for chain, table in zip(chains, tables, strict=True)]
+    jobs = [
+        (chain.bind(table), u, V, owner, weight)
+        for chain, table in zip(chains, tables, strict=True)
+    ]
     found = along(jobs)
     assert np.array_equal(found[0][0], found[2][0])  # bounds change no bit
     for chain, (sums, films) in zip(chains, found, strict=True):
@@ -248,7 +267,8 @@ def test_rows_of_speeds_are_as_the_table_at_each_of_them(rollers, size):
         expected = bearing_slices(size)
         for k in range(9):
             of = owner if rollers > 1 else 0 * owner
-            expected.rolling_speed[:], expected.sliding_speed[:] = u[k][of], V[k][of]
+            expected.rolling_speed[:] = u[k][of]
+            expected.sliding_speed[:] = V[k][of]
             chain(expected)
             true = math.fsum(expected.friction * weight)
             assert abs(sums[k] - true) <= 4.0 * max(size, 1) * np.finfo(float).eps * true
@@ -257,8 +277,12 @@ def test_rows_of_speeds_are_as_the_table_at_each_of_them(rollers, size):
 
 def test_of_rows_of_speeds_the_first_that_is_refused_is_named():
     u = np.array([[10.0], [12.0], [-7.0], [-8.0]])
-    chain, owner = Chain(Moes(), Muraki()), np.zeros(5, dtype=np.intp)
-    jobs = [(chain.bind(bearing_slices()), speeds, 0.1 * speeds, owner, np.ones(5)) for speeds in (u[:2], u)]
+    chain = Chain(Moes(), Muraki())
+    owner = np.zeros(5, dtype=np.intp)
+    jobs = [
+        (chain.bind(bearing_slices()), speeds, 0.1 * speeds, owner, np.ones(5))
+        for speeds in (u[:2], u)
+    ]
     with pytest.raises(DomainError, match=r"moes: rolling_speed = -7 m/s at slice 0"):
         along(jobs)
     assert chain.evaluated == 25
@@ -278,7 +302,13 @@ def test_of_rows_of_speeds_the_first_that_is_refused_is_named():
     ],
 )
 def test_rows_of_speeds_that_do_not_fit_the_table_are_refused(changed, said):
-    given = [Chain(Moes()).bind(bearing_slices()), np.ones((3, 1)), np.ones((3, 1)), np.arange(5), np.ones(5)]
+    given = [
+        Chain(Moes()).bind(bearing_slices()),
+        np.ones((3, 1)),
+        np.ones((3, 1)),
+        np.arange(5),
+        np.ones(5),
+    ]
     for k, value in changed.items():
         given[k] = value
     with pytest.raises(ValueError, match=said):
@@ -301,7 +331,9 @@ def test_an_empty_table_is_done_at_once(block):
     Chain(*STAGES[3:8], block=block)(Slices(0, BEARING))
     Chain(Stage(lambda part: pytest.fail("called for nothing")), block=block)(Slices(0, BEARING))
     Chain(block=block)(bearing_slices())
-    with pytest.raises(DomainError, match="needs modulus"):  # the conditions of no slices are still conditions
+    with pytest.raises(
+        DomainError, match="needs modulus"
+    ):  # the conditions of no slices are still conditions
         Chain(Palmgren(), block=block)(Slices(0))
 
 
@@ -321,16 +353,21 @@ def test_a_python_stage_cannot_change_its_inputs(name, child):
     def spoil(part):
         getattr(part, name)[:] = 0.0
 
-    slices, stage = bearing_slices(), Stage(spoil, reads=frozenset({name} & {*PLACES}))
+    slices = bearing_slices()
+    stage = Stage(spoil, reads=frozenset({name} & {*PLACES}))
     for place in PLACES:
         getattr(slices, place)[:] = 1.0
     with pytest.raises(ValueError, match="read-only"):
         Chain(LambdaBlend(boundary=stage) if child else stage)(slices)
-    np.testing.assert_array_equal(getattr(slices, name), 1.0 if name in PLACES else getattr(bearing_slices(), name))
+    np.testing.assert_array_equal(
+        getattr(slices, name), 1.0 if name in PLACES else getattr(bearing_slices(), name)
+    )
 
 
 @pytest.mark.parametrize("child", [False, True], ids=["stage", "child of a blend"])
-@pytest.mark.parametrize("error", [ZeroDivisionError("by me"), KeyError("k"), OwnError(1, 2), DomainError("no")])
+@pytest.mark.parametrize(
+    "error", [ZeroDivisionError("by me"), KeyError("k"), OwnError(1, 2), DomainError("no")]
+)
 def test_an_error_in_a_python_stage_comes_through_as_it_is(child, error):
     def fail(part):
         raise error
@@ -374,7 +411,9 @@ def test_later_stages_and_blocks_do_not_run_after_an_error():
             raise KeyError
 
     with pytest.raises(KeyError):
-        Chain(Stage(second_time), Stage(lambda part: calls.append("later stage")), block=2)(bearing_slices(9))
+        Chain(Stage(second_time), Stage(lambda part: calls.append("later stage")), block=2)(
+            bearing_slices(9)
+        )
     assert calls == ["first stage", "later stage", "first stage"]
 
 
@@ -398,7 +437,9 @@ def test_models_live_as_long_as_their_chain_and_no_longer(wrap):
     def bound():
         model = wrap(Mortal())
         capsule = model.kernel() or compiled.python_stage(model.evaluate, model.writes)
-        return compiled.Chain([(capsule, {}, frozenset({"friction"}))]), weakref.ref(getattr(model, "boundary", model))
+        return compiled.Chain([(capsule, {}, frozenset({"friction"}))]), weakref.ref(
+            getattr(model, "boundary", model)
+        )
 
     chain, alive = bound()
     gc.collect()
@@ -436,10 +477,16 @@ def test_a_range_with_two_ends_is_shown():
     stage = Stage(lambda part: None, domain={"load": (1.0, 2.0), "radius": (0.5, 1.0)})
     with pytest.raises(DomainError) as error:
         Chain(stage)(bearing_slices())
-    assert str(error.value) == "made-in-a-test: radius = 0.006875 m is outside its domain (>= 0.5 and <= 1)"
+    assert (
+        str(error.value)
+        == "made-in-a-test: radius = 0.006875 m is outside its domain (>= 0.5 and <= 1)"
+    )
     with pytest.raises(DomainError) as error:
         Chain(stage)(bearing_slices(conditions=attrs.evolve(BEARING, radius=0.5)))
-    assert str(error.value) == "made-in-a-test: load = 10000 N/m at slice 0 is outside its domain (>= 1 and <= 2)"
+    assert (
+        str(error.value)
+        == "made-in-a-test: load = 10000 N/m at slice 0 is outside its domain (>= 1 and <= 2)"
+    )
 
 
 def test_the_first_bad_slice_of_the_first_stage_is_reported():
@@ -462,7 +509,9 @@ def test_a_condition_that_nobody_gave_is_asked_for():
 def test_a_column_that_nobody_filled_is_refused():
     needs = "muraki: slice 0 has no film_thickness .*; give it, or put a stage that fills it before this one"
     with pytest.raises(DomainError, match=needs):
-        Chain(Palmgren(), Barus(), Muraki())(Slices(2, BEARING, load=1e4, rolling_speed=10.0, sliding_speed=0.1))
+        Chain(Palmgren(), Barus(), Muraki())(
+            Slices(2, BEARING, load=1e4, rolling_speed=10.0, sliding_speed=0.1)
+        )
 
 
 @pytest.mark.parametrize("block", [1, 2, 0])
@@ -475,7 +524,9 @@ def test_a_result_that_is_not_finite_is_refused(block, bad, language):
 
     slices = spoiled("regime", 7.0)
     capsule = foreign_capsule(lambda part: write(part) or 0) if language == "C" else None
-    with pytest.raises(DomainError, match="made-in-a-test: slice 3 gives a friction that is not finite"):
+    with pytest.raises(
+        DomainError, match="made-in-a-test: slice 3 gives a friction that is not finite"
+    ):
         Chain(Stage(write, capsule), Kragelsky(), block=block)(slices)
 
 
@@ -483,7 +534,10 @@ def test_a_result_that_is_not_finite_is_refused(block, bad, language):
 def test_overflow_inside_a_law_is_refused(model):
     """exp(alpha p) overflows at alpha p = 710."""
     slices = spoiled("pressure", 800 / BEARING.pressure_viscosity)
-    with np.errstate(all="ignore"), pytest.raises(DomainError, match=f"{model.name}: slice 3 gives a film_viscosity"):
+    with (
+        np.errstate(all="ignore"),
+        pytest.raises(DomainError, match=f"{model.name}: slice 3 gives a film_viscosity"),
+    ):
         Chain(model)(slices)
 
 
@@ -527,7 +581,9 @@ def test_a_status_from_inside_a_blend_names_the_slice_of_the_table(block, which,
 
 
 @pytest.mark.parametrize("code", [PYTHON_RAISED, -2, -1000, 601, 100_000])
-@pytest.mark.parametrize("wrap", [lambda s: s, lambda s: LambdaBlend(boundary=s)], ids=["stage", "child of a blend"])
+@pytest.mark.parametrize(
+    "wrap", [lambda s: s, lambda s: LambdaBlend(boundary=s)], ids=["stage", "child of a blend"]
+)
 def test_a_status_that_does_not_exist_is_the_plugins_fault(code, wrap):
     """-1 without a Python error, other negative numbers, and more than the block has slices."""
     model = wrap(Stage(capsule=status_where("regime", 7.0, lambda i: code)))
@@ -557,7 +613,9 @@ def test_a_blend_evaluates_a_child_only_where_it_is_needed(form, n):
     slices = bearing_slices(n)
     slices.load[:] = np.arange(n)
     film_parameter = slices.film_thickness / BEARING.roughness
-    Chain(form(LambdaBlend(boundary=child("boundary", 0.1), hydrodynamic=child("hydrodynamic", 0.02))))(slices)
+    Chain(
+        form(LambdaBlend(boundary=child("boundary", 0.1), hydrodynamic=child("hydrodynamic", 0.02)))
+    )(slices)
     assert seen["boundary"] == np.flatnonzero(film_parameter < 1.5).tolist()
     assert seen["hydrodynamic"] == np.flatnonzero(film_parameter > 0.01).tolist()
     assert np.all(slices.friction[film_parameter <= 0.01] == 0.1)
@@ -590,7 +648,9 @@ def test_a_gathered_child_sees_the_columns_of_its_slices():
         getattr(slices, name)[:] = row * 1000.0 + np.arange(600)
     thin = np.arange(600) % 3 == 0
     slices.film_thickness[:] = BEARING.roughness * np.where(thin, 1e-3, 10.0)
-    Chain(LambdaBlend(boundary=Stage(evaluate, reads=frozenset(PLACES)), hydrodynamic=Constant()))(slices)
+    Chain(LambdaBlend(boundary=Stage(evaluate, reads=frozenset(PLACES)), hydrodynamic=Constant()))(
+        slices
+    )
     np.testing.assert_array_equal(slices.friction[thin], np.arange(600)[thin])
 
 
@@ -600,13 +660,22 @@ DONE = staticmethod(lambda part: 0)
 NOT_CAPSULES = [42, "capsule", object(), lambda: None]
 WRONG = [
     *[
-        (lambda thing=thing: thing, "must return None or a capsule named 'rollslip.slice_model.v1', got")
+        (
+            lambda thing=thing: thing,
+            "must return None or a capsule named 'rollslip.slice_model.v1', got",
+        )
         for thing in NOT_CAPSULES
     ],
     (lambda: foreign_capsule(DONE, name=b"someone.else.v1"), "must return None or a capsule named"),
     (lambda: foreign_capsule(DONE, name=None), "must return None or a capsule named"),
-    (lambda: foreign_capsule(DONE, abi=0), "was built for ABI 0 of rollslip.h, this is 1: rebuild it against this"),
-    (lambda: foreign_capsule(DONE, abi=2), "was built for ABI 2 of rollslip.h, this is 1: rebuild it against this"),
+    (
+        lambda: foreign_capsule(DONE, abi=0),
+        "was built for ABI 0 of rollslip.h, this is 1: rebuild it against this",
+    ),
+    (
+        lambda: foreign_capsule(DONE, abi=2),
+        "was built for ABI 2 of rollslip.h, this is 1: rebuild it against this",
+    ),
     (
         lambda: foreign_capsule(DONE, size=ctypes.sizeof(RsSlices) + 8),
         f"reads {ctypes.sizeof(RsSlices) + 8} bytes of rs_slices, this rollslip has {ctypes.sizeof(RsSlices)}: "
@@ -641,7 +710,9 @@ def test_a_kernel_built_against_a_shorter_structure_still_runs():
 
 
 def test_columns_are_checked_by_name():
-    with pytest.raises(TypeError, match="Slices has no column 'freezing'; it has approach, rolling_speed"):
+    with pytest.raises(
+        TypeError, match="Slices has no column 'freezing'; it has approach, rolling_speed"
+    ):
         Slices(2, freezing=1.0)
     assert len(Slices(3)) == 3
     assert np.isnan(Slices(3).load).all()

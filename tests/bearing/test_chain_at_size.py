@@ -28,7 +28,8 @@ from rollslip_plugins.traction.boundary import Kragelsky
 from rollslip_plugins.traction.eyring import Muraki
 
 PAPER = (Palmgren(), Moes(), Barus(), LambdaBlend(boundary=Kragelsky(), hydrodynamic=Muraki()))
-PART, LARGE = chain_module._PART, chain_module._LARGE
+PART = chain_module._PART
+LARGE = chain_module._LARGE
 
 
 def contacts(n, conditions=BEARING):
@@ -85,7 +86,9 @@ def test_all_columns_of_a_new_table_are_its_own_rows():
 
 @pytest.mark.parametrize("n", [0, 1, 16, 300, LARGE])
 def test_a_bound_chain_gives_what_the_chain_gives(n):
-    chain, slices, expected = Chain(*PAPER), contacts(n), contacts(n)
+    chain = Chain(*PAPER)
+    slices = contacts(n)
+    expected = contacts(n)
     evaluate = chain.bind(slices)
     for load in (1e4, 2e4):
         slices.load = load
@@ -108,7 +111,8 @@ def test_a_bound_chain_keeps_its_table_and_its_models():
 
 
 def test_a_bound_chain_sees_replaced_conditions_and_columns():
-    slices, hot = contacts(20), attrs.evolve(BEARING, viscosity=2e-3)
+    slices = contacts(20)
+    hot = attrs.evolve(BEARING, viscosity=2e-3)
     evaluate = Chain(*PAPER).bind(slices)
     evaluate()
     slices.conditions = hot
@@ -127,7 +131,8 @@ def test_a_bound_chain_sees_replaced_conditions_and_columns():
 
 
 def test_a_bound_chain_refuses_as_the_chain_does():
-    chain, slices = Chain(*PAPER), contacts(300)
+    chain = Chain(*PAPER)
+    slices = contacts(300)
     evaluate = chain.bind(slices)
     slices.load[290] = -1.0
     slices.sliding_speed[280] = np.nan
@@ -135,7 +140,11 @@ def test_a_bound_chain_refuses_as_the_chain_does():
         evaluate()
     with pytest.raises(DomainError) as plain:
         chain(slices)
-    assert str(bound.value) == str(plain.value) == "palmgren: load = -1 N/m at slice 290 is outside its domain (> 0)"
+    assert (
+        str(bound.value)
+        == str(plain.value)
+        == "palmgren: load = -1 N/m at slice 290 is outside its domain (> 0)"
+    )
     failing = Chain(Stage(lambda part: (_ for _ in ()).throw(OwnError("mine")))).bind(slices)
     with pytest.raises(OwnError, match="mine"):
         failing()
@@ -162,7 +171,9 @@ def test_a_stage_may_call_the_bound_chain_it_belongs_to():
 def test_bound_calls_from_threads_see_whole_conditions():
     """One thread replaces the conditions while eight call: every film is that of one of them, in every slice."""
     slices = Slices(64, BEARING, load=2e4, rolling_speed=20.0)
-    evaluate, films, thin = Chain(Moes()).bind(slices), set(), attrs.evolve(BEARING, viscosity=1e-3)
+    evaluate = Chain(Moes()).bind(slices)
+    films = set()
+    thin = attrs.evolve(BEARING, viscosity=1e-3)
     known = set()
     for conditions in (BEARING, thin):
         slices.conditions = conditions
@@ -185,7 +196,8 @@ def test_bound_calls_from_threads_see_whole_conditions():
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, -1.0, 0.0, -0.0, 5e-324, 1e200])
 def test_the_refusal_is_that_of_stages_one_by_one(member, value):
     """Checks of several stages are made at once; a table that they stop is gone through one stage at a time."""
-    slices, steps = contacts(300), contacts(300)
+    slices = contacts(300)
+    steps = contacts(300)
     for table in (slices, steps):
         getattr(table, member)[270] = value
 
@@ -210,7 +222,8 @@ def test_the_refusal_is_that_of_stages_one_by_one(member, value):
 @pytest.mark.parametrize("count", [1, 2, 3, 8])
 @pytest.mark.parametrize("n", [LARGE - 1, LARGE, LARGE + 77, 4 * LARGE + 1])
 def test_the_number_of_threads_changes_no_bit(count, n):
-    one, shared = contacts(n), contacts(n)
+    one = contacts(n)
+    shared = contacts(n)
     Chain(*PAPER, threads=1)(one)
     chain = Chain(*PAPER, threads=count)
     chain(shared)
@@ -219,12 +232,16 @@ def test_the_number_of_threads_changes_no_bit(count, n):
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 8])
-@pytest.mark.parametrize("places", [(0,), (PART,), (3 * PART - 1, 5 * PART + 3), (6 * PART + 4, 7 * PART)])
+@pytest.mark.parametrize(
+    "places", [(0,), (PART,), (3 * PART - 1, 5 * PART + 3), (6 * PART + 4, 7 * PART)]
+)
 def test_the_first_refused_slice_is_named_whatever_the_threads(count, places):
     slices = contacts(8 * PART + 5)
     for place in places:
         slices.rolling_speed[place] = -1.0
-    with pytest.raises(DomainError, match=rf"^moes: rolling_speed = -1 m/s at slice {places[0]} is outside"):
+    with pytest.raises(
+        DomainError, match=rf"^moes: rolling_speed = -1 m/s at slice {places[0]} is outside"
+    ):
         Chain(*PAPER, threads=count)(slices)
     slices = contacts(8 * PART + 5)
     slices.regime = 0.0
@@ -234,7 +251,9 @@ def test_the_first_refused_slice_is_named_whatever_the_threads(count, places):
         bad = [i for i in range(part.n) if part.regime[i] == 7.0]
         return bad[0] + 1 if bad else 0
 
-    with pytest.raises(DomainError, match=rf"^made-in-a-test: slice {places[0]} is outside its domain$"):
+    with pytest.raises(
+        DomainError, match=rf"^made-in-a-test: slice {places[0]} is outside its domain$"
+    ):
         Chain(Stage(capsule=foreign_capsule(evaluate), writes=frozenset()), threads=count)(slices)
 
 
@@ -245,7 +264,9 @@ def test_a_condition_is_refused_before_any_thread_writes():
     assert np.isnan(slices.half_width).all()
 
 
-@pytest.mark.parametrize("wrap", [lambda s: s, lambda s: LambdaBlend(boundary=s)], ids=["stage", "child of a blend"])
+@pytest.mark.parametrize(
+    "wrap", [lambda s: s, lambda s: LambdaBlend(boundary=s)], ids=["stage", "child of a blend"]
+)
 def test_python_stages_run_in_the_thread_that_calls(wrap):
     threads = set()
 
@@ -263,7 +284,9 @@ def test_python_stages_run_in_the_thread_that_calls(wrap):
 def in_new_process(code, **environment):
     done = subprocess.run(
         [sys.executable, "-c", code],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])} | environment,
+        env=os.environ
+        | {"PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])}
+        | environment,
         capture_output=True,
         text=True,
         timeout=120,
@@ -273,12 +296,16 @@ def in_new_process(code, **environment):
 
 
 USE = (
-    "import os, _thread, threading, time; import numpy as np\nfrom test_chain_at_size import *; chain = Chain(*PAPER)\n"
+    "import os, _thread, threading, time; import numpy as np\nfrom "
+    "test_chain_at_size import *; chain = Chain(*PAPER)\n"
 )
 
 
 def test_threads_are_made_for_large_tables_only():
-    code = USE + "for n in (16, LARGE - 1, 2 * LARGE): chain(contacts(n)); time.sleep(0.2); print(1 + _thread._count())"
+    code = (
+        USE
+        + "for n in (16, LARGE - 1, 2 * LARGE): chain(contacts(n)); time.sleep(0.2); print(1 + _thread._count())"
+    )
     assert in_new_process(code, ROLLSLIP_THREADS="3") == ["1", "1", "3"]
     assert in_new_process(code, ROLLSLIP_THREADS="1") == ["1", "1", "1"]
 
@@ -418,7 +445,9 @@ def growth(n):
     return [int(value) for value in in_new_process(code, ROLLSLIP_THREADS="2")]
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ru_maxrss has other units elsewhere")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="ru_maxrss has other units elsewhere"
+)
 @pytest.mark.parametrize("n", [10**6, pytest.param(10**7, marks=pytest.mark.slow)])
 def test_memory_is_that_of_the_table(n):
     traced, held, table = growth(n)
@@ -429,7 +458,9 @@ def test_memory_is_that_of_the_table(n):
 
 def test_calls_leave_nothing_behind():
     """Neither the chain nor a bound one; a refusal leaves no more than an exception that is dropped."""
-    chain, slices, bad = Chain(*PAPER), contacts(16), contacts(16)
+    chain = Chain(*PAPER)
+    slices = contacts(16)
+    bad = contacts(16)
     evaluate = chain.bind(slices)
     bad.load = -1.0
 
@@ -473,7 +504,14 @@ BRANCHES = {
 }
 
 
-FILLED = ("half_width", "pressure", "film_thickness", "film_viscosity", "film_thermoviscosity", "friction")
+FILLED = (
+    "half_width",
+    "pressure",
+    "film_thickness",
+    "film_viscosity",
+    "film_thermoviscosity",
+    "friction",
+)
 
 
 def wide_conditions(rng):
@@ -482,9 +520,17 @@ def wide_conditions(rng):
     def factor(decades):
         return 10.0 ** rng.uniform(-decades, decades)
 
-    changes = {"viscosity": 1.0, "pressure_viscosity": 0.5, "roughness": 0.7, "eyring_stress": 0.5, "radius": 0.3}
+    changes = {
+        "viscosity": 1.0,
+        "pressure_viscosity": 0.5,
+        "roughness": 0.7,
+        "eyring_stress": 0.5,
+        "radius": 0.3,
+    }
     changes |= {"shear_modulus": 2.0, "conductivity": 0.2, "thermoviscosity": 0.3}
-    return attrs.evolve(BEARING, **{name: getattr(BEARING, name) * factor(d) for name, d in changes.items()})
+    return attrs.evolve(
+        BEARING, **{name: getattr(BEARING, name) * factor(d) for name, d in changes.items()}
+    )
 
 
 def exact_chain(conditions, columns):
@@ -494,10 +540,16 @@ def exact_chain(conditions, columns):
         members |= fifty_digits.exact(model.name, model, members)
     with mpmath.workdps(50):
         m = {name: mpmath.mpf(value) for name, value in members.items()}
-        sigma = m["film_viscosity"] * abs(m["sliding_speed"]) / (m["eyring_stress"] * m["film_thickness"])
+        sigma = (
+            m["film_viscosity"]
+            * abs(m["sliding_speed"])
+            / (m["eyring_stress"] * m["film_thickness"])
+        )
         deborah = m["film_viscosity"] * m["rolling_speed"] / (m["shear_modulus"] * m["half_width"])
         U, G, W = fifty_digits.groups(m)
-        ramp = m["sliding_speed"] != 0 and abs(m["friction"]) * m["pressure"] == (m["eyring_stress"] * sigma / deborah)
+        ramp = m["sliding_speed"] != 0 and abs(m["friction"]) * m["pressure"] == (
+            m["eyring_stress"] * sigma / deborah
+        )
         return members, {
             "film_parameter": m["film_thickness"] / m["roughness"],
             "sigma": sigma,
@@ -509,11 +561,9 @@ def exact_chain(conditions, columns):
 
 def chain_error(cases, each):
     """Worst relative error of every filled column over drawn slices, and the branches they took."""
-    rng, worst, taken = (
-        np.random.default_rng(11),
-        dict.fromkeys(("film_thickness", "film_viscosity", "friction"), 0),
-        {},
-    )
+    rng = np.random.default_rng(11)
+    worst = dict.fromkeys(("film_thickness", "film_viscosity", "friction"), 0)
+    taken = {}
     for _ in range(cases):
         conditions = wide_conditions(rng)
         columns = {
@@ -521,13 +571,18 @@ def chain_error(cases, each):
             "rolling_speed": 10.0 ** rng.uniform(-3, 2, each),
         }
         ratio = 10.0 ** rng.uniform(-7, 0, each) * rng.choice([-1.0, 1.0], each)
-        columns["sliding_speed"] = np.where(rng.random(each) < 0.1, 0.0, ratio * columns["rolling_speed"])
+        columns["sliding_speed"] = np.where(
+            rng.random(each) < 0.1, 0.0, ratio * columns["rolling_speed"]
+        )
         slices = Slices(each, conditions, **columns)
         Chain(*PAPER)(slices)
         for i in range(each):
-            members, signs = exact_chain(conditions, {name: float(values[i]) for name, values in columns.items()})
+            members, signs = exact_chain(
+                conditions, {name: float(values[i]) for name, values in columns.items()}
+            )
             for name in worst:
-                found, truth = float(getattr(slices, name)[i]), members[name]
+                found = float(getattr(slices, name)[i])
+                truth = members[name]
                 error = abs(float((found - truth) / truth)) if truth else abs(found)
                 worst[name] = max(worst[name], error)
             for branch, holds in BRANCHES.items():

@@ -64,7 +64,10 @@ def test_a_first_maximum_is_located_beside_a_larger_one_or_a_rise_to_the_end(fir
     assert found.first_slip == pytest.approx(top, rel=1e-6)
     assert found.first_friction == pytest.approx(1.0, rel=1e-12)
     if end > 0.5:
-        assert (found.slip, found.friction) == (pytest.approx(0.5, rel=1e-6), pytest.approx(2.0, rel=1e-12))
+        assert (found.slip, found.friction) == (
+            pytest.approx(0.5, rel=1e-6),
+            pytest.approx(2.0, rel=1e-12),
+        )
     else:
         assert np.isnan(found.slip)
 

@@ -30,7 +30,8 @@ class PowerLaw(SliceModel):
     name = "power law"
     equation = "w = k d^p"
     references = ()
-    reads, writes = frozenset({"approach"}), frozenset({"load", "stiffness"})
+    reads = frozenset({"approach"})
+    writes = frozenset({"load", "stiffness"})
     domain: ClassVar = {}
     coefficient: float
     exponent: float
@@ -53,15 +54,20 @@ def power_law(coefficient, exponent):
 
 def loads_of(law, approach):
     """Load per length and stiffness after a law of `power_law`."""
-    (model,), d = law[0].deflection.models, np.maximum(approach, 0.0)
-    slices = Slices.of_columns(Conditions(), {"approach": d, "load": np.empty_like(d), "stiffness": np.empty_like(d)})
+    (model,) = law[0].deflection.models
+    d = np.maximum(approach, 0.0)
+    slices = Slices.of_columns(
+        Conditions(), {"approach": d, "load": np.empty_like(d), "stiffness": np.empty_like(d)}
+    )
     model.evaluate(slices)
     return slices.load, slices.stiffness
 
 
 def iso16281(length=LENGTH):
     """One of two equal contacts that make Q = 35948 l^(8/9) delta^(10/9) in series [N, mm]."""
-    return power_law(35948 * 2 ** (10 / 9) * (length * 1e3) ** (-1 / 9) * 1e3 * 1e3 ** (10 / 9), 10 / 9)
+    return power_law(
+        35948 * 2 ** (10 / 9) * (length * 1e3) ** (-1 / 9) * 1e3 * 1e3 ** (10 / 9), 10 / 9
+    )
 
 
 def palmgren(length=LENGTH):
@@ -81,14 +87,23 @@ def case(Z=28, instants=4, slices=1, shape="none", drop=None, psi=None, **change
 def check(case, solved, law=None, tolerance=2e-12):
     """Balance of forces and moments, and loads that belong to the position reported."""
     law = law or iso16281()
-    s, width = solved, LENGTH / case.drop.size
-    scale = max(case.radial_load, case.centrifugal_force, s.outer_force.max(), s.inner_force.max(), 1e-300)
+    s = solved
+    width = LENGTH / case.drop.size
+    scale = max(
+        case.radial_load, case.centrifugal_force, s.outer_force.max(), s.inner_force.max(), 1e-300
+    )
     for load, force in ((s.inner_load, s.inner_force), (s.outer_load, s.outer_force)):
         assert np.all(load >= 0.0)
         assert load.sum(axis=-1) * width == pytest.approx(force, abs=1e-13 * scale)
-    assert np.sum(s.inner_force * np.cos(s.psi), axis=1) == pytest.approx(case.radial_load, abs=tolerance * scale)
-    assert np.sum(s.inner_force * np.sin(s.psi), axis=1) == pytest.approx(0.0, abs=tolerance * scale)
-    assert s.outer_force == pytest.approx(s.inner_force + case.centrifugal_force, abs=tolerance * scale)
+    assert np.sum(s.inner_force * np.cos(s.psi), axis=1) == pytest.approx(
+        case.radial_load, abs=tolerance * scale
+    )
+    assert np.sum(s.inner_force * np.sin(s.psi), axis=1) == pytest.approx(
+        0.0, abs=tolerance * scale
+    )
+    assert s.outer_force == pytest.approx(
+        s.inner_force + case.centrifugal_force, abs=tolerance * scale
+    )
     moments = (s.inner_load @ s.position, s.outer_load @ s.position)
     assert moments[0] * width == pytest.approx(moments[1] * width, abs=tolerance * scale * LENGTH)
     held = np.sum(moments[0] * width * np.cos(s.psi), axis=1)
@@ -96,15 +111,24 @@ def check(case, solved, law=None, tolerance=2e-12):
     assert max(s.force_residual, s.moment_residual) < tolerance
     assert s.iterations < 60
 
-    cos, sin = np.cos(s.psi)[..., None], np.sin(s.psi)[..., None]
+    cos = np.cos(s.psi)[..., None]
+    sin = np.sin(s.psi)[..., None]
     roller = s.roller_shift[..., None] + s.roller_tilt[..., None] * s.position
-    dx, dy = s.displacement[:, 0, None, None], s.displacement[:, 1, None, None]
+    dx = s.displacement[:, 0, None, None]
+    dy = s.displacement[:, 1, None, None]
     ring = dx * cos + dy * sin - case.radial_clearance / 2 + case.misalignment * s.position * cos
-    size = np.abs(s.displacement).max() + abs(case.radial_clearance) + abs(case.misalignment) * LENGTH
+    size = (
+        np.abs(s.displacement).max() + abs(case.radial_clearance) + abs(case.misalignment) * LENGTH
+    )
     size += np.abs(s.roller_shift).max() + case.drop.max()
-    for approach, load in ((ring - roller - case.drop, s.inner_load), (roller - case.drop, s.outer_load)):
+    for approach, load in (
+        (ring - roller - case.drop, s.inner_load),
+        (roller - case.drop, s.outer_load),
+    ):
         stiffness = loads_of(law, np.array([size + 1e-12]))[1][0]
-        assert load == pytest.approx(loads_of(law, approach)[0], abs=1e-13 * size * stiffness + 1e-12 * load.max())
+        assert load == pytest.approx(
+            loads_of(law, approach)[0], abs=1e-13 * size * stiffness + 1e-12 * load.max()
+        )
 
 
 def test_values_two_independent_programs_agree_on():
@@ -119,12 +143,15 @@ def test_values_two_independent_programs_agree_on():
 @pytest.mark.parametrize("load", [1e-2, 3415.0, 1e6])
 def test_straight_rollers_follow_the_series_law(clearance, load):
     """Without centrifugal force two equal contacts share the approach: one unknown is left for a symmetric bearing."""
-    psi, law = angular_positions(28, 1)[0], palmgren()
+    psi = angular_positions(28, 1)[0]
+    law = palmgren()
 
     def forces(dx):
         return loads_of(law, (dx * np.cos(psi) - clearance / 2) / 2)[0] * LENGTH
 
-    dx = brentq(lambda dx: np.sum(forces(dx) * np.cos(psi)) / load - 1.0, 0.0, 1.0, xtol=1e-25, rtol=1e-15)
+    dx = brentq(
+        lambda dx: np.sum(forces(dx) * np.cos(psi)) / load - 1.0, 0.0, 1.0, xtol=1e-25, rtol=1e-15
+    )
     s = solve_equilibrium(case(psi=psi, radial_clearance=clearance, radial_load=load), law)
     assert s.inner_force[0] == pytest.approx(forces(dx), abs=1e-8 * load)
     assert s.displacement[0] == pytest.approx([dx, 0.0], abs=1e-10 * dx)
@@ -145,23 +172,34 @@ def test_plain_equations_solved_otherwise_give_the_same(exponent, misalignment, 
         misalignment=misalignment,
         centrifugal_force=100.0,
     )
-    psi, width = c.psi[0], LENGTH / 4
+    psi = c.psi[0]
+    width = LENGTH / 4
 
     def loads(u):
-        dx, dy, y, tilt = u[0] * 1e-6, u[1] * 1e-6, u[2:7] * 1e-6, u[7:] * 1e-6 / LENGTH
+        dx = u[0] * 1e-6
+        dy = u[1] * 1e-6
+        y = u[2:7] * 1e-6
+        tilt = u[7:] * 1e-6 / LENGTH
         ring = dx * np.cos(psi) + dy * np.sin(psi) - clearance / 2
         ring = ring[:, None] + misalignment * np.cos(psi)[:, None] * x
         roller = y[:, None] + tilt[:, None] * x
-        return loads_of(law, ring - roller - drop)[0] * width, loads_of(law, roller - drop)[0] * width
+        return loads_of(law, ring - roller - drop)[0] * width, loads_of(law, roller - drop)[
+            0
+        ] * width
 
     def unbalanced(u):
         inner, outer = loads(u)
         Q = inner.sum(axis=1)
         ring = np.sum(Q * np.cos(psi)) - c.radial_load, np.sum(Q * np.sin(psi))
-        return np.concatenate((ring, Q + 100.0 - outer.sum(axis=1), (inner - outer) @ x / LENGTH)) / c.radial_load
+        return (
+            np.concatenate((ring, Q + 100.0 - outer.sum(axis=1), (inner - outer) @ x / LENGTH))
+            / c.radial_load
+        )
 
     start = np.concatenate(([40.0, 0.0], np.full(5, 10.0), np.full(5, 1.0)))
-    found = root(unbalanced, start, method="lm", options={"xtol": 1e-15, "ftol": 1e-15, "maxiter": 20000}).x
+    found = root(
+        unbalanced, start, method="lm", options={"xtol": 1e-15, "ftol": 1e-15, "maxiter": 20000}
+    ).x
     found = root(unbalanced, found, method="hybr", options={"xtol": 1e-15}).x
     assert np.abs(unbalanced(found)).max() < 1e-10
     s = solve_equilibrium(c, law)
@@ -207,7 +245,9 @@ HARD = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("law", [iso16281(), palmgren(), power_law(1e12, 1.5)], ids=["iso16281", "palmgren", "3/2"])
+@pytest.mark.parametrize(
+    "law", [iso16281(), palmgren(), power_law(1e12, 1.5)], ids=["iso16281", "palmgren", "3/2"]
+)
 @pytest.mark.parametrize("name", HARD)
 def test_hard_cases_balance(name, law):
     c = case(**HARD[name])
@@ -238,7 +278,14 @@ def test_without_load_nothing_rests_on_the_inner_ring(centrifugal_force):
 
 
 def test_interference_that_rollers_can_evade_leaves_no_load():
-    c = case(Z=6, radial_load=0.0, radial_clearance=1.5e-8, slices=3, shape="iso16281", misalignment=3.2e-5)
+    c = case(
+        Z=6,
+        radial_load=0.0,
+        radial_clearance=1.5e-8,
+        slices=3,
+        shape="iso16281",
+        misalignment=3.2e-5,
+    )
     s = solve_equilibrium(c, iso16281())
     assert s.inner_force.max() < 1e-8
 
@@ -246,8 +293,12 @@ def test_interference_that_rollers_can_evade_leaves_no_load():
 @pytest.mark.parametrize("changes", [{}, {"centrifugal_force": 174.0}, {"radial_clearance": -2e-5}])
 def test_one_slice_does_for_straight_rollers(changes):
     one, many = (solve_equilibrium(case(slices=n, **changes), iso16281()) for n in (1, 40))
-    assert np.broadcast_to(one.inner_load, many.inner_load.shape) == pytest.approx(many.inner_load, rel=1e-11)
-    assert np.broadcast_to(one.outer_load, many.outer_load.shape) == pytest.approx(many.outer_load, rel=1e-11)
+    assert np.broadcast_to(one.inner_load, many.inner_load.shape) == pytest.approx(
+        many.inner_load, rel=1e-11
+    )
+    assert np.broadcast_to(one.outer_load, many.outer_load.shape) == pytest.approx(
+        many.outer_load, rel=1e-11
+    )
     assert np.abs(many.roller_tilt).max() < 1e-15
 
 
@@ -297,11 +348,15 @@ def test_instants_do_not_know_of_each_other():
     together = solve_equilibrium(c, iso16281())
     for m in range(6):
         alone = solve_equilibrium(attrs.evolve(c, psi=c.psi[m : m + 1]), iso16281())
-        assert alone.inner_load[0] == pytest.approx(together.inner_load[m], abs=1e-10 * together.inner_load.max())
+        assert alone.inner_load[0] == pytest.approx(
+            together.inner_load[m], abs=1e-10 * together.inner_load.max()
+        )
 
 
 def test_tighter_bearings_load_more_rollers():
-    solved = [solve_equilibrium(case(radial_clearance=g), iso16281()) for g in (1e-4, 2e-5, 0.0, -2e-5)]
+    solved = [
+        solve_equilibrium(case(radial_clearance=g), iso16281()) for g in (1e-4, 2e-5, 0.0, -2e-5)
+    ]
     loaded = [np.count_nonzero(s.inner_force) for s in solved]
     assert loaded == sorted(loaded)
     assert loaded[0] < loaded[-1] == 4 * 28
@@ -321,19 +376,27 @@ def alike(found, full, tolerance=2e-12):
     np.testing.assert_array_equal(found.psi, full.psi)
     scale = full.outer_force.max()
     for name in ("inner_force", "outer_force", "inner_load", "outer_load"):
-        one, other = getattr(found, name), getattr(full, name)
+        one = getattr(found, name)
+        other = getattr(full, name)
         np.testing.assert_allclose(
-            one, other, rtol=0, atol=tolerance * (scale if "force" in name else full.outer_load.max())
+            one,
+            other,
+            rtol=0,
+            atol=tolerance * (scale if "force" in name else full.outer_load.max()),
         )
     for name in ("displacement", "roller_shift"):
         size = np.abs(full.displacement).max()
-        np.testing.assert_allclose(getattr(found, name), getattr(full, name), rtol=0, atol=10 * tolerance * size)
+        np.testing.assert_allclose(
+            getattr(found, name), getattr(full, name), rtol=0, atol=10 * tolerance * size
+        )
     np.testing.assert_allclose(found.roller_tilt, full.roller_tilt, rtol=0, atol=1e-13)
     np.testing.assert_allclose(found.moment, full.moment, rtol=0, atol=tolerance * scale * LENGTH)
 
 
 #: A profile that no half of the roller shares with the other.
-LOPSIDED = profile_drop("iso16281", slice_positions(LENGTH, 20), LENGTH, 0.015) + np.linspace(0.0, 2e-6, 20)
+LOPSIDED = profile_drop("iso16281", slice_positions(LENGTH, 20), LENGTH, 0.015) + np.linspace(
+    0.0, 2e-6, 20
+)
 
 
 @pytest.mark.parametrize("known", [False, True], ids=["at once", "by doubling"])
@@ -347,20 +410,27 @@ def test_half_of_a_pitch_mirrors_the_other(Z, instants, changes, known):
     changes = {"centrifugal_force": 170.0, "slices": 21, "shape": "iso16281"} | changes
     whole = case(Z=Z, instants=instants, **changes)
     before = (
-        solve_pitch(case(Z=Z, instants=instants // 2, **changes), palmgren()) if known and instants % 2 == 0 else None
+        solve_pitch(case(Z=Z, instants=instants // 2, **changes), palmgren())
+        if known and instants % 2 == 0
+        else None
     )
     found = solve_pitch(whole, palmgren(), before)
     alike(found, solve_equilibrium(whole, palmgren()))
     check(whole, found, palmgren())
 
 
-@pytest.mark.parametrize("changes", [{}, {"misalignment": 3e-4, "slices": 12}, {"radial_clearance": -2e-5}])
+@pytest.mark.parametrize(
+    "changes", [{}, {"misalignment": 3e-4, "slices": 12}, {"radial_clearance": -2e-5}]
+)
 @pytest.mark.parametrize(("Z", "instants"), [(28, 1), (13, 4), (14, 5)])
 def test_orbits_at_many_speeds_are_those_of_each(Z, instants, changes):
     """Each goes on from the one before; where rollers lift off, and without centrifugal force, too."""
     forces = 174.0 * np.array([1.0, 0.99, 0.5, 0.1, 1e-6, 0.0, 3.0, 3.0])
-    given, law = case(Z=Z, instants=instants, **changes), iso16281()
-    for name, part in zip(("inner_load", "outer_load"), solve_orbits(given, law, forces), strict=True):
+    given = case(Z=Z, instants=instants, **changes)
+    law = iso16281()
+    for name, part in zip(
+        ("inner_load", "outer_load"), solve_orbits(given, law, forces), strict=True
+    ):
         every = over_pitch(part, instants)
         for force, found in zip(forces, every, strict=True):
             want = getattr(solve_pitch(attrs.evolve(given, centrifugal_force=force), law), name)
@@ -407,13 +477,19 @@ def test_passes_do_not_grow_with_the_bearing(Z, instants):
 
 
 @pytest.mark.parametrize(
-    ("Z", "slices", "instants"), [(28, 101, 64), (500, 41, 16), pytest.param(500, 21, 256, marks=pytest.mark.slow)]
+    ("Z", "slices", "instants"),
+    [(28, 101, 64), (500, 41, 16), pytest.param(500, 21, 256, marks=pytest.mark.slow)],
 )
 @pytest.mark.parametrize("misalignment", [0.0, 3e-4])
 def test_memory_is_that_of_the_result(Z, slices, instants, misalignment):
     """Peak below three times inner_load and outer_load, where these are more than one part of the iteration."""
     some = case(
-        Z=Z, instants=instants, slices=slices, shape="iso16281", misalignment=misalignment, radial_load=100.0 * Z
+        Z=Z,
+        instants=instants,
+        slices=slices,
+        shape="iso16281",
+        misalignment=misalignment,
+        radial_load=100.0 * Z,
     )
     tracemalloc.start()
     try:
@@ -431,7 +507,8 @@ def test_what_a_contact_law_refuses_is_said_of_whom_and_where(broken):
     """Lundberg's law ends where a contact is as wide as long; a NaN is refused of any law, compiled or not."""
     good = rings(Palmgren().deflection())[0]
     short = SimpleNamespace(
-        conditions=Conditions(length=1e-5, radius=0.01, modulus=2.3e11), deflection=Chain(Lundberg().deflection())
+        conditions=Conditions(length=1e-5, radius=0.01, modulus=2.3e11),
+        deflection=Chain(Lundberg().deflection()),
     )
     nan = rings(PowerLaw(np.nan, 1.0))[0]
     for bad, says in (
@@ -457,7 +534,8 @@ def test_tilted_rollers_of_many_slices_come_to_their_balance():
     """Edges touch and part while the ring moves: a twentieth of these ended short of it by ever smaller steps."""
     rng = np.random.default_rng(5)
     for _ in range(100):
-        n, length = int(rng.choice([60, 200, 600])), 10.0 ** rng.uniform(-2.2, -1.0)
+        n = int(rng.choice([60, 200, 600]))
+        length = 10.0 ** rng.uniform(-2.2, -1.0)
         x, w = np.polynomial.legendre.leggauss(n)
         found = solve_equilibrium(
             LoadCase(
@@ -472,7 +550,9 @@ def test_tilted_rollers_of_many_slices_come_to_their_balance():
 
 
 def test_load_no_roller_can_carry_is_reported_with_how_far_it_came():
-    with pytest.raises(ConvergenceError, match=r"no equilibrium .* at 1 of 1 instants: relative residual of"):
+    with pytest.raises(
+        ConvergenceError, match=r"no equilibrium .* at 1 of 1 instants: relative residual of"
+    ):
         solve_equilibrium(case(psi=[np.pi]), iso16281())
 
 

@@ -18,7 +18,9 @@ PAPER = load_scene("1032930-70C")
 class Starved(TractionModel):
     """Friction that knows how many rollers pass, and the temperature of the operation."""
 
-    name, equation, references = "starved", "mu = c Z T", ("an example",)
+    name = "starved"
+    equation = "mu = c Z T"
+    references = ("an example",)
     reads = frozenset({"sliding_speed"})
     domain = MappingProxyType({"sliding_speed": POSITIVE})
     rollers: float = from_scene("rollers", doc="rollers")
@@ -33,7 +35,9 @@ class Starved(TractionModel):
 class Flange(DragModel):
     """A drag that rises with the load of the bearing."""
 
-    name, equation, references = "flange", "T = -c F", ("an example",)
+    name = "flange"
+    equation = "T = -c F"
+    references = ("an example",)
     load: float = from_scene("radial_load", doc="load")
 
     def torque(self, cage_speed, inner_speed, outer_speed):
@@ -47,7 +51,10 @@ def test_a_law_of_a_contact_has_what_the_scene_gives():
         found = assemble(scene).traction
         assert (found.rollers, found.temperature, found.load) == (28.0, 343.15, 5.0)
         within = {"model": "lambda-blend", "hydrodynamic": "starved"}
-        assert assemble(evolve(PAPER, {"models.traction": within})).traction.hydrodynamic.load == 3415.0
+        assert (
+            assemble(evolve(PAPER, {"models.traction": within})).traction.hydrodynamic.load
+            == 3415.0
+        )
 
 
 def test_a_bearing_that_is_put_together_like_another_takes_its_own():
@@ -55,7 +62,9 @@ def test_a_bearing_that_is_put_together_like_another_takes_its_own():
         register(Starved)
         cold = evolve(PAPER, {"models.traction": "starved"})
         warm = evolve(cold, {"operation.temperature": "90 degC"})
-        assert assemble(warm, like=assemble(cold)).traction.temperature == pytest.approx(363.15, rel=1e-15)
+        assert assemble(warm, like=assemble(cold)).traction.temperature == pytest.approx(
+            363.15, rel=1e-15
+        )
 
 
 def test_a_drag_knows_the_load():
@@ -85,7 +94,10 @@ def test_what_a_scene_does_not_give_a_law_of_a_contact_is_said():
 
     with registrations_rolled_back():
         register(OnLand)
-        with pytest.raises(SceneError, match="traction 'on-land' needs it, and the scene gives no width of that land"):
+        with pytest.raises(
+            SceneError,
+            match="traction 'on-land' needs it, and the scene gives no width of that land",
+        ):
             assemble(evolve(PAPER, {"models.traction": "on-land"}))
 
 
@@ -98,5 +110,7 @@ def test_a_kind_that_takes_nothing_of_a_scene_is_refused_with_such_a_parameter()
         rollers: float = from_scene("rollers", doc="rollers")
 
     assert issubclass(Counting, IntegratorModel)
-    with pytest.raises(PluginError, match="class Counting: models of kind 'integrator' take nothing from a scene"):
+    with pytest.raises(
+        PluginError, match="class Counting: models of kind 'integrator' take nothing from a scene"
+    ):
         register(Counting)

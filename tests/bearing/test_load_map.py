@@ -22,7 +22,11 @@ SCENES = {
     "clearance": {"accuracy.slices": 7, "bearing.radial_clearance": "20 um"},
     "preload": {"bearing.profile": "none", "bearing.radial_clearance": "-3 um"},
     "misaligned": {"accuracy.slices": 15, "operation.misalignment": "1 mrad"},
-    "outer ring turns": {"accuracy.slices": 7, "operation.inner_speed": "0 rpm", "operation.outer_speed": "5000 rpm"},
+    "outer ring turns": {
+        "accuracy.slices": 7,
+        "operation.inner_speed": "0 rpm",
+        "operation.outer_speed": "5000 rpm",
+    },
 }
 TOLERANCE = 5e-3
 
@@ -47,7 +51,8 @@ def nodes_of(loads):
 
 def equilibrium(assembly, angle, force):
     """Loads (2, Z, n) with the first roller at an angle, without the map."""
-    b, o = assembly.scene.bearing, assembly.scene.operation
+    b = assembly.scene.bearing
+    o = assembly.scene.operation
     case = LoadCase(
         angle + 2 * np.pi / b.rollers * np.arange(b.rollers)[None],
         b.roller_length,
@@ -64,7 +69,9 @@ def equilibrium(assembly, angle, force):
 def test_forces_agree_with_the_equilibrium_anywhere(mapped):
     assembly, loads = mapped
     rng = np.random.default_rng(5)
-    off, whole, wide = np.zeros(2), np.zeros(2), loads.widths
+    off = np.zeros(2)
+    whole = np.zeros(2)
+    wide = loads.widths
     for _ in range(60):
         force = loads.top * rng.uniform() ** 2
         psi, true = equilibrium(assembly, rng.uniform(0, 2 * np.pi), force)
@@ -77,7 +84,9 @@ def test_forces_agree_with_the_equilibrium_anywhere(mapped):
         assert abs((found - true)[0] @ wide @ np.cos(psi)) < TOLERANCE * carried
         assert abs(found[0] @ wide @ np.sin(psi)) < TOLERANCE * carried
         balance = found[0] @ wide @ np.cos(psi)
-        assert balance == pytest.approx(assembly.scene.operation.radial_load, abs=TOLERANCE * carried)
+        assert balance == pytest.approx(
+            assembly.scene.operation.radial_load, abs=TOLERANCE * carried
+        )
     assert np.all(off < TOLERANCE * whole)
     assert 0.0 < loads.error <= TOLERANCE
 
@@ -88,7 +97,8 @@ def test_the_error_is_what_is_measured_half_way(mapped):
     pitch = 2 * np.pi / loads.positions
 
     def misplaced(force, shift):
-        off, whole = np.zeros(2), np.zeros(2)
+        off = np.zeros(2)
+        whole = np.zeros(2)
         for k in range(instants):
             psi, true = equilibrium(assembly, (k + shift) * pitch, force)
             off += np.abs((loads.at(psi, force) - true) @ loads.widths).sum(axis=1)
@@ -97,7 +107,9 @@ def test_the_error_is_what_is_measured_half_way(mapped):
 
     nodes = nodes_of(loads)
     between_positions = max(misplaced(force, 0.5) for force in nodes)
-    between_forces = max(misplaced(0.5 * (low + high), 0.0) for low, high in itertools.pairwise(nodes))
+    between_forces = max(
+        misplaced(0.5 * (low + high), 0.0) for low, high in itertools.pairwise(nodes)
+    )
     # looked for at forces between the nodes too, and over the forces at positions between the nodes: nearly the same
     assert loads.error == pytest.approx(between_positions + between_forces, rel=0.2)
 
@@ -113,11 +125,16 @@ def test_nodes_are_the_equilibrium(mapped):
 
 def test_is_periodic_and_symmetric(mapped):
     _, loads = mapped
-    psi, force = np.linspace(0.1, 6.1, 9), 0.37 * loads.top
+    psi = np.linspace(0.1, 6.1, 9)
+    force = 0.37 * loads.top
     once = loads.at(psi, force)
-    np.testing.assert_allclose(loads.at(psi + 200 * np.pi, force), once, rtol=1e-9, atol=1e-9 * once.max())
+    np.testing.assert_allclose(
+        loads.at(psi + 200 * np.pi, force), once, rtol=1e-9, atol=1e-9 * once.max()
+    )
     np.testing.assert_allclose(loads.at(-psi, force), once, rtol=1e-6, atol=1e-6 * once.max())
-    np.testing.assert_array_equal(loads.at(np.array([0.0]), force), loads.at(np.array([2 * np.pi]), force))
+    np.testing.assert_array_equal(
+        loads.at(np.array([0.0]), force), loads.at(np.array([2 * np.pi]), force)
+    )
 
 
 def test_is_a_cubic_between_positions_and_linear_between_forces():
@@ -147,14 +164,18 @@ def test_slopes_are_of_fourth_order_where_nothing_turns_negative():
 def test_what_is_unloaded_between_unloaded_positions_stays_so():
     loads = build_load_map(bearing(**SCENES["clearance"]), 2e-2)
     inner = loads.loads(loads.top)[0]
-    empty = np.flatnonzero(np.all(inner == 0.0, axis=1) & np.all(np.roll(inner, -1, axis=0) == 0.0, axis=1))
+    empty = np.flatnonzero(
+        np.all(inner == 0.0, axis=1) & np.all(np.roll(inner, -1, axis=0) == 0.0, axis=1)
+    )
     assert empty.size > 10
     between = 2 * np.pi / loads.positions * (empty + 0.3)
     np.testing.assert_array_equal(loads.at(between, loads.top)[0], 0.0)
 
 
 def test_without_load_only_centrifugal_forces_press():
-    assembly = bearing(**{"accuracy.slices": 5, "operation.radial_load": "0 N", "bearing.radial_clearance": "5 um"})
+    assembly = bearing(
+        **{"accuracy.slices": 5, "operation.radial_load": "0 N", "bearing.radial_clearance": "5 um"}
+    )
     loads = build_load_map(assembly, 1e-2).forces()
     for force in nodes_of(loads):
         inner, outer = loads.loads(force)
@@ -173,8 +194,11 @@ def test_a_tighter_tolerance_costs_nodes_and_is_kept():
 def test_only_what_is_asked_for_is_worked_out_and_the_same_whoever_asked_before():
     loads, whole = (build_load_map(bearing(**SCENES["profiled"]), 1e-3) for _ in range(2))
     solved = len(loads.orbits.solved)
-    nodes, force = nodes_of(whole), 0.37 * loads.top
-    assert loads.interval(force) == next(pair for pair in itertools.pairwise(nodes) if force <= pair[1])
+    nodes = nodes_of(whole)
+    force = 0.37 * loads.top
+    assert loads.interval(force) == next(
+        pair for pair in itertools.pairwise(nodes) if force <= pair[1]
+    )
     assert len(loads.orbits.solved) <= solved + math.log2(len(nodes)) + 1
     assert len(whole.orbits.right) > 2 * len(loads.orbits.right)
     again = len(loads.orbits.solved)
@@ -187,7 +211,8 @@ def test_goes_up_to_the_speed_asked_for():
     assembly = bearing(**SCENES["preload"])
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     assert fastest(assembly.kinematics) == assembly.kinematics.inner_speed
-    default, slow = build_load_map(assembly, 0.05), build_load_map(assembly, 0.05, top_speed=100.0)
+    default = build_load_map(assembly, 0.05)
+    slow = build_load_map(assembly, 0.05, top_speed=100.0)
     assert default.top == pytest.approx(per_square * assembly.kinematics.inner_speed**2, rel=1e-12)
     assert slow.top == pytest.approx(per_square * 1e4, rel=1e-12)
 
@@ -197,9 +222,12 @@ def test_forces_and_resistances_follow_the_loads():
     assembly = evolve_chain(assembly)
     loads = build_load_map(assembly, 2e-2)
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    forces = loads.forces(lambda load, ring: resistances(assembly.raceways[ring], load, loads.widths, rolling))
+    forces = loads.forces(
+        lambda load, ring: resistances(assembly.raceways[ring], load, loads.widths, rolling)
+    )
     force = assembly.centrifugal_force
-    found, load = forces.loads(force), loads.loads(force)
+    found = forces.loads(force)
+    load = loads.loads(force)
     assert found.shape == (4, loads.positions, 1)
     np.testing.assert_allclose(found[:2, :, 0], load @ assembly.widths, rtol=1e-14)
     for ring, raceway in enumerate(assembly.raceways):
@@ -220,8 +248,12 @@ def test_an_unreachable_tolerance_is_refused_in_words(monkeypatch):
     assembly = bearing(**SCENES["clearance"])
     monkeypatch.setattr(load_map, "_MOST_FORCES", 3)
     loads = build_load_map(assembly, 2e-3)
-    with pytest.raises(ConvergenceError, match=r"3 centrifugal forces leave more than 1.0e-03 .*; raise accuracy"):
+    with pytest.raises(
+        ConvergenceError, match=r"3 centrifugal forces leave more than 1.0e-03 .*; raise accuracy"
+    ):
         nodes_of(loads)
     monkeypatch.setattr(load_map, "_MOST_INSTANTS", 3)
-    with pytest.raises(ConvergenceError, match=r"at the wrong place.*table may leave 1.0e-04; raise accuracy"):
+    with pytest.raises(
+        ConvergenceError, match=r"at the wrong place.*table may leave 1.0e-04; raise accuracy"
+    ):
         build_load_map(assembly, 1e-4)

@@ -39,7 +39,9 @@ PAPER = evolve(
 class Placed(TractionModel):
     """Friction that knows where it is: mu = 0.05 tanh(40 V/u) (1 + f x), x one of the places."""
 
-    name, equation, references = "placed", "mu = 0.05 tanh(40 V/u) (1 + f x)", ("an example",)
+    name = "placed"
+    equation = "mu = 0.05 tanh(40 V/u) (1 + f x)"
+    references = ("an example",)
     outputs = MappingProxyType({"place": ("1", "where"), "mu": ("1", "its friction")})
     of: str = parameter(default="position", doc="which place")
     factor: float = parameter(default=0.0, unit="1", doc="f")
@@ -65,7 +67,9 @@ def placed():
     """Scenes with the law of a place and a factor."""
 
     def scene(of, factor=0.0, **changes):
-        return evolve(PAPER, {"models.traction": {"model": "placed", "of": of, "factor": factor}, **changes})
+        return evolve(
+            PAPER, {"models.traction": {"model": "placed", "of": of, "factor": factor}, **changes}
+        )
 
     with registrations_rolled_back():
         register(Placed)
@@ -75,11 +79,15 @@ def placed():
 def expected(scene, ring, instants, cage_slip=0.0):
     """Mean of every place by the force of the rollers of a bearing, from its loads alone."""
     a = assemble(scene)
-    loads = a.load_distribution(int(instants), (1.0 - cage_slip) * a.kinematics.epicyclic_cage_speed)
+    loads = a.load_distribution(
+        int(instants), (1.0 - cage_slip) * a.kinematics.epicyclic_cage_speed
+    )
     load = loads.inner_load if ring == "inner" else loads.outer_load
     force = load * a.widths
-    angle, number = loads.psi[..., None], np.arange(loads.psi.shape[1])[None, :, None]
-    k, tilt = a.kinematics, 2e-4 if ring == "inner" else 0.0
+    angle = loads.psi[..., None]
+    number = np.arange(loads.psi.shape[1])[None, :, None]
+    k = a.kinematics
+    tilt = 2e-4 if ring == "inner" else 0.0
     places = {
         "position": loads.position,
         "orbit_angle": angle,
@@ -104,19 +112,24 @@ def test_effective_friction_has_places(placed, of):
 @pytest.mark.parametrize("of", PLACES)
 def test_effective_friction_is_that_of_the_places(placed, of):
     """Linear in the place, the mean is that at the mean place; its map is evaluated in the same way."""
-    plain, factor = run(placed(of, **CURVES), "effective-friction"), 1e-2 if of != "position" else 10.0
+    plain = run(placed(of, **CURVES), "effective-friction")
+    factor = 1e-2 if of != "position" else 10.0
     found = run(placed(of, factor, **CURVES), "effective-friction")
     for ring in ("inner", "outer"):
         more = 1.0 + factor * expected(placed(of), ring, found.instants)[of]
         for name in ("effective_friction", "friction_map"):
-            np.testing.assert_allclose(found[name].sel(ring=ring), more * plain[name].sel(ring=ring), rtol=1e-9)
+            np.testing.assert_allclose(
+                found[name].sel(ring=ring), more * plain[name].sel(ring=ring), rtol=1e-9
+            )
 
 
 @pytest.mark.parametrize("of", PLACES)
 def test_a_friction_curve_is_of_the_roller_in_the_line_of_load(placed, of):
     changes = {"study.friction-curve.points": 5, "bearing.profile": {"shape": "none"}}
     plain, found = (run(placed(of, factor, **changes), "friction-curve") for factor in (0.0, 100.0))
-    assert np.all(np.abs(found.place) < 1e-12)  # the mean along the roller, its angle and its number
+    assert np.all(
+        np.abs(found.place) < 1e-12
+    )  # the mean along the roller, its angle and its number
     if of == "position":  # but slices off the middle differ
         a = assemble(placed(of))
         slices = a.inner.evaluate(np.full(4, 1e4), 10.0, 0.1, position=a.position)
@@ -128,10 +141,15 @@ DRAG = {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}
 
 
 @pytest.mark.parametrize(
-    "of", ["orbit_angle", *(pytest.param(name, marks=pytest.mark.slow) for name in ("position", "transverse_speed"))]
+    "of",
+    [
+        "orbit_angle",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("position", "transverse_speed")),
+    ],
 )
 def test_a_steady_slip_has_places(placed, of):
-    bearing, study = assemble(placed(of, **DRAG)), SteadySlip()
+    bearing = assemble(placed(of, **DRAG))
+    study = SteadySlip()
     found = study.run(bearing)
     found = found.assign(law_outputs(study, bearing, found))
     for ring in ("inner", "outer"):
@@ -139,7 +157,9 @@ def test_a_steady_slip_has_places(placed, of):
         np.testing.assert_allclose(found.place.sel(ring=ring), want, rtol=1e-6, atol=1e-9)
 
 
-@pytest.mark.parametrize(("of", "factor"), [("position", 100.0), ("orbit_angle", -0.1), ("transverse_speed", 5.0)])
+@pytest.mark.parametrize(
+    ("of", "factor"), [("position", 100.0), ("orbit_angle", -0.1), ("transverse_speed", 5.0)]
+)
 def test_rollers_that_are_followed_in_compiled_code_have_them_too(placed, of, factor):
     """Their torques are those of tractions which the laws give of all slices of the motion, called in Python."""
     balance = rollers(assemble(placed(of, factor, **DRAG)), 2, inertia=False)
@@ -152,7 +172,9 @@ def test_rollers_that_are_followed_in_compiled_code_have_them_too(placed, of, fa
 
 
 def test_a_steady_slip_does_not_know_which_roller_it_is(placed):
-    with pytest.raises(RollslipError, match=r"placed: slice 0 has no roller \(number of the roller, from 0, 1\); "):
+    with pytest.raises(
+        RollslipError, match=r"placed: slice 0 has no roller \(number of the roller, from 0, 1\); "
+    ):
         run(placed("roller", **DRAG), "steady-slip")
 
 
@@ -164,8 +186,11 @@ MOTION = {"study.dynamics.duration": "0.5 ms", "study.dynamics.friction": "conve
 def test_a_motion_has_places(placed, of, level):
     """What stays the same along a roller is what the motion says of it; along it, the mean is not that of friction."""
     factor = {"position": 100.0, "orbit_angle": 0.3, "roller": 0.5, "transverse_speed": 2.0}[of]
-    found = run(placed(of, factor, **MOTION, **{"study.dynamics.level": level}), "dynamics").isel(time=-1)
-    k, force = assemble(PAPER).kinematics, found.normal_force
+    found = run(placed(of, factor, **MOTION, **{"study.dynamics.level": level}), "dynamics").isel(
+        time=-1
+    )
+    k = assemble(PAPER).kinematics
+    force = found.normal_force
     speeds = k.surface_speeds(float(found.cage_slip), found.roller_slip.to_numpy())
     tilted = np.array([2e-4 * k.inner_speed * k.inner_radius, 0.0])[:, None]
     where = {
@@ -179,7 +204,10 @@ def test_a_motion_has_places(placed, of, level):
     mu = 0.05 * np.tanh(40.0 * sliding / rolling) * (1.0 + factor * where)
     assert int((force > 0.0).sum()) > 10
     if of == "position":
-        assert np.abs(found.traction_force - mu * force).max() > 1e-3 * np.abs(found.traction_force).max()
+        assert (
+            np.abs(found.traction_force - mu * force).max()
+            > 1e-3 * np.abs(found.traction_force).max()
+        )
     else:
         np.testing.assert_allclose(found.traction_force, mu * force, rtol=1e-5, atol=1e-9)
 
@@ -189,12 +217,19 @@ def test_a_plane_motion_does_not_follow_angles(placed):
                "study.dynamics.planar": {"inner_ring_mass": "5 kg"}}  # fmt: skip
     found = run(placed("orbit_angle", **changes), "dynamics")
     assert found.outcome == "failed"
-    assert "placed: slice 0 has no orbit_angle (place of the roller on its orbit" in found.outcome_message
+    assert (
+        "placed: slice 0 has no orbit_angle (place of the roller on its orbit"
+        in found.outcome_message
+    )
 
 
 def test_a_motion_fills_its_table_roller_by_roller():
-    law, width = Placed("position", 100.0), np.array([1e-3, 2e-3, 3e-3])
-    for of, place in (("position", np.array([[-4e-3, 0.0, 7e-3]])), ("roller", np.arange(4.0)[:, None])):
+    law = Placed("position", 100.0)
+    width = np.array([1e-3, 2e-3, 3e-3])
+    for of, place in (
+        ("position", np.array([[-4e-3, 0.0, 7e-3]])),
+        ("roller", np.arange(4.0)[:, None]),
+    ):
         law = Placed(of, 100.0)
         table = Slices(12)
         table.places()
@@ -203,17 +238,29 @@ def test_a_motion_fills_its_table_roller_by_roller():
         traction, *_, status = raceway.friction(made, load, 0.0, 0.01, 1.0, 0.0)
         assert status == 0
         want = (load * width * (1.0 + 100.0 * place)).sum(axis=1) * 0.05 * np.tanh(40.0 * 0.01)
-        np.testing.assert_allclose(traction, want, rtol=1e-5)  # the film's speed is sqrt(u^2 + u_0^2)
+        np.testing.assert_allclose(
+            traction, want, rtol=1e-5
+        )  # the film's speed is sqrt(u^2 + u_0^2)
 
 
 def test_a_deflection_that_asks_is_refused_in_words():
     def bend(slices):
-        slices.load[:], slices.stiffness[:] = 1e10 * slices.approach, 1e10
+        slices.load[:] = 1e10 * slices.approach
+        slices.stiffness[:] = 1e10
 
-    law = Stage(bend, name="bent", reads=frozenset({"approach", "position"}), writes=frozenset({"load", "stiffness"}))
+    law = Stage(
+        bend,
+        name="bent",
+        reads=frozenset({"approach", "position"}),
+        writes=frozenset({"load", "stiffness"}),
+    )
     ring = SimpleNamespace(conditions=Conditions(length=0.014), deflection=Chain(law))
-    case = LoadCase(angular_positions(14, 1), 0.014, [0.0], radial_clearance=2e-5, radial_load=5000.0)
-    with pytest.raises(DomainError, match=r"bent: slice 0 has no position \(place along the roller, from its "):
+    case = LoadCase(
+        angular_positions(14, 1), 0.014, [0.0], radial_clearance=2e-5, radial_load=5000.0
+    )
+    with pytest.raises(
+        DomainError, match=r"bent: slice 0 has no position \(place along the roller, from its "
+    ):
         solve_equilibrium(case, (ring, ring))
 
 
@@ -232,7 +279,8 @@ def test_a_table_has_places_only_when_asked():
 
 @pytest.mark.parametrize("n", [1, 7, 300, 30000])
 def test_places_arrive_in_blocks_and_threads(n):
-    law, number = Placed("roller", 1.0), np.arange(float(n))
+    law = Placed("roller", 1.0)
+    number = np.arange(float(n))
     slices = Slices(n, rolling_speed=1.0, sliding_speed=0.01, roller=number)
     Chain(law, block=64)(slices)
     np.testing.assert_allclose(slices.friction, 0.05 * np.tanh(0.4) * (1.0 + number), rtol=1e-14)
@@ -260,12 +308,19 @@ def before(tmp_path_factory):
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler is installed")
-    folder, header = tmp_path_factory.mktemp("before"), (Path(get_include()) / "rollslip.h").read_text()
-    header = re.sub(r"#define ROLLSLIP_PLACES\(X\) (?:.*\\\n)+.*\n", "#define ROLLSLIP_PLACES(X)\n", header)
+    folder = tmp_path_factory.mktemp("before")
+    header = (Path(get_include()) / "rollslip.h").read_text()
+    header = re.sub(
+        r"#define ROLLSLIP_PLACES\(X\) (?:.*\\\n)+.*\n", "#define ROLLSLIP_PLACES(X)\n", header
+    )
     assert not any(f"X({name}," in header for name in PLACES)
     (folder / "rollslip.h").write_text(header)
     (folder / "law.c").write_text(BEFORE)
-    subprocess.run([compiler, "-O2", "-shared", "-fPIC", "law.c", "-o", "law.so", "-lm"], cwd=folder, check=True)
+    subprocess.run(
+        [compiler, "-O2", "-shared", "-fPIC", "law.c", "-o", "law.so", "-lm"],
+        cwd=folder,
+        check=True,
+    )
     LIBRARY[:] = [ctypes.CDLL(str(folder / "law.so"))]
 
 
@@ -275,7 +330,8 @@ class Model(ctypes.Structure):
 
 
 _capsule = ctypes.pythonapi.PyCapsule_New
-_capsule.restype, _capsule.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+_capsule.restype = ctypes.py_object
+_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
 _NAME = b"rollslip.slice_model.v1"
 
 
@@ -289,8 +345,11 @@ class Before(FilmModel):
     h/R = 1.95 (G U)^(8/11) W^(-1/11)
     """
 
-    name, equation, references = "before", "h/R = 1.95 (G U)^(8/11) W^(-1/11)", ("an example, 1949.",)
-    location, regime = "central", "VE"
+    name = "before"
+    equation = "h/R = 1.95 (G U)^(8/11) W^(-1/11)"
+    references = ("an example, 1949.",)
+    location = "central"
+    regime = "VE"
     domain = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})
 
     def evaluate(self, slices):
@@ -327,7 +386,9 @@ def test_it_cannot_ask_for_what_it_does_not_know(before):
     class Asks(Before):
         reads = Before.reads | {"position"}
 
-    with pytest.raises(PluginError, match=r"reads where slices are, but knows only 216 bytes of rs_slices"):
+    with pytest.raises(
+        PluginError, match=r"reads where slices are, but knows only 216 bytes of rs_slices"
+    ):
         Chain(Asks())
 
 

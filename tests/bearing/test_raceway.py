@@ -14,7 +14,8 @@ pytestmark = pytest.mark.quick
 
 def test_a_gauss_rule_is_exact_for_polynomials_in_the_root_of_the_load():
     rng = np.random.default_rng(3)
-    load, force = rng.uniform(1.0, 9.0, 500), rng.uniform(0.0, 1.0, 500)
+    load = rng.uniform(1.0, 9.0, 500)
+    force = rng.uniform(0.0, 1.0, 500)
     nodes, shares = gauss_rule(load, force, 6).T
     assert ((nodes > load.min()) & (nodes < load.max()) & (shares > 0.0)).all()
     for power in range(12):
@@ -39,7 +40,8 @@ def test_few_loads_stand_for_all_only_where_they_are_right():
 
 def test_rules_of_rows_are_those_of_each_alone_and_weigh_nothing_that_is_not_there():
     rng = np.random.default_rng(5)
-    load, weight = rng.uniform(1.0, 9.0, (4, 40)), rng.uniform(0.1, 1.0, (4, 40))
+    load = rng.uniform(1.0, 9.0, (4, 40))
+    weight = rng.uniform(0.1, 1.0, (4, 40))
     load[1, 25:] = weight[1, 25:] = 0.0  # not loaded
     load[2] = 3.0  # one load
     weight[3] = load[3] = 0.0  # none
@@ -66,13 +68,15 @@ def test_few_loads_of_a_roller_carry_its_force_and_have_its_friction(whole):
     for u, V in ((25.0, 0.2), (20.0, 3.0), (12.0, 15.0)):
         all_of, some = (of.per_roller(of.friction(u, V) * of.force) for of in (contacts, few))
         if whole:
-            all_of, some = all_of.sum(), some.sum()
+            all_of = all_of.sum()
+            some = some.sum()
         np.testing.assert_allclose(some, all_of, rtol=2e-7)
 
 
 def test_loads_that_differ_by_rounding_alone_leave_no_node_without_load():
     """Rollers either side of the load have one load but for rounding: the rule is these loads with all their force."""
-    few, forces = np.array([2e3, 3e3, 5e3]), np.array([1.0, 2.0, 4.0])
+    few = np.array([2e3, 3e3, 5e3])
+    forces = np.array([1.0, 2.0, 4.0])
     load = np.concatenate([few, few * (1.0 + 2.0**-52), few * (1.0 - 2.0**-52)])
     assert np.unique(load).size == 9
     rule = gauss_rule(load, np.tile(forces, 3), 8)

@@ -30,7 +30,9 @@ def test_slices_are_a_quadrature_along_the_roller(quadrature):
     np.testing.assert_array_equal(position, -position[::-1])
     for f, allowed in ((lambda x: 1.0 + 0.0 * x, 1e-14), (lambda x: np.exp(300.0 * x), 2e-3)):
         whole = quad(f, -0.0075, 0.0075, epsabs=0.0, epsrel=1e-13)[0]
-        assert f(position) @ widths == pytest.approx(whole, rel=allowed if quadrature == "equal" else 1e-14)
+        assert f(position) @ widths == pytest.approx(
+            whole, rel=allowed if quadrature == "equal" else 1e-14
+        )
 
 
 @pytest.mark.parametrize("scene", [SCENE, TILTED], ids=["profile", "tilt"])
@@ -41,7 +43,8 @@ def test_both_quadratures_go_to_the_same_loads_and_friction(scene):
         force = assembly.load_distribution(1).inner_force[0]
         return np.append(force / force.max(), STUDY.run(assembly).effective_friction[0] / 5e-3)
 
-    equal, gauss = found(801, "equal"), found(120, "gauss")
+    equal = found(801, "equal")
+    gauss = found(120, "gauss")
     assert np.abs(equal - gauss).max() < 3e-4  # both err by about 2 over the square of their number
     assert np.abs(found(24, "gauss") - equal).max() < 3e-3
 
@@ -68,7 +71,12 @@ def test_what_nobody_planned_is_as_the_scene_states():
 def test_dynamics_takes_friction_level_and_integrator_from_a_resolution():
     study = Dynamics(duration=1e-3, points=3)
     resolution = Resolution(
-        slices=5, instants=2, friction="conventional", level="pocket", integrator="rk45", integrator_tolerance=1e-4
+        slices=5,
+        instants=2,
+        friction="conventional",
+        level="pocket",
+        integrator="rk45",
+        integrator_tolerance=1e-4,
     )
     attributes = study.run(assemble(SCENE, resolution)).attrs
     taken = [attributes[name] for name in ("friction", "level", "integrator", "relative_tolerance")]
@@ -83,23 +91,32 @@ def test_gauss_slices_carry_the_forces_of_a_motion():
     study = Dynamics(friction="conventional", duration=1e-4, points=2)
     forces = study.run(assembly).normal_force[:, 0]
     found = assembly.load_distribution(1, assembly.kinematics.epicyclic_cage_speed)
-    for ring, force in zip(forces.to_numpy(), (found.inner_force[0], found.outer_force[0]), strict=True):
+    for ring, force in zip(
+        forces.to_numpy(), (found.inner_force[0], found.outer_force[0]), strict=True
+    ):
         np.testing.assert_allclose(np.nan_to_num(ring), force, atol=2 * loads.error * force.sum())
 
 
 def test_stages_run_in_numpy_where_a_resolution_says_so():
     few = attrs.evolve(STUDY, points=5)
-    fast, plain = (few.run(assemble(SCENE, Resolution(slices=3, instants=1, compiled=c))) for c in (True, False))
+    fast, plain = (
+        few.run(assemble(SCENE, Resolution(slices=3, instants=1, compiled=c)))
+        for c in (True, False)
+    )
     np.testing.assert_allclose(plain.effective_friction, fast.effective_friction, rtol=1e-10)
     assert assemble(SCENE, Resolution(compiled=False)).inner.chain.block == 0
 
 
 def test_leaving_boundary_friction_out_changes_nothing_in_a_full_film():
     """Above the limit of the blend its share is exactly zero; below it there is a difference."""
-    rough = evolve(SCENE, {f"surface.{part}_roughness": "0.4 um" for part in ("inner_raceway", "roller")})
+    rough = evolve(
+        SCENE, {f"surface.{part}_roughness": "0.4 um" for part in ("inner_raceway", "roller")}
+    )
     for scene, same in ((SCENE, True), (rough, False)):
         with_it, without = (
-            FrictionCurve(normal_force=(300.0,), points=31).run(assemble(scene, Resolution(slices=7, boundary=b)))
+            FrictionCurve(normal_force=(300.0,), points=31).run(
+                assemble(scene, Resolution(slices=7, boundary=b))
+            )
             for b in (True, False)
         )
         assert (float(with_it.film_parameter.min()) >= 1.5) == same
@@ -109,7 +126,10 @@ def test_leaving_boundary_friction_out_changes_nothing_in_a_full_film():
 
 def test_another_law_of_the_full_film_takes_its_place():
     assembly = assemble(SCENE, Resolution(traction="eyring"))
-    assert (assembly.traction.name, assembly.traction.hydrodynamic.name) == ("lambda-blend", "eyring")
+    assert (assembly.traction.name, assembly.traction.hydrodynamic.name) == (
+        "lambda-blend",
+        "eyring",
+    )
 
 
 @pytest.mark.parametrize(
@@ -147,11 +167,25 @@ def test_a_word_that_is_not_known_is_answered_with_the_one_that_is(key, word):
 
 
 def test_the_finest_of_some_takes_each_number_from_the_one_that_has_it_finest():
-    fine = Resolution(slices=41, quadrature="gauss", instants=2, table_tolerance=1e-3, integrator="bdf", friction="a")
-    coarse = Resolution(slices=11, instants=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5)
+    fine = Resolution(
+        slices=41,
+        quadrature="gauss",
+        instants=2,
+        table_tolerance=1e-3,
+        integrator="bdf",
+        friction="a",
+    )
+    coarse = Resolution(
+        slices=11, instants=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5
+    )
     found = Resolution.finest_of([coarse, fine], ("integrator", "friction"))
     assert found == Resolution(
-        slices=41, quadrature="gauss", instants=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5
+        slices=41,
+        quadrature="gauss",
+        instants=8,
+        table_tolerance=1e-4,
+        integrator="bdf",
+        integrator_tolerance=1e-5,
     )
     assert Resolution.finest_of([fine]).integrator is None
     assert Resolution.finest_of([Resolution()]).instants == 1

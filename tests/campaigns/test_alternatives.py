@@ -46,7 +46,9 @@ def test_the_better_stands_first_and_what_failed_last(oils):
 
 
 def test_models_of_rings_are_alternatives_too():
-    tight = rollslip.evolve(SCENE, {"bearing.radial_clearance": "-5 um", "accuracy.tolerance": 5e-2})
+    tight = rollslip.evolve(
+        SCENE, {"bearing.radial_clearance": "-5 um", "accuracy.tolerance": 5e-2}
+    )
     found = rollslip.compare(tight, outer_ring="rigid, annulus, rubber")
     assert sorted(found.alternative.values[:2]) == ["annulus", "rigid"]
     assert json.loads(found.attrs["differ"]) == ["models.outer_ring"]
@@ -57,8 +59,14 @@ def test_models_of_rings_are_alternatives_too():
 
 
 def _with_band(slip, **moved):
-    rows = [{"key": key.replace("_", ".", 1), "values": [slip * end for end in ends]} for key, ends in moved.items()]
-    return xr.Dataset({"steady_slip": ("steady", [slip])}, attrs={"band": json.dumps({"steady_slip": {"moved": rows}})})
+    rows = [
+        {"key": key.replace("_", ".", 1), "values": [slip * end for end in ends]}
+        for key, ends in moved.items()
+    ]
+    return xr.Dataset(
+        {"steady_slip": ("steady", [slip])},
+        attrs={"band": json.dumps({"steady_slip": {"moved": rows}})},
+    )
 
 
 def test_what_moves_both_alike_does_not_blur_their_ratio():
@@ -67,9 +75,13 @@ def test_what_moves_both_alike_does_not_blur_their_ratio():
     other = _with_band(0.02, cage_drag=(0.5, 2.0), lubricant_alpha=(0.5, 2.0))
     assert ratio_band(one, other) == pytest.approx((2.0, 2.0))
     blurred = math.exp(math.sqrt(2.0) * math.log(2.0))
-    assert ratio_band(one, other, own=("lubricant.",)) == pytest.approx((2.0 / blurred, 2.0 * blurred))
+    assert ratio_band(one, other, own=("lubricant.",)) == pytest.approx(
+        (2.0 / blurred, 2.0 * blurred)
+    )
     assert ratio_band(one, one) == (1.0, 1.0)
-    assert np.isnan(ratio_band(one, _with_band(-0.3, cage_drag=(0.5, 2.0)))).all()  # of a cage that is driven
+    assert np.isnan(
+        ratio_band(one, _with_band(-0.3, cage_drag=(0.5, 2.0)))
+    ).all()  # of a cage that is driven
     assert np.isnan(ratio_band(one, xr.Dataset({"steady_slip": ("steady", [0.02])}))).all()
 
 
@@ -77,7 +89,11 @@ def test_what_moves_both_alike_does_not_blur_their_ratio():
     ("slip", "ratio", "said"),
     [
         ((0.02, 0.03), (1.2, 1.9), "A slips less than B, with more than 95 %; ratio: "),
-        ((0.02, 0.03), (0.8, 1.9), "no clear winner between A and B: where data scatter either may slip less; ratio: "),
+        (
+            (0.02, 0.03),
+            (0.8, 1.9),
+            "no clear winner between A and B: where data scatter either may slip less; ratio: ",
+        ),
         ((0.02, 0.03), (1.04, 1.9), "no clear winner between A and B"),
         ((0.02, 0.02), (1.0, 1.0), "A and B are the same here"),
         ((1e-4, 9e-4), (0.1, 90.0), "A and B slip less than 0.1 %"),
@@ -113,7 +129,10 @@ def test_a_winner_is_told_only_where_data_that_scatter_leave_one(slip, ratio, sa
     [
         ({"oil": "iso-vg-68"}, "oil: name two at least"),
         ({"oil": "nope, nada"}, "no lubricant is called 'nope'"),
-        ({"cage": ["brass", "steel"], "film": "moes"}, "film: laws are compared by their curves, --cage by the answer"),
+        (
+            {"cage": ["brass", "steel"], "film": "moes"},
+            "film: laws are compared by their curves, --cage by the answer",
+        ),
     ],
 )
 def test_what_cannot_be_compared_is_refused(asked, said):

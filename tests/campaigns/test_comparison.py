@@ -22,7 +22,13 @@ from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
-from rollslip_campaigns.comparison.findings import ComparisonAccount, _in_words, bin_tables, members, records
+from rollslip_campaigns.comparison.findings import (
+    ComparisonAccount,
+    _in_words,
+    bin_tables,
+    members,
+    records,
+)
 from rollslip_plugins.traction.blend import LinearBlend
 from rollslip_plugins.traction.eyring import Muraki
 from without_bands import run
@@ -61,7 +67,10 @@ class Again(Muraki):
 class Refuses(FilmModel):
     """A film that is defined nowhere a bearing gets."""
 
-    name, equation, references, location = "refuses", "h = nothing", ("nobody",), "minimum"
+    name = "refuses"
+    equation = "h = nothing"
+    references = ("nobody",)
+    location = "minimum"
     domain = MappingProxyType({**FilmModel.domain, "load": (1e12, 1e13)})
 
     def evaluate(self, slices):
@@ -72,7 +81,9 @@ class Refuses(FilmModel):
 class Raises(TractionModel):
     """A traction model with a mistake in it, which shows only at the speeds of a bearing that slips a lot."""
 
-    name, equation, references = "raises", "mu = 1/0", ("nobody",)
+    name = "raises"
+    equation = "mu = 1/0"
+    references = ("nobody",)
     reads = frozenset({"sliding_speed"})
     domain = MappingProxyType({})
 
@@ -100,7 +111,8 @@ class Lowered(Muraki):
 
     def evaluate(self, slices):
         super().evaluate(slices)
-        c, s = slices.conditions, slices
+        c = slices.conditions
+        s = slices
         tau = s.friction * s.pressure
         flash = 0.97 * np.sqrt(s.half_width / (np.pi * s.rolling_speed)) / c.effusivity
         theta = np.abs(tau * s.sliding_speed) * (flash + s.film_thickness / (12 * c.conductivity))
@@ -142,7 +154,9 @@ def test_a_combination_gives_what_a_run_of_its_scene_gives_bit_for_bit(study):
         for name in ("friction", "effective_friction", "film_parameter", "critical_slip", "critical_cage_slip",
                      "critical_friction", "critical_status"):  # fmt: skip
             if name in alone:
-                assert np.array_equal(one[name], alone[name], equal_nan=alone[name].dtype.kind == "f"), (label, name)
+                assert np.array_equal(
+                    one[name], alone[name], equal_nan=alone[name].dtype.kind == "f"
+                ), (label, name)
 
 
 @pytest.mark.parametrize("study", STUDIES)
@@ -155,7 +169,9 @@ def test_a_model_does_not_differ_from_itself(study):
     assert not (np.abs(found["bin_difference"]) > 0.0).any()
     for name in ("critical_slip_error", "peak_error"):
         assert (found[name].fillna(0.0) == 0.0).all()
-    assert "again does not differ from muraki" in findings(compare(SCENE, traction=["muraki", "again"], study=study))
+    assert "again does not differ from muraki" in findings(
+        compare(SCENE, traction=["muraki", "again"], study=study)
+    )
 
 
 def test_bins_of_every_grouping_add_up_to_the_whole_difference_of_the_curves(result):
@@ -163,8 +179,12 @@ def test_bins_of_every_grouping_add_up_to_the_whole_difference_of_the_curves(res
     standard = result[variable].sel(combination=result.attrs["reference"])
     slip = standard.dims[-1]
     # of one contact the force on a curve is the same at all slips, so means of the curves are means of the slices
-    whole = ((result[variable] - standard) * np.sign(standard)).sum(slip) / np.abs(standard).sum(slip)
-    np.testing.assert_allclose(result["mean_difference"], whole.transpose("combination", ...), rtol=1e-10, atol=1e-15)
+    whole = ((result[variable] - standard) * np.sign(standard)).sum(slip) / np.abs(standard).sum(
+        slip
+    )
+    np.testing.assert_allclose(
+        result["mean_difference"], whole.transpose("combination", ...), rtol=1e-10, atol=1e-15
+    )
     assert set(result["bin_grouping"].values) >= {
         "film regime",
         "film parameter",
@@ -184,7 +204,8 @@ def test_bins_of_every_grouping_add_up_to_the_whole_difference_of_the_curves(res
 def test_errors_are_those_of_the_stored_curves(result):
     variable = "effective_friction" if "ring" in result.dims else "friction"
     values, standard = (
-        x.to_numpy()[..., 1:] for x in (result[variable], result[variable].sel(combination=result.attrs["reference"]))
+        x.to_numpy()[..., 1:]
+        for x in (result[variable], result[variable].sel(combination=result.attrs["reference"]))
     )
     difference = values / standard - 1.0  # without the first slip, at which nothing has friction
     np.testing.assert_array_equal(result["difference"].to_numpy()[..., 1:], difference)
@@ -192,20 +213,28 @@ def test_errors_are_those_of_the_stored_curves(result):
     np.testing.assert_allclose(result["max_error"], np.abs(difference).max(-1), rtol=1e-14)
     np.testing.assert_allclose(result["rms_error"], np.sqrt((difference**2).mean(-1)), rtol=1e-12)
     critical = result["critical_cage_slip" if "ring" in result.dims else "critical_slip"].to_numpy()
-    np.testing.assert_allclose(result["critical_slip_error"], critical / critical[-1] - 1.0, atol=1e-15)
+    np.testing.assert_allclose(
+        result["critical_slip_error"], critical / critical[-1] - 1.0, atol=1e-15
+    )
     assert (result["rms_error"].sel(combination=result.attrs["reference"]) == 0.0).all()
 
 
 @pytest.mark.parametrize("study", STUDIES)
 def test_a_difference_of_one_regime_is_found_there_and_nowhere_else(study):
     rollslip.register(Lowered)
-    found = compare(SCENE, traction=["lowered"], reference="muraki", study=study).sel(combination="lowered")
+    found = compare(SCENE, traction=["lowered"], reference="muraki", study=study).sel(
+        combination="lowered"
+    )
     heated = found.sel(bin="where Phi sigma S > 1")
     assert (heated["bin_share"] > 0.01).any()
     held = heated["bin_share"].to_numpy() > 0.0
     np.testing.assert_allclose(heated["bin_difference"].to_numpy()[held], -0.1, rtol=1e-9)
-    others = found.isel(bin=np.flatnonzero((found["bin_grouping"] == "heating") & (found["bin"] != heated["bin"])))
-    np.testing.assert_allclose(others["bin_difference"].fillna(0.0), 0.0, atol=1e-12)  # NumPy against compiled
+    others = found.isel(
+        bin=np.flatnonzero((found["bin_grouping"] == "heating") & (found["bin"] != heated["bin"]))
+    )
+    np.testing.assert_allclose(
+        others["bin_difference"].fillna(0.0), 0.0, atol=1e-12
+    )  # NumPy against compiled
     explained = found["explained"].sel(grouping="heating").to_numpy()
     np.testing.assert_allclose(explained[held], 1.0, rtol=1e-9)
     sentence = findings(compare(SCENE, traction=["lowered"], reference="muraki", study=study))[-1]
@@ -235,23 +264,35 @@ def test_a_difference_that_is_the_same_everywhere_is_explained_by_no_regime():
 
 
 def test_slices_are_not_sorted_by_what_the_oil_does_not_give():
-    bare = {"viscosity": "10 mPa s", "thermoviscosity": "0.03 1/K", "pressure_viscosity": "19 1/GPa"}
+    bare = {
+        "viscosity": "10 mPa s",
+        "thermoviscosity": "0.03 1/K",
+        "pressure_viscosity": "19 1/GPa",
+    }
     bare |= {"eyring_stress": "4 MPa", "conductivity": "0.14 W/(m K)"}
     scene = evolve(SCENE, {"lubricant": bare, "models.traction": "eyring"})
     found = compare(scene, film="moes,blok", study="friction-curve")
-    assert found["grouping"].values.tolist() == ["film regime", "strain rate", "heating"]  # it has no shear modulus
+    assert found["grouping"].values.tolist() == [
+        "film regime",
+        "strain rate",
+        "heating",
+    ]  # it has no shear modulus
 
 
 def test_heating_is_that_of_the_law_with_its_own_factor_and_the_stresses_risen_with_pressure():
     rises = {"lubricant.eyring_stress_slope": 0.02, "lubricant.shear_modulus_slope": 1.5}
     scene = evolve(SCENE, {"models.traction": {"model": "muraki", "flash": 2.0}, **rises})
     made = rollslip.plan(scene, "friction-curve")
-    s = made.assembly.inner.evaluate(np.array([20.0, 200.0]), np.array([8.0, 9.0]), np.array([-0.1, 3.0]))
-    c, kept = s.conditions, keep_criteria(made.assembly.traction)(s)
+    s = made.assembly.inner.evaluate(
+        np.array([20.0, 200.0]), np.array([8.0, 9.0]), np.array([-0.1, 3.0])
+    )
+    c = s.conditions
+    kept = keep_criteria(made.assembly.traction)(s)
     zeta = 2.0 / c.effusivity * np.sqrt(s.half_width / (np.pi * s.rolling_speed))
     zeta = zeta + s.film_thickness / (12 * c.conductivity)
     heat = np.abs(s.friction * s.pressure * s.sliding_speed)
-    stress, modulus = c.eyring_stress + 0.02 * s.pressure, c.shear_modulus + 1.5 * s.pressure
+    stress = c.eyring_stress + 0.02 * s.pressure
+    modulus = c.shear_modulus + 1.5 * s.pressure
     np.testing.assert_allclose(kept["heating"], s.film_thermoviscosity * zeta * heat, rtol=1e-12)
     rate = s.film_viscosity * np.abs(s.sliding_speed) / s.film_thickness
     np.testing.assert_allclose(kept["strain rate"], rate / stress, rtol=1e-12)
@@ -265,16 +306,21 @@ def test_slices_are_sorted_by_film_alone_where_no_law_states_its_regimes():
     assert found["grouping"].values.tolist() == ["film regime"]
     assert found.attrs["sorted_by"] == ""
     (said,) = (sentence for sentence in findings(found) if sentence.startswith("laminae"))
-    assert said.startswith("laminae are sorted by film alone, since no traction compared states regimes of its law")
+    assert said.startswith(
+        "laminae are sorted by film alone, since no traction compared states regimes of its law"
+    )
 
 
 def test_a_reference_without_regimes_is_sorted_by_those_of_the_law_that_is_held_against_it():
     found = compare(SCENE, traction=["muraki"], reference="constant", study="friction-curve")
     assert found["grouping"].values.tolist()[2:] == ["strain rate", "heating", "elasticity"]
-    assert "laminae of constant, whose law states no regimes, are sorted by film and those of traction 'muraki'" in (
-        findings(found)
+    assert (
+        "laminae of constant, whose law states no regimes, are sorted by film and those of traction 'muraki'"
+        in (findings(found))
     )
-    own = findings(compare(SCENE, traction=["constant"], reference="muraki", study="friction-curve"))
+    own = findings(
+        compare(SCENE, traction=["constant"], reference="muraki", study="friction-curve")
+    )
     assert not any(sentence.startswith("laminae") for sentence in own)
 
 
@@ -295,7 +341,9 @@ def test_a_law_of_a_stranger_states_its_own_regimes():
             return None
 
     rollslip.register(Fast)
-    found = compare(SCENE, traction=["muraki"], reference="fast", study="friction-curve").sel(combination="muraki")
+    found = compare(SCENE, traction=["muraki"], reference="fast", study="friction-curve").sel(
+        combination="muraki"
+    )
     assert found["grouping"].values.tolist() == ["film regime", "film parameter", "sliding"]
     off = found["bin_difference"].sel(bin=["where |V|/u <= 0.1", "where 0.1 < |V|/u <= 1"])
     np.testing.assert_allclose(off[:, 0], 0.0, atol=1e-12)
@@ -303,9 +351,16 @@ def test_a_law_of_a_stranger_states_its_own_regimes():
 
 
 def test_the_order_of_the_models_does_not_matter():
-    traction, film = ["muraki", "eyring"], ["moes", "blok"]
+    traction = ["muraki", "eyring"]
+    film = ["moes", "blok"]
     first, second = (
-        compare(SCENE, traction=traction[::step], film=film[::step], reference=reference, study="friction-curve")
+        compare(
+            SCENE,
+            traction=traction[::step],
+            film=film[::step],
+            reference=reference,
+            study="friction-curve",
+        )
         for step, reference in ((1, "maxwell-eyring,moes"), (-1, "moes,maxwell-eyring"))
     )
     assert list(first.combination.values) != list(second.combination.values)
@@ -316,30 +371,45 @@ def test_the_order_of_the_models_does_not_matter():
 def test_all_have_the_same_instants_even_where_one_settles_later():
     scene = evolve(
         load_scene("1032930-70C"),
-        {"accuracy.tolerance": 3.9e-4, "accuracy.slices": 21, "study.effective-friction.points": 11},
+        {
+            "accuracy.tolerance": 3.9e-4,
+            "accuracy.slices": 21,
+            "study.effective-friction.points": 11,
+        },
     )
     needs = {}
     for name in ("muraki", "constant"):
-        changed = evolve(scene, {"models.traction.hydrodynamic": name, "study.effective-friction.map_points": 0})
+        changed = evolve(
+            scene, {"models.traction.hydrodynamic": name, "study.effective-friction.map_points": 0}
+        )
         needs[name] = run(changed, "effective-friction")
     assert needs["constant"].attrs["instants"] < needs["muraki"].attrs["instants"]
     found = compare(scene, traction=["muraki", "constant"], study="effective-friction")
     assert found.attrs["instants"] == needs["muraki"].attrs["instants"]
-    assert np.array_equal(found["effective_friction"].sel(combination="muraki"), needs["muraki"]["effective_friction"])
+    assert np.array_equal(
+        found["effective_friction"].sel(combination="muraki"), needs["muraki"]["effective_friction"]
+    )
     finer = found["effective_friction"].sel(combination="constant")
     np.testing.assert_allclose(finer, needs["constant"]["effective_friction"], rtol=3.9e-4)
 
 
 def test_speeds_of_free_rollers_are_those_of_the_reference():
-    scene = evolve(SCENE, {"study.effective-friction.closure": "free-roller", "study.effective-friction.points": 6})
-    found = compare(scene, traction=["eyring"], reference="maxwell-eyring", study="effective-friction")
+    scene = evolve(
+        SCENE,
+        {"study.effective-friction.closure": "free-roller", "study.effective-friction.points": 6},
+    )
+    found = compare(
+        scene, traction=["eyring"], reference="maxwell-eyring", study="effective-friction"
+    )
     assert (found["max_error"].sel(combination="eyring", ring="inner") < 0.05).all()
     assert np.isfinite(found["mean_difference"]).all()
 
 
 def test_a_ring_without_friction_has_no_differences():
     scene = evolve(SCENE, {"study.effective-friction.closure": "outer-rolling"})
-    found = compare(scene, traction=["eyring"], reference="maxwell-eyring", study="effective-friction")
+    found = compare(
+        scene, traction=["eyring"], reference="maxwell-eyring", study="effective-friction"
+    )
     outer = found.sel(ring="outer")
     for name in ("rms_error", "mean_difference", "bin_difference"):
         assert outer[name].isnull().all()
@@ -351,9 +421,13 @@ def test_the_film_is_the_smallest_without_slip_and_says_its_place(result):
         film = label.split(" + ")[0]
         alone = run(evolve(SCENE, {"models.film": film}), result.attrs["compared"])
         slip = {"cage_slip": 0} if "ring" in result.dims else {"slip": 0}
-        np.testing.assert_allclose(one["smallest_film_parameter"], alone["film_parameter"].isel(slip))
+        np.testing.assert_allclose(
+            one["smallest_film_parameter"], alone["film_parameter"].isel(slip)
+        )
         if "film_thickness" in alone:
-            np.testing.assert_allclose(one["smallest_film"], alone["film_thickness"].isel(slip), rtol=1e-14)
+            np.testing.assert_allclose(
+                one["smallest_film"], alone["film_thickness"].isel(slip), rtol=1e-14
+            )
         assert one["film_location"] == {"moes": "dp/dx = 0", "dowson-1968": "minimum"}[film]
 
 
@@ -381,30 +455,42 @@ def traction_of(made, label):
 
 def test_a_law_of_the_full_film_takes_its_place_in_the_blend():
     scene = evolve(SCENE, {"models.traction.exponent": 4.0})
-    made = ComparisonSettings(scene, traction=["muraki", "eyring", "lambda-blend"], study="friction-curve").plan()
+    made = ComparisonSettings(
+        scene, traction=["muraki", "eyring", "lambda-blend"], study="friction-curve"
+    ).plan()
     assert list(made.combinations) == ["muraki", "eyring", "lambda-blend"]
     assert traction_of(made, "eyring").hydrodynamic.name == "eyring"
     assert traction_of(made, "eyring").exponent == 4.0
     assert traction_of(made, "lambda-blend") == traction_of(made, "muraki")
-    assert made.exchanged == "traction models take the place of the hydrodynamic model of the scene's lambda-blend"
+    assert (
+        made.exchanged
+        == "traction models take the place of the hydrodynamic model of the scene's lambda-blend"
+    )
     found = compare(scene, traction=["muraki", "eyring"], study="friction-curve")
     assert found["traction"].values.tolist() == ["muraki in lambda-blend", "eyring in lambda-blend"]
 
 
 def test_a_film_takes_its_place_in_a_correction():
-    scene = evolve(SCENE, {"models.film": {"model": "inlet-correction", "thermal": "none", "starvation": 0.7}})
+    scene = evolve(
+        SCENE, {"models.film": {"model": "inlet-correction", "thermal": "none", "starvation": 0.7}}
+    )
     made = ComparisonSettings(
         scene, film=["moes", "blok"], traction=["muraki", "eyring"], study="friction-curve"
     ).plan()
     film = made.combinations["blok + eyring"].plan.assembly.film
     assert (film.name, film.film.name, film.starvation) == ("inlet-correction", "blok", 0.7)
-    assert "film models take the place of the film model of the scene's inlet-correction" in made.exchanged
+    assert (
+        "film models take the place of the film model of the scene's inlet-correction"
+        in made.exchanged
+    )
     assert made.combinations["blok + eyring"].choices["film"].full == "blok in inlet-correction"
 
 
 def test_without_a_blend_in_the_scene_the_whole_traction_is_exchanged():
     scene = evolve(SCENE, {"models.traction": "muraki"})
-    made = ComparisonSettings(scene, traction=["eyring", "lambda-blend"], study="friction-curve").plan()
+    made = ComparisonSettings(
+        scene, traction=["eyring", "lambda-blend"], study="friction-curve"
+    ).plan()
     assert traction_of(made, "eyring").name == "eyring"
     assert traction_of(made, "lambda-blend").hydrodynamic.name == "maxwell-eyring"
     assert made.exchanged == ""
@@ -418,7 +504,9 @@ def test_a_bare_name_of_the_scene_keeps_its_parameters():
             "models.film": {"model": "pan-hamrock", "thickness": "central"},
         },
     )
-    made = ComparisonSettings(scene, traction="muraki, eyring", film="pan-hamrock,moes", study="friction-curve").plan()
+    made = ComparisonSettings(
+        scene, traction="muraki, eyring", film="pan-hamrock,moes", study="friction-curve"
+    ).plan()
     assert traction_of(made, "pan-hamrock + muraki").hydrodynamic.flash == 1.2
     assert made.combinations["pan-hamrock + eyring"].plan.assembly.film.thickness == "central"
 
@@ -439,7 +527,11 @@ def test_tables_and_models_are_taken_with_their_parameters():
 
 def test_names_of_the_reference_tell_their_kind_and_the_rest_is_the_first():
     made = ComparisonSettings(
-        SCENE, traction="muraki,eyring", film="blok,moes", reference="maxwell-eyring", study="friction-curve"
+        SCENE,
+        traction="muraki,eyring",
+        film="blok,moes",
+        reference="maxwell-eyring",
+        study="friction-curve",
     ).plan()
     assert made.reference == "blok + maxwell-eyring"
     named = ComparisonSettings(
@@ -462,7 +554,11 @@ def test_contacts_are_compared_with_their_own_loads():
     found = compare(SCENE, contact="palmgren,lundberg", study="effective-friction")
     assert list(found.combination.values) == ["palmgren", "lundberg"]
     assert found["normal_force"].sel(combination="palmgren").sum() > 0.0
-    assert not found["normal_force"].isel(combination=0).equals(found["normal_force"].isel(combination=1))
+    assert (
+        not found["normal_force"]
+        .isel(combination=0)
+        .equals(found["normal_force"].isel(combination=1))
+    )
 
 
 @pytest.mark.parametrize(
@@ -494,7 +590,11 @@ def test_what_fails_is_listed_and_stops_nobody(tmp_path):
     rollslip.register(Refuses)
     rollslip.register(Raises)
     found = compare(
-        SCENE, traction=["muraki", "raises"], film=["moes", "refuses"], reference="eyring", study="effective-friction"
+        SCENE,
+        traction=["muraki", "raises"],
+        film=["moes", "refuses"],
+        reference="eyring",
+        study="effective-friction",
     )
     alone = compare(SCENE, traction=["muraki"], reference="eyring", study="effective-friction")
     status = dict(zip(found.combination.values, found.status.values, strict=True))
@@ -503,10 +603,14 @@ def test_what_fails_is_listed_and_stops_nobody(tmp_path):
     assert status["refuses + muraki"].startswith("failed: refuses: load = ")
     for name in ("effective_friction", "rms_error", "bin_difference"):
         assert np.array_equal(
-            found[name].sel(combination="moes + muraki"), alone[name].sel(combination="muraki"), equal_nan=True
+            found[name].sel(combination="moes + muraki"),
+            alone[name].sel(combination="muraki"),
+            equal_nan=True,
         )
         assert found[name].sel(combination="moes + raises").isnull().all()
-    assert "moes + raises failed: ZeroDivisionError: in somebody's model" in json.loads(found.attrs["warnings"])
+    assert "moes + raises failed: ZeroDivisionError: in somebody's model" in json.loads(
+        found.attrs["warnings"]
+    )
     save(found, tmp_path / "compare.nc")
     assert open_result(tmp_path / "compare.nc").identical(found)
     figures = save_plots(found, tmp_path)
@@ -534,7 +638,9 @@ def test_if_all_fail_the_error_is_of_their_kind():
         compare(SCENE, traction=["slow"], film=["moes", "blok"], study="friction-curve")
     with pytest.raises(DomainError, match=r"^refuses: load = "):
         compare(SCENE, traction=["muraki", "eyring"], film=["refuses"], study="friction-curve")
-    with pytest.raises(ConvergenceError, match=r"(?ms)^moes: slow: no end.*^refuses: refuses: load = "):
+    with pytest.raises(
+        ConvergenceError, match=r"(?ms)^moes: slow: no end.*^refuses: refuses: load = "
+    ):
         compare(SCENE, traction=["slow"], film=["moes", "refuses"], study="friction-curve")
 
 
@@ -542,28 +648,58 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for model in (Refuses, Raises, Slow):
         rollslip.register(model)
-    quick = ["1032930-30C", "--set", "bearing.profile=none", "--study", "friction-curve", "--no-plots"]
+    quick = [
+        "1032930-30C",
+        "--set",
+        "bearing.profile=none",
+        "--study",
+        "friction-curve",
+        "--no-plots",
+    ]
     code, said, _ = answer(capsys, *quick, "--traction", "muraki,eyring", "--out", "a")
     assert code == 0
     assert said.startswith("rollslip ")
     assert "traction muraki in lambda-blend" in said.splitlines()[0]
     assert "friction-curve of 2 combinations: muraki, eyring" in said
     assert "differences are from muraki" in said
-    code, said, wrong = answer(capsys, *quick, "--traction", "muraki,slow", "--reference", "eyring", "--out", "b")
+    code, said, wrong = answer(
+        capsys, *quick, "--traction", "muraki,slow", "--reference", "eyring", "--out", "b"
+    )
     assert code == 4
     assert "failed" in said
     assert "warning: slow failed: slow: no end in sight" in wrong
-    assert sorted(path.name for path in (tmp_path / "b").iterdir()) == ["compare.nc", "manifest.json"]
-    code, _, wrong = answer(capsys, *quick, "--traction", "slow", "--film", "moes,blok", "--out", "c")
+    assert sorted(path.name for path in (tmp_path / "b").iterdir()) == [
+        "compare.nc",
+        "manifest.json",
+    ]
+    code, _, wrong = answer(
+        capsys, *quick, "--traction", "slow", "--film", "moes,blok", "--out", "c"
+    )
     assert (code, wrong) == (3, "slow: no end in sight\n")
     assert not (tmp_path / "c").exists()
-    assert answer(capsys, *quick, "--film", "refuses", "--traction", "muraki,eyring", "--out", "c")[0] == 2
+    assert (
+        answer(capsys, *quick, "--film", "refuses", "--traction", "muraki,eyring", "--out", "c")[0]
+        == 2
+    )
     code, _, wrong = answer(capsys, *quick, "--traction", "muraky,eyring", "--out", "c")
     assert code == 2
     assert "did you mean 'muraki'" in wrong
     assert answer(capsys, *quick, "--out", "c")[0] == 2
     assert answer(capsys, *quick, "--traction", "muraki,eyring", "--out", "b")[0] == 2
-    assert answer(capsys, *quick, "--traction", "muraki", "--traction", "eyring", "--out", "b", "--overwrite")[0] == 0
+    assert (
+        answer(
+            capsys,
+            *quick,
+            "--traction",
+            "muraki",
+            "--traction",
+            "eyring",
+            "--out",
+            "b",
+            "--overwrite",
+        )[0]
+        == 0
+    )
     assert not (tmp_path / "c").exists()
 
 
@@ -581,7 +717,9 @@ def test_json_is_plain_and_complete(tmp_path, monkeypatch, capsys):
     assert said["folder"] == "1032930-30C-comparison"
     assert said["files"] == ["compare.nc"]
     rows = {(row["combination"], row["curve"]): row for row in said["results"]}
-    assert set(rows) == {(label, force) for label in ("muraki", "slow", "eyring") for force in ("300 N", "518 N")}
+    assert set(rows) == {
+        (label, force) for label in ("muraki", "slow", "eyring") for force in ("300 N", "518 N")
+    }
     row = rows["muraki", "518 N"]
     stored = open_result(tmp_path / "1032930-30C-comparison" / "compare.nc")
     one = stored.sel(combination="muraki", normal_force=518.0)
@@ -589,12 +727,16 @@ def test_json_is_plain_and_complete(tmp_path, monkeypatch, capsys):
     assert row["critical_slip"] == float(one["critical_slip"])
     assert row["traction"] == "muraki in lambda-blend"
     heating = [bin for bin in row["bins"] if bin["grouping"] == "heating"]
-    assert sum(bin["contribution"] for bin in heating) == pytest.approx(row["mean_difference"], rel=1e-10)
+    assert sum(bin["contribution"] for bin in heating) == pytest.approx(
+        row["mean_difference"], rel=1e-10
+    )
     assert rows["slow", "518 N"]["critical_slip"] is None
     assert rows["slow", "518 N"]["status"] == "failed: slow: no end in sight"
 
 
-def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(tmp_path, monkeypatch, capsys, result):
+def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(
+    tmp_path, monkeypatch, capsys, result
+):
     monkeypatch.chdir(tmp_path)
     save(result, tmp_path / "compare.nc")
     assert open_result(tmp_path / "compare.nc").identical(result)
@@ -609,7 +751,13 @@ def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(tmp_pa
     slip = float(critical.isel({critical.dims[1]: 0}).sel(combination="dowson-1968 + eyring"))
     assert f"dowson-1968 + eyring, {curve_names(result)[0]}" in says["info"]
     assert f"slip at largest traction {slip:.2%}" in says["info"]
-    for author in ("Moes H.", "Dowson D. Elastohydrodynamics", "Muraki", "Eyring H.", "Johnson K.L., Tevaarwerk"):
+    for author in (
+        "Moes H.",
+        "Dowson D. Elastohydrodynamics",
+        "Muraki",
+        "Eyring H.",
+        "Johnson K.L., Tevaarwerk",
+    ):
         assert author in says["cite"]
 
 
@@ -660,7 +808,12 @@ def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys
     assert leave.value.code == 0, capsys.readouterr().err
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
     page = "".join(ET.fromstring(html.partition("\n")[2]).itertext())
-    for text in (*findings(found), *found.combination.values, "relative differences by regime", "lambda-blend"):
+    for text in (
+        *findings(found),
+        *found.combination.values,
+        "relative differences by regime",
+        "lambda-blend",
+    ):
         assert text[1:] in page
     for name in curve_names(found):
         rests_on = "slips at largest traction with rollers in pure rolling"
@@ -673,14 +826,16 @@ def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys
 def test_a_figure_is_the_same_bytes_each_time(tmp_path):
     scene = evolve(SCENE, {"study.friction-curve.normal_force": ["300 N"]})
     found = compare(scene, traction="muraki,eyring", study="friction-curve")
-    first, again = save_plots(found, tmp_path / "a"), save_plots(found, tmp_path / "b")
+    first = save_plots(found, tmp_path / "a")
+    again = save_plots(found, tmp_path / "b")
     assert [path.name for path in first] == ["comparison.svg"]
     assert first[0].read_bytes() == again[0].read_bytes()
     assert list(account_of(found).topics(found)) == ["muraki, 300 N", "eyring, 300 N"]
 
 
 @pytest.mark.parametrize(
-    ("difference", "said"), [(0.0, "0 % off"), (-0.25, "25 % below"), (0.25, "25 % above"), (1.5, "2.5 times")]
+    ("difference", "said"),
+    [(0.0, "0 % off"), (-0.25, "25 % below"), (0.25, "25 % above"), (1.5, "2.5 times")],
 )
 def test_a_mean_difference_of_nothing_is_neither_above_nor_below(difference, said):
     assert _in_words(difference) == said
@@ -704,19 +859,32 @@ def test_a_law_of_a_stranger_states_how_far_its_boundary_film_goes():
 
 
 def test_slices_are_sorted_by_the_limits_that_are_told():
-    made, lambdas, groups = rollslip.plan(SCENE, "friction-curve"), [0.001, 0.01, 0.02, 1.5, 1.6, 9.0], {}
+    made = rollslip.plan(SCENE, "friction-curve")
+    lambdas = [0.001, 0.01, 0.02, 1.5, 1.6, 9.0]
+    groups = {}
     for name in ("strain rate", "heating", "elasticity"):
         groups[name] = [np.array([0.01, 0.1, 0.11, 1.0, 1.1, 9.0])]
     regimes = [np.array([0.0, 1.0, 2.0, 3.0, 0.0, 3.0])]
-    found = {"friction": [np.zeros(6)], "film regime": regimes, "film parameter": [np.array(lambdas)], **groups}
+    found = {
+        "friction": [np.zeros(6)],
+        "film regime": regimes,
+        "film parameter": [np.array(lambdas)],
+        **groups,
+    }
     bins = Bins.of(made, found, made.assembly.traction.full_film)
     where = {
         name: dict(zip(found[name][0].tolist(), codes.tolist(), strict=True))
         for name, codes in zip(bins.names, bins.codes[0], strict=True)
     }
     assert where["film regime"] == {0.0: 0, 1.0: 1, 2.0: 2, 3.0: 3}
-    assert bins.names["film regime"] == tuple(f"in the {name} regime" for name in FILM_REGIMES.values())
+    assert bins.names["film regime"] == tuple(
+        f"in the {name} regime" for name in FILM_REGIMES.values()
+    )
     assert where["film parameter"] == {0.001: 0, 0.01: 0, 0.02: 1, 1.5: 1, 1.6: 2, 9.0: 2}
     for name, symbol in (("strain rate", "sigma"), ("heating", "Phi sigma S"), ("elasticity", "D")):
         assert where[name] == {0.01: 0, 0.1: 0, 0.11: 1, 1.0: 1, 1.1: 2, 9.0: 2}
-        assert bins.names[name] == (f"where {symbol} <= 0.1", f"where 0.1 < {symbol} <= 1", f"where {symbol} > 1")
+        assert bins.names[name] == (
+            f"where {symbol} <= 0.1",
+            f"where 0.1 < {symbol} <= 1",
+            f"where {symbol} > 1",
+        )

@@ -85,18 +85,24 @@ def test_correlated_values_have_the_rank_correlation_of_the_copula_and_their_own
                 "temperature": {"distribution": "uniform", "low": "60 degC", "high": "80 degC"},
                 "inner_speed": {"distribution": "normal", "scatter": 0.1},
             },
-            "correlation": [{"between": ["operation.temperature", "operation.radial_load"], "coefficient": rho}],
+            "correlation": [
+                {"between": ["operation.temperature", "operation.radial_load"], "coefficient": rho}
+            ],
         }
     )
     assert not problems
     drawn = probabilities("sobol", 2**14, 3, 1)
     load, temperature, speed = found.values(drawn).T
     # Spearman's rank correlation of a Gaussian copula, e.g. Kruskal, J. Am. Stat. Assoc. 53 (1958)
-    assert scipy.stats.spearmanr(load, temperature)[0] == pytest.approx(6 / math.pi * math.asin(rho / 2), abs=2e-3)
+    assert scipy.stats.spearmanr(load, temperature)[0] == pytest.approx(
+        6 / math.pi * math.asin(rho / 2), abs=2e-3
+    )
     assert abs(scipy.stats.spearmanr(load, speed)[0]) < 2e-3
     assert scipy.stats.kstest(temperature, scipy.stats.uniform(333.15, 20.0).cdf).statistic < 2e-3
     assert np.array_equal(speed, found.distributions["operation.inner_speed"].quantile(drawn[:, 2]))
-    assert np.array_equal(found.values(drawn[5:6])[0], found.values(drawn)[5]), "one sample alone has the same bits"
+    assert np.array_equal(found.values(drawn[5:6])[0], found.values(drawn)[5]), (
+        "one sample alone has the same bits"
+    )
 
 
 def test_nothing_uncertain_has_no_values():
@@ -150,7 +156,9 @@ def test_what_is_wrong_with_a_table_is_said(table, said):
 
 def test_correlations_that_cannot_be_are_refused():
     keys = ["operation.radial_load", "operation.inner_speed", "operation.temperature"]
-    table = {"operation": {k.partition(".")[2]: {"distribution": "normal", "scatter": 0.1} for k in keys}}
+    table = {
+        "operation": {k.partition(".")[2]: {"distribution": "normal", "scatter": 0.1} for k in keys}
+    }
     pairs = [(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)]
     table["correlation"] = [{"between": [keys[i], keys[j]], "coefficient": c} for i, j, c in pairs]
     assert "the matrix of the coefficients is not positive definite" in read(table)[1][0]

@@ -28,7 +28,8 @@ def test_intervals_hold_what_unknown_samples_would_have_given():
     for kind in (np.argsort(values)[:15], np.argsort(values)[-15:], np.arange(0, 1000, 70)):
         lost = values.copy()
         lost[kind] = np.nan
-        whole, found = quantile(values, 0.05), quantile(lost, 0.05)
+        whole = quantile(values, 0.05)
+        found = quantile(lost, 0.05)
         assert found.low <= whole.low
         assert found.high >= whole.high
     none = quantile(np.full(9, np.nan), 0.5)
@@ -53,7 +54,8 @@ def test_probabilities_have_the_interval_of_clopper_and_pearson():
 def test_the_margin_of_two_normals_is_the_analytic_one():
     # P(X < Y) = Phi((m_y - m_x)/sqrt(s_x^2 + s_y^2))
     z = stats.norm.ppf(probabilities("sobol", 4096, 2, 3))
-    operating, critical = 0.05 + 0.01 * z[:, 0], 0.10 + 0.02 * z[:, 1]
+    operating = 0.05 + 0.01 * z[:, 0]
+    critical = 0.10 + 0.02 * z[:, 1]
     exact = stats.norm.cdf(0.05 / math.hypot(0.01, 0.02))
     found = share(int((operating < critical).sum()), 0, 4096)
     assert found.low < exact < found.high
@@ -73,7 +75,9 @@ def _g_function(u, a=(0.0, 1.0, 4.5, 9.0)):
 
 
 def _ishigami_indices():
-    v1, v2, v13 = 0.5 * (1 + 0.1 * math.pi**4 / 5) ** 2, 49 / 8, 0.01 * math.pi**8 * (1 / 18 - 1 / 50)
+    v1 = 0.5 * (1 + 0.1 * math.pi**4 / 5) ** 2
+    v2 = 49 / 8
+    v13 = 0.01 * math.pi**8 * (1 / 18 - 1 / 50)
     v = v1 + v2 + v13
     return [v1 / v, v2 / v, 0.0], [(v1 + v13) / v, v2 / v, v13 / v]
 
@@ -84,7 +88,9 @@ def _g_indices(a=(0.0, 1.0, 4.5, 9.0)):
     return parts / v, [part * np.prod(np.delete(1 + parts, k)) / v for k, part in enumerate(parts)]
 
 
-@pytest.mark.parametrize(("law", "d", "exact"), [(_ishigami, 3, _ishigami_indices()), (_g_function, 4, _g_indices())])
+@pytest.mark.parametrize(
+    ("law", "d", "exact"), [(_ishigami, 3, _ishigami_indices()), (_g_function, 4, _g_indices())]
+)
 def test_sobol_indices_are_the_analytic_ones(law, d, exact):
     values = law(probabilities("saltelli", 4096, d, 11)).reshape(-1, d + 2)
     found = indices(values[:, 0], values[:, 1], values[:, 2:].T, seed=0)
@@ -129,17 +135,23 @@ def _jump_share(x):
     return 0.5 * (stats.norm.cdf(x) + stats.norm.cdf(x - 3.0))
 
 
-@pytest.mark.parametrize(("law", "distribution"), [(_lognormal, _lognormal_share), (_jump, _jump_share)])
+@pytest.mark.parametrize(
+    ("law", "distribution"), [(_lognormal, _lognormal_share), (_jump, _jump_share)]
+)
 def test_intervals_of_replicates_hold_and_are_narrower_than_order_statistics(law, distribution):
     # of 150 intervals that hold with 95 % fewer than 135 do with a probability of 0.4 %
     several = [law(probabilities("replicated-sobol", 256, 2, seed)) for seed in range(150)]
     single = [law(probabilities("sobol", 256, 2, seed)) for seed in range(150)]
     for p in (0.05, 0.5):
-        exact = optimize.brentq(lambda x, p=p: distribution(x) - p, 0.01 if law is _lognormal else -9.0, 9.0)
+        exact = optimize.brentq(
+            lambda x, p=p: distribution(x) - p, 0.01 if law is _lognormal else -9.0, 9.0
+        )
         found = [quantile(values, p, replicates=REPLICATES) for values in several]
         plain = [quantile(values, p) for values in single]
         assert sum(one.low <= exact <= one.high for one in found) >= 135
-        assert np.median([one.half_width for one in found]) < 0.75 * np.median([one.half_width for one in plain])
+        assert np.median([one.half_width for one in found]) < 0.75 * np.median(
+            [one.half_width for one in plain]
+        )
 
 
 @pytest.mark.parametrize("p", [0.01, 0.05, 0.1, 0.5, 0.95, 0.99])
@@ -173,7 +185,9 @@ def test_replicates_of_one_value_have_no_width_and_those_beyond_a_range_keep_the
     assert quantile(np.ones(64), 0.5, replicates=REPLICATES) == Estimate(1.0, 1.0, 1.0)
     values = probabilities("replicated-sobol", 512, 2, 3).sum(axis=1)
     beyond = np.where(values > 1.1, np.inf, values)  # at 0.595
-    assert quantile(beyond, 0.3, replicates=REPLICATES) == quantile(values, 0.3, replicates=REPLICATES)
+    assert quantile(beyond, 0.3, replicates=REPLICATES) == quantile(
+        values, 0.3, replicates=REPLICATES
+    )
     assert quantile(beyond, 0.59, replicates=REPLICATES).high == math.inf
     assert quantile(beyond, 0.9, replicates=REPLICATES).low == math.inf
 
@@ -181,7 +195,8 @@ def test_replicates_of_one_value_have_no_width_and_those_beyond_a_range_keep_the
 @pytest.mark.parametrize("p", [0.01, 0.05, 0.1, 0.3, 0.9, 0.99])
 @pytest.mark.parametrize("confidence", [0.95, 0.975])
 def test_from_the_fewest_samples_on_an_interval_has_two_ends(p, confidence):
-    n, low = fewest(p, REPLICATES, confidence), p < 0.5
+    n = fewest(p, REPLICATES, confidence)
+    low = p < 0.5
     for count, told in ((n, True), (n - REPLICATES, False)):
         values = np.sort(probabilities("replicated-sobol", count, 1, 0)[:, 0])
         found = quantile(values, p, replicates=REPLICATES, confidence=confidence)
@@ -191,12 +206,15 @@ def test_from_the_fewest_samples_on_an_interval_has_two_ends(p, confidence):
 @given(
     seed=st.integers(0, 999),
     lost=st.lists(st.integers(0, 127), min_size=1, max_size=12),
-    others=st.lists(st.floats(-3.0, 3.0) | st.sampled_from([-math.inf, math.inf]), min_size=12, max_size=12),
+    others=st.lists(
+        st.floats(-3.0, 3.0) | st.sampled_from([-math.inf, math.inf]), min_size=12, max_size=12
+    ),
     p=st.sampled_from([0.05, 0.3, 0.5, 0.9]),
 )
 def test_intervals_of_replicates_hold_what_unknown_samples_would_have_given(seed, lost, others, p):
     values = stats.norm.ppf(probabilities("replicated-sobol", 128, 1, seed))[:, 0]
-    gaps, whole = values.copy(), values.copy()
+    gaps = values.copy()
+    whole = values.copy()
     gaps[lost] = np.nan
     whole[lost] = others[: len(lost)]
     found, exact = (quantile(one, p, replicates=REPLICATES) for one in (gaps, whole))
@@ -221,7 +239,8 @@ def test_intervals_of_indices_have_the_confidence_asked_for():
     """Resampled indices are nearly normal: intervals of 68.27 and 95 % are 1 and 1.96 standard deviations wide."""
     values = _g_function(probabilities("saltelli", 1024, 4, 11)).reshape(-1, 6)
     wide, narrow = (
-        indices(values[:, 0], values[:, 1], values[:, 2:].T, 0, confidence) for confidence in (0.95, 0.6827)
+        indices(values[:, 0], values[:, 1], values[:, 2:].T, 0, confidence)
+        for confidence in (0.95, 0.6827)
     )
     ratio = (wide.total[2] - wide.total[1]) / (narrow.total[2] - narrow.total[1])
     assert ratio == pytest.approx(np.full(4, 1.96), rel=0.15)

@@ -18,7 +18,10 @@ from rollslip_campaigns.explorer import ExplorerSettings, explorer
 from rollslip_campaigns.explorer import page as written
 from rollslip_campaigns.explorer.grid import Dial, between
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+BROWSER = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))),
+    None,
+)
 
 
 def dial(low, high, count, logarithmic=False):
@@ -30,15 +33,19 @@ def test_a_polynomial_of_as_many_nodes_is_met_between_them():
     x, y = np.meshgrid(dials[0].nodes, np.log(dials[1].nodes), indexing="ij")
     table = (x**3 - 2.0 * x * y**2 + 1.0)[..., None]
     for place in ((0.3, 2.0), (-1.0, 1.0), (2.0, 5.5), (1.7, 9.0)):
-        a, b = place[0], np.log(place[1])
-        assert between(dials, table, place)[0] == pytest.approx(a**3 - 2.0 * a * b**2 + 1.0, rel=1e-12)
+        a = place[0]
+        b = np.log(place[1])
+        assert between(dials, table, place)[0] == pytest.approx(
+            a**3 - 2.0 * a * b**2 + 1.0, rel=1e-12
+        )
 
 
 def test_a_smooth_function_is_met_the_better_the_more_nodes_there_are():
     def off(count):
         one = dial(0.0, 1.0, count)
         return max(
-            abs(between([one], np.exp(one.nodes)[:, None], [x])[0] - np.exp(x)) for x in np.linspace(0.0, 1.0, 50)
+            abs(between([one], np.exp(one.nodes)[:, None], [x])[0] - np.exp(x))
+            for x in np.linspace(0.0, 1.0, 50)
         )
 
     assert off(3) < 2e-2
@@ -53,7 +60,9 @@ def test_what_a_node_does_not_have_is_taken_from_the_nodes_around_or_not_at_all(
     assert between([one], table, [one.nodes[3]])[0] == pytest.approx(one.nodes[3] ** 3)
     assert (np.diff(one.nodes) > 0.0).all()
     table = np.where(one.nodes < 0.1, np.nan, one.nodes**3)[:, None]
-    assert [between([one], table, [x])[0] for x in (0.2, 0.9, 1.0)] == pytest.approx([0.008, 0.729, 1.0])
+    assert [between([one], table, [x])[0] for x in (0.2, 0.9, 1.0)] == pytest.approx(
+        [0.008, 0.729, 1.0]
+    )
 
 
 @pytest.mark.parametrize(
@@ -82,31 +91,49 @@ def test_by_default_load_speed_temperature_clearance_and_the_law_of_traction_mov
 
 
 def test_a_slider_begins_at_the_value_of_the_scene_and_goes_to_both_sides_of_it():
-    scene = rollslip.evolve(rollslip.load_scene("1032930-50C"), {"bearing.radial_clearance": "10 um"})
-    *_, clearance = ExplorerSettings(scene).plan().dials  # 2e-4 of 165 mm are 33 um; none is below 0
-    assert (clearance.low, clearance.start, clearance.high) == pytest.approx((0.0, 1e-5, 4.3e-5), abs=1e-9)
+    scene = rollslip.evolve(
+        rollslip.load_scene("1032930-50C"), {"bearing.radial_clearance": "10 um"}
+    )
+    *_, clearance = (
+        ExplorerSettings(scene).plan().dials
+    )  # 2e-4 of 165 mm are 33 um; none is below 0
+    assert (clearance.low, clearance.start, clearance.high) == pytest.approx(
+        (0.0, 1e-5, 4.3e-5), abs=1e-9
+    )
     low, far, high = (
         ExplorerSettings(scene, {"operation.radial_load": over}).plan().dials[0]
         for over in ("1 N:2 N", "100 N:301 N", "1 MN:2 MN")
     )
     assert (low.start, high.start) == (2.0, 1e6)
-    assert [one.logarithmic for one in (low, far, high)] == [False, True, False]  # from a factor of 3 on
+    assert [one.logarithmic for one in (low, far, high)] == [
+        False,
+        True,
+        False,
+    ]  # from a factor of 3 on
 
 
 def test_the_page_holds_units_angles_and_errors(tmp_path, monkeypatch):
     monkeypatch.setattr(written, "library", lambda: "")
-    planned = ExplorerSettings("1032930-50C", {"operation.temperature": "46 degC:50 degC:2"}, checks=4).plan()
+    planned = ExplorerSettings(
+        "1032930-50C", {"operation.temperature": "46 degC:50 degC:2"}, checks=4
+    ).plan()
     error = {"median": 0.01, "largest": 0.02, "known": 3, "mistaken": 1}
     results = written.Results(
         np.array([0.0, 1.0]), np.radians([0.0, 90.0, 180.0, 270.0]), {"runaway_slip": (0, 1)}, np.ones((1, 2, 1)),
         {"runaway_slip": error},
     )  # fmt: skip
-    written.write_page(tmp_path / "p.html", planned, results, xr.Dataset(attrs={"swept": "x", "packages": "{}"}))
+    written.write_page(
+        tmp_path / "p.html", planned, results, xr.Dataset(attrs={"swept": "x", "packages": "{}"})
+    )
     text = (tmp_path / "p.html").read_text(encoding="utf-8")
     assert "<td>1 %</td><td>2 %</td><td>1 of 4</td>" in text
     data, _ = json.JSONDecoder().raw_decode(text, text.index('{"dials":'))
     [dial] = data["dials"]
-    assert (dial["unit"], dial["size"], dial["zero"]) == ("\N{DEGREE SIGN}C", pytest.approx(1.0), -273.15)
+    assert (dial["unit"], dial["size"], dial["zero"]) == (
+        "\N{DEGREE SIGN}C",
+        pytest.approx(1.0),
+        -273.15,
+    )
     assert data["angle"] == pytest.approx([0.0, 90.0, -180.0, -90.0])
     (most,) = set(re.findall(r'type="range"[^>]* max="(\d+)"', text))
     assert f"if (position >= {most}) return dial.high" in text
@@ -116,7 +143,10 @@ def test_the_page_holds_units_angles_and_errors(tmp_path, monkeypatch):
 def page(tmp_path_factory):
     pytest.importorskip("plotly", reason="the page is drawn by plotly: extra [explorer]")
     path = tmp_path_factory.mktemp("explorer") / "page.html"
-    over = {"operation.radial_load": "0.9 kN:1.2 kN:3", "operation.temperature": "46 degC:50 degC:2"}
+    over = {
+        "operation.radial_load": "0.9 kN:1.2 kN:3",
+        "operation.temperature": "46 degC:50 degC:2",
+    }
     scene = rollslip.load_scene("1032930-50C")
     found = explore(scene, over, out=path, checks=3, engine="serial")
     return scene, path, found
@@ -137,20 +167,36 @@ def test_the_page_stands_alone_and_says_how_far_it_is_off(page):
 def seen(path, address, after=""):
     """Return what a browser shows of a page: its outputs, and the outline of the curve of the inner ring."""
     moved = path.with_name("moved.html")
-    moved.write_text(path.read_text(encoding="utf-8").replace("</body>", f"<script>{after}</script></body>"))
-    options = ("--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=4000", "--dump-dom")
+    moved.write_text(
+        path.read_text(encoding="utf-8").replace("</body>", f"<script>{after}</script></body>")
+    )
+    options = (
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--virtual-time-budget=4000",
+        "--dump-dom",
+    )
     done = subprocess.run(
-        [BROWSER, *options, f"file://{moved}#{address}"], capture_output=True, timeout=120, check=True
+        [BROWSER, *options, f"file://{moved}#{address}"],
+        capture_output=True,
+        timeout=120,
+        check=True,
     )
     dom = done.stdout.decode()
-    shown = {name: float(value) for name, value in re.findall(r'id="([\w-]+)"[^>]* data-value="([^"]*)"', dom)}
+    shown = {
+        name: float(value)
+        for name, value in re.findall(r'id="([\w-]+)"[^>]* data-value="([^"]*)"', dom)
+    }
     shown |= {name: float(value) for name, value in re.findall(r'data-(drag|last)="([^"]*)"', dom)}
     curves = re.findall(r'<path class="js-line"[^>]* d="(M[^"]+)"', dom)
     return shown, curves
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium or Chrome is installed, in which the page is looked at")
+@pytest.mark.skipif(
+    BROWSER is None, reason="no Chromium or Chrome is installed, in which the page is looked at"
+)
 def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_run(page):
     scene, path, found = page
     start, curves = seen(path, "operation.radial_load=900&operation.temperature=323.15")
@@ -161,7 +207,9 @@ def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_r
     assert start["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
     slide = "sliders[0].value = 1000; sliders[0].dispatchEvent(new Event('input'))"
     moved, others = seen(path, "operation.radial_load=900&operation.temperature=323.15", slide)
-    run = rollslip.run(rollslip.evolve(scene, values | {"operation.radial_load": 1200.0}), "effective-friction")
+    run = rollslip.run(
+        rollslip.evolve(scene, values | {"operation.radial_load": 1200.0}), "effective-friction"
+    )
     assert moved["runaway"] == pytest.approx(float(run.runaway_slip), rel=2e-3)
     assert moved["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
     assert len(curves) >= 4
@@ -169,7 +217,10 @@ def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_r
     between_nodes, _ = seen(path, "operation.radial_load=1010&operation.temperature=321.15")
     at = {"operation.radial_load": 1010.0, "operation.temperature": 321.15}
     run = rollslip.run(rollslip.evolve(scene, at), "effective-friction")
-    assert abs(between_nodes["runaway"] - float(run.runaway_slip)) < 2.0 * found["errors"]["runaway_slip"]["largest"]
+    assert (
+        abs(between_nodes["runaway"] - float(run.runaway_slip))
+        < 2.0 * found["errors"]["runaway_slip"]["largest"]
+    )
 
 
 def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, monkeypatch):
@@ -177,13 +228,21 @@ def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, 
     for module in (explorer, written):
         monkeypatch.setattr(module, "library", lambda: "")
     monkeypatch.setattr(explorer, "write_page", lambda path, *_: path.write_text("page"))
-    told, over = [], {"operation.radial_load": "2 kN:6 kN:3"}
+    told = []
+    over = {"operation.radial_load": "2 kN:6 kN:3"}
     report = {"report": lambda *given: told.append(given), "engine": "serial"}
     found = rollslip.explore("1032930-70C", over, out=tmp_path / "p.html", checks=1, **report)
     assert (found["points"], (tmp_path / "p.html").read_text()) == (4, "page")
     assert told[-1][0] == "1 of 1 points"
     monkeypatch.chdir(tmp_path)
-    asked = ["explore", "1032930-70C", "--over", "operation.radial_load=2 kN:6 kN:3", "--checks", "0"]
+    asked = [
+        "explore",
+        "1032930-70C",
+        "--over",
+        "operation.radial_load=2 kN:6 kN:3",
+        "--checks",
+        "0",
+    ]
     done = CliRunner().invoke(cli, [*asked, "--engine", "serial"])
     assert done.exit_code == 0, done.output
     assert "3 points, 0 random ones" in done.output

@@ -40,7 +40,15 @@ from rollslip_campaigns.fit.fit import fit_parameters
 from rollslip_campaigns.fit.least_squares import LEVELS, estimate
 from rollslip_campaigns.fit.oil import write_oil
 from rollslip_campaigns.fit.problem import parameters_named, rig_problem, with_values
-from rollslip_campaigns.measurement.rig import EXAMPLE, Rig, RigContact, RigData, TractionRow, load_rig, read_data
+from rollslip_campaigns.measurement.rig import (
+    EXAMPLE,
+    Rig,
+    RigContact,
+    RigData,
+    TractionRow,
+    load_rig,
+    read_data,
+)
 from tabled import REFERENCES, TABLES, rows_of
 
 ROOT = Path(__file__).parents[2]
@@ -62,9 +70,21 @@ def made(points=FOUR, slips=SLIPS, friction=None, **columns):
     """Data of rows at all combinations, as if they had been read."""
     T, p, s = (x.ravel() for x in np.meshgrid(*points, slips, indexing="ij"))
     friction = np.full(s.size, 0.01) if friction is None else friction
-    columns = {"temperature": T, "max_pressure": p, "slide_roll_ratio": s, "friction": friction, **columns}
+    columns = {
+        "temperature": T,
+        "max_pressure": p,
+        "slide_roll_ratio": s,
+        "friction": friction,
+        **columns,
+    }
     columns.setdefault("rolling_speed", np.full(s.size, 3.0))
-    return RigData(source="made.csv", text="", sha256="0" * 64, columns=columns, lines=tuple(range(2, s.size + 2)))
+    return RigData(
+        source="made.csv",
+        text="",
+        sha256="0" * 64,
+        columns=columns,
+        lines=tuple(range(2, s.size + 2)),
+    )
 
 
 def true_friction(data, traction="muraki", rig=RIG, truth=TRUTH):
@@ -77,7 +97,10 @@ def noisy(points=FOUR, noise=0.01, seed=0, traction="muraki", slips=SLIPS, **col
     data = made(points, slips, **columns)
     mu = true_friction(data, traction)
     return made(
-        points, slips, friction=mu + noise * mu.max() * np.random.default_rng(seed).normal(size=mu.size), **columns
+        points,
+        slips,
+        friction=mu + noise * mu.max() * np.random.default_rng(seed).normal(size=mu.size),
+        **columns,
     )
 
 
@@ -154,9 +177,24 @@ def test_a_file_that_cannot_be_used_is_refused(tmp_path, text, said):
 
 
 def test_changed_bytes_and_cells_of_data_are_read_or_told_with_their_place(tmp_path):
-    whole, rng, read = (ROOT / "docs" / "examples" / "twin-disc.csv").read_bytes(), random.Random(16), 0
+    whole = (ROOT / "docs" / "examples" / "twin-disc.csv").read_bytes()
+    rng = random.Random(16)
+    read = 0
     lines = [line.split(b", ") for line in whole.splitlines()]
-    cells = [b"nan", b"-inf", b"", b"1e308", b"-1e308", b"5e-324", b"0", b"9" * 5000, b'"', b"\xff", b"\x00", b"0x1"]
+    cells = [
+        b"nan",
+        b"-inf",
+        b"",
+        b"1e308",
+        b"-1e308",
+        b"5e-324",
+        b"0",
+        b"9" * 5000,
+        b'"',
+        b"\xff",
+        b"\x00",
+        b"0x1",
+    ]
     path = tmp_path / "data.csv"
     for number in range(300):
         if number % 2:
@@ -179,9 +217,13 @@ def test_changed_bytes_and_cells_of_data_are_read_or_told_with_their_place(tmp_p
     assert 30 < read < 270
 
 
-@pytest.mark.parametrize(("column", "cell"), [(3, "0"), (2, "1e-12"), (1, "1e308"), (4, "10"), (4, "1e-300")])
+@pytest.mark.parametrize(
+    ("column", "cell"), [(3, "0"), (2, "1e-12"), (1, "1e308"), (4, "10"), (4, "1e-300")]
+)
 def test_data_at_the_ends_of_what_is_read_are_fitted_or_told(examples, capsys, column, cell):
-    lines = [line.split(", ") for line in Path("twin-disc.csv").read_text(encoding="utf-8").splitlines()]
+    lines = [
+        line.split(", ") for line in Path("twin-disc.csv").read_text(encoding="utf-8").splitlines()
+    ]
     rows = [", ".join([*row[:column], cell, *row[column + 1 :]]) for row in lines[2::6]]
     Path("twin-disc.csv").write_text("\n".join([", ".join(lines[1]), *rows]), encoding="utf-8")
     with pytest.raises(SystemExit) as left:
@@ -233,9 +275,15 @@ def test_all_ways_to_give_the_load_agree_with_the_contact_model():
         "mean_pressure": p,
         "max_pressure": 4 * p / np.pi,
     }.items():
-        columns = {key: one for key, one in made(ONE).columns.items() if key != "max_pressure"} | {name: value}
-        assert attrs.evolve(made(ONE), columns=columns).load_per_length(contact) == pytest.approx(1e5, rel=1e-13)
-    with pytest.raises(SceneError, match=r"load: a force needs the length of the contact; give rig\.length"):
+        columns = {key: one for key, one in made(ONE).columns.items() if key != "max_pressure"} | {
+            name: value
+        }
+        assert attrs.evolve(made(ONE), columns=columns).load_per_length(contact) == pytest.approx(
+            1e5, rel=1e-13
+        )
+    with pytest.raises(
+        SceneError, match=r"load: a force needs the length of the contact; give rig\.length"
+    ):
         attrs.evolve(made(ONE), columns={"load": p}).load_per_length(RigContact(radius=0.01))
 
 
@@ -270,13 +318,17 @@ def test_what_models_need_and_nobody_gives_is_told_with_its_place(tmp_path):
     )
     with pytest.raises(SceneError) as caught:
         rig_problem(made(), load_rig(tmp_path / "rig.toml"))
-    assert [re.sub(r"^.*rig.toml", "rig.toml", p).partition(" (")[0] for p in caught.value.problems] == [
+    assert [
+        re.sub(r"^.*rig.toml", "rig.toml", p).partition(" (")[0] for p in caught.value.problems
+    ] == [
         "rig.toml:3: lubricant.conductivity: missing, but model 'lambda-blend' needs it",
         "rig.toml:1: rig.roughness: missing, but model 'lambda-blend' needs it",
     ]
     with pytest.raises(SceneError, match=r"made.csv:2: temperature: mil-prf-7808 at 250 degC"):
         rig_problem(made(((523.15,), (1e9,))), RIG)
-    with pytest.raises(SceneError, match=r"made.csv: with the values to start from, barus: .*not finite"):
+    with pytest.raises(
+        SceneError, match=r"made.csv: with the values to start from, barus: .*not finite"
+    ):
         rig_problem(made(((343.15,), (1e12,))), RIG)
     with pytest.raises(SceneError, match="film_thickness: is measured; leave out"):
         rig_problem(made(ONE, film_thickness=np.full(12, 1e-7)), RIG, film="moes")
@@ -289,12 +341,17 @@ def test_friction_is_that_of_the_chain_of_a_bearing():
     problem = rig_problem(made(), RIG, "maxwell-eyring", "dowson-1968")
     friction = problem.friction(problem.lubricant, problem.chain)
     for k in (0, 17, 47):
-        T, speed = problem.data.columns["temperature"][k], 3.0
+        T = problem.data.columns["temperature"][k]
+        speed = 3.0
         oil = attrs.asdict(get_class("lubricant", "mil-prf-7808").at(T))
         # E' and sqrt(K rho c) of the default steel
-        conditions = Conditions(radius=0.01, modulus=208e9 / 0.91, effusivity=math.sqrt(46.0 * 7800 * 470), **oil)
+        conditions = Conditions(
+            radius=0.01, modulus=208e9 / 0.91, effusivity=math.sqrt(46.0 * 7800 * 470), **oil
+        )
         slip = problem.data.columns["slide_roll_ratio"][k]
-        slices = Slices(1, conditions, load=problem.load[k], rolling_speed=speed, sliding_speed=slip * speed)
+        slices = Slices(
+            1, conditions, load=problem.load[k], rolling_speed=speed, sliding_speed=slip * speed
+        )
         law = problem.lubricant.pressure_viscosity_law
         stages = [get_model(*name) for name in (("contact", "palmgren"), ("film", "dowson-1968"))]
         Chain(*stages, law, get_model("traction", "maxwell-eyring"))(slices)
@@ -308,16 +365,27 @@ def test_a_measured_film_takes_the_place_of_the_model():
     ((_, _, slices),) = problem.tables
     measured = rig_problem(made(ONE, film_thickness=slices.film_thickness.copy()), RIG)
     assert measured.film is None
-    np.testing.assert_allclose(measured.friction(measured.lubricant, measured.chain), with_model, rtol=1e-14)
+    np.testing.assert_allclose(
+        measured.friction(measured.lubricant, measured.chain), with_model, rtol=1e-14
+    )
     thinner = rig_problem(made(ONE, film_thickness=slices.film_thickness / 2), RIG)
     assert np.all(thinner.friction(thinner.lubricant, thinner.chain) > with_model)
 
 
 def test_parameters_of_oil_and_models_have_names():
     problem = rig_problem(
-        made(), attrs.evolve(RIG, rig=RigContact(radius=0.01, roughness=(1e-7, 1e-7))), "lambda-blend"
+        made(),
+        attrs.evolve(RIG, rig=RigContact(radius=0.01, roughness=(1e-7, 1e-7))),
+        "lambda-blend",
     )
-    names = ["eyring_stress", "conductivity", "viscosity_factor", "hydrodynamic.flash", "boundary.limit", "exponent"]
+    names = [
+        "eyring_stress",
+        "conductivity",
+        "viscosity_factor",
+        "hydrodynamic.flash",
+        "boundary.limit",
+        "exponent",
+    ]
     chosen = parameters_named(problem, names)
     assert [p.start for p in chosen] == [4e6, pytest.approx(0.144), 1.0, 0.97, 0.1, 6.0]
     oil, traction = with_values(problem, chosen, [1e6, 0.2, 2.0, 0.9, 0.05, 3.0])
@@ -333,12 +401,16 @@ def test_parameters_of_oil_and_models_have_names():
 def test_pressure_viscosity_keeps_its_course_with_temperature():
     problem = rig_problem(made(), RIG)
     (parameter,) = parameters_named(problem, "pressure_viscosity")
-    assert parameter.start == problem.lubricant.at(313.15).pressure_viscosity  # the lower median of 40 and 70 degC
+    assert (
+        parameter.start == problem.lubricant.at(313.15).pressure_viscosity
+    )  # the lower median of 40 and 70 degC
     assert parameter.doc == "pressure-viscosity coefficient at 40 degC"
     oil, _ = with_values(problem, [parameter], [1.3 * parameter.start])
     for T in (313.15, 343.15):
         for name in ("pressure_viscosity", "pressure_thermoviscosity"):
-            assert getattr(oil.at(T), name) == pytest.approx(1.3 * getattr(problem.lubricant.at(T), name), rel=1e-14)
+            assert getattr(oil.at(T), name) == pytest.approx(
+                1.3 * getattr(problem.lubricant.at(T), name), rel=1e-14
+            )
 
 
 @pytest.mark.parametrize(
@@ -358,12 +430,31 @@ def test_names_that_cannot_be_fitted_are_refused(names, said):
 
 
 def test_what_the_oil_does_not_give_has_no_start():
-    bare = {"viscosity": "60 mPa s", "thermoviscosity": "0.04 1/K", "pressure_viscosity": "19 1/GPa"}
-    problem = rig_problem(made(ONE), attrs.evolve(RIG, lubricant=LubricantTable(data=bare)), "kragelsky")
-    with pytest.raises(SceneError, match=r"conductivity: oil 'own oil' gives none to start from; give lubricant.cond"):
+    bare = {
+        "viscosity": "60 mPa s",
+        "thermoviscosity": "0.04 1/K",
+        "pressure_viscosity": "19 1/GPa",
+    }
+    problem = rig_problem(
+        made(ONE), attrs.evolve(RIG, lubricant=LubricantTable(data=bare)), "kragelsky"
+    )
+    with pytest.raises(
+        SceneError,
+        match=r"conductivity: oil 'own oil' gives none to start from; give lubricant.cond",
+    ):
         parameters_named(problem, "conductivity")
-    law = {"glass_temperature": 200.0, "a1": 100.0, "a2": 1e-9, "b1": 0.2, "b2": 2e-8, "c1": 11.0, "c2": 30.0}
-    free_volume = LubricantTable(name="sae-30", data={"pressure_viscosity_law": {"model": "yasutomi", **law}})
+    law = {
+        "glass_temperature": 200.0,
+        "a1": 100.0,
+        "a2": 1e-9,
+        "b1": 0.2,
+        "b2": 2e-8,
+        "c1": 11.0,
+        "c2": 30.0,
+    }
+    free_volume = LubricantTable(
+        name="sae-30", data={"pressure_viscosity_law": {"model": "yasutomi", **law}}
+    )
     problem = rig_problem(made(ONE), attrs.evolve(RIG, lubricant=free_volume), "kragelsky")
     with pytest.raises(SceneError, match="'yasutomi' fixes alpha itself"):
         parameters_named(problem, "pressure_viscosity")
@@ -377,7 +468,11 @@ def test_an_unknown_model_is_refused():
 def test_parameters_of_the_rig_file_hold_for_the_model_of_that_name():
     own = Models(traction=ModelChoice(name="kragelsky", parameters={"limit": 0.04}))
     rig = attrs.evolve(RIG, models=own)
-    assert rig_problem(made(), rig).traction.limit == rig_problem(made(), rig, "kragelsky").traction.limit == 0.04
+    assert (
+        rig_problem(made(), rig).traction.limit
+        == rig_problem(made(), rig, "kragelsky").traction.limit
+        == 0.04
+    )
     assert rig_problem(made(), rig, {"model": "kragelsky", "rise": 5}).traction.limit == 0.1
 
 
@@ -387,11 +482,17 @@ def test_parameters_of_the_rig_file_hold_for_the_model_of_that_name():
 @pytest.mark.parametrize("uncertainties", ["estimated", "given"])
 def test_the_fit_is_that_of_30_digit_arithmetic(uncertainties):
     """Values, errors, correlation and both intervals, against references/fit_muraki.py, physics included."""
-    rows = [row for row in rows_of(REFERENCES / "fit_muraki_expected.csv") if row["uncertainties"] == uncertainties]
+    rows = [
+        row
+        for row in rows_of(REFERENCES / "fit_muraki_expected.csv")
+        if row["uncertainties"] == uncertainties
+    ]
     want = {row["name"]: float(row["value"]) for row in rows}
     data = read_data(REFERENCES / "fit_muraki.csv")
     if uncertainties == "estimated":
-        columns = {name: values for name, values in data.columns.items() if name != "friction_uncertainty"}
+        columns = {
+            name: values for name, values in data.columns.items() if name != "friction_uncertainty"
+        }
         data = attrs.evolve(data, columns=columns)
     names = ["eyring_stress", "pressure_viscosity_factor"]
     found = rollslip.fit(data, parameters=names, rig=RIG)
@@ -401,7 +502,11 @@ def test_the_fit_is_that_of_30_digit_arithmetic(uncertainties):
         assert one["value"].item() == pytest.approx(want[f"{name} value"], rel=1e-8)
         share = one["standard_error"].item() / one["value"].item()
         assert share == pytest.approx(want[f"{name} error"], rel=1e-7)
-        ends = [want[f"{name} {level} {side}"] for level in ("68 %", "95 %") for side in ("lower", "upper")]
+        ends = [
+            want[f"{name} {level} {side}"]
+            for level in ("68 %", "95 %")
+            for side in ("lower", "upper")
+        ]
         np.testing.assert_allclose(one["interval"].to_numpy().ravel(), ends, rtol=2e-8)
         assert one["status"] == "determined"
     if uncertainties == "given":
@@ -420,8 +525,12 @@ def test_values_and_covariance_are_those_of_scipy_on_a_law_of_our_own():
 
     slips = np.linspace(0.001, 0.06, 30)
     measured = law(slips, 0.06, 9.0, 120.0) + np.random.default_rng(3).normal(0.0, 4e-4, slips.size)
-    found = rollslip.fit(made(ONE, slips, measured), parameters="limit,rise,decay", traction="kragelsky", rig=RIG)
-    values, covariance = curve_fit(law, slips, measured, (0.1, 22.28, 181.46), xtol=1e-14, ftol=1e-14)
+    found = rollslip.fit(
+        made(ONE, slips, measured), parameters="limit,rise,decay", traction="kragelsky", rig=RIG
+    )
+    values, covariance = curve_fit(
+        law, slips, measured, (0.1, 22.28, 181.46), xtol=1e-14, ftol=1e-14
+    )
     np.testing.assert_allclose(found["value"], values, rtol=1e-7)
     np.testing.assert_allclose(found["standard_error"], np.sqrt(np.diag(covariance)), rtol=1e-5)
     error = np.sqrt(np.diag(covariance))
@@ -442,7 +551,8 @@ def test_data_without_noise_give_the_truth(stress, factor):
 def test_one_factor_serves_all_temperatures_and_its_value_is_told():
     data = noisy()
     factor, alpha = (
-        rollslip.fit(data, parameters=name, rig=RIG) for name in ("pressure_viscosity_factor", "pressure_viscosity")
+        rollslip.fit(data, parameters=name, rig=RIG)
+        for name in ("pressure_viscosity_factor", "pressure_viscosity")
     )
     at_40 = get_class("lubricant", "mil-prf-7808").at(313.15).pressure_viscosity
     np.testing.assert_allclose(alpha["interval"], at_40 * factor["interval"], rtol=1e-9)
@@ -452,10 +562,21 @@ def test_one_factor_serves_all_temperatures_and_its_value_is_told():
 def test_the_origin_and_every_number_are_in_the_dataset(tmp_path):
     found = rollslip.fit(noisy(), parameters="eyring_stress,shear_modulus", rig=RIG)
     assert all({"units", "long_name"} <= set(one.attrs) for one in found.variables.values())
-    assert {"title", "source", "measurements", "data_sha256", "rig", "packages", "models", "citations"} <= set(
-        found.attrs
-    )
-    assert [model["name"] for model in json.loads(found.attrs["models"])] == ["palmgren", "moes", "muraki"]
+    assert {
+        "title",
+        "source",
+        "measurements",
+        "data_sha256",
+        "rig",
+        "packages",
+        "models",
+        "citations",
+    } <= set(found.attrs)
+    assert [model["name"] for model in json.loads(found.attrs["models"])] == [
+        "palmgren",
+        "moes",
+        "muraki",
+    ]
     save(found, tmp_path / "fit.nc")
     assert rollslip.open_result(tmp_path / "fit.nc").identical(found)
     np.testing.assert_allclose(found["friction"] - found["fitted_friction"], found["residual"])
@@ -497,7 +618,9 @@ class Line(TractionModel):
     conductivity: float = parameter(default=2.0, unit="1", doc="slope")
 
     def evaluate(self, slices):
-        slices.friction[...] = self.offset + self.conductivity * slices.sliding_speed / slices.rolling_speed
+        slices.friction[...] = (
+            self.offset + self.conductivity * slices.sliding_speed / slices.rolling_speed
+        )
 
 
 def test_parameters_that_may_be_negative_are_fitted_as_they_are(monkeypatch):
@@ -523,7 +646,9 @@ def test_parameters_that_may_be_negative_are_fitted_as_they_are(monkeypatch):
 
 
 def test_a_parameter_that_the_data_do_not_see_is_kept_and_named():
-    found = rollslip.fit(noisy(WARM), parameters="pressure_viscosity,shear_modulus,eyring_stress", rig=RIG)
+    found = rollslip.fit(
+        noisy(WARM), parameters="pressure_viscosity,shear_modulus,eyring_stress", rig=RIG
+    )
     one = found.sel(parameter="shear_modulus")
     assert re.fullmatch(
         r"not determined, kept at 300 MPa: from \S+ \SPa to \S+ \SPa it changes friction by at most \S+ % of its "
@@ -541,7 +666,9 @@ def test_a_parameter_that_the_data_do_not_see_is_kept_and_named():
 
 
 def test_a_parameter_that_no_model_reads_changes_nothing():
-    found = rollslip.fit(noisy(ONE, traction="eyring"), parameters="shear_modulus", traction="eyring", rig=RIG)
+    found = rollslip.fit(
+        noisy(ONE, traction="eyring"), parameters="shear_modulus", traction="eyring", rig=RIG
+    )
     assert "changes friction by at most 0 % of its largest value" in found["status"].item()
     assert found["spread"].size == 0
 
@@ -572,11 +699,16 @@ def test_parameters_that_stand_for_each_other_are_named_together():
 
 
 #: Two pressures so near that alpha and eta0 are told apart by the noise alone.
-NEAR = {"points": ((343.15,), (1.1e9, 1.2e9)), "slips": SLIPS[:8], "film_thickness": np.full(16, 1.5e-7)}
+NEAR = {
+    "points": ((343.15,), (1.1e9, 1.2e9)),
+    "slips": SLIPS[:8],
+    "film_thickness": np.full(16, 1.5e-7),
+}
 
 
 def test_a_limit_that_is_hidden_by_the_bound_of_another_is_not_said_to_be_none():
-    data, names = noisy(noise=0.003, **NEAR), "viscosity_factor,pressure_viscosity"
+    data = noisy(noise=0.003, **NEAR)
+    names = "viscosity_factor,pressure_viscosity"
     found = rollslip.fit(data, parameters=names, rig=RIG)
     low, high = found["interval"].to_numpy()[1, 1]
     assert low > 0.0
@@ -590,9 +722,14 @@ def test_a_limit_that_is_hidden_by_the_bound_of_another_is_not_said_to_be_none()
     )
     assert said is not None
     assert re.fullmatch(r"9\.\d+ 1/GPa to \?", parameter_rows(found)[1][4])
-    assert FitAccount.record(found)["parameters"]["pressure_viscosity"]["interval 95 %"] == [low, None]
+    assert FitAccount.record(found)["parameters"]["pressure_viscosity"]["interval 95 %"] == [
+        low,
+        None,
+    ]
     # what is said to do helps: from a start below which the range goes on, the limit is found, and beyond that place
-    lower = attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data={**OIL.data, "viscosity_factor": 0.2}))
+    lower = attrs.evolve(
+        RIG, lubricant=attrs.evolve(OIL, data={**OIL.data, "viscosity_factor": 0.2})
+    )
     again = rollslip.fit(data, parameters=names, rig=lower)
     assert again["interval"].to_numpy()[1, 1, 1] > 1e-9 * float(said[1])
 
@@ -625,18 +762,26 @@ def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
     found = rollslip.fit(data, parameters=names, rig=RIG)
     said = " ".join(FitAccount.lines(found))
     factor = float(re.findall(r"stand for each other: .* error of either is (\S+) times", said)[0])
-    table = dict(OIL.data) | {"pressure_viscosity_factor": float(found["value"][1] / found["start_value"][1])}
+    table = dict(OIL.data) | {
+        "pressure_viscosity_factor": float(found["value"][1] / found["start_value"][1])
+    }
     alone = rollslip.fit(
-        data, parameters="viscosity_factor", rig=attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data=table))
+        data,
+        parameters="viscosity_factor",
+        rig=attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data=table)),
     )
-    assert float(found["standard_error"][0] / alone["standard_error"][0]) == pytest.approx(factor, rel=0.03)
+    assert float(found["standard_error"][0] / alone["standard_error"][0]) == pytest.approx(
+        factor, rel=0.03
+    )
     assert "stand for each other" not in " ".join(
         FitAccount.lines(rollslip.fit(noisy(), parameters="eyring_stress,flash", rig=RIG))
     )
 
 
 def test_data_that_the_model_does_not_describe_are_not_called_random():
-    wrong = rollslip.fit(noisy(), parameters="eyring_stress", traction="muraki", rig=RIG)  # alpha 15 % off
+    wrong = rollslip.fit(
+        noisy(), parameters="eyring_stress", traction="muraki", rig=RIG
+    )  # alpha 15 % off
     assert "the residuals are not random along the curves" in warned(wrong)
     weighted = noisy(friction_uncertainty=np.full(48, 1e-5))
     sharp = rollslip.fit(weighted, parameters="eyring_stress,pressure_viscosity", rig=RIG)
@@ -644,9 +789,12 @@ def test_data_that_the_model_does_not_describe_are_not_called_random():
 
 
 def test_another_minimum_is_told():
-    found = rollslip.fit(noisy(WARM, noise=0.3), parameters="pressure_viscosity,eyring_stress", rig=RIG)
+    found = rollslip.fit(
+        noisy(WARM, noise=0.3), parameters="pressure_viscosity,eyring_stress", rig=RIG
+    )
     assert re.search(
-        r"\d of 9 searches ended in another minimum, which the data do not exclude .*eyring_stress", warned(found)
+        r"\d of 9 searches ended in another minimum, which the data do not exclude .*eyring_stress",
+        warned(found),
     )
     assert np.nanmax(found["search_chi2"]) > np.nanmin(found["search_chi2"])
 
@@ -654,7 +802,10 @@ def test_another_minimum_is_told():
 def test_a_film_model_outside_its_regime_is_told():
     found = rollslip.fit(noisy(ONE), parameters="eyring_stress", film="blok", rig=RIG)
     told = warned(found)
-    assert "film 'blok' is valid for the rigid-piezoviscous regime; 100 % of the rows is outside (" in told
+    assert (
+        "film 'blok' is valid for the rigid-piezoviscous regime; 100 % of the rows is outside ("
+        in told
+    )
     assert "where its film is off by -93 to +63 % there" in told
     assert "traction 'muraki' is valid for" not in told, "what is fitted makes up for its own error"
 
@@ -666,27 +817,44 @@ WIDE = np.full(2, -50.0), np.full(2, 50.0)
 
 def test_a_linear_law_has_the_textbook_errors_and_both_intervals_agree():
     rng = np.random.default_rng(5)
-    design, scatter = rng.normal(size=(20, 2)), rng.normal(size=20)
+    design = rng.normal(size=(20, 2))
+    scatter = rng.normal(size=20)
     found = estimate(lambda x: design @ x - scatter, *WIDE, known=False)
     best, (chi2,), *_ = np.linalg.lstsq(design, scatter)
     np.testing.assert_allclose(found.best.x, best, rtol=1e-8)
-    np.testing.assert_allclose(found.covariance, chi2 / 18 * np.linalg.inv(design.T @ design), rtol=1e-6)
+    np.testing.assert_allclose(
+        found.covariance, chi2 / 18 * np.linalg.inv(design.T @ design), rtol=1e-6
+    )
     # two-sided quantiles of Student's t with 18 degrees of freedom, 2.101 in every table
     assert math.sqrt(found.quantiles[1]) == pytest.approx(2.101, abs=5e-4)
     for k, profile in enumerate(found.profiles):
-        reach = np.sqrt(np.outer(found.quantiles, [1, 1])) * math.sqrt(found.covariance[k, k]) * [-1, 1]
+        reach = (
+            np.sqrt(np.outer(found.quantiles, [1, 1])) * math.sqrt(found.covariance[k, k]) * [-1, 1]
+        )
         np.testing.assert_allclose(profile.limits, found.best.x[k] + reach, rtol=1e-6)
         np.testing.assert_allclose(
-            profile.rise, (profile.x - found.best.x[k]) ** 2 / found.covariance[k, k], rtol=1e-5, atol=1e-6
+            profile.rise,
+            (profile.x - found.best.x[k]) ** 2 / found.covariance[k, k],
+            rtol=1e-5,
+            atol=1e-6,
         )
 
 
 def test_how_far_a_fit_is_is_told_and_rises():
     told = []
     design = np.array([[1.0, 0.2], [0.1, 1.0], [0.5, 0.5]])
-    estimate(lambda x: design @ x - 0.1, *WIDE, known=True, report=lambda text, share: told.append((text, share)))
+    estimate(
+        lambda x: design @ x - 0.1,
+        *WIDE,
+        known=True,
+        report=lambda text, share: told.append((text, share)),
+    )
     texts, shares = zip(*told, strict=True)
-    assert texts == (*(f"search {n} of 9" for n in range(1, 10)), "profile 1 of 2", "profile 2 of 2")
+    assert texts == (
+        *(f"search {n} of 9" for n in range(1, 10)),
+        "profile 1 of 2",
+        "profile 2 of 2",
+    )
     assert shares[0] == 0.0
     assert all(low < high < 1.0 for low, high in itertools.pairwise(shares))
 
@@ -700,7 +868,10 @@ def test_known_variances_have_the_quantiles_of_the_normal_distribution():
 def test_a_limit_that_only_the_search_of_another_parameter_makes_is_none():
     # x + y is seen, and y is searched from -1 to 1 only
     found = estimate(
-        lambda x: 20 * np.array([x[0] + x[1], 0.05, -0.05]), np.array([-50.0, -1.0]), np.array([50.0, 1.0]), known=True
+        lambda x: 20 * np.array([x[0] + x[1], 0.05, -0.05]),
+        np.array([-50.0, -1.0]),
+        np.array([50.0, 1.0]),
+        known=True,
     )
     assert np.isnan(found.profiles[0].limits).all()
     assert np.isnan(found.covariance).all()
@@ -728,7 +899,9 @@ def test_a_profile_that_finds_a_lower_minimum_starts_anew():
 
 def test_a_search_that_does_not_end_is_an_error(monkeypatch):
     monkeypatch.setattr(least_squares, "_EVALUATIONS", 3)
-    with pytest.raises(ConvergenceError, match=r"the fit did not converge: the sum of squares \d.* still falls"):
+    with pytest.raises(
+        ConvergenceError, match=r"the fit did not converge: the sum of squares \d.* still falls"
+    ):
         estimate(lambda x: np.array([10 * (x[1] - x[0] ** 2), 1 - x[0], 0.1]), *WIDE, known=True)
 
 
@@ -749,7 +922,9 @@ def coverage_script():
 
 def test_intervals_of_the_covariance_hold_the_truth_as_often_as_they_say(monkeypatch):
     """100 noises; four binomial standard deviations, beyond which one in 16000 such tests would be by chance."""
-    monkeypatch.setattr(least_squares, "_OTHER_STARTS", 0)  # the one minimum is not in question here
+    monkeypatch.setattr(
+        least_squares, "_OTHER_STARTS", 0
+    )  # the one minimum is not in question here
     shares, count = coverage_script().coverage("four curves, 2 % noise", 100, profiles=False)
     assert count == 100
     for level, held in zip(LEVELS, shares[0].T, strict=True):
@@ -757,7 +932,9 @@ def test_intervals_of_the_covariance_hold_the_truth_as_often_as_they_say(monkeyp
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["four curves, 2 % noise", "four curves, known noise", "one curve, 10 % noise"])
+@pytest.mark.parametrize(
+    "case", ["four curves, 2 % noise", "four curves, known noise", "one curve, 10 % noise"]
+)
 def test_intervals_of_the_profile_hold_the_truth_as_often_as_they_say(case):
     shares, count = coverage_script().coverage(case, 200)
     assert count == 200
@@ -770,7 +947,8 @@ def test_the_table_of_coverages_is_as_good_as_the_page_says():
     assert {row["case"] for row in rows} == set(coverage_script().CASES)
     for row in rows:
         assert int(row["fits"]) >= 200
-        level, error = float(row["level_percent"]), float(row["binomial_error_percent"])
+        level = float(row["level_percent"])
+        error = float(row["binomial_error_percent"])
         assert error == pytest.approx(math.sqrt(level * (100 - level) / int(row["fits"])), abs=0.06)
         assert abs(float(row["profile_percent"]) - level) < 4 * error
         if row["parameter"] != "shear_modulus":
@@ -791,14 +969,19 @@ def test_slide_roll_ratios_above_two_are_questioned():
     slips = tuple(100.0 * slip for slip in SLIPS)
     said = warned(rollslip.fit(noisy(slips=slips), parameters="eyring_stress", rig=RIG))
     assert re.search(
-        r"16 of 48 rows have a slide-roll ratio above 2, at most 10, .*; so has per cent under \[1\]", said
+        r"16 of 48 rows have a slide-roll ratio above 2, at most 10, .*; so has per cent under \[1\]",
+        said,
     )
-    assert "slide-roll ratio above 2" not in warned(rollslip.fit(noisy(), parameters="eyring_stress", rig=RIG))
+    assert "slide-roll ratio above 2" not in warned(
+        rollslip.fit(noisy(), parameters="eyring_stress", rig=RIG)
+    )
 
 
 def test_residuals_that_are_rounding_are_no_pattern():
     """Data of the law itself: what is left is rounding, in runs of one sign, and the model misses nothing."""
-    rig = attrs.evolve(RIG, lubricant=LubricantTable(name="mil-prf-7808", data={**OIL.data, **TRUTH}))
+    rig = attrs.evolve(
+        RIG, lubricant=LubricantTable(name="mil-prf-7808", data={**OIL.data, **TRUTH})
+    )
     exact = rollslip.fit(noisy(noise=0.0), parameters="eyring_stress", rig=rig)
     assert float(abs(exact.residual).max()) < 1e-9 * float(exact.friction.max())
     assert "not random" not in warned(exact)
@@ -811,14 +994,20 @@ def named(name):
     return get_class("lubricant", name)
 
 
-@pytest.mark.parametrize("parameters", ["eyring_stress,pressure_viscosity", "viscosity_factor,conductivity,flash"])
+@pytest.mark.parametrize(
+    "parameters", ["eyring_stress,pressure_viscosity", "viscosity_factor,conductivity,flash"]
+)
 def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
-    rig = attrs.evolve(RIG, lubricant=LubricantTable(name="mil-prf-7808", data={**OIL.data, **TRUTH}))
+    rig = attrs.evolve(
+        RIG, lubricant=LubricantTable(name="mil-prf-7808", data={**OIL.data, **TRUTH})
+    )
     data = noisy(noise=1e-5)
     found = rollslip.fit(data, parameters=parameters, rig=rig)
     assert set(found["status"].values) == {"determined"}
     problem = rig_problem(data, rig)
-    oil, traction = with_values(problem, parameters_named(problem, parameters), found["value"].values)
+    oil, traction = with_values(
+        problem, parameters_named(problem, parameters), found["value"].values
+    )
     write_oil(found, tmp_path / "oil.toml")
     written = tomllib.loads((tmp_path / "oil.toml").read_text(encoding="utf-8"))
     read = lubricant_from_table(written["lubricant"], named)
@@ -828,15 +1017,22 @@ def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
     scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"lubricant": written["lubricant"]})
     assembled = rollslip.plan(scene).assembly
     assert attrs.asdict(assembled.lubricant.at(343.15)) == attrs.asdict(read.at(343.15))
-    assert f"sha256 {data.sha256}) with traction muraki and film moes at 40 degC to 70 degC" in read.source
+    assert (
+        f"sha256 {data.sha256}) with traction muraki and film moes at 40 degC to 70 degC"
+        in read.source
+    )
     assert re.search(r"\(95 %: \S+ to \S+.*; determined\)", read.source)
     if "flash" in parameters:
         assert "flash" not in written["models"]["traction"]  # a constant of the oil, stated once
-        again = structure_model("traction", written["models"]["traction"], Location({}), [], read.constants_for)
+        again = structure_model(
+            "traction", written["models"]["traction"], Location({}), [], read.constants_for
+        )
         assert again == traction != problem.traction
         in_scene = rollslip.evolve(scene, {"models.traction": written["models"]["traction"]})
         assert rollslip.plan(in_scene).assembly.traction.flash == traction.flash
-        of_rig = attrs.evolve(rig, lubricant=LubricantTable(name="mil-prf-7808", data={"models": read.models}))
+        of_rig = attrs.evolve(
+            rig, lubricant=LubricantTable(name="mil-prf-7808", data={"models": read.models})
+        )
         assert rig_problem(data, of_rig).traction.flash == traction.flash
     else:
         assert "models" not in written
@@ -894,7 +1090,10 @@ PROMISED = "fit twin-disc.csv --traction muraki --parameters eyring_stress,press
 
 def test_the_command_writes_data_and_oil(examples, capsys):
     said = command(f"{PROMISED} --no-plots", capsys).out
-    assert re.match(r"rollslip \S+ \| twin-disc.csv [0-9a-f]{12} \| contact palmgren; film moes; traction muraki", said)
+    assert re.match(
+        r"rollslip \S+ \| twin-disc.csv [0-9a-f]{12} \| contact palmgren; film moes; traction muraki",
+        said,
+    )
     assert re.search(r"eyring_stress +6\.6\d+ MPa +\d+ % .* determined", said)
     assert "written to twin-disc-fit: fit.nc, twin-disc.toml" in said
     assert "twin-disc-fit-2" in command(f"{PROMISED} --no-plots", capsys).out
@@ -916,7 +1115,9 @@ def test_json_holds_what_was_found(examples, capsys):
     stored = rollslip.open_result("o/fit.nc")
     one = said["parameters"]["eyring_stress"]
     assert one["value"] == stored["value"].sel(parameter="eyring_stress").item()
-    assert one["interval 68 %"] == stored["interval"].sel(parameter="eyring_stress")[0].values.tolist()
+    assert (
+        one["interval 68 %"] == stored["interval"].sel(parameter="eyring_stress")[0].values.tolist()
+    )
     assert said["files"] == ["fit.nc", "twin-disc.toml"]
     assert one["limit_status"] == {"lower": "found", "upper": "found"}
 
@@ -940,7 +1141,9 @@ def test_the_example_data_are_those_of_their_script(tmp_path, monkeypatch):
         shutil.copy(ROOT / "docs" / "examples" / name, tmp_path)
     spec = importlib.util.spec_from_file_location("twin_disc", tmp_path / "twin_disc.py")
     spec.loader.exec_module(importlib.util.module_from_spec(spec))
-    assert (tmp_path / "twin-disc.csv").read_bytes() == (ROOT / "docs" / "examples" / "twin-disc.csv").read_bytes()
+    assert (tmp_path / "twin-disc.csv").read_bytes() == (
+        ROOT / "docs" / "examples" / "twin-disc.csv"
+    ).read_bytes()
 
 
 # Plots ----------------------------------------------------------------------------------------------------------------
@@ -950,12 +1153,16 @@ def test_plots_are_the_same_each_time(tmp_path):
     found = rollslip.fit(noisy(), parameters="pressure_viscosity,flash", rig=RIG)
     files = save_plots(found, tmp_path / "a")
     assert [path.name for path in files] == ["fit.svg", "fit-residuals.svg", "fit-profiles.svg"]
-    assert [path.read_bytes() for path in files] == [path.read_bytes() for path in save_plots(found, tmp_path / "b")]
+    assert [path.read_bytes() for path in files] == [
+        path.read_bytes() for path in save_plots(found, tmp_path / "b")
+    ]
 
 
 def test_plots_of_uncertain_data_and_of_nothing_found(tmp_path):
     data = noisy(ONE, friction_uncertainty=np.full(12, 3e-4))
-    files = save_plots(rollslip.fit(data, parameters="eyring_stress,pressure_viscosity", rig=RIG), tmp_path)
+    files = save_plots(
+        rollslip.fit(data, parameters="eyring_stress,pressure_viscosity", rig=RIG), tmp_path
+    )
     assert len(files) == 3
     nothing = rollslip.fit(data, parameters="shear_modulus", traction="eyring", rig=RIG)
     assert [path.name for path in save_plots(nothing, tmp_path)] == ["fit.svg", "fit-residuals.svg"]

@@ -55,7 +55,9 @@ def searched(results, spacing, failed=()):
 def test_a_passage_is_narrowed_to_two_neighbours_in_few_points(power, steps, bend, shift, falls):
     spacing = 2**power
     x = np.linspace(0.0, 1.0, 8 * spacing + 1)
-    course = np.interp(x, np.linspace(0.0, 1.0, 9), np.concatenate(([0.0], np.cumsum(steps)))) / max(sum(steps), 1e-9)
+    course = np.interp(
+        x, np.linspace(0.0, 1.0, 9), np.concatenate(([0.0], np.cumsum(steps)))
+    ) / max(sum(steps), 1e-9)
     results = (course**bend - shift) * (-1.0 if falls else 1.0)
     known = searched(results.tolist(), spacing)
     kept = results >= 0.0
@@ -68,7 +70,9 @@ def test_every_passage_between_the_first_values_is_found_and_a_failed_point_leav
     x = np.linspace(0.0, 1.0, 257)
     results = np.cos(9.0 * x)  # passes zero three times
     known = searched(results.tolist(), 32)
-    assert [round(x[a], 2) for a, _ in passages(known)] == [round((k + 0.5) * math.pi / 9.0, 2) for k in range(3)]
+    assert [round(x[a], 2) for a, _ in passages(known)] == [
+        round((k + 0.5) * math.pi / 9.0, 2) for k in range(3)
+    ]
     (a, b), *_ = passages(known)
     open_ = searched(results.tolist(), 32, failed={32})
     assert passages(open_)[0] == (0, 64)
@@ -90,12 +94,15 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
     found = rollslip.limit("1032930-70C", LENGTHS, "half_width >= 60 um", **CURVE)
     results = dict(zip(found.searched.values.tolist(), found.result.values.tolist(), strict=True))
     assert (min(results), max(results)) == (0.005, 0.04)
-    (kept,), (beyond,) = found.edge_kept.values, found.edge_passed.values
+    (kept,) = found.edge_kept.values
+    (beyond,) = found.edge_passed.values
     assert results[beyond] < 60e-6 <= results[kept]
     assert 1.0 < beyond / kept < 1.01 + 1e-9
     head, rows = sheet(found)
     assert head[:3] == ["bearing.roller_length [mm]", "half_width [um]", "kept"]
-    np.testing.assert_allclose([row[:2] for row in rows], [[1e3 * x, 1e6 * y] for x, y in results.items()], rtol=1e-11)
+    np.testing.assert_allclose(
+        [row[:2] for row in rows], [[1e3 * x, 1e6 * y] for x, y in results.items()], rtol=1e-11
+    )
     assert [row[2] for row in rows] == ["yes" if y >= 60e-6 else "no" for y in results.values()]
     (printed,) = account_of(found).tables(found)
     assert printed.head == tuple(head[:3])
@@ -103,7 +110,9 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
     scene = rollslip.load_scene("1032930-70C")
 
     def excess(length):
-        result = rollslip.run(rollslip.evolve(scene, {"bearing.roller_length": length}), "friction-curve")
+        result = rollslip.run(
+            rollslip.evolve(scene, {"bearing.roller_length": length}), "friction-curve"
+        )
         return float(result.half_width.min()) - 60e-6
 
     assert kept <= brentq(excess, 0.9 * kept, 1.1 * beyond, rtol=1e-5) < beyond
@@ -113,7 +122,10 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
 def test_a_limit_is_asked_for_in_a_person_s_words(study):
     asked = read_requirement("slip < 5%", get_class("study", study))
     assert (asked.sense, asked.limit) == ("<=", 0.05)
-    assert asked.output == {"steady-slip": "steady_slip", "effective-friction": "steady_cage_slip"}[study]
+    assert (
+        asked.output
+        == {"steady-slip": "steady_slip", "effective-friction": "steady_cage_slip"}[study]
+    )
 
 
 @pytest.mark.parametrize("keep", ["slip < 5", "slip < 500 %", "slip < -5 %"])
@@ -129,12 +141,12 @@ def test_a_cage_that_runs_ahead_slips_as_much():
 
 
 def test_a_word_searches_what_its_key_does():
-    words, keys = (
-        ({"load": "0.5 kN:2 kN:3"}, "slip < 5 %"),
-        ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %"),
-    )
+    words = ({"load": "0.5 kN:2 kN:3"}, "slip < 5 %")
+    keys = ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %")
     scene = coarse("gearbox")
-    one, two = (rollslip.limit(scene, *asked, study="steady-slip", within=0.2) for asked in (words, keys))
+    one, two = (
+        rollslip.limit(scene, *asked, study="steady-slip", within=0.2) for asked in (words, keys)
+    )
     assert one.searched.identical(two.searched)
     assert one.result.identical(two.result)
 
@@ -145,14 +157,24 @@ def bearing():
 
 
 @pytest.mark.parametrize("max_slip", [0.3, 2.0])
-def test_what_a_study_says_of_each_of_several_values_is_told_of_the_one_that_counts(bearing, max_slip):
+def test_what_a_study_says_of_each_of_several_values_is_told_of_the_one_that_counts(
+    bearing, max_slip
+):
     scene = rollslip.evolve(bearing, {"study.friction-curve.max_slip": max_slip})
     loads = {"operation.radial_load": "2 kN:6 kN:3"}
-    found = rollslip.limit(scene, loads, "critical_friction <= 0.02", study="friction-curve", within=0.5)
-    alone = rollslip.run(rollslip.evolve(scene, {"operation.radial_load": "2 kN"}), "friction-curve")
+    found = rollslip.limit(
+        scene, loads, "critical_friction <= 0.02", study="friction-curve", within=0.5
+    )
+    alone = rollslip.run(
+        rollslip.evolve(scene, {"operation.radial_load": "2 kN"}), "friction-curve"
+    )
     assert alone.critical_status.size > 1
-    assert found.result_status[0] == alone.critical_status[np.argmax(np.nan_to_num(alone.critical_friction.values))]
-    values, words = np.array([math.nan, 0.02, 0.12]), np.array(["still rises", "found", "found at the end"])
+    assert (
+        found.result_status[0]
+        == alone.critical_status[np.argmax(np.nan_to_num(alone.critical_friction.values))]
+    )
+    values = np.array([math.nan, 0.02, 0.12])
+    words = np.array(["still rises", "found", "found at the end"])
     most = Requirement("slip", "1", "<=", 0.1, "%")
     assert of_the_worst(most, values, words) == "found at the end"
     assert of_the_worst(attrs.evolve(most, sense=">="), values, words) == "found"
@@ -162,8 +184,16 @@ def test_what_a_study_says_of_each_of_several_values_is_told_of_the_one_that_cou
 @pytest.mark.parametrize(
     ("keep", "said", "edges"),
     [
-        ("half_width >= 1 um", "is kept at all 5 values of bearing.roller_length from 5 mm to 40 mm; nearest", 0),
-        ("half_width <= 1 um", "is kept at none of 5 values of bearing.roller_length from 5 mm to 40 mm; nearest", 0),
+        (
+            "half_width >= 1 um",
+            "is kept at all 5 values of bearing.roller_length from 5 mm to 40 mm; nearest",
+            0,
+        ),
+        (
+            "half_width <= 1 um",
+            "is kept at none of 5 values of bearing.roller_length from 5 mm to 40 mm; nearest",
+            0,
+        ),
         ("half_width >= 60 um", "from 5 mm, where the range begins, up to", 1),
         ("half_width <= 60 um", "mm on, up to 40 mm, where the range ends; at", 1),
     ],
@@ -185,12 +215,20 @@ def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_p
     made = LimitSettings(bearing, LENGTHS, "half_width >= 60 um", **CURVE).plan()
     whole = run_limit(made, tmp_path / "whole")
     (tmp_path / "part").mkdir()
-    run_sweep(attrs.evolve(made.sweep, only=made.first[:3]), taken_up(made.sweep, tmp_path / "part"))
+    run_sweep(
+        attrs.evolve(made.sweep, only=made.first[:3]), taken_up(made.sweep, tmp_path / "part")
+    )
     again = run_limit(made, tmp_path / "part")
-    assert again.drop_vars("seconds").identical(whole.drop_vars("seconds").assign_attrs(again.attrs))
-    assert sum(1 for _ in records(tmp_path / "part")) == whole.sizes["point"], "a point was computed twice"
+    assert again.drop_vars("seconds").identical(
+        whole.drop_vars("seconds").assign_attrs(again.attrs)
+    )
+    assert sum(1 for _ in records(tmp_path / "part")) == whole.sizes["point"], (
+        "a point was computed twice"
+    )
     assert rollslip.open_result(tmp_path / "part" / RESULT).attrs["study"] == "limit"
-    other = LimitSettings(bearing, LENGTHS, "half_width >= 60 um", study="friction-curve", within=0.02).plan()
+    other = LimitSettings(
+        bearing, LENGTHS, "half_width >= 60 um", study="friction-curve", within=0.02
+    ).plan()
     with pytest.raises(OutputError, match="holds points of another scene"):
         run_limit(other, tmp_path / "part")
 
@@ -199,7 +237,8 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
     made = LimitSettings(bearing, LENGTHS, "half_width >= 60 um", **CURVE).plan()
     from rollslip_campaigns.sweep import point
 
-    true, lost = point.evaluate, made.axis.values[made.first[1]]
+    true = point.evaluate
+    lost = made.axis.values[made.first[1]]
 
     def fails(study, assembly, names):
         if assembly.scene.bearing.roller_length == lost:
@@ -229,15 +268,47 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
         (LENGTHS, "critical_status <= 1", {}, "critical_status tells in words, so it has no limit"),
         (LENGTHS, "half_width <= 1 um", {"within": 0.9}, "a share from 1e-06 to 0.5 is expected"),
         ({}, "half_width <= 1 um", {}, "one quantity is searched over, not 0"),
-        ({"operation.radial_lod": "1:2"}, "half_width <= 1 um", {}, "did you mean 'operation.radial_load'"),
-        ({"bearing.rollers": "9:20"}, "half_width <= 1 um", {}, "is no quantity that goes from one value to another"),
-        ({"operation.radial_load": "2 kN"}, "half_width <= 1 um", {}, "is no range; write LOW:HIGH"),
-        ({"operation.radial_load": "2 kN:1 kN"}, "half_width <= 1 um", {}, "the first end must be below the second"),
-        ({"operation.radial_load": "1 kN:2 kN:2"}, "half_width <= 1 um", {}, "is no count of values from 3 to 999"),
-        ({"operation.radial_load": "1 kN:2 kN"}, "half_width <= 1 um", {"within": 1e-6}, "are more than 100000"),
+        (
+            {"operation.radial_lod": "1:2"},
+            "half_width <= 1 um",
+            {},
+            "did you mean 'operation.radial_load'",
+        ),
+        (
+            {"bearing.rollers": "9:20"},
+            "half_width <= 1 um",
+            {},
+            "is no quantity that goes from one value to another",
+        ),
+        (
+            {"operation.radial_load": "2 kN"},
+            "half_width <= 1 um",
+            {},
+            "is no range; write LOW:HIGH",
+        ),
+        (
+            {"operation.radial_load": "2 kN:1 kN"},
+            "half_width <= 1 um",
+            {},
+            "the first end must be below the second",
+        ),
+        (
+            {"operation.radial_load": "1 kN:2 kN:2"},
+            "half_width <= 1 um",
+            {},
+            "is no count of values from 3 to 999",
+        ),
+        (
+            {"operation.radial_load": "1 kN:2 kN"},
+            "half_width <= 1 um",
+            {"within": 1e-6},
+            "are more than 100000",
+        ),
     ],
 )
-def test_what_cannot_be_searched_is_refused_before_anything_runs(bearing, over, keep, options, said):
+def test_what_cannot_be_searched_is_refused_before_anything_runs(
+    bearing, over, keep, options, said
+):
     with pytest.raises(SceneError, match=said.replace("(", r"\(")):
         LimitSettings(bearing, over, keep, study="friction-curve", **options).plan()
 
@@ -245,15 +316,32 @@ def test_what_cannot_be_searched_is_refused_before_anything_runs(bearing, over, 
 def test_a_history_that_the_scene_does_not_have_is_told():
     scene = rollslip.load_scene("1032930-50C")
     over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN"}
-    with pytest.raises(SceneError, match=r"the scene has nothing in study\.dynamics\.history\.radial_load"):
+    with pytest.raises(
+        SceneError, match=r"the scene has nothing in study\.dynamics\.history\.radial_load"
+    ):
         LimitSettings(scene, over, "largest_cage_slip <= 5 %", study="dynamics").plan()
 
 
 def test_one_quantity_has_one_unit_in_one_answer(tmp_path, monkeypatch):
     """That in which its range or its limit was given: N beside kN was told where values pass 1 kN."""
     monkeypatch.chdir(tmp_path)
-    asked = ["limit", "1032930-70C", "--study", "friction-curve", "--set", "accuracy.tolerance=0.01"]
-    load = [*asked, "--over", "operation.radial_load=500N:5kN:5", "--keep", "half_width >= 0.1 mm", "--out", "load"]
+    asked = [
+        "limit",
+        "1032930-70C",
+        "--study",
+        "friction-curve",
+        "--set",
+        "accuracy.tolerance=0.01",
+    ]
+    load = [
+        *asked,
+        "--over",
+        "operation.radial_load=500N:5kN:5",
+        "--keep",
+        "half_width >= 0.1 mm",
+        "--out",
+        "load",
+    ]
     told = CliRunner().invoke(cli, load, catch_exceptions=False).output
     assert "operation.radial_load from 500 N to 5000 N" in told
     assert "operation.radial_load [N]" in told
@@ -268,7 +356,8 @@ def test_a_limit_that_is_passed_by_a_jump_is_told_with_what_the_study_says_of_bo
     assert "jump" not in findings.LimitAccount.topics(
         rollslip.limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE | {"within": 0.3})
     )
-    kept, passed = float(smooth.edge_kept[0]), float(smooth.edge_passed[0])
+    kept = float(smooth.edge_kept[0])
+    passed = float(smooth.edge_passed[0])
     beyond = smooth["searched"] >= passed
     words = np.where(beyond, "at least: no skidding", "found")
     jumped = smooth.assign(result=smooth["result"] + 1e-4 * beyond, result_status=("point", words))
@@ -280,7 +369,9 @@ def test_a_limit_that_is_passed_by_a_jump_is_told_with_what_the_study_says_of_bo
 
 
 def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
-    scene = rollslip.evolve(bearing, {"accuracy.tolerance": 0.01, "study.surface-damage.cage_slip": 0.1})
+    scene = rollslip.evolve(
+        bearing, {"accuracy.tolerance": 0.01, "study.surface-damage.cage_slip": 0.1}
+    )
     loads = {"operation.radial_load": "2 kN:8 kN:3"}
 
     def limit(keep, *models):
@@ -290,7 +381,9 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     found = limit("worst <= 12 MW/m2", "power-density")
     kept, passed = (
         rollslip.run(
-            rollslip.evolve(scene, {"models.damage": ["power-density"], "operation.radial_load": float(at[0])}),
+            rollslip.evolve(
+                scene, {"models.damage": ["power-density"], "operation.radial_load": float(at[0])}
+            ),
             "surface-damage",
         ).worst.max()
         for at in (found.edge_kept, found.edge_passed)
@@ -298,9 +391,17 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     assert kept < 12e6 * 1.01
     assert 12e6 * 0.99 < passed < 1.03 * kept
     heated = limit("worst <= 1.2 K", "flash-temperature")
-    assert re.search(r"worst <= 1.2 K is kept with .*, where the range begins, up to", findings.headline(heated))
-    for models, named in (((), "none"), (("power-density", "pass-energy"), "power-density, pass-energy")):
-        with pytest.raises(SceneError, match=f"one measure of damage, and models.damage names {named}; name the one"):
+    assert re.search(
+        r"worst <= 1.2 K is kept with .*, where the range begins, up to", findings.headline(heated)
+    )
+    for models, named in (
+        ((), "none"),
+        (("power-density", "pass-energy"), "power-density, pass-energy"),
+    ):
+        with pytest.raises(
+            SceneError,
+            match=f"one measure of damage, and models.damage names {named}; name the one",
+        ):
             limit("worst <= 1 MW/m2", *models)
 
 
@@ -309,7 +410,11 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
 
     What is told is how far off it is, or as much more as an order of `AT_ONCE` in place of the second makes it.
     """
-    own = {"accuracy.tolerance": 1e-3, "models.damage": "power-density", "study.surface-damage.cage_slip": 0.1}
+    own = {
+        "accuracy.tolerance": 1e-3,
+        "models.damage": "power-density",
+        "study.surface-damage.cage_slip": 0.1,
+    }
     scene = rollslip.evolve(promise_scenes.scene(41, 350), {**own, "cage.drag": ["churning"]})
     load = scene.operation.radial_load
     over = {"operation.radial_load": f"{0.8 * load} N:{1.2 * load} N:3"}
@@ -317,9 +422,12 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
 
     def limit(**changes):
         one = rollslip.evolve(scene, changes)
-        return rollslip.limit(one, over, f"worst <= {kept} W/m2", study="surface-damage", within=2e-3)
+        return rollslip.limit(
+            one, over, f"worst <= {kept} W/m2", study="surface-damage", within=2e-3
+        )
 
-    fine, few = limit(), limit(**{"accuracy.slices": 8})
+    fine = limit()
+    few = limit(**{"accuracy.slices": 8})
     at = [0.5 * float(one.edge_kept[0] + one.edge_passed[0]) / load for one in (fine, few)]
     assert abs(at[0] - 1.0) < 3e-3 < 5e-3 < at[1] - 1.0
     (chosen,) = json.loads(fine.attrs["resolutions"]).values()
@@ -330,10 +438,15 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
         one = rollslip.evolve(scene, {"operation.radial_load": share * load, **changes})
         return float(rollslip.run(one, "surface-damage").worst.max())
 
-    off = max(abs(worst(share, **{"accuracy.slices": 8}) / worst(share) - 1.0) for share in (0.8, 1.0, 1.2))
+    off = max(
+        abs(worst(share, **{"accuracy.slices": 8}) / worst(share) - 1.0)
+        for share in (0.8, 1.0, 1.2)
+    )
     said = json.loads(few.attrs["left"])[0]
     words = "with the scene's own operation.radial_load or at an end of its range, more than the tolerance of 0.001"
-    told = re.match(rf"worst sliding power density is off by about (\S+) {words}: the limit is off by", said)
+    told = re.match(
+        rf"worst sliding power density is off by about (\S+) {words}: the limit is off by", said
+    )
     assert 1e-3 < off <= float(told[1]) <= off / (1.0 - 2.0**-AT_ONCE)
 
 
@@ -346,8 +459,12 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
     assert "5 values at first, and" in told.output
     assert "where it is passed once" in told.output
     assert "half_width >= 60 um is kept with bearing.roller_length from" in told.output
-    assert "shaded is where it is kept" in (tmp_path / "1032930-70C-limit" / "report.html").read_text()
-    found = json.loads(CliRunner().invoke(cli, [*asked, "--json", "--out", "1032930-70C-limit"]).stdout)
+    assert (
+        "shaded is where it is kept" in (tmp_path / "1032930-70C-limit" / "report.html").read_text()
+    )
+    found = json.loads(
+        CliRunner().invoke(cli, [*asked, "--json", "--out", "1032930-70C-limit"]).stdout
+    )
     assert found["edges"][0]["kept"] < found["edges"][0]["passed"]
     lone = CliRunner().invoke(cli, [*asked[:5], "operation.radial_load=2 kN", *asked[6:]])
     assert "operation.radial_load: '2 kN' is no range; write LOW:HIGH" in str(lone.exception)
@@ -395,7 +512,8 @@ def test_a_limit_along_a_history_is_that_of_another_search_over_single_runs(case
     scene = moving(history, **more)
     found = rollslip.limit(scene, {key: span}, keep, study="dynamics", within=within)
     assert (found.status.values == "ok").all()
-    (kept,), (beyond,) = found.edge_kept.values, found.edge_passed.values
+    (kept,) = found.edge_kept.values
+    (beyond,) = found.edge_passed.values
     limit = float(found.attrs["limit"])
 
     def excess(value):
@@ -414,7 +532,10 @@ def test_a_motion_is_searched_as_the_plan_chooses_it():
     over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN:3"}
     made = LimitSettings(scene, over, "largest_cage_slip <= 5 %", study="dynamics").plan()
     (chosen,) = made.sweep.resolutions.chosen.values()
-    assert chosen.integrator == rollslip.plan(scene, "dynamics").estimated["dynamics"].resolution.integrator
+    assert (
+        chosen.integrator
+        == rollslip.plan(scene, "dynamics").estimated["dynamics"].resolution.integrator
+    )
     assert chosen.integrator != "rodas5p", "what a motion takes that nobody planned"
     assert 0.0 < made.point_seconds < 60.0
     other = Resolutions(chosen={name_of([]): attrs.evolve(chosen, integrator="no-such")})
@@ -425,21 +546,32 @@ def test_a_motion_is_searched_as_the_plan_chooses_it():
 
 @pytest.mark.parametrize("over", ["text", 5, [5], None])
 def test_what_does_not_say_what_moves_is_one_sentence_in_python(over):
-    for ask in (lambda: rollslip.limit("1032930-70C", over, "half_width >= 60 um"), lambda: _swept(over)):
-        with pytest.raises(SceneError, match=r"^over: what varies is expected, a mapping such as \{.*\}, or texts"):
+    for ask in (
+        lambda: rollslip.limit("1032930-70C", over, "half_width >= 60 um"),
+        lambda: _swept(over),
+    ):
+        with pytest.raises(
+            SceneError, match=r"^over: what varies is expected, a mapping such as \{.*\}, or texts"
+        ):
             ask()
 
 
 def _swept(over):
-    return rollslip.sweep("1032930-70C", 0 if over is None else over)  # which none is a sweep of the scene's own table
+    return rollslip.sweep(
+        "1032930-70C", 0 if over is None else over
+    )  # which none is a sweep of the scene's own table
 
 
 @pytest.mark.parametrize(("name", "wrong"), [("keep", None), ("keep", 5), ("study", 3)])
 def test_a_setting_of_another_type_is_one_sentence(name, wrong):
     with pytest.raises(
-        SceneError, match=rf"^{name}: a (text|number) is expected, not {wrong!r}; rollslip limit --help"
+        SceneError,
+        match=rf"^{name}: a (text|number) is expected, not {wrong!r}; rollslip limit --help",
     ):
-        rollslip.limit(**{"scene": "1032930-70C", "over": LENGTHS, "keep": "half_width >= 60 um"} | {name: wrong})
+        rollslip.limit(
+            **{"scene": "1032930-70C", "over": LENGTHS, "keep": "half_width >= 60 um"}
+            | {name: wrong}
+        )
 
 
 def test_what_moves_may_be_said_as_on_the_command_line():
@@ -452,8 +584,13 @@ def test_what_moves_may_be_said_as_on_the_command_line():
 def test_of_several_studies_the_first_that_has_the_output_is_searched():
     scene = rollslip.load_scene("1032930-70C")
     assert [*scene.study].index("effective-friction") < [*scene.study].index("friction-curve")
-    assert LimitSettings(scene, LENGTHS, "half_width >= 60 um").plan().sweep.study == "friction-curve"
-    assert LimitSettings(scene, LENGTHS, "runaway_slip <= 5 %").plan().sweep.study == "effective-friction"
+    assert (
+        LimitSettings(scene, LENGTHS, "half_width >= 60 um").plan().sweep.study == "friction-curve"
+    )
+    assert (
+        LimitSettings(scene, LENGTHS, "runaway_slip <= 5 %").plan().sweep.study
+        == "effective-friction"
+    )
     with pytest.raises(SceneError, match="study 'effective-friction' has no 'width'"):
         LimitSettings(scene, LENGTHS, "width <= 5 %").plan()
     loads = {"operation.radial_load": ["1 kN", "2 kN"]}
@@ -463,8 +600,17 @@ def test_of_several_studies_the_first_that_has_the_output_is_searched():
 
 
 def test_a_slip_is_asked_of_the_study_of_the_cage_and_a_share_may_be_percent():
-    made = LimitSettings(rollslip.load_scene("gearbox"), over="load=1 kN:3 kN:3", keep="slip<5%", within="5 %").plan()
+    made = LimitSettings(
+        rollslip.load_scene("gearbox"), over="load=1 kN:3 kN:3", keep="slip<5%", within="5 %"
+    ).plan()
     assert (made.requirement.output, made.within) == ("steady_slip", 0.05)
     for wrong in ("5 kN", None, [0.1], 0.6):
-        with pytest.raises(SceneError, match=rf"such as 0.01 or '1 %', not {re.escape(str(wrong))}"):
-            LimitSettings(rollslip.load_scene("gearbox"), over="load=1 kN:3 kN:3", keep="slip<5%", within=wrong).plan()
+        with pytest.raises(
+            SceneError, match=rf"such as 0.01 or '1 %', not {re.escape(str(wrong))}"
+        ):
+            LimitSettings(
+                rollslip.load_scene("gearbox"),
+                over="load=1 kN:3 kN:3",
+                keep="slip<5%",
+                within=wrong,
+            ).plan()

@@ -52,7 +52,12 @@ SCENE = evolve(
         "lubricant.pressure_viscosity_factor": 1.3,
     },
 )
-QUICK = ["--set=accuracy.slices=15", "--set=study.friction-curve.points=15", "--study=friction-curve", "--rounds=2"]
+QUICK = [
+    "--set=accuracy.slices=15",
+    "--set=study.friction-curve.points=15",
+    "--study=friction-curve",
+    "--rounds=2",
+]
 
 
 @pytest.fixture(autouse=True)
@@ -72,7 +77,10 @@ def _one_run_a_turn():
 class Refuses(FilmModel):
     """A film that is defined nowhere a bearing gets."""
 
-    name, equation, references, location = "refuses", "h = nothing", ("nobody",), "minimum"
+    name = "refuses"
+    equation = "h = nothing"
+    references = ("nobody",)
+    location = "minimum"
     domain = MappingProxyType({**FilmModel.domain, "load": (1e12, 1e13)})
 
     def evaluate(self, slices):
@@ -83,7 +91,9 @@ class Refuses(FilmModel):
 class Raises(TractionModel):
     """A traction model with a mistake in it."""
 
-    name, equation, references = "raises", "mu = 1/0", ("nobody",)
+    name = "raises"
+    equation = "mu = 1/0"
+    references = ("nobody",)
     reads = frozenset({"sliding_speed"})
     domain = MappingProxyType({})
 
@@ -95,7 +105,9 @@ class Raises(TractionModel):
 class Rising(TractionModel):
     """A friction that only rises, so that there is no slip at largest traction."""
 
-    name, equation, references = "rising", "mu = V/(10 u)", ("nobody",)
+    name = "rising"
+    equation = "mu = V/(10 u)"
+    references = ("nobody",)
     reads = frozenset({"sliding_speed", "rolling_speed"})
     domain = MappingProxyType({})
 
@@ -113,7 +125,9 @@ def answer(capsys, *arguments):
 
 @pytest.fixture(scope="module")
 def effective():
-    return pareto(SCENE, study="effective-friction", choices="slices,instants,traction,film", rounds=2)
+    return pareto(
+        SCENE, study="effective-friction", choices="slices,instants,traction,film", rounds=2
+    )
 
 
 @pytest.fixture(scope="module")
@@ -132,7 +146,9 @@ def test_nothing_dominates_a_point_of_the_front_and_something_every_other(points
     on = front(cost, error)
 
     def dominates(a, b):
-        return (cost[a] <= cost[b] and error[a] <= error[b]) and (cost[a] < cost[b] or error[a] < error[b])
+        return (cost[a] <= cost[b] and error[a] <= error[b]) and (
+            cost[a] < cost[b] or error[a] < error[b]
+        )
 
     known = [k for k in range(cost.size) if np.isfinite(cost[k]) and np.isfinite(error[k])]
     for k in range(cost.size):
@@ -141,7 +157,11 @@ def test_nothing_dominates_a_point_of_the_front_and_something_every_other(points
 
 
 def test_equal_points_are_both_on_the_front():
-    assert front(np.array([1.0, 1.0, 2.0]), np.array([0.1, 0.1, 0.1])).tolist() == [True, True, False]
+    assert front(np.array([1.0, 1.0, 2.0]), np.array([0.1, 0.1, 0.1])).tolist() == [
+        True,
+        True,
+        False,
+    ]
 
 
 def test_the_fronts_of_a_run_are_fronts_of_its_errors_and_medians(effective):
@@ -153,7 +173,9 @@ def test_the_fronts_of_a_run_are_fronts_of_its_errors_and_medians(effective):
             one = effective.isel(result=j)
             part = np.isin(one.kind, kinds) | (one.label == PLANNED).to_numpy()
             values = np.maximum(one[number].to_numpy()[part], float(one.floor))
-            assert np.array_equal(one[on_front].to_numpy()[part], front(one.seconds.to_numpy()[part], values))
+            assert np.array_equal(
+                one[on_front].to_numpy()[part], front(one.seconds.to_numpy()[part], values)
+            )
             assert not one[on_front].to_numpy()[~part].any()
 
 
@@ -166,20 +188,31 @@ def test_the_family_is_told_before_it_runs():
     # 2 numbers of slices below those stated, crossed with 3 of instants; both alone, and 7 numbers of instants
     assert len(labels) == len(set(labels)) == 1 + 2 * 3 + 2 + 7
     assert labels[0] == PLANNED
-    assert [one.label for one in family.of("effective-friction", "reference")] == [FINEST, HALF, EXACT]
+    assert [one.label for one in family.of("effective-friction", "reference")] == [
+        FINEST,
+        HALF,
+        EXACT,
+    ]
     assert "the scene states 15 laminae" in family.notes[0]
     assert family.choices[0].resolution == finest(SCENE)
 
 
 def test_slices_that_a_scene_leaves_open_go_on_and_gauss_takes_part():
-    family = ParetoSettings(evolve(SCENE, {"accuracy.slices": "auto"}), study="friction-curve").plan()
-    found = {(one.resolution.slices, one.resolution.quadrature) for one in family.of("friction-curve", "numerical")}
+    family = ParetoSettings(
+        evolve(SCENE, {"accuracy.slices": "auto"}), study="friction-curve"
+    ).plan()
+    found = {
+        (one.resolution.slices, one.resolution.quadrature)
+        for one in family.of("friction-curve", "numerical")
+    }
     assert {(401, "equal"), (101, "gauss")} <= found
     assert family.notes == ()
 
 
 def test_one_slice_a_contact_leaves_no_slices_to_choose():
-    family = ParetoSettings(evolve(SCENE, {"bearing.profile": "none"}), study="friction-curve").plan()
+    family = ParetoSettings(
+        evolve(SCENE, {"bearing.profile": "none"}), study="friction-curve"
+    ).plan()
     assert [one.label for one in family.of("friction-curve", "numerical")] == [PLANNED, "in NumPy"]
 
 
@@ -194,8 +227,11 @@ def test_choices_are_of_what_acts_on_a_result():
         planned = family.of(study, "numerical")[0]
         varied = set()
         for one in family.of(study, "numerical", "modelling", "film"):
-            here, there = attrs.asdict(one.resolution), attrs.asdict(planned.resolution)
-            varied |= {key for key in here if here[key] != there[key]} | ({"film"} if one.kind == "film" else set())
+            here = attrs.asdict(one.resolution)
+            there = attrs.asdict(planned.resolution)
+            varied |= {key for key in here if here[key] != there[key]} | (
+                {"film"} if one.kind == "film" else set()
+            )
         assert varied == axes
     moving = {one.label: one for one in family.of("dynamics", "numerical", "modelling")}
     assert {"lsoda, steps to 1e-07", "effective friction"} <= set(moving)
@@ -226,7 +262,9 @@ def test_the_finest_has_no_error_and_the_exact_model_no_difference(effective, co
         one = found.isel(result=0)
         assert float(one.error.sel(choice=FINEST)) == 0.0
         assert float(one.difference.sel(choice=EXACT)) == 0.0
-        assert max(float(one.error.sel(choice=HALF)), 1e-14) == float(one.floor)  # no less than rounding
+        assert max(float(one.error.sel(choice=HALF)), 1e-14) == float(
+            one.floor
+        )  # no less than rounding
         assert (found.status == "done").all()
 
 
@@ -248,22 +286,39 @@ def test_errors_are_those_of_runs_by_hand(effective):
         error("5 slices, 2 instants", FINEST), rel=1e-12
     )
     for label, against in (("eyring", EXACT), ("film regime", FINEST), (FINEST, EXACT)):
-        assert float(friction.difference.sel(choice=label)) == pytest.approx(error(label, against), rel=1e-12)
+        assert float(friction.difference.sel(choice=label)) == pytest.approx(
+            error(label, against), rel=1e-12
+        )
     critical = effective.sel(result="critical slip, inner ring")
-    slips = [float(by_hand[name].critical_cage_slip.sel(ring="inner")) for name in ("5 slices, 2 instants", FINEST)]
-    assert float(critical.error.sel(choice="5 slices, 2 instants")) == pytest.approx(abs(slips[0] / slips[1] - 1))
+    slips = [
+        float(by_hand[name].critical_cage_slip.sel(ring="inner"))
+        for name in ("5 slices, 2 instants", FINEST)
+    ]
+    assert float(critical.error.sel(choice="5 slices, 2 instants")) == pytest.approx(
+        abs(slips[0] / slips[1] - 1)
+    )
 
 
 def test_the_plans_choice_is_what_a_run_computes(contact):
     scene = run(SCENE, "friction-curve")
     best = finest(SCENE)
-    known = ParetoSettings(SCENE, study="friction-curve").plan().studies["friction-curve"].run(assemble(SCENE, best))
-    error = (abs(scene.friction - known.friction).max("slip") / abs(known.friction).max("slip")).max()
-    assert float(contact.error.sel(choice=PLANNED, result="friction")) == pytest.approx(float(error), abs=1e-15)
+    known = (
+        ParetoSettings(SCENE, study="friction-curve")
+        .plan()
+        .studies["friction-curve"]
+        .run(assemble(SCENE, best))
+    )
+    error = (
+        abs(scene.friction - known.friction).max("slip") / abs(known.friction).max("slip")
+    ).max()
+    assert float(contact.error.sel(choice=PLANNED, result="friction")) == pytest.approx(
+        float(error), abs=1e-15
+    )
 
 
 def test_numerical_and_modelling_choices_do_not_mix(contact):
-    numerical, models = contact.kind == "numerical", contact.kind.isin(["modelling", "film"])
+    numerical = contact.kind == "numerical"
+    models = contact.kind.isin(["modelling", "film"])
     assert contact.error.isel(result=0)[models].isnull().all()
     assert contact.error.isel(result=0)[numerical].notnull().all()
     assert contact.difference.isel(result=0)[models].notnull().all()
@@ -275,7 +330,9 @@ def test_more_slices_have_less_error_and_the_same_law_in_numpy_the_same(effectiv
     error = effective.error.sel(result="friction")
     assert float(error.sel(choice="5 slices")) > float(error.sel(choice="11 slices"))
     friction = contact.error.sel(result="friction")
-    np.testing.assert_allclose(friction.sel(choice="in NumPy"), friction.sel(choice=PLANNED), rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(
+        friction.sel(choice="in NumPy"), friction.sel(choice=PLANNED), rtol=1e-6, atol=1e-12
+    )
 
 
 def test_times_are_of_all_rounds_and_evaluations_are_counted(contact):
@@ -295,10 +352,19 @@ def test_a_critical_slip_that_is_not_there_is_a_status():
     found = pareto(SCENE, study="friction-curve", choices="traction", traction="rising", rounds=1)
     one = found.isel(result=1).sel(choice="rising")
     assert np.isnan(one.difference)
-    assert re.match(r"none \(no slip at largest traction: .*\), where the finest has \d", one.difference_status.item())
+    assert re.match(
+        r"none \(no slip at largest traction: .*\), where the finest has \d",
+        one.difference_status.item(),
+    )
     assert not one.on_model_front
     scene = evolve(SCENE, {"models.traction": {"model": "lambda-blend", "hydrodynamic": "rising"}})
-    found = pareto(scene, study="friction-curve", choices="slices,traction", traction="maxwell-eyring", rounds=1)
+    found = pareto(
+        scene,
+        study="friction-curve",
+        choices="slices,traction",
+        traction="maxwell-eyring",
+        rounds=1,
+    )
     one = found.isel(result=1)
     assert one.error_status.sel(choice="5 slices").item() == "none, as the finest"
     assert "where the finest has none" in one.difference_status.sel(choice="maxwell-eyring").item()
@@ -316,8 +382,12 @@ def test_a_choice_that_fails_is_a_status_and_stops_no_other():
     assert {status[name] for name in (PLANNED, "eyring", FINEST)} == {"done"}
     assert found.difference.sel(choice=["raises", "film refuses"]).isnull().all()
     assert found.seconds.sel(choice="raises").isnull()
-    assert any(warning.startswith("raises: failed") for warning in json.loads(found.attrs["warnings"]))
-    assert [row[-1] for row in account_of(found).tables(found)[-1].rows if row[0] == "raises"] == ["failed"]
+    assert any(
+        warning.startswith("raises: failed") for warning in json.loads(found.attrs["warnings"])
+    )
+    assert [row[-1] for row in account_of(found).tables(found)[-1].rows if row[0] == "raises"] == [
+        "failed"
+    ]
 
 
 def test_what_fails_without_the_finest_is_an_error():
@@ -327,16 +397,28 @@ def test_what_fails_without_the_finest_is_an_error():
 
 
 def test_a_motion_and_a_steady_slip_have_errors_too():
-    changes = {"accuracy.slices": 5, "bearing.rollers": 8, "study.steady-slip.points": 6, "accuracy.tolerance": 1e-2}
-    named = {"friction": "effective", "integrator": "rodas5p"}  # rk45 takes the same steps at any tolerance
+    changes = {
+        "accuracy.slices": 5,
+        "bearing.rollers": 8,
+        "study.steady-slip.points": 6,
+        "accuracy.tolerance": 1e-2,
+    }
+    named = {
+        "friction": "effective",
+        "integrator": "rodas5p",
+    }  # rk45 takes the same steps at any tolerance
     changes |= {"study.dynamics": {"duration": "2 ms", "points": 5, **named}}
     changes |= {"study.effective-friction.points": 7, "cage.drag": ["constant-torque"]}
     scene = evolve(load_scene("1032930-50C"), changes | {"operation.misalignment": "0.01 mrad"})
     found = pareto(scene, study="dynamics", choices="integrator_tolerance,friction", rounds=1)
     speed = found.sel(result="cage speed")
-    assert float(speed.error.sel(choice="steps to 1e-03")) > float(speed.error.sel(choice="steps to 1e-07"))
+    assert float(speed.error.sel(choice="steps to 1e-03")) > float(
+        speed.error.sel(choice="steps to 1e-07")
+    )
     assert speed.kind.sel(choice="conventional friction") == "modelling"
-    assert float(speed.difference.sel(choice="conventional friction")) < float(speed.difference.sel(choice=PLANNED))
+    assert float(speed.difference.sel(choice="conventional friction")) < float(
+        speed.difference.sel(choice=PLANNED)
+    )
 
 
 # Output -------------------------------------------------------------------------------------------------------------
@@ -345,7 +427,9 @@ def test_a_motion_and_a_steady_slip_have_errors_too():
 def test_a_result_is_stored_without_loss_and_says_where_it_comes_from(contact, tmp_path):
     save(contact, tmp_path / "pareto.nc")
     assert open_result(tmp_path / "pareto.nc").identical(contact)
-    assert all({"units", "long_name"} <= set(variable.attrs) for variable in contact.variables.values())
+    assert all(
+        {"units", "long_name"} <= set(variable.attrs) for variable in contact.variables.values()
+    )
     names = {model["name"] for model in json.loads(contact.attrs["models"])}
     assert {"lambda-blend", "moes", "pan-hamrock"} <= names
     fields = {"slices", "quadrature", "instants", "traction", "boundary", "table_tolerance",
@@ -356,13 +440,17 @@ def test_a_result_is_stored_without_loss_and_says_where_it_comes_from(contact, t
 
 
 def test_results_of_several_studies_have_names_of_their_own(contact):
-    found = pareto(evolve(SCENE, {"study.effective-friction.points": 7}), choices="slices", rounds=1)
+    found = pareto(
+        evolve(SCENE, {"study.effective-friction.points": 7}), choices="slices", rounds=1
+    )
     assert "friction-curve: friction" in found.result.values
     one = results_of(found, "friction-curve")
     assert one.sizes["result"] == contact.sizes["result"]
     same = one.error.sel(result="friction", choice="5 slices")
     assert float(same) == float(contact.error.sel(result="friction", choice="5 slices"))
-    assert found.error.sel(result="friction-curve: friction", choice="effective-friction: 5 slices").isnull()
+    assert found.error.sel(
+        result="friction-curve: friction", choice="effective-friction: 5 slices"
+    ).isnull()
     assert len(records(found)) == found.sizes["choice"]
 
 
@@ -370,14 +458,19 @@ def test_nothing_is_called_faster_unless_all_its_rounds_are(contact):
     equal = contact.copy()
     equal["seconds_low"] = equal["seconds_low"] * 0.0
     equal["seconds_high"] = equal["seconds_high"] * 0.0 + 1e3
-    assert not any("times as fast" in sentence or "times the time" in sentence for sentence in findings(equal))
+    assert not any(
+        "times as fast" in sentence or "times the time" in sentence for sentence in findings(equal)
+    )
     clear = contact.copy(deep=True)
     k = contact.choice.values.tolist().index("11 slices")
     for name in ("seconds", "seconds_low", "seconds_high"):
         clear[name][k] = 1e-6
     clear["error"][k] = 0.0
     clear["on_front"][k] = 1
-    assert any("11 slices (1 us" in sentence and "times as fast" in sentence for sentence in findings(clear))
+    assert any(
+        "11 slices (1 us" in sentence and "times as fast" in sentence
+        for sentence in findings(clear)
+    )
     assert "no choice is faster in every round than the plan" in " ".join(findings(equal))
     single = " ".join(findings(equal.assign_attrs(rounds=1)))
     assert "no choice is faster" not in single, "of one round nothing is told of that"
@@ -400,12 +493,17 @@ def drawn(dataset):
 
 
 def test_figures_number_the_front_grey_the_rest_and_mark_the_plan(effective, figures):
-    assert set(figures) == {"pareto-friction", "pareto-critical-slip-inner-ring", "pareto-critical-slip-outer-ring"}
+    assert set(figures) == {
+        "pareto-friction",
+        "pareto-critical-slip-inner-ring",
+        "pareto-critical-slip-outer-ring",
+    }
     for name, result in (
         ("pareto-friction", "friction"),
         ("pareto-critical-slip-inner-ring", "critical slip, inner ring"),
     ):
-        figure, one = figures[name], effective.sel(result=result)
+        figure = figures[name]
+        one = effective.sel(result=result)
         words = [text.get_text().partition("  ")[2] for text in figure.legends[0].get_texts()]
         expected = set(one.label.values[(one.on_front == 1).to_numpy()]) | {PLANNED}
         assert expected <= set(words)
@@ -415,7 +513,11 @@ def test_figures_number_the_front_grey_the_rest_and_mark_the_plan(effective, fig
                 or bars[0].get_markerfacecolor() == front_figures._GREY]  # fmt: skip
         known = ((one.kind == "numerical") & one.error.notnull()).to_numpy()
         assert len(numerical.containers) == known.sum()
-        assert len(grey) == known.sum() - (known & ((one.on_front == 1) | (one.label == PLANNED)).to_numpy()).sum()
+        assert (
+            len(grey)
+            == known.sum()
+            - (known & ((one.on_front == 1) | (one.label == PLANNED)).to_numpy()).sum()
+        )
         assert [text for text in words if text == PLANNED] == [PLANNED] * 2
         assert numerical.get_xscale() == numerical.get_yscale() == "log"
         assert "Relative difference" in models.get_ylabel()
@@ -430,7 +532,12 @@ def test_numbers_in_figures_cover_no_other_number(figures):
 
 
 def test_a_result_that_the_finest_does_not_find_has_no_figure():
-    found = pareto(evolve(SCENE, {"models.traction": "constant"}), study="friction-curve", choices="slices", rounds=1)
+    found = pareto(
+        evolve(SCENE, {"models.traction": "constant"}),
+        study="friction-curve",
+        choices="slices",
+        rounds=1,
+    )
     assert set(drawn(found)) == {"pareto-friction"}
 
 
@@ -454,15 +561,28 @@ def test_a_report_shows_tables_and_figures(contact, tmp_path):
 
 def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
     code, out, err = answer(
-        capsys, "1032930-30C", *QUICK, "--choices=slices,traction", "--out", tmp_path / "o", "--report"
+        capsys,
+        "1032930-30C",
+        *QUICK,
+        "--choices=slices,traction",
+        "--out",
+        tmp_path / "o",
+        "--report",
     )
     assert code == 0, err
     lines = out.splitlines()
-    assert "3 numerical and 2 modelling choices and 0 films, 2 rounds each, against 3 references" in lines[1]
+    assert (
+        "3 numerical and 2 modelling choices and 0 films, 2 rounds each, against 3 references"
+        in lines[1]
+    )
     assert lines[1].endswith("the finest with 15 laminae")
     assert "the scene states 15 laminae" in lines[2]
     assert any(line.startswith(" 5 slices") for line in lines)
-    assert {path.name for path in (tmp_path / "o").iterdir()} >= {"pareto.nc", "pareto-friction.svg", "report.html"}
+    assert {path.name for path in (tmp_path / "o").iterdir()} >= {
+        "pareto.nc",
+        "pareto-friction.svg",
+        "report.html",
+    }
     assert not (tmp_path / "o.unfinished").exists()
     with pytest.raises(SystemExit):
         main(["info", str(tmp_path / "o" / "pareto.nc")])
@@ -471,7 +591,14 @@ def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
 
 def test_json_holds_every_choice_with_null_for_what_is_not(capsys, tmp_path):
     code, out, _ = answer(
-        capsys, "1032930-30C", *QUICK, "--choices=slices,traction", "--out", tmp_path / "o", "--no-plots", "--json"
+        capsys,
+        "1032930-30C",
+        *QUICK,
+        "--choices=slices,traction",
+        "--out",
+        tmp_path / "o",
+        "--no-plots",
+        "--json",
     )
     found = json.loads(out)
     assert code == 0
@@ -486,7 +613,14 @@ def test_json_holds_every_choice_with_null_for_what_is_not(capsys, tmp_path):
 def test_a_failing_choice_leaves_four(capsys, tmp_path):
     rollslip.register(Raises)
     code, out, err = answer(
-        capsys, "1032930-30C", *QUICK, "--choices=traction", "--traction=raises", "--out", tmp_path / "o", "--no-plots"
+        capsys,
+        "1032930-30C",
+        *QUICK,
+        "--choices=traction",
+        "--traction=raises",
+        "--out",
+        tmp_path / "o",
+        "--no-plots",
     )
     assert code == 4
     assert "warning: raises: failed" in err
@@ -497,8 +631,16 @@ def test_a_failing_choice_leaves_four(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message", "code"),
     [
-        (["--choices=slice"], "choices: nothing to choose is called 'slice'; did you mean 'slices'", 2),
-        (["--choices=integrator", "--study=friction-curve"], "there is nothing to choose: friction-curve", 2),
+        (
+            ["--choices=slice"],
+            "choices: nothing to choose is called 'slice'; did you mean 'slices'",
+            2,
+        ),
+        (
+            ["--choices=integrator", "--study=friction-curve"],
+            "there is nothing to choose: friction-curve",
+            2,
+        ),
         (["--study=dynamic"], "no study is called 'dynamic'", 2),
         (["--study=dynamics", "--set=cage.drag=nothing"], "cage.drag", 2),
         (["--traction=murakki"], "murakki", 2),
@@ -507,7 +649,9 @@ def test_a_failing_choice_leaves_four(capsys, tmp_path):
         (["--resume"], "--resume needs the --out of the run", 2),
     ],
 )
-def test_what_is_wrong_is_said_before_anything_runs(arguments, message, code, capsys, tmp_path, monkeypatch):
+def test_what_is_wrong_is_said_before_anything_runs(
+    arguments, message, code, capsys, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     found, _, err = answer(capsys, "1032930-30C", *arguments)
     assert (found, list(tmp_path.iterdir())) == (code, [])
@@ -518,7 +662,9 @@ def test_a_study_without_what_it_needs_has_no_results(capsys, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     text = "\n".join(line for line in load_scene("1032930-30C").text.splitlines())
     land = '[cage]\ndrag = ["petroff-land"]\n'  # and no ring that has one
-    (tmp_path / "own.toml").write_text(re.sub(r"\[cage\].*?(?=\[operation\])", land, text, flags=re.S))
+    (tmp_path / "own.toml").write_text(
+        re.sub(r"\[cage\].*?(?=\[operation\])", land, text, flags=re.S)
+    )
     code, _, err = answer(capsys, "own.toml", "--study", "dynamics")
     assert code == 2
     assert "cage" in err
@@ -547,7 +693,17 @@ main()
 
 def start(*arguments, cwd, **environment):
     return subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, "pareto", "1032930-30C", *QUICK, "--no-plots", "--choices=slices", *arguments],
+        [
+            sys.executable,
+            "-c",
+            PROGRAM,
+            "pareto",
+            "1032930-30C",
+            *QUICK,
+            "--no-plots",
+            "--choices=slices",
+            *arguments,
+        ],
         cwd=cwd,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -586,9 +742,14 @@ def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
         assert command[:3] == ["rollslip", "pareto", "1032930-30C"]
         assert command[-1] == "--resume"
     monkeypatch.chdir(tmp_path)
-    turns, take = [], fronts._take
-    monkeypatch.setattr(fronts, "_take", lambda *given: (turns.append(given[1].label), take(*given)))
-    code, _, err = answer(capsys, "1032930-30C", *QUICK, "--no-plots", "--choices=slices", "--out", "o", "--resume")
+    turns = []
+    take = fronts._take
+    monkeypatch.setattr(
+        fronts, "_take", lambda *given: (turns.append(given[1].label), take(*given))
+    )
+    code, _, err = answer(
+        capsys, "1032930-30C", *QUICK, "--no-plots", "--choices=slices", "--out", "o", "--resume"
+    )
     assert code == 0, err
     assert not {FINEST, HALF, EXACT} & set(turns)
     found = open_result(tmp_path / "o" / "pareto.nc")
@@ -609,15 +770,29 @@ def silent(*told):
 
 def test_what_is_kept_of_another_scene_or_other_choices_is_refused(tmp_path):
     kept = tmp_path / "kept"
-    run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept, silent)
+    run_family(
+        ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(),
+        kept,
+        silent,
+    )
     other = evolve(SCENE, {"operation.radial_load": "3000 N"})
     for scene, choices in ((other, "slices"), (SCENE, "traction")):
         made = ParetoSettings(scene, study="friction-curve", choices=choices, rounds=1).plan()
-        with pytest.raises(OutputError, match=r"kept: holds a run of another scene, or of other .* without --resume"):
+        with pytest.raises(
+            OutputError,
+            match=r"kept: holds a run of another scene, or of other .* without --resume",
+        ):
             run_family(made, kept, silent)
     next(kept.glob("journal-*")).write_text("{" * 999)
-    with pytest.raises(OutputError, match=r"journal-000000.sqlite: is not a journal that can be read .*; move it away"):
-        run_family(ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(), kept, silent)
+    with pytest.raises(
+        OutputError,
+        match=r"journal-000000.sqlite: is not a journal that can be read .*; move it away",
+    ):
+        run_family(
+            ParetoSettings(SCENE, study="friction-curve", choices="slices", rounds=1).plan(),
+            kept,
+            silent,
+        )
 
 
 def test_what_cannot_be_kept_says_so(tmp_path):
@@ -641,7 +816,9 @@ def test_progress_is_told_with_the_time_that_is_left(tmp_path):
 
 
 def test_names_of_models_are_choices_beside_those_that_are_narrowed_to():
-    family = ParetoSettings(SCENE, study="friction-curve", choices="slices", traction="carreau").plan()
+    family = ParetoSettings(
+        SCENE, study="friction-curve", choices="slices", traction="carreau"
+    ).plan()
     assert [one.label for one in family.choices if one.kind == "modelling"] == ["carreau"]
     assert not family.of("friction-curve", "film")
 

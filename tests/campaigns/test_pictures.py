@@ -16,14 +16,19 @@ from rollslip_studies.steady_slip.minimum_load import asked_by_makers
 pytestmark = pytest.mark.quick
 
 SCENE = rollslip.load_scene("gearbox")
-LOAD, TEMPERATURE = SCENE.operation.radial_load, SCENE.operation.temperature
+LOAD = SCENE.operation.radial_load
+TEMPERATURE = SCENE.operation.temperature
 
 
 def swept(slips, **over):
     """A sweep of steady slips over quantities of the operation, as it is stored."""
     units = {"radial_load": ("N", "kN"), "temperature": ("K", "degC")}
     coords = {
-        name: (name, values, {"units": units[name][0], "written_in": units[name][1], "key": f"operation.{name}"})
+        name: (
+            name,
+            values,
+            {"units": units[name][0], "written_in": units[name][1], "key": f"operation.{name}"},
+        )
         for name, values in over.items()
     }
     about = {"units": "1", "long_name": "steady cage slip"}
@@ -32,7 +37,9 @@ def swept(slips, **over):
         coords,
         {
             "study": "sweep",
-            "axes": json.dumps({f"operation.{name}": list(values) for name, values in over.items()}),
+            "axes": json.dumps(
+                {f"operation.{name}": list(values) for name, values in over.items()}
+            ),
             "scene_resolved": json.dumps(resolved(SCENE)),
             "curves_with": "",
         },
@@ -40,15 +47,22 @@ def swept(slips, **over):
 
 
 def legend(figure):
-    return [text.get_text().replace("\n", " ") for one in figure.legends for text in one.get_texts()]
+    return [
+        text.get_text().replace("\n", " ") for one in figure.legends for text in one.get_texts()
+    ]
 
 
 def test_a_map_shows_the_point_of_the_scene_and_no_load_below_zero():
-    over = {"radial_load": [0.1 * LOAD, LOAD, 4.0 * LOAD], "temperature": [TEMPERATURE - 10.0, TEMPERATURE + 10.0]}
+    over = {
+        "radial_load": [0.1 * LOAD, LOAD, 4.0 * LOAD],
+        "temperature": [TEMPERATURE - 10.0, TEMPERATURE + 10.0],
+    }
     (figure,) = plot(swept([[0.5, 0.4], [0.1, 0.1], [0.0, 0.0]], **over)).values()
     axes = figure.axes[0]
     (point,) = axes.lines
-    assert [float(value[0]) for value in point.get_data()] == pytest.approx([1e-3 * LOAD, TEMPERATURE - 273.15])
+    assert [float(value[0]) for value in point.get_data()] == pytest.approx(
+        [1e-3 * LOAD, TEMPERATURE - 273.15]
+    )
     assert legend(figure) == ["operating point of the scene"]
     assert axes.get_xlim()[0] == 0.0
     over["radial_load"] = [2.0 * LOAD, 3.0 * LOAD]
@@ -64,7 +78,9 @@ def test_slips_over_load_have_the_minimum_loads_of_catalogues():
     assert asked
     assert list(catalogue_loads(dataset).values()) == pytest.approx(asked)
     said = legend(figure)
-    assert [two(1e-3 * load) in text for load, text in zip(asked, said, strict=True)] == [True] * len(asked)
+    assert [two(1e-3 * load) in text for load, text in zip(asked, said, strict=True)] == [
+        True
+    ] * len(asked)
     within = [load for load in asked if load <= 1e3 * figure.axes[0].get_xlim()[1]]
     assert [float(line.get_xdata()[0]) for line in figure.axes[0].lines[1:]] == pytest.approx(
         [1e-3 * x for x in within]
@@ -91,7 +107,11 @@ def test_alternatives_are_drawn_with_bands_verdicts_and_the_acceptable_slip():
     )
     (figure,) = plot(dataset).values()
     (axes,) = figure.axes
-    assert [label.get_text() for label in axes.get_yticklabels()] == ["vg-100  OK", "vg-10  SKIDS", "nope  failed"]
+    assert [label.get_text() for label in axes.get_yticklabels()] == [
+        "vg-100  OK",
+        "vg-10  SKIDS",
+        "nope  failed",
+    ]
     bands = [path.vertices[:, 0].tolist() for path in axes.collections[0].get_paths()][:2]
     assert bands == [pytest.approx([0.5, 4.0]), pytest.approx([10.0, 100.0])]
     assert axes.lines[-1].get_xdata() == [5.0, 5.0]

@@ -30,7 +30,9 @@ def test_one_pair_is_told_by_the_tosses_of_a_coin():
 
 def test_one_condition_against_five_is_chance():
     errors = np.array([np.ones(6), [2.0, 2.0, 2.0, 2.0, 2.0, 1 / 2.0]])
-    assert tell(errors).probability[0, 1] == 14 / 64  # patterns with at most one sign against the others
+    assert (
+        tell(errors).probability[0, 1] == 14 / 64
+    )  # patterns with at most one sign against the others
 
 
 def test_laws_that_are_the_same_cannot_be_told():
@@ -63,12 +65,23 @@ def test_groups_count_as_one_each():
     """Six days of three conditions, one law twice as good: the chance is that of six tosses, not of eighteen."""
     days = [f"day {k // 3}" for k in range(18)]
     errors = np.array([np.ones(18), np.full(18, 2.0)])
-    assert 1 / 4096 <= tell(errors).probability[0, 1] <= 2 / 4096  # what was observed is one of the patterns
+    assert (
+        1 / 4096 <= tell(errors).probability[0, 1] <= 2 / 4096
+    )  # what was observed is one of the patterns
     one = tell(errors, groups=days)
-    assert (one.probability[0, 1], one.low[1], one.high[1]) == (2 / 64, pytest.approx(2.0), pytest.approx(2.0))
+    assert (one.probability[0, 1], one.low[1], one.high[1]) == (
+        2 / 64,
+        pytest.approx(2.0),
+        pytest.approx(2.0),
+    )
     # what a day has in common: independent conditions tell a difference, five days against one do not
     common = np.array([np.ones(18), np.repeat([2.0, 2.0, 2.0, 2.0, 2.0, 0.5], 3)])
-    assert tell(common).probability[0, 1] <= 0.05 < tell(common, groups=days).probability[0, 1] == 14 / 64
+    assert (
+        tell(common).probability[0, 1]
+        <= 0.05
+        < tell(common, groups=days).probability[0, 1]
+        == 14 / 64
+    )
     assert np.isnan(tell(errors, groups=["rig"] * 9 + ["other"] * 9).probability).all()
 
 
@@ -79,7 +92,9 @@ def data():
 
 @pytest.fixture(scope="module")
 def found(data):
-    return rank([data], traction="maxwell-eyring,eyring,newtonian-thermal", parameters="eyring_stress")
+    return rank(
+        [data], traction="maxwell-eyring,eyring,newtonian-thermal", parameters="eyring_stress"
+    )
 
 
 def test_a_law_that_cannot_be_right_is_told_and_two_that_are_alike_are_not(found):
@@ -130,21 +145,28 @@ def test_a_ranking_is_told_and_drawn(found):
 
 def test_predictions_of_another_program_are_ranked_as_they_are(data, tmp_path, monkeypatch):
     lines = (
-        form(data).replace("program: NAME", "program: the truth").replace("parameters: 0", "parameters: 3").splitlines()
+        form(data)
+        .replace("program: NAME", "program: the truth")
+        .replace("parameters: 0", "parameters: 3")
+        .splitlines()
     )
     truth = exact("carreau")
     rows = [f"{line[:-1]}{value:.8g}," for line, value in zip(lines[5:], truth, strict=True)]
     path = tmp_path / "truth.csv"
     path.write_text("\n".join([*lines[:5], *rows]), encoding="utf-8")
     read = read_predictions(path, data)
-    clock = SimpleNamespace(perf_counter=itertools.count().__next__)  # one second from one look to the next
+    clock = SimpleNamespace(
+        perf_counter=itertools.count().__next__
+    )  # one second from one look to the next
     monkeypatch.setattr("rollslip_campaigns.validation.ranking.time", clock)
     made = rank([data], traction="eyring", predictions=[read])
     assert float(made.seconds[1]) == pytest.approx(1 / len(truth))
     assert list(made.law.to_numpy()) == ["the truth", "eyring"]
     assert list(made.parameters.to_numpy()) == [3, 0]
     assert 0.5 < float(made.error[0]) < 1.2  # the noise alone
-    measured = {(one.name, row.line): (row.measured, 0.0) for one in data.series for row in one.rows}
+    measured = {
+        (one.name, row.line): (row.measured, 0.0) for one in data.series for row in one.rows
+    }
     exactly = rank([data], traction="eyring", predictions=[attrs.evolve(read, values=measured)])
     assert float(exactly.error[0]) == pytest.approx(0.1)  # less is none
 
@@ -158,7 +180,10 @@ def test_nothing_to_rank_is_refused(data):
 
 def test_few_conditions_are_said_to_be_too_few(found):
     told = account_of(found).sentences(found.isel(condition=slice(5)))
-    assert told[-1] == "which law is better cannot be determined: 5 conditions are too few, 6 are needed"
+    assert (
+        told[-1]
+        == "which law is better cannot be determined: 5 conditions are too few, 6 are needed"
+    )
 
 
 def test_one_law_with_values_is_no_ranking(tmp_path, monkeypatch, capsys):
@@ -177,16 +202,22 @@ def test_six_laws_are_ranked_rightly_in_95_of_100_seeds():
     What is right is the order of the mean over all seeds. Of the four, differences are less than chance leaves.
     """
     truth = exact("carreau")
-    alike, worse = {"muraki", "maxwell-eyring", "eyring", "eyring-thermal"}, ["limiting-shear", "newtonian-thermal"]
-    right, errors = 0, []
+    alike = {"muraki", "maxwell-eyring", "eyring", "eyring-thermal"}
+    worse = ["limiting-shear", "newtonian-thermal"]
+    right = 0
+    errors = []
     for seed in range(100):
-        found = rank([synthetic(truth, 0.01, seed)], traction=SIX, parameters="eyring_stress", seed=seed)
+        found = rank(
+            [synthetic(truth, 0.01, seed)], traction=SIX, parameters="eyring_stress", seed=seed
+        )
         errors.append(found.error.to_series())
         chance = found.probability.to_pandas()
         order = list(found.law.to_numpy())
         told = all(chance.loc[one, other] <= 0.05 for one in alike for other in worse)
         told &= bool(chance.loc[worse[0], worse[1]] <= 0.05)
-        open_ = all(chance.loc[one, other] > 0.05 for one, other in itertools.combinations(sorted(alike), 2))
+        open_ = all(
+            chance.loc[one, other] > 0.05 for one, other in itertools.combinations(sorted(alike), 2)
+        )
         right += set(order[:4]) == alike and order[4:] == worse and told and open_
     mean = sum(errors) / len(errors)
     assert mean[list(alike)].max() < mean[worse[0]] < mean[worse[1]]
@@ -215,23 +246,37 @@ def test_a_file_that_a_fit_reads_is_ranked(tmp_path, data):
              next(name for name in rows if name in LOADS): None}  # fmt: skip
     units = {"load_per_length": "N/m", "max_pressure": "Pa", "mean_pressure": "Pa"}
     lines = [", ".join(f"{name} [{unit or units[name]}]" for name, unit in names.items())]
-    lines += [", ".join(repr(float(rows[name][k])) for name in names) for k in range(len(rows["friction"]))]
+    lines += [
+        ", ".join(repr(float(rows[name][k])) for name in names)
+        for k in range(len(rows["friction"]))
+    ]
     (tmp_path / "discs.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     assert fit(tmp_path / "discs.csv", parameters="eyring_stress").sizes["row"] == len(lines) - 1
-    found = rank([tmp_path / "discs.csv"], traction="muraki,newtonian-thermal", parameters="eyring_stress")
+    found = rank(
+        [tmp_path / "discs.csv"], traction="muraki,newtonian-thermal", parameters="eyring_stress"
+    )
     assert found.sizes["condition"] == 18
-    assert "uncertainties: none given: 1 % of the largest friction in every row" in found.attrs["warnings"]
+    assert (
+        "uncertainties: none given: 1 % of the largest friction in every row"
+        in found.attrs["warnings"]
+    )
     sigma = float(0.01 * np.abs(rows["friction"]).max())
     given = [f"{lines[0]}, friction_uncertainty [1]", *(f"{line}, {sigma!r}" for line in lines[1:])]
     (tmp_path / "told.csv").write_text("\n".join(given) + "\n", encoding="utf-8")
-    same = rank([tmp_path / "told.csv"], traction="muraki,newtonian-thermal", parameters="eyring_stress")
+    same = rank(
+        [tmp_path / "told.csv"], traction="muraki,newtonian-thermal", parameters="eyring_stress"
+    )
     np.testing.assert_array_equal(same.condition_error, found.condition_error)
     assert "none given" not in same.attrs["warnings"]
     told = account_of(found).sentences(found)
-    assert told[-1].startswith("the confidence is that of noise alone, with conditions taken for independent")
+    assert told[-1].startswith(
+        "the confidence is that of noise alone, with conditions taken for independent"
+    )
     grouped = rank([tmp_path / "discs.csv"], traction="muraki,newtonian-thermal", groups="series")
     assert (
-        account_of(grouped).sentences(grouped)[-1].endswith("cannot be determined: 1 series are too few, 6 are needed")
+        account_of(grouped)
+        .sentences(grouped)[-1]
+        .endswith("cannot be determined: 1 series are too few, 6 are needed")
     )
     with pytest.raises(SceneError, match="groups: 'day' is none; write series or set"):
         rank([tmp_path / "discs.csv"], traction="muraki,eyring", groups="day")

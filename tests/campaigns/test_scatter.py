@@ -26,7 +26,14 @@ from rollslip_campaigns.uncertainty.samples import least_loads, of_friction, sha
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
-from rollslip_studies.motion.torque_balance import Runaway, Running, reserve, rollers, runaway, running
+from rollslip_studies.motion.torque_balance import (
+    Runaway,
+    Running,
+    reserve,
+    rollers,
+    runaway,
+    running,
+)
 from rollslip_studies.variation.distributions import LogNormal
 from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import scattering, with_scatter
@@ -62,12 +69,16 @@ def test_every_drag_scatters_by_as_much_as_it_declares_and_says_why():
     ],
 )
 def test_what_a_scene_states_does_not_scatter(change, fixed):
-    before, after = (set(scattering(assemble(scene))) for scene in (SCENE, rollslip.evolve(SCENE, change)))
+    before, after = (
+        set(scattering(assemble(scene))) for scene in (SCENE, rollslip.evolve(SCENE, change))
+    )
     assert before - after == {fixed}
 
 
 def test_a_table_of_the_scene_says_all():
-    scene = uncertain(SCENE, cage={"land_clearance": {"distribution": "normal", "deviation": "20 um"}})
+    scene = uncertain(
+        SCENE, cage={"land_clearance": {"distribution": "normal", "deviation": "20 um"}}
+    )
     made = UncertaintySettings(scene, samples=8).plan()
     assert list(made.critical.uncertainty.distributions) == ["cage.land_clearance"]
     assert not made.scatter
@@ -78,11 +89,19 @@ def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeyp
     from rollslip.bearing.cage import Cage
 
     field = attrs.fields_dict(Cage)["land_clearance"]
-    share = Scatter(distribution="lognormal", parameters={"deviation_of_ln": 0.7}, grade="(D)", source="an estimate")
+    share = Scatter(
+        distribution="lognormal",
+        parameters={"deviation_of_ln": 0.7},
+        grade="(D)",
+        source="an estimate",
+    )
     quantity = quantities(assemble(SCENE), {})["cage.land_clearance"]
-    declared = attrs.evolve(quantity, attribute=field.evolve(metadata={**field.metadata, "scatter": share}))
+    declared = attrs.evolve(
+        quantity, attribute=field.evolve(metadata={**field.metadata, "scatter": share})
+    )
     monkeypatch.setattr(
-        "rollslip_studies.variation.scatter.quantities", lambda assembly, studies: {declared.key: declared}
+        "rollslip_studies.variation.scatter.quantities",
+        lambda assembly, studies: {declared.key: declared},
     )
     assert scattering(assemble(SCENE)) == {}, "the scene states it"
     cage = {key: value for key, value in SCENE.raw["cage"].items() if key != "land_clearance"}
@@ -90,7 +109,8 @@ def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeyp
     assert list(scattering(assemble(scene))) == ["cage.land_clearance"]
     nothing = attrs.evolve(declared, value=0.0)
     monkeypatch.setattr(
-        "rollslip_studies.variation.scatter.quantities", lambda assembly, studies: {nothing.key: nothing}
+        "rollslip_studies.variation.scatter.quantities",
+        lambda assembly, studies: {nothing.key: nothing},
     )
     assert scattering(assemble(scene)) == {}, "a share of nothing is nothing"
 
@@ -110,7 +130,12 @@ def test_a_field_declares_scatter_like_its_unit():
             default=2.0,
             unit="1",
             doc="size",
-            scatter=Scatter(distribution="normal", parameters={"scatter": 0.1}, grade="(D)", source="an estimate"),
+            scatter=Scatter(
+                distribution="normal",
+                parameters={"scatter": 0.1},
+                grade="(D)",
+                source="an estimate",
+            ),
         )
 
     assert attrs.fields_dict(Law)["size"].metadata["scatter"].parameters["scatter"] == 0.1
@@ -127,7 +152,9 @@ def test_a_factor_multiplies_the_whole_drag_compiled_or_not(factor, load, speed)
         (RollingResistance(), RollingResistance(factor=factor)),
         (Hysteresis(), Hysteresis(factor=factor)),
     ):
-        one, two = (Slices(1, oil, load=load, rolling_speed=speed, half_width=1e-4) for _ in range(2))
+        one, two = (
+            Slices(1, oil, load=load, rolling_speed=speed, half_width=1e-4) for _ in range(2)
+        )
         model.evaluate(one)
         other.evaluate(two)
         assert two.resistance[0] == pytest.approx(factor * one.resistance[0], rel=1e-12)
@@ -141,7 +168,8 @@ def test_a_factor_multiplies_the_whole_drag_compiled_or_not(factor, load, speed)
         "orbit_radius": 0.1,
     }
     for cls, own in ((PetroffLand, land), (Churning, mist)):
-        plain, scaled = cls(**own).torque(speed, 0.0, 0.0), cls(**own, factor=factor).torque(speed, 0.0, 0.0)
+        plain = cls(**own).torque(speed, 0.0, 0.0)
+        scaled = cls(**own, factor=factor).torque(speed, 0.0, 0.0)
         assert scaled == pytest.approx(factor * plain, rel=1e-12)
 
 
@@ -151,9 +179,16 @@ def test_compiled_drags_have_the_factor_too():
     same = rollslip.evolve(SCENE, {"cage.drag": [{"model": "hysteresis", "loss": 0.03}]})
     double = rollslip.evolve(SCENE, {"cage.drag": [{"model": "rolling-resistance", "factor": 2.0}]})
     torques = []
-    for scene in (plain, same, double, rollslip.evolve(SCENE, {"cage.drag": ["rolling-resistance"]})):
+    for scene in (
+        plain,
+        same,
+        double,
+        rollslip.evolve(SCENE, {"cage.drag": ["rolling-resistance"]}),
+    ):
         bearing = assemble(scene).with_resistance()
-        slices = Slices(1, bearing.inner.conditions, load=1e5, rolling_speed=20.0, sliding_speed=0.1)
+        slices = Slices(
+            1, bearing.inner.conditions, load=1e5, rolling_speed=20.0, sliding_speed=0.1
+        )
         bearing.inner.chain(slices)
         torques.append(float(slices.resistance[0]))
     assert torques[0] == pytest.approx(torques[1], rel=1e-12)
@@ -166,10 +201,14 @@ def test_compiled_drags_have_the_factor_too():
 @given(sigma=st.floats(0.01, 2.0), p=st.floats(1e-4, 1 - 1e-4), median=st.floats(1e-3, 1e3))
 def test_a_deviation_of_the_logarithm_gives_quantiles_in_closed_form(sigma, p, median):
     distribution = LogNormal(deviation_of_ln=sigma).centred(median)
-    assert distribution.quantile(np.array([p]))[0] == pytest.approx(median * math.exp(sigma * norm.ppf(p)), rel=1e-9)
+    assert distribution.quantile(np.array([p]))[0] == pytest.approx(
+        median * math.exp(sigma * norm.ppf(p)), rel=1e-9
+    )
     # scatter is sd over mean: scatter^2 = exp(sigma^2) - 1
     by_scatter = LogNormal(scatter=math.sqrt(math.expm1(sigma**2))).centred(median)
-    assert by_scatter.quantile(np.array([p]))[0] == pytest.approx(distribution.quantile(np.array([p]))[0], rel=1e-7)
+    assert by_scatter.quantile(np.array([p]))[0] == pytest.approx(
+        distribution.quantile(np.array([p]))[0], rel=1e-7
+    )
 
 
 def test_a_lognormal_has_one_width():
@@ -183,8 +222,15 @@ def test_a_lognormal_has_one_width():
 @pytest.mark.slow
 def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
     """A constant torque leaves the largest drag as it is: the reserve is it over a lognormal torque, in closed form."""
-    size, sigma = 0.2, 0.5
-    table = {"cage": {"drag": {"constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": sigma}}}}}
+    size = 0.2
+    sigma = 0.5
+    table = {
+        "cage": {
+            "drag": {
+                "constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": sigma}}
+            }
+        }
+    }
     found = uncertainty(uncertain(constant(size), **table), samples=512, probability=0.99)
     largest = float(found.value.sel(quantity="limit drag torque")[0])
     one = found.sel(quantity="drag reserve")
@@ -206,12 +252,20 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
                        output=["runaway_drag"]).runaway_drag[0]
     )  # fmt: skip
     sigma = 0.5
-    table = {"cage": {"drag": {"constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": sigma}}}}}
+    table = {
+        "cage": {
+            "drag": {
+                "constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": sigma}}
+            }
+        }
+    }
     found = uncertainty(uncertain(constant(0.6 * largest), **table), samples=256, probability=0.9)
     exact = 1.0 - norm.cdf(math.log(1.0 / 0.6) / sigma)  # P(0.6 exp(sigma z) > 1)
     assert float(found.skidding) == pytest.approx(exact, abs=0.01)
     slips = found.value.sel(quantity="steady slip").to_numpy()
-    assert float(np.isinf(slips).mean()) == pytest.approx(exact, abs=0.01), "what skids has no steady slip in the range"
+    assert float(np.isinf(slips).mean()) == pytest.approx(exact, abs=0.01), (
+        "what skids has no steady slip in the range"
+    )
     reserves = found.value.sel(quantity="drag reserve").to_numpy()
     assert np.array_equal(np.isinf(slips), reserves < 1.0)
     assert np.isfinite(reserves).all()
@@ -223,9 +277,24 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     ("away", "runs", "factor", "begins"),
     [
         ((0.4, 4.0, "found"), (0.01, 0.5, "found"), 8.0, "found"),
-        ((math.nan, math.nan, "the cage was not found to run away"), (0.0, 0.0, "found"), math.inf, "at least"),
-        ((0.4, 4.0, "found"), (math.nan, math.nan, "what acts on the cage drives it: x"), math.inf, "at least"),
-        ((0.4, 4.0, "found"), (math.nan, math.nan, "it is not known at which slip"), math.nan, "it is not known"),
+        (
+            (math.nan, math.nan, "the cage was not found to run away"),
+            (0.0, 0.0, "found"),
+            math.inf,
+            "at least",
+        ),
+        (
+            (0.4, 4.0, "found"),
+            (math.nan, math.nan, "what acts on the cage drives it: x"),
+            math.inf,
+            "at least",
+        ),
+        (
+            (0.4, 4.0, "found"),
+            (math.nan, math.nan, "it is not known at which slip"),
+            math.nan,
+            "it is not known",
+        ),
     ],
 )
 def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
@@ -236,7 +305,8 @@ def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
 
 def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
     balance = rollers(assemble(constant(8.0)), 1)
-    away, runs = runaway(balance, 0.95, ""), running(balance)
+    away = runaway(balance, 0.95, "")
+    runs = running(balance)
     found = reserve(balance, away, runs)
     # a constant torque of 8 N m fades by 1/sqrt(1 + (1/w)^2) only
     assert found.factor == pytest.approx(away.most / 8.0, rel=1e-3)
@@ -245,7 +315,8 @@ def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
 
 def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_most_that_is_carried():
     balance = rollers(assemble(constant(0.5)), 1)
-    away, runs = runaway(balance, 0.2, ""), running(balance, 0.2)
+    away = runaway(balance, 0.2, "")
+    runs = running(balance, 0.2)
     found = reserve(balance, away, runs, 0.2)
     assert found.factor == pytest.approx(balance.torque(0.2) / 0.5, rel=1e-3)
     assert found.status == "at least: no skidding up to a slip of 0.2"
@@ -268,12 +339,19 @@ def points(statuses):
     )  # fmt: skip
 
 
-@given(st.lists(st.sampled_from(["found", "at least: up", "the cage skids: more", "it is not known"]), min_size=1))
+@given(
+    st.lists(
+        st.sampled_from(["found", "at least: up", "the cage skids: more", "it is not known"]),
+        min_size=1,
+    )
+)
 def test_every_sample_is_counted_once(statuses):
     found = points(statuses)
     shares = shares_of(found)
     known = sum(text == "found" for text in statuses)
-    assert known + sum(int(shares[name].sum()) for name in ("skids", "bound", "unknown")) == len(statuses)
+    assert known + sum(int(shares[name].sum()) for name in ("skids", "bound", "unknown")) == len(
+        statuses
+    )
     slips = of_friction(found)["steady slip"]
     assert np.array_equal(np.isinf(slips), shares["skids"]), "what skids is beyond every slip"
     assert not np.isnan(slips).any(), "what is driven slips by nothing"
@@ -289,19 +367,29 @@ def test_a_least_load_that_is_none_lies_where_its_status_says():
             "status": ("sample", np.full(6, "ok")),
         }
     )
-    assert np.array_equal(least_loads(found), [100.0, 0.0, 0.0, np.inf, 200.0, np.nan], equal_nan=True)
+    assert np.array_equal(
+        least_loads(found), [100.0, 0.0, 0.0, np.inf, 200.0, np.nan], equal_nan=True
+    )
 
 
 def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
     scene = rollslip.evolve(SCENE, {"study.steady-slip.acceptable_slip": 0.02})
-    table = {"cage": {"drag": {"petroff-land": {"factor": {"distribution": "uniform", "low": 1.0, "high": 3.0}}}}}
+    table = {
+        "cage": {
+            "drag": {
+                "petroff-land": {"factor": {"distribution": "uniform", "low": 1.0, "high": 3.0}}
+            }
+        }
+    }
     scene = uncertain(rollslip.evolve(scene, {"cage.drag": ["petroff-land"]}), **table)
     found = uncertainty(scene, samples=8, loads=4, probability=0.5)
-    loads, factors = found.value.sel(quantity="minimum load").to_numpy()[:4], found.input_value[0].to_numpy()[:4]
+    loads = found.value.sel(quantity="minimum load").to_numpy()[:4]
+    factors = found.input_value[0].to_numpy()[:4]
     for load, factor in zip(loads, factors, strict=True):
         # at that load and factor the cage slips by the acceptable slip
         there = rollslip.evolve(
-            scene, {"operation.radial_load": float(load), "cage.drag.petroff-land.factor": float(factor)}
+            scene,
+            {"operation.radial_load": float(load), "cage.drag.petroff-land.factor": float(factor)},
         )
         slip = rollslip.sweep(attrs.evolve(there, uncertainty=None), {"accuracy.slices": [3]}, study="steady-slip",
                               output=["steady_slip"]).steady_slip  # fmt: skip
@@ -313,11 +401,14 @@ def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
 
 @pytest.mark.slow
 def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them():
-    found = uncertainty(rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"]}), samples=64, probability=0.9)
+    found = uncertainty(
+        rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"]}), samples=64, probability=0.9
+    )
     keys = list(map(str, found.input.to_numpy()))
     alpha = found.input_value[keys.index("lubricant.pressure_viscosity_factor")].to_numpy()
     away, drag = (
-        found.value.sel(quantity=of).to_numpy() for of in ("slip at which skidding begins", "limit drag torque")
+        found.value.sel(quantity=of).to_numpy()
+        for of in ("slip at which skidding begins", "limit drag torque")
     )
     told = found.rank_correlation.sel(
         input="lubricant.pressure_viscosity_factor", acted="slip at which skidding begins"
@@ -325,7 +416,9 @@ def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them()
     assert float(told) == pytest.approx(spearmanr(alpha, away).statistic)
     assert float(found.strength_correlation) == pytest.approx(spearmanr(away, drag).statistic)
     assert float(found.strength_correlation) < -0.3
-    assert "ranks oils the wrong way round" in " ".join(findings.UncertaintyAccount.topics(found)["allowable slip"])
+    assert "ranks oils the wrong way round" in " ".join(
+        findings.UncertaintyAccount.topics(found)["allowable slip"]
+    )
 
 
 def test_a_scene_without_any_scatter_says_what_to_write(monkeypatch):

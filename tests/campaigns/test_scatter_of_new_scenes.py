@@ -32,8 +32,16 @@ TAIL = float(norm.ppf(0.95))
 
 def scene(name="NU 2216", supply="bath", cage="brass", **changes):
     """A scene as a person gets it, on few slices."""
-    asked = {"bearing": name, "oil": "iso-vg-68", "speed": "4500 rpm", "load": "1.5 kN", "temperature": "70 degC"}
-    made = parse_scene(new_scene(name, **(ASSUMED | asked | {"supply": supply, "cage": cage})), name)
+    asked = {
+        "bearing": name,
+        "oil": "iso-vg-68",
+        "speed": "4500 rpm",
+        "load": "1.5 kN",
+        "temperature": "70 degC",
+    }
+    made = parse_scene(
+        new_scene(name, **(ASSUMED | asked | {"supply": supply, "cage": cage})), name
+    )
     return evolve(made, {"accuracy.slices": 5} | changes)
 
 
@@ -41,7 +49,9 @@ def ends(one, key):
     """5 and 95 % of what scatters under a key."""
     problems = []
     given, _ = with_scatter(one)
-    table = read_uncertainty(given.uncertainty, Location({}), quantities(assemble(one), {}), problems)
+    table = read_uncertainty(
+        given.uncertainty, Location({}), quantities(assemble(one), {}), problems
+    )
     assert not problems
     return table.distributions[key].quantile(np.array([0.05, 0.95])).tolist()
 
@@ -79,12 +89,16 @@ def test_want_of_oil_scatters_on_film_and_rolling_resistance(supply, constant):
     """phi_rs = exp(-K_rs nu n (d + D) sqrt(5.1/(2 (D - d)))), in mm, mm2/s and 1/min, at K_rs exp(1.645 0.5)."""
     plain = scene(supply=supply)
     low, high = ends(plain, KEY)
-    assert (low, high) == pytest.approx([constant * math.exp(side * 0.5 * TAIL) for side in (-1, 1)], rel=1e-9)
+    assert (low, high) == pytest.approx(
+        [constant * math.exp(side * 0.5 * TAIL) for side in (-1, 1)], rel=1e-9
+    )
     oil = assemble(plain).lubricant
     nu = 1e6 * oil.at(343.15).viscosity / oil.density(343.15)
     for K_rs in (low, high):
         made = assemble(evolve(plain, {KEY: K_rs}))
-        phi = math.exp(-K_rs * nu * 4500.0 * 220.0 * math.sqrt(5.1 / (2.0 * 60.0)))  # NU 2216: 80 x 140
+        phi = math.exp(
+            -K_rs * nu * 4500.0 * 220.0 * math.sqrt(5.1 / (2.0 * 60.0))
+        )  # NU 2216: 80 x 140
         assert made.models["film"].starvation == pytest.approx(phi, rel=1e-9)
         rolling = next(drag for drag in made.cage.drags if drag.name == "rolling-resistance")
         assert rolling.starvation == pytest.approx(phi, rel=1e-9)
@@ -93,7 +107,9 @@ def test_want_of_oil_scatters_on_film_and_rolling_resistance(supply, constant):
 def test_a_bath_is_full_and_what_is_stated_does_not_scatter():
     assert KEY not in scattering(assemble(scene(supply="bath"))), "a share of nothing is nothing"
     low = scene(supply="bath", **{"lubrication.oil_level": "4 mm"})
-    assert scattering(assemble(low))[KEY][1].value == 3e-8, "below the middle of the lowest roller, 8 mm"
+    assert scattering(assemble(low))[KEY][1].value == 3e-8, (
+        "below the middle of the lowest roller, 8 mm"
+    )
     assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: 6e-8})))
     assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: 0.0})))
 
@@ -109,7 +125,9 @@ def test_everything_that_scatters_moves_the_steady_slip(supply):
 
 def test_the_band_of_a_run_knows_want_of_oil():
     only = {KEY: {"distribution": "lognormal", "deviation_of_ln": 2.0}}
-    one = evolve(scene(supply="mist"), {"uncertainty": {"lubrication": {"starvation_constant": only[KEY]}}})
+    one = evolve(
+        scene(supply="mist"), {"uncertainty": {"lubrication": {"starvation_constant": only[KEY]}}}
+    )
     band = bands(one, slip(one))["steady_slip"]
     assert band.most == KEY
     assert band.low < 1.0 < band.high

@@ -33,9 +33,13 @@ from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 from rollslip_studies.raceway_friction.study import RacewayFriction
 from small_forces import by_differences
 
-SCENE = evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 7})  # every drag that acts by default
+SCENE = evolve(
+    rollslip.load_scene("gearbox"), {"accuracy.slices": 7}
+)  # every drag that acts by default
 OVER = ["radial_load=1 kN:2.5 kN", "temperature=70 degC:90 degC", "inner_speed=500 rpm:1800 rpm"]
-needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="an FMU is run by what a C compiler makes of it")
+needs_compiler = pytest.mark.skipif(
+    shutil.which("cc") is None, reason="an FMU is run by what a C compiler makes of it"
+)
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +49,9 @@ def place(tmp_path_factory):
 
 def made(folder, over=OVER, error=0.01, scene=SCENE, checks=4):
     """Tables within an error, and the file that holds them."""
-    dataset = SurrogateSettings(scene, over, error=error, checks=checks, engine="serial", out=folder).answer()
+    dataset = SurrogateSettings(
+        scene, over, error=error, checks=checks, engine="serial", out=folder
+    ).answer()
     return dataset, folder / made_by.RESULT
 
 
@@ -85,37 +91,54 @@ def fmu(place, tables):
 
 @pytest.fixture(scope="module")
 def fmpy():
-    return pytest.importorskip("fmpy", reason="FMUs are run by fmpy, which is not installed: pip install fmpy")
+    return pytest.importorskip(
+        "fmpy", reason="FMUs are run by fmpy, which is not installed: pip install fmpy"
+    )
 
 
 def test_weights_are_exact_for_cubics_and_hold_beyond_the_ends():
     x = np.linspace(-1.0, 7.0, 33)
     held = np.clip(x, 0.0, 6.0)
     nodes = np.arange(7.0)
-    assert weights(7, x) @ (nodes**3 - 4.0 * nodes) == pytest.approx(held**3 - 4.0 * held, abs=1e-11)
-    assert Axis(np.array([5.0]), logarithmic=True).weights(np.array([1.0, 9.0])).tolist() == [[1.0], [1.0]]
+    assert weights(7, x) @ (nodes**3 - 4.0 * nodes) == pytest.approx(
+        held**3 - 4.0 * held, abs=1e-11
+    )
+    assert Axis(np.array([5.0]), logarithmic=True).weights(np.array([1.0, 9.0])).tolist() == [
+        [1.0],
+        [1.0],
+    ]
 
 
 @pytest.mark.parametrize(
     ("T", "W"),
-    [(355.6, 2306.0), *(pytest.param(*at, marks=pytest.mark.slow) for at in [(358.2, 1366.0), (350.1, 2270.0)])],
+    [
+        (355.6, 2306.0),
+        *(pytest.param(*at, marks=pytest.mark.slow) for at in [(358.2, 1366.0), (350.1, 2270.0)]),
+    ],
 )
 def test_tables_are_right_at_an_operation_that_nobody_looked_at(dataset, error, T, W):
     tables = Tables.of(dataset)
     assert float(dataset.attrs["error"]) <= error
     low, high = dataset["rolling_speed"].to_numpy()[[0, -1]]
     study = RacewayFriction(slowest=float(low), fastest=float(high))
-    true = study.run(assemble(evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W})))
-    u, ratio = true["rolling_speed"].to_numpy(), true["slide_roll"].to_numpy()[1:]
+    true = study.run(
+        assemble(evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}))
+    )
+    u = true["rolling_speed"].to_numpy()
+    ratio = true["slide_roll"].to_numpy()[1:]
     folded = tables.at(T, W)
     for ring in (0, 1):
-        friction, force = (true[name].to_numpy()[ring, 0] for name in ("mean_friction", "ring_force"))
+        friction, force = (
+            true[name].to_numpy()[ring, 0] for name in ("mean_friction", "ring_force")
+        )
         for k in range(0, u.size, 6):
             w = np.full(ratio.size, u[k] / tables.numbers["outer_radius"])
             pull, rolls = folded.pull(ring, w, ratio * u[k], np.full(ratio.size, u[k]))
             size = friction[k].max() * force[k]
             assert pull == pytest.approx(friction[k, 1:] * force[k], abs=2.0 * error * size)
-            assert rolls[0] == pytest.approx(true["ring_resistance"].to_numpy()[ring, 0, k], rel=2.0 * error)
+            assert rolls[0] == pytest.approx(
+                true["ring_resistance"].to_numpy()[ring, 0, k], rel=2.0 * error
+            )
 
 
 def test_the_drags_of_the_cage_are_those_of_the_scene_at_the_speeds_of_its_rings(dataset):
@@ -143,10 +166,22 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
 @pytest.mark.parametrize(
     ("scene", "asked", "said"),
     [
-        (evolve(SCENE, {"cage.drag": ["pocket-friction"]}), {}, "one mean roller has no force in its pocket"),
+        (
+            evolve(SCENE, {"cage.drag": ["pocket-friction"]}),
+            {},
+            "one mean roller has no force in its pocket",
+        ),
         (SCENE, {"error": "40 %"}, "error: a share from 0.0001 to 0.2 is expected"),
-        (SCENE, {"over": ["lubricant.name=a:b"]}, "lubricant.name: there are: operation.temperature"),
-        (SCENE, {"over": ["radial_load=2 kN:1 kN"]}, "the first end must be above 0 and below the second"),
+        (
+            SCENE,
+            {"over": ["lubricant.name=a:b"]},
+            "lubricant.name: there are: operation.temperature",
+        ),
+        (
+            SCENE,
+            {"over": ["radial_load=2 kN:1 kN"]},
+            "the first end must be above 0 and below the second",
+        ),
         (SCENE, {"over": ["inner_speed=0 rpm:0 rpm"]}, "nothing rolls at any speed"),
         (SCENE, {"over": ["inner_speed=0 rpm"]}, "nothing rolls at any speed"),
     ],
@@ -166,7 +201,10 @@ def test_the_account_tells_the_error_and_the_ranges(dataset):
 def operations(place, tables):
     dataset, path = tables
     text = exported(place, path, "b.csv").read_text(encoding="utf-8")
-    rows = [{name: float(cell or "nan") for name, cell in row.items()} for row in csv.DictReader(io.StringIO(text))]
+    rows = [
+        {name: float(cell or "nan") for name, cell in row.items()}
+        for row in csv.DictReader(io.StringIO(text))
+    ]
     assert len(rows) == dataset["steady_cage_slip"].size
     return rows
 
@@ -175,7 +213,9 @@ def operations(place, tables):
 def test_a_table_of_operations_says_where_the_bearing_runs(operations, error, step):
     bearings = {}
     for row in operations[::step]:
-        T, W, speed = (row[name] for name in ("temperature [K]", "radial_load [N]", "inner_speed [rad/s]"))
+        T, W, speed = (
+            row[name] for name in ("temperature [K]", "radial_load [N]", "inner_speed [rad/s]")
+        )
         if T not in bearings:
             bearings[T] = MeanRoller(evolve(SCENE, {"operation.temperature": T}))
         slip = row["steady_cage_slip [1]"]
@@ -189,16 +229,24 @@ def test_a_table_of_operations_says_where_the_bearing_runs(operations, error, st
 
 #: What one spin of all rollers leaves out, as the page says: least share of the slip, error of the torque, and share of
 #: the cage's largest speed.
-ONE_SPIN, OF_SPEED = (0.85, 0.02), 0.004
+ONE_SPIN = (0.85, 0.02)
+OF_SPEED = 0.004
 
 
 @pytest.mark.parametrize(
     ("T", "W"),
-    [(353.15, 1500.0), *(pytest.param(*at, marks=pytest.mark.slow) for at in [(353.15, 1000.0), (362.0, 2400.0)])],
+    [
+        (353.15, 1500.0),
+        *(pytest.param(*at, marks=pytest.mark.slow) for at in [(353.15, 1000.0), (362.0, 2400.0)]),
+    ],
 )
-def test_rollers_of_one_spin_slip_less_than_rollers_of_their_own_by_what_the_page_says(dataset, T, W):
+def test_rollers_of_one_spin_slip_less_than_rollers_of_their_own_by_what_the_page_says(
+    dataset, T, W
+):
     told = Tables.of(dataset).at(T, W).steady(np.array([SCENE.operation.inner_speed]), 0.0)
-    run = rollslip.run(evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}), study="steady-slip")
+    run = rollslip.run(
+        evolve(SCENE, {"operation.temperature": T, "operation.radial_load": W}), study="steady-slip"
+    )
     assert ONE_SPIN[0] < told.cage_slip[0] / float(run["steady_slip"][0]) < 0.96
     assert told.torque[0] == pytest.approx(float(run["friction_torque"][0]), rel=ONE_SPIN[1])
 
@@ -209,10 +257,14 @@ def test_stiffnesses_are_what_small_forces_say(dataset):
             at = {"temperature": t, "radial_load": w, "inner_speed": k}
             one = dataset.isel(at)
             keys = ("operation.temperature", "operation.radial_load", "operation.inner_speed")
-            bearing = assemble(evolve(SCENE, dict(zip(keys, (float(one[name]) for name in at), strict=True))))
+            bearing = assemble(
+                evolve(SCENE, dict(zip(keys, (float(one[name]) for name in at), strict=True)))
+            )
             cage = bearing.kinematics.epicyclic_cage_speed * (1.0 - float(one["steady_cage_slip"]))
             true = by_differences(bearing, cage, INSTANTS)
-            along, across, oblique = (float(one[f"stiffness_{name}"]) for name in ("along", "across", "oblique"))
+            along, across, oblique = (
+                float(one[f"stiffness_{name}"]) for name in ("along", "across", "oblique")
+            )
             found = np.array([[along, oblique], [oblique, across]])
             assert found == pytest.approx(true, rel=2e-3, abs=1e-5 * true[1, 1])
 
@@ -256,12 +308,16 @@ def driven(place, path):
     code = exported(folder, path, "b.c").read_text(encoding="utf-8")
     (folder / "driver.c").write_text(f"{code}\n{DRIVER}", encoding="utf-8")
     subprocess.run(
-        ["cc", "-std=c11", "-O2", "-ffp-contract=off", "driver.c", "-o", "driver", "-lm"], cwd=folder, check=True
+        ["cc", "-std=c11", "-O2", "-ffp-contract=off", "driver.c", "-o", "driver", "-lm"],
+        cwd=folder,
+        check=True,
     )
 
     def speeds(inputs, slip):
         lines = "".join(f"{load!r} {inner!r} {outer!r}\n" for load, inner, outer in inputs)
-        done = subprocess.run([folder / "driver", repr(slip)], input=lines, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [folder / "driver", repr(slip)], input=lines, capture_output=True, text=True, check=True
+        )
         return np.array(done.stdout.split(), dtype=float)
 
     return speeds
@@ -279,7 +335,9 @@ def test_equal_tables_give_equal_files_and_sources_can_be_left_out(place, tables
         zipfile.ZipFile(fmu) as whole,
         zipfile.ZipFile(exported(place, tables[1], "bare.fmu", "--binary-only")) as bare,
     ):
-        assert {"sources/bearing.c", "sources/fmi2.c", "sources/bearing_data.h"} < {*whole.namelist()}
+        assert {"sources/bearing.c", "sources/fmi2.c", "sources/bearing_data.h"} < {
+            *whole.namelist()
+        }
         assert not [name for name in bare.namelist() if name.startswith("sources")]
         assert b"SourceFiles" not in bare.read("modelDescription.xml")
 
@@ -304,7 +362,9 @@ def test_a_host_by_the_official_headers_calls_the_library(fmpy, fmu, place, tmp_
     headers = Path(fmpy.__file__).parent / "c-code"
     subprocess.run(["cc", "-std=c11", "-Wall", "-Werror", *names, f"-I{headers}", host, str(folder / "bearing.so"),
                     f"-Wl,-rpath,{folder}", "-o", "host", "-lm"], cwd=tmp_path, check=True)  # fmt: skip
-    done = subprocess.run([tmp_path / "host", described.guid, "9000"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [tmp_path / "host", described.guid, "9000"], capture_output=True, text=True, check=True
+    )
     *said, speed = done.stdout.splitlines()
     assert said == ["host 1 logStatusWarning radial_load is beyond the tables, which are held at their ends",
                     "host 3 logStatusError no such variable"]  # fmt: skip
@@ -313,8 +373,13 @@ def test_a_host_by_the_official_headers_calls_the_library(fmpy, fmu, place, tmp_
 
 @needs_compiler
 def test_the_file_of_c_moves_as_the_fmu_does(driver, fmpy, fmu):
-    speeds = driver([(SCENE.operation.radial_load, SCENE.operation.inner_speed, 0.0)] * 101, slip=0.0)
-    assert speeds[-1] == fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=1e-3)["cage_speed"][-1]
+    speeds = driver(
+        [(SCENE.operation.radial_load, SCENE.operation.inner_speed, 0.0)] * 101, slip=0.0
+    )
+    assert (
+        speeds[-1]
+        == fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=1e-3)["cage_speed"][-1]
+    )
 
 
 @needs_compiler
@@ -363,11 +428,15 @@ class Unit:
 
 
 @needs_compiler
-def test_two_instances_know_nothing_of_each_other_and_a_state_brings_back_all_of_one(fmpy, fmu, place):
-    one, two = Unit(fmpy, fmu, place), Unit(fmpy, fmu, place, "two", radial_load=2400.0, first_cage_slip=0.3)
+def test_two_instances_know_nothing_of_each_other_and_a_state_brings_back_all_of_one(
+    fmpy, fmu, place
+):
+    one = Unit(fmpy, fmu, place)
+    two = Unit(fmpy, fmu, place, "two", radial_load=2400.0, first_cage_slip=0.3)
     alone = Unit(fmpy, fmu, place, "alone").go(40)
     assert [(one.go(1), two.go(1))[0] for _ in range(40)][-1] == alone
-    kept, at = one.unit.getFMUstate(), one.time
+    kept = one.unit.getFMUstate()
+    at = one.time
     stored = one.unit.serializeFMUstate(kept)
     first = one.go(30)
     one.set(radial_load=1100.0)
@@ -381,7 +450,10 @@ def test_two_instances_know_nothing_of_each_other_and_a_state_brings_back_all_of
 
 @needs_compiler
 def test_steps_of_any_length_come_to_the_same(fmpy, fmu, place):
-    ends = [Unit(fmpy, fmu, place, f"by{n}", first_cage_slip=0.2).go(n, 0.1 / n) for n in (1000, 100, 10)]
+    ends = [
+        Unit(fmpy, fmu, place, f"by{n}", first_cage_slip=0.2).go(n, 0.1 / n)
+        for n in (1000, 100, 10)
+    ]
     assert ends == pytest.approx([ends[0]] * 3, rel=1e-4)
 
 
@@ -432,19 +504,29 @@ def test_the_cage_moves_as_by_the_laws_of_the_bearing(driver, error, name):
     inputs, _ = MOTIONS[name]
     times = 1e-3 * np.arange(601)
     true = MeanRoller(SCENE).motion(times, 0.1, inputs)
-    assert np.abs(moved(driver, inputs, times.size) - true).max() <= 0.1 * error * np.abs(true).max()
+    assert (
+        np.abs(moved(driver, inputs, times.size) - true).max() <= 0.1 * error * np.abs(true).max()
+    )
 
 
 @pytest.mark.slow
 @needs_compiler
 def test_the_cage_moves_as_by_the_laws_where_both_rings_turn(place):
-    over = ["radial_load=1.5 kN", "temperature=80 degC", "inner_speed=900 rpm:1400 rpm", "outer_speed=-200 rpm:250 rpm"]
+    over = [
+        "radial_load=1.5 kN",
+        "temperature=80 degC",
+        "inner_speed=900 rpm:1400 rpm",
+        "outer_speed=-200 rpm:250 rpm",
+    ]
     # with few slices too many nodes would be needed where a ring turns backwards
     scene = rollslip.load_scene("gearbox")
     _, path = made(place / "both", over, scene=scene)
     times = 1e-3 * np.arange(601)
     true = MeanRoller(scene).motion(times, 0.1, both_rings)
-    assert np.abs(moved(driven(place, path), both_rings, times.size) - true).max() <= 1e-3 * np.abs(true).max()
+    assert (
+        np.abs(moved(driven(place, path), both_rings, times.size) - true).max()
+        <= 1e-3 * np.abs(true).max()
+    )
 
 
 @pytest.mark.slow
@@ -454,7 +536,9 @@ def test_the_cage_moves_nearly_as_in_study_dynamics_with_the_friction_of_every_l
     inputs, history = MOTIONS[name]
     motion = {"friction": "conventional", "level": "cage-set", "duration": 0.6, "points": 601, "cage_slip": 0.1,
               "history": history}  # fmt: skip
-    told = {f"study.dynamics.{key}": value for key, value in motion.items() if value} | {"accuracy.tolerance": 0.05}
+    told = {f"study.dynamics.{key}": value for key, value in motion.items() if value} | {
+        "accuracy.tolerance": 0.05
+    }
     true = np.abs(rollslip.run(evolve(SCENE, told), study="dynamics")["cage_speed"].to_numpy())
     assert np.abs(moved(driver, inputs, true.size) - true).max() <= OF_SPEED * true.max()
 

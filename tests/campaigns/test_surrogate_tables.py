@@ -22,12 +22,20 @@ from rollslip_campaigns.surrogate.surrogate import _drags
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
 pytestmark = pytest.mark.quick
-RI, RO = 0.08, 0.1
-SMALL, STEP = 1e-4, 0.5  # slide-roll ratios are even in asinh of them over the first, by the second
+RI = 0.08
+RO = 0.1
+# slide-roll ratios are even in asinh of them over the first, by the second
+SMALL = 1e-4
+STEP = 0.5
 
 
 def dataset(
-    rise=1e-3, largest=0.05, resistance=0.0, drags=(0.0, 0.0, 0.0, 0.0), forces=(1000.0, 1200.0), growth=(0, 0, 0, 0)
+    rise=1e-3,
+    largest=0.05,
+    resistance=0.0,
+    drags=(0.0, 0.0, 0.0, 0.0),
+    forces=(1000.0, 1200.0),
+    growth=(0, 0, 0, 0),
 ):
     """Friction that rises by so much from node to node, on each ring with one force and resistance.
 
@@ -75,7 +83,8 @@ def test_weights_are_those_of_the_four_nodes_around():
 
 
 def test_traction_and_resistance_are_those_of_the_law():
-    V, u = np.array([0.3, -0.3, 0.01]), np.array([5.0, 5.0, 1e-3])
+    V = np.array([0.3, -0.3, 0.01])
+    u = np.array([5.0, 5.0, 1e-3])
     traction, resistance = folded(resistance=3.0).pull(1, np.full(3, 40.0), V, u)
     film = np.hypot(u, 1e-3)
     x = np.minimum(np.arcsinh(np.abs(V) / (SMALL * film)) / STEP, 24.0)
@@ -84,18 +93,27 @@ def test_traction_and_resistance_are_those_of_the_law():
 
 
 def test_drags_go_with_the_lead_of_rings_and_with_the_speed_of_the_cage():
-    one, w = folded(drags=(0.02, 0.03, 1e-4, 0.1)), np.array([20.0, -20.0])
+    one = folded(drags=(0.02, 0.03, 1e-4, 0.1))
+    w = np.array([20.0, -20.0])
     oil = math.log(107.0 / (1.0 / RI + 1.0 / RO)) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
-    by_hand = 0.02 * (100.0 - w) + 0.03 * (-7.0 - w) - 1e-4 * oil * abs(w) * w + np.sign(w) * 0.1 * np.arcsinh(20.0)
+    by_hand = (
+        0.02 * (100.0 - w)
+        + 0.03 * (-7.0 - w)
+        - 1e-4 * oil * abs(w) * w
+        + np.sign(w) * 0.1 * np.arcsinh(20.0)
+    )
     assert one.drag(w, 100.0, -7.0) == pytest.approx(by_hand)
 
 
 @pytest.mark.parametrize("slip", [0.0, 0.05])
 @pytest.mark.parametrize("resistance", [0.0, 2.0])
 def test_rollers_are_where_their_torques_balance(slip, resistance):
-    one, inner, outer = folded(resistance=resistance), 100.0, 10.0
+    one = folded(resistance=resistance)
+    inner = 100.0
+    outer = 10.0
     w = (RI * inner + RO * outer) / (RI + RO) * (1.0 - slip)
-    a, b = RI * (inner - w), RO * (w - outer)
+    a = RI * (inner - w)
+    b = RO * (w - outer)
 
     def forces(c):
         return [*one.pull(0, np.array([w]), np.array([a - c]), np.array([0.5 * (a + c)])),
@@ -105,7 +123,10 @@ def test_rollers_are_where_their_torques_balance(slip, resistance):
         Fi, Si, Fo, So = forces(c)
         return float((Fi - Si - Fo - So)[0])
 
-    Fi, Si, Fo, So = (float(each[0]) for each in forces(brentq(spin, min(a, b) - 0.5, max(a, b) + 0.5, xtol=1e-14)))
+    Fi, Si, Fo, So = (
+        float(each[0])
+        for each in forces(brentq(spin, min(a, b) - 0.5, max(a, b) + 0.5, xtol=1e-14))
+    )
     left, on_inner, on_outer = one._balance(np.array([w]), np.array([inner]), outer)
     assert on_inner[0] == pytest.approx(RI * (Fi + Si), rel=1e-3, abs=1e-4)
     assert on_outer[0] == pytest.approx(RO * (Fo - So), rel=1e-3, abs=1e-4)
@@ -116,17 +137,25 @@ def test_a_bearing_that_runs_steadily_takes_in_what_it_loses():
     one = folded(resistance=2.0, drags=(1e-3, 0.0, 1e-4, 0.1))
     found = one.steady(np.array([100.0, 150.0]), 10.0)
     w = (RI * np.array([100.0, 150.0]) + RO * 10.0) / (RI + RO) * (1.0 - found.cage_slip)
-    oil = np.log(np.array([90.0, 140.0]) / (1.0 / RI + 1.0 / RO)) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
+    oil = np.log(np.array([90.0, 140.0]) / (1.0 / RI + 1.0 / RO)) / math.log(
+        100.0 / (1.0 / RI + 1.0 / RO)
+    )
     ground = 1e-4 * oil * w**2 - 0.1 * np.arcsinh(w)  # torque that no ring gives back
     assert found.torque + found.outer_torque == pytest.approx(ground, abs=1e-4)
-    assert found.power_loss == pytest.approx(found.torque * np.array([100.0, 150.0]) + found.outer_torque * 10.0)
+    assert found.power_loss == pytest.approx(
+        found.torque * np.array([100.0, 150.0]) + found.outer_torque * 10.0
+    )
     # the outer ring takes what the inner one gives a roller, 0.05 of 1000 N, less both resistances
     most = RI * (46.0 + 3.0 * 2.0) + RO * (46.0 - 2.0)
-    assert found.drag_reserve == pytest.approx(most / abs(one.drag(w, np.array([100.0, 150.0]), 10.0)), rel=1e-3)
+    assert found.drag_reserve == pytest.approx(
+        most / abs(one.drag(w, np.array([100.0, 150.0]), 10.0)), rel=1e-3
+    )
 
 
 def test_where_nothing_is_carried_there_is_no_slip_and_no_reserve():
-    found = folded(rise=1e-6, largest=0.5, drags=(0.0, 1.0, 0.0, 0.0)).steady(np.array([100.0]), -7.0)
+    found = folded(rise=1e-6, largest=0.5, drags=(0.0, 1.0, 0.0, 0.0)).steady(
+        np.array([100.0]), -7.0
+    )
     assert np.isnan([found.cage_slip[0], found.torque[0], found.power_loss[0]]).all()
     assert found.drag_reserve[0] == 1.0
 
@@ -134,11 +163,18 @@ def test_where_nothing_is_carried_there_is_no_slip_and_no_reserve():
 def test_speeds_of_a_plan_hold_those_of_its_ranges():
     over = {"inner_speed": "100 rpm:1000 rpm", "outer_speed": "10 rpm:20 rpm"}
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"operation.outer_speed": "15 rpm"})
-    told = SurrogateSettings(scene, over, engine="serial").plan().sweep.scene.study["raceway-friction"]
-    b, rpm = scene.bearing, math.pi / 30.0
-    Ri, Ro = b.inner_raceway_diameter / 2, b.outer_raceway_diameter / 2
+    told = (
+        SurrogateSettings(scene, over, engine="serial").plan().sweep.scene.study["raceway-friction"]
+    )
+    b = scene.bearing
+    rpm = math.pi / 30.0
+    Ri = b.inner_raceway_diameter / 2
+    Ro = b.outer_raceway_diameter / 2
     assert told["fastest"] == pytest.approx(1.6 * Ri * Ro / (Ri + Ro) * 990.0 * rpm)
-    ratios = [Ro * (Ri * inner + Ro * outer) / (Ri * Ro * (inner - outer)) for inner, outer in ((1000, 10), (100, 20))]
+    ratios = [
+        Ro * (Ri * inner + Ro * outer) / (Ri * Ro * (inner - outer))
+        for inner, outer in ((1000, 10), (100, 20))
+    ]
     assert [told["least_ratio"], told["most_ratio"]] == pytest.approx(ratios)
     backwards = rollslip.evolve(scene, {"operation.inner_speed": "-500 rpm"})
     ends = SurrogateSettings(backwards, {}, engine="serial").plan().ranges["operation.inner_speed"]
@@ -155,7 +191,9 @@ def test_drags_are_told_apart_by_what_they_go_with():
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag})
     ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
     found, top, off = _drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
-    assert [found["inner"][0], found["outer"][0], *found["cage"][0]] == pytest.approx([0.0] * 7, abs=1e-6)
+    assert [found["inner"][0], found["outer"][0], *found["cage"][0]] == pytest.approx(
+        [0.0] * 7, abs=1e-6
+    )
     assert off < 3e-3  # it jumps at rest
     assert (top, found["rest"][0, -1]) == (pytest.approx(100.0), pytest.approx(-0.2, rel=1e-3))
 
@@ -174,7 +212,9 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
         return found, off
 
     u = np.geomspace(10.0, 50.0, 9)
-    found, off = drags(lambda w, wi, wo, n: 0.02 * (wi - w) + 0.03 * (wo - w) - 1e-3 * math.log(n) * abs(w) * w)
+    found, off = drags(
+        lambda w, wi, wo, n: 0.02 * (wi - w) + 0.03 * (wo - w) - 1e-3 * math.log(n) * abs(w) * w
+    )
     assert [found[name][0] for name in ("inner", "outer")] == pytest.approx([0.02, 0.03])
     assert found["cage"][0] == pytest.approx(1e-3 * np.log(2.0 * u))
     assert np.abs(found["rest"]).max() < 1e-8
@@ -200,33 +240,52 @@ int main(void) {
 """
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="an export in C is run by what a C compiler makes of it")
+@pytest.mark.skipif(
+    shutil.which("cc") is None, reason="an export in C is run by what a C compiler makes of it"
+)
 def test_an_export_in_c_reads_along_every_axis_what_the_tables_hold(tmp_path):
     """Torques of both rings and the power loss, with rollers half-way between the rings."""
     result = dataset(resistance=2.0, drags=(0.02, 0.03, 1e-4, 0.1), growth=(0.1, 0.2, 0.3, 0.4))
     (tmp_path / "driver.c").write_text(f"{C('c').of(result).text}\n{DRIVER}", encoding="utf-8")
     subprocess.run(["cc", "-std=c11", "driver.c", "-o", "driver", "-lm"], cwd=tmp_path, check=True)
-    operations = [(345.0, 1.2e3, 100.0, -7.0, 0.02), (357.0, 2.7e3, 40.0, 15.0, 0.3), (341.0, 2e3, 3.0, 2.0, -0.4)]
+    operations = [
+        (345.0, 1.2e3, 100.0, -7.0, 0.02),
+        (357.0, 2.7e3, 40.0, 15.0, 0.3),
+        (341.0, 2e3, 3.0, 2.0, -0.4),
+    ]
     lines = "".join(f"{' '.join(map(str, one))}\n" for one in operations)
-    done = subprocess.run([tmp_path / "driver"], input=lines, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [tmp_path / "driver"], input=lines, capture_output=True, text=True, check=True
+    )
     for (T, W, inner, outer, slip), told in zip(operations, done.stdout.splitlines(), strict=True):
         one = Tables.of(result).at(T, W)
         w = np.array([(RI * inner + RO * outer) / (RI + RO) * (1.0 - slip)])
-        ahead, behind = RI * (inner - w), RO * (w - outer)
+        ahead = RI * (inner - w)
+        behind = RO * (w - outer)
         surface = 0.5 * (ahead + behind)
         Fi, Si = one.pull(0, w, ahead - surface, 0.5 * (ahead + surface))
         Fo, So = one.pull(1, w, surface - behind, 0.5 * (surface + behind))
-        by_inner, by_outer = 0.02 * (inner - w), 0.03 * (outer - w)
-        loss = Fi * (ahead - surface) + Fo * (surface - behind) + Si * (ahead + surface) + So * (surface + behind)
+        by_inner = 0.02 * (inner - w)
+        by_outer = 0.03 * (outer - w)
+        loss = (
+            Fi * (ahead - surface)
+            + Fo * (surface - behind)
+            + Si * (ahead + surface)
+            + So * (surface + behind)
+        )
         loss += by_inner * inner + by_outer * outer - one.drag(w, inner, outer) * w
         expected = [RI * (Fi + Si) + by_inner, RO * (Fo - So) + by_outer, loss]
-        assert [float(value) for value in told.split()] == pytest.approx(np.concatenate(expected), rel=1e-6)
+        assert [float(value) for value in told.split()] == pytest.approx(
+            np.concatenate(expected), rel=1e-6
+        )
 
 
 def test_files_for_other_programs_hold_the_numbers_of_the_tables():
     result = dataset()
     text, guid = c_header(result)
-    numbers = {name: float(value) for name, value in re.findall(r"#define (\w+) ([-\d.e]+)\n", text)}
+    numbers = {
+        name: float(value) for name, value in re.findall(r"#define (\w+) ([-\d.e]+)\n", text)
+    }
     assert (numbers["X_STEPS"], numbers["X_SMALL"]) == (pytest.approx(1.0 / STEP), SMALL)
     steps = {"T": 20.0, "W": math.log(3.0), "R": math.log(100.0), "U": math.log(500.0)}
     assert {letter: numbers[f"{letter}_STEP"] for letter in steps} == pytest.approx(steps)
@@ -234,7 +293,10 @@ def test_files_for_other_programs_hold_the_numbers_of_the_tables():
     root = ET.fromstring(_description(result, guid, False))
     assert "friction within 1 % of nobody's" in root.get("description")
     known = root.findall("ModelVariables/ScalarVariable")
-    outputs = [known[int(one.get("index")) - 1].get("causality") for one in root.findall("ModelStructure/Outputs/*")]
+    outputs = [
+        known[int(one.get("index")) - 1].get("causality")
+        for one in root.findall("ModelStructure/Outputs/*")
+    ]
     assert set(outputs) == {"output"}
     load = next(one for one in known if one.get("name") == "radial_load").find("Real")
     assert (float(load.get("min")), float(load.get("max"))) == (1e3, 3e3)
@@ -258,4 +320,8 @@ def test_of_two_endings_the_longer_one_says_the_format(monkeypatch):
 
     monkeypatch.setattr(discovery, "_registered", {})
     discovery.add("format", Longer("longer"))
-    assert [format_of(name).name for name in ("a.tables.json", "tables.json", "b.JSON")] == ["longer", "json", "json"]
+    assert [format_of(name).name for name in ("a.tables.json", "tables.json", "b.JSON")] == [
+        "longer",
+        "json",
+        "json",
+    ]

@@ -46,8 +46,13 @@ from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sampling import parse_over, parse_overs, plain_names, probabilities
 from rollslip_campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 
-SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
-OVER = {"operation.temperature": "60 degC:80 degC:3", "models.traction": ["muraki", "maxwell-eyring"]}
+SCENE = rollslip.evolve(
+    rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5}
+)
+OVER = {
+    "operation.temperature": "60 degC:80 degC:3",
+    "models.traction": ["muraki", "maxwell-eyring"],
+}
 
 
 def planned(over=OVER, scene=SCENE, study="friction-curve", output=("friction",), **options):
@@ -65,7 +70,11 @@ def engine(name):
 
 def same(one, other):
     """Whether two datasets hold the same bits, but for times."""
-    return one.drop_vars("seconds").drop_attrs(deep=False).identical(other.drop_vars("seconds").drop_attrs(deep=False))
+    return (
+        one.drop_vars("seconds")
+        .drop_attrs(deep=False)
+        .identical(other.drop_vars("seconds").drop_attrs(deep=False))
+    )
 
 
 def swept(folder, how="serial", **options):
@@ -84,7 +93,11 @@ def test_a_grid_has_a_dimension_for_each_axis_and_numbers_as_they_would_be_typed
     assert sweep.dims == ("temperature", "traction")
     assert design.shape == (3, 2)
     assert design.axes[0].values == (333.15, 343.15, 353.15)
-    assert [design.changes(n)["models.traction"] for n in range(3)] == ["muraki", "maxwell-eyring", "muraki"]
+    assert [design.changes(n)["models.traction"] for n in range(3)] == [
+        "muraki",
+        "maxwell-eyring",
+        "muraki",
+    ]
     assert design.shown(3) == "operation.temperature = 70 degC, models.traction = maxwell-eyring"
 
 
@@ -99,12 +112,20 @@ def test_a_grid_has_a_dimension_for_each_axis_and_numbers_as_they_would_be_typed
     ],
 )
 def test_values_of_an_axis(text, values):
-    assert planned({"operation.radial_load": text}).design.axes[0].values == pytest.approx(values, rel=1e-15)
+    assert planned({"operation.radial_load": text}).design.axes[0].values == pytest.approx(
+        values, rel=1e-15
+    )
 
 
 def test_the_command_line_writes_lists_with_commas_and_ranges_with_colons():
-    assert parse_over("operation.radial_load=500 N, 1 kN") == ("operation.radial_load", ["500 N", "1 kN"])
-    assert parse_over("operation.radial_load=500N:5000N:10") == ("operation.radial_load", "500N:5000N:10")
+    assert parse_over("operation.radial_load=500 N, 1 kN") == (
+        "operation.radial_load",
+        ["500 N", "1 kN"],
+    )
+    assert parse_over("operation.radial_load=500N:5000N:10") == (
+        "operation.radial_load",
+        "500N:5000N:10",
+    )
     assert parse_over("accuracy.slices=5,7") == ("accuracy.slices", [5, 7])
     assert parse_over('models.film=["moes", {model = "pan-hamrock", thickness = "central"}]') == (
         "models.film", ["moes", {"model": "pan-hamrock", "thickness": "central"}],
@@ -132,7 +153,9 @@ def test_models_with_parameters_whole_numbers_and_choices_are_axes_like_numbers(
 
 
 def test_samples_are_a_dimension_that_every_model_sees_alike():
-    sweep = planned({"operation.radial_load": "500:5000", "models.traction": ["muraki", "eyring"]}, samples=8)
+    sweep = planned(
+        {"operation.radial_load": "500:5000", "models.traction": ["muraki", "eyring"]}, samples=8
+    )
     assert sweep.dims == ("traction", "sample")
     loads = [sweep.design.changes(n)["operation.radial_load"] for n in range(16)]
     assert loads[:8] == loads[8:]
@@ -140,7 +163,9 @@ def test_samples_are_a_dimension_that_every_model_sees_alike():
     assert all(500.0 <= load <= 5000.0 for load in loads)
 
 
-@pytest.mark.parametrize(("sampling", "sets"), [("sobol", 1), ("replicated-sobol", 8), ("latin-hypercube", 1)])
+@pytest.mark.parametrize(
+    ("sampling", "sets"), [("sobol", 1), ("replicated-sobol", 8), ("latin-hypercube", 1)]
+)
 def test_samples_are_seeded_and_spread(sampling, sets):
     one = probabilities(sampling, 64, 3, 7)
     assert np.array_equal(one, probabilities(sampling, 64, 3, 7))
@@ -218,12 +243,17 @@ def test_tables_of_the_scene_count_and_all_their_faults_are_said_with_lines():
     text = rollslip.load_scene("1032930-70C").text
     line = text.count("\n") + 1
     good = '\n[sweep]\nstudy = "friction-curve"\nsamples = 4\n[sweep.over]\nmodels.film = ["moes", "blok"]\n'
-    good += '[uncertainty.lubricant]\neyring_stress = { distribution = "lognormal", scatter = 0.2 }\n'
+    good += (
+        '[uncertainty.lubricant]\neyring_stress = { distribution = "lognormal", scatter = 0.2 }\n'
+    )
     sweep = plan_sweep(parse_scene(text + good, "own.toml"))
     assert sweep.dims == ("film", "sample")
     assert sweep.study == "friction-curve"
     assert "sweep" not in sweep.facts["scene"]
-    assert plan_sweep(parse_scene(text + good, "own.toml"), seed=3, samples=2).design.shape == (2, 2)
+    assert plan_sweep(parse_scene(text + good, "own.toml"), seed=3, samples=2).design.shape == (
+        2,
+        2,
+    )
 
     bad = '\n[sweep]\nsampels = 4\nsampling = "sobel"\nseed = -1\n'
     with pytest.raises(SceneError) as error:
@@ -238,7 +268,9 @@ def test_tables_of_the_scene_count_and_all_their_faults_are_said_with_lines():
     bad += '[uncertainty.bearing]\nroller_length = { distribution = "nromal", scatter = 0.1 }\n'
     with pytest.raises(SceneError) as error:
         plan_sweep(parse_scene(text + bad, "own.toml"))
-    assert [one.partition(": ")[0] for one in error.value.problems] == [f"own.toml:{line + k}" for k in (4, 5, 7)]
+    assert [one.partition(": ")[0] for one in error.value.problems] == [
+        f"own.toml:{line + k}" for k in (4, 5, 7)
+    ]
 
 
 def test_what_is_swept_takes_the_place_of_a_value_that_the_scene_could_not_run_with():
@@ -246,7 +278,9 @@ def test_what_is_swept_takes_the_place_of_a_value_that_the_scene_could_not_run_w
     over = ["operation.temperature=60degC:80degC:2", "models.film=moes,blok"]
     made = plan_sweep(hot, over, study="friction-curve")
     assert (made.design.size, made.scene.operation.temperature) == (4, 333.15)
-    assert LimitSettings(hot, over[0].rpartition(":")[0], "friction<=1", study="friction-curve").plan()
+    assert LimitSettings(
+        hot, over[0].rpartition(":")[0], "friction<=1", study="friction-curve"
+    ).plan()
     for over in ("operation.radial_load=1kN:2kN:2", "operation.temperature=300degC:400degC:2"):
         with pytest.raises(RollslipError, match=r"operation.temperature: .* at 250 degC"):
             plan_sweep(hot, over, study="friction-curve")
@@ -256,7 +290,8 @@ def test_a_sample_out_of_range_is_refused_with_a_remedy():
     text = rollslip.load_scene("1032930-70C").text
     text += '\n[uncertainty.operation]\nradial_load = { distribution = "normal", scatter = 3.0 }\n'
     with pytest.raises(
-        SceneError, match=r"operation.radial_load: sample .* must be at least 0, .*; cut the distribution"
+        SceneError,
+        match=r"operation.radial_load: sample .* must be at least 0, .*; cut the distribution",
     ):
         plan_sweep(parse_scene(text, "own.toml"), samples=64)
 
@@ -286,7 +321,9 @@ UNUSUAL = [
 ]
 
 
-@pytest.mark.parametrize(("key", "over", "options", "said"), UNUSUAL, ids=[key for key, *_ in UNUSUAL])
+@pytest.mark.parametrize(
+    ("key", "over", "options", "said"), UNUSUAL, ids=[key for key, *_ in UNUSUAL]
+)
 def test_values_that_are_unusual_are_said_once_for_an_axis(key, over, options, said):
     sweep = planned({key: over}, **options)
     least = sweep.design.samples.min() / 1e3 if sweep.design.has_samples else None
@@ -294,10 +331,19 @@ def test_values_that_are_unusual_are_said_once_for_an_axis(key, over, options, s
 
 
 IMPOSSIBLE = {
-    "surface.roller_roughness": (["0.1 um", "0.16 m"], "value 2 of 2: must be from 0.0001 um to 1 mm, not 0.16 m"),
-    "operation.temperature": ("-200 degC:60 degC:3", "point 1 of 3: must be from -150 degC to 1000 degC, not -200"),
+    "surface.roller_roughness": (
+        ["0.1 um", "0.16 m"],
+        "value 2 of 2: must be from 0.0001 um to 1 mm, not 0.16 m",
+    ),
+    "operation.temperature": (
+        "-200 degC:60 degC:3",
+        "point 1 of 3: must be from -150 degC to 1000 degC, not -200",
+    ),
     "models.traction.exponent": ([6, 6e6], "value 2 of 2: must be from 0 to 1000, not 6e+06"),
-    "bearing.radial_clearance": (["14 um", "14 mm"], "value 2 of 2, 14 mm: changes: bearing.radial_clearance: 0.014 m"),
+    "bearing.radial_clearance": (
+        ["14 um", "14 mm"],
+        "value 2 of 2, 14 mm: changes: bearing.radial_clearance: 0.014 m",
+    ),
 }
 
 
@@ -313,10 +359,24 @@ def test_a_value_that_is_impossible_is_refused_before_anything_runs(key):
 def test_what_is_unusual_of_its_values_is_printed_and_kept_with_a_sweep(tmp_path, capsys):
     out = tmp_path / "s"
     over = "operation.inner_speed=2000 rpm:10000 rpm:3"
-    arguments = ["sweep", "run", "1032930-70C", "--study", "friction-curve", "--over", over, "--out", str(out)]
+    arguments = [
+        "sweep",
+        "run",
+        "1032930-70C",
+        "--study",
+        "friction-curve",
+        "--over",
+        over,
+        "--out",
+        str(out),
+    ]
     arguments += ["--output", "friction", "--set", "accuracy.slices=5"]
-    with contextlib.suppress(SystemExit):  # what the scene gives in its place is unusual, too, and of no account
-        cli.main(args=[*arguments, "--set", "operation.inner_speed=12000 rpm"], prog_name="rollslip")
+    with contextlib.suppress(
+        SystemExit
+    ):  # what the scene gives in its place is unusual, too, and of no account
+        cli.main(
+            args=[*arguments, "--set", "operation.inner_speed=12000 rpm"], prog_name="rollslip"
+        )
     told = "operation.inner_speed, 1 of 3 values: 10000 rpm is 1.8e+06 mm/min of speed times pitch diameter (n d_m)"
     printed = [line for line in capsys.readouterr().err.splitlines() if "mm/min" in line]
     assert [line.startswith(f"warning: {told}") for line in printed] == [True]
@@ -328,11 +388,22 @@ def test_what_is_unusual_of_its_values_is_printed_and_kept_with_a_sweep(tmp_path
 
 
 def test_a_point_gives_what_a_run_of_its_scene_gives(tmp_path):
-    result = swept(tmp_path, over={**OVER, "study.friction-curve.ring": ["inner", "outer"]}, output=["friction"])
+    result = swept(
+        tmp_path,
+        over={**OVER, "study.friction-curve.ring": ["inner", "outer"]},
+        output=["friction"],
+    )
     assert (result["status"] == "ok").all()
-    for T, model, ring in itertools.product((333.15, 353.15), ("muraki", "maxwell-eyring"), ("inner", "outer")):
+    for T, model, ring in itertools.product(
+        (333.15, 353.15), ("muraki", "maxwell-eyring"), ("inner", "outer")
+    ):
         scene = rollslip.evolve(
-            SCENE, {"operation.temperature": T, "models.traction": model, "study.friction-curve.ring": ring}
+            SCENE,
+            {
+                "operation.temperature": T,
+                "models.traction": model,
+                "study.friction-curve.ring": ring,
+            },
         )
         alone = as_stated(scene, "friction-curve")["friction"]
         point = result["friction"].sel(temperature=T, traction=model, ring=ring)
@@ -342,13 +413,23 @@ def test_a_point_gives_what_a_run_of_its_scene_gives(tmp_path):
     assert result.temperature.attrs["units"] == "K"
 
 
-@pytest.mark.parametrize("name", ["effective_friction", "critical_cage_slip", "film_parameter", "normal_force"])
+@pytest.mark.parametrize(
+    "name", ["effective_friction", "critical_cage_slip", "film_parameter", "normal_force"]
+)
 def test_the_short_way_to_an_output_gives_the_bits_of_a_run(name, tmp_path):
-    scene = rollslip.evolve(SCENE, {"study.effective-friction.points": 7, "study.effective-friction.map_points": 2})
-    result = swept(
-        tmp_path, scene=scene, study="effective-friction", over={"operation.radial_load": [3000.0]}, output=[name]
+    scene = rollslip.evolve(
+        SCENE, {"study.effective-friction.points": 7, "study.effective-friction.map_points": 2}
     )
-    alone = as_stated(rollslip.evolve(scene, {"operation.radial_load": 3000.0}), "effective-friction")
+    result = swept(
+        tmp_path,
+        scene=scene,
+        study="effective-friction",
+        over={"operation.radial_load": [3000.0]},
+        output=[name],
+    )
+    alone = as_stated(
+        rollslip.evolve(scene, {"operation.radial_load": 3000.0}), "effective-friction"
+    )
     assert np.array_equal(result[name].isel(radial_load=0), alone[name], equal_nan=True)
 
 
@@ -383,18 +464,30 @@ def test_points_that_are_evaluated_together_are_as_each_alone(monkeypatch):
         "operation.inner_speed": ["1000 rpm", "2000 rpm"],
         "operation.outer_speed": [0, "2000 rpm"],
     }
-    sweep = planned(over, study="effective-friction", output=("effective_friction", "critical_cage_slip"))
-    points = [(n, sweep.design.changes(n)) for n in random.Random(0).sample(range(sweep.design.size), 32)]
-    work = attrs.evolve(sweep.work, resolutions=Resolutions(chosen={"[]": Resolution(slices=9, instants=2)}))
+    sweep = planned(
+        over, study="effective-friction", output=("effective_friction", "critical_cage_slip")
+    )
+    points = [
+        (n, sweep.design.changes(n)) for n in random.Random(0).sample(range(sweep.design.size), 32)
+    ]
+    work = attrs.evolve(
+        sweep.work, resolutions=Resolutions(chosen={"[]": Resolution(slices=9, instants=2)})
+    )
 
     def rows(*tasks):
-        return [attrs.asdict(row) | {"seconds": 0.0} for task in tasks for row in compute(work, task).rows]
+        return [
+            attrs.asdict(row) | {"seconds": 0.0}
+            for task in tasks
+            for row in compute(work, task).rows
+        ]
 
     alone = rows(*([point] for point in points))
     assert {"ok", "outside-domain", "crashed"} <= {row["status"] for row in alone}
     assert rows(points) == alone
     good = [(point, row) for point, row in zip(points, alone, strict=True) if row["status"] == "ok"]
-    monkeypatch.delattr("rollslip_campaigns.sweep.point.evaluate")  # by which points are evaluated alone
+    monkeypatch.delattr(
+        "rollslip_campaigns.sweep.point.evaluate"
+    )  # by which points are evaluated alone
     assert rows([point for point, _ in good]) == [row for _, row in good]
 
 
@@ -411,7 +504,11 @@ def test_curves_over_their_own_abscissa_keep_it_beside_them(tmp_path):
 
 def test_what_goes_wrong_only_in_combination_ends_that_point(tmp_path):
     result = swept(
-        tmp_path, over={"operation.inner_speed": ["1000 rpm", "2000 rpm"], "operation.outer_speed": [0, "2000 rpm"]}
+        tmp_path,
+        over={
+            "operation.inner_speed": ["1000 rpm", "2000 rpm"],
+            "operation.outer_speed": [0, "2000 rpm"],
+        },
     )
     assert result["status"].values.tolist() == [["ok", "ok"], ["ok", "outside-domain"]]
     assert "both rings turn at 2000 rpm" in str(result["message"].values[1, 1])
@@ -432,14 +529,26 @@ def test_a_result_is_stored_whole_and_comes_back(tmp_path):
 
 
 def test_ranges_are_told_in_the_units_of_people_and_kept_in_si():
-    speeds = ("point", np.pi / 30 * np.array([4000.0, 5000.0, 6371.0]), {"units": "rad/s", "long_name": "cage speed"})
-    other = ("point", np.array([1.0, 2.0, np.nan]), {"units": "kg/s", "long_name": "no unit in which people read"})
-    found = xr.Dataset({"cage_speed": speeds, "flow": other}, attrs={"counts": '{"ok": 3}', "axes": '["point"]'})
+    speeds = (
+        "point",
+        np.pi / 30 * np.array([4000.0, 5000.0, 6371.0]),
+        {"units": "rad/s", "long_name": "cage speed"},
+    )
+    other = (
+        "point",
+        np.array([1.0, 2.0, np.nan]),
+        {"units": "kg/s", "long_name": "no unit in which people read"},
+    )
+    found = xr.Dataset(
+        {"cage_speed": speeds, "flow": other}, attrs={"counts": '{"ok": 3}', "axes": '["point"]'}
+    )
     assert SweepAccount.sentences(found)[1:] == [
         "cage_speed: 4000 rpm to 6371 rpm, median 5000 rpm; 3 values, 0 without one",
         "flow: 1 kg/s to 2 kg/s, median 1.5 kg/s; 2 values, 1 without one",
     ]
-    assert SweepAccount.record(found)["outputs"]["cage_speed"]["largest"] == pytest.approx(6371 * np.pi / 30)
+    assert SweepAccount.record(found)["outputs"]["cage_speed"]["largest"] == pytest.approx(
+        6371 * np.pi / 30
+    )
 
 
 def test_single_values_words_and_ragged_ones_come_together(tmp_path):
@@ -449,10 +558,17 @@ def test_single_values_words_and_ragged_ones_come_together(tmp_path):
     journal = Journal(tmp_path, {"engine": "serial"})
     about = {"units": "1", "long_name": "x"}
     for number, slips in enumerate(([0.25], [], [0.25, 0.75])):
-        variables = {"largest_drag": ((), np.float64(number), about), "status": ((), np.asarray("found"), about)}
+        variables = {
+            "largest_drag": ((), np.float64(number), about),
+            "status": ((), np.asarray("found"), about),
+        }
         if slips:
             variables["steady_slip"] = (("steady",), np.array(slips), about)
-            variables["stability"] = (("steady",), np.array(["stable", "unstable"][: len(slips)]), about)
+            variables["stability"] = (
+                ("steady",),
+                np.array(["stable", "unstable"][: len(slips)]),
+                about,
+            )
         layout, numbers, texts = _packed(variables, {})
         journal.write([Row(number, "", "ok", "", 0.0, layout, numbers, texts)])
     journal.close("complete")
@@ -461,9 +577,16 @@ def test_single_values_words_and_ragged_ones_come_together(tmp_path):
     assert found["status"].values.tolist() == ["ok", "ok", "ok", "pending"]
     assert found["study_status"].values.tolist() == ["found", "found", "found", ""]
     assert np.array_equal(
-        found["steady_slip"], [[0.25, np.nan], [np.nan, np.nan], [0.25, 0.75], [np.nan, np.nan]], equal_nan=True
+        found["steady_slip"],
+        [[0.25, np.nan], [np.nan, np.nan], [0.25, 0.75], [np.nan, np.nan]],
+        equal_nan=True,
     )
-    assert found["stability"].values.tolist() == [["stable", ""], ["", ""], ["stable", "unstable"], ["", ""]]
+    assert found["stability"].values.tolist() == [
+        ["stable", ""],
+        ["", ""],
+        ["stable", "unstable"],
+        ["", ""],
+    ]
 
 
 # The same numbers however they are computed --------------------------------------------------------------------------
@@ -482,7 +605,8 @@ class Disordered(Executor):
         return future
 
     def _work(self):
-        ready, ended = [], False
+        ready = []
+        ended = False
         while ready or not ended:
             with contextlib.suppress(queue.Empty):
                 while True:
@@ -591,7 +715,9 @@ def nothing(work, points):
     rows = []
     for number, _ in points:
         layout = {"variables": {"y": of}, "coords": {"x": of | {"values": [number]}}}
-        rows.append(Row(number, "", "ok", "", 0.0, json.dumps(layout), np.float64(number).tobytes()))
+        rows.append(
+            Row(number, "", "ok", "", 0.0, json.dumps(layout), np.float64(number).tobytes())
+        )
     return Done(tuple(rows), here(work.packages))
 
 
@@ -630,7 +756,10 @@ def test_a_long_message_costs_the_other_points_nothing(tmp_path):
     journal.close("complete")
     found = finish(sweep, tmp_path)
     assert found.message.nbytes < 10_000
-    assert rollslip.open_result(tmp_path / "sweep.nc").message.values.ravel().tolist() == ["x" * 10_000, *[""] * 5]
+    assert rollslip.open_result(tmp_path / "sweep.nc").message.values.ravel().tolist() == [
+        "x" * 10_000,
+        *[""] * 5,
+    ]
 
 
 # Folders and journals ------------------------------------------------------------------------------------------------
@@ -657,7 +786,9 @@ def test_a_changed_scene_or_package_is_refused_and_said(tmp_path, monkeypatch):
     folder = begin(sweep, tmp_path / "s")
     assert open_sweep(folder).hash == sweep.hash
     path.write_text(text.replace('radial_load = "3415 N"', 'radial_load = "3416 N"'))
-    with pytest.raises(OutputError, match=r"since then has changed:\n  operation.radial_load: 3415.0 -> 3416.0\n"):
+    with pytest.raises(
+        OutputError, match=r"since then has changed:\n  operation.radial_load: 3415.0 -> 3416.0\n"
+    ):
         open_sweep(folder)
     path.write_text(text.replace("# the paper, Fig. 2", "# a comment"))
     assert open_sweep(folder).hash == sweep.hash
@@ -675,7 +806,11 @@ def test_a_changed_scene_or_package_is_refused_and_said(tmp_path, monkeypatch):
 
 def test_samples_are_stored_with_their_sweep(tmp_path):
     sweep = planned(
-        {"operation.radial_load": "500:5000"}, samples=4, seed=5, sampling="latin-hypercube", engine="serial"
+        {"operation.radial_load": "500:5000"},
+        samples=4,
+        seed=5,
+        sampling="latin-hypercube",
+        engine="serial",
     )
     folder = begin(sweep, tmp_path / "s")
     again = open_sweep(folder)
@@ -695,7 +830,10 @@ def test_a_model_of_this_process_stays_in_it(tmp_path, monkeypatch):
 
     sweep = planned({"models.traction": ["muraki", "of-this-test"]})
     store_sweep(sweep, tmp_path)
-    with pytest.raises(EngineError, match="registered in this one only: traction of-this-test; take engine 'threads'"):
+    with pytest.raises(
+        EngineError,
+        match="registered in this one only: traction of-this-test; take engine 'threads'",
+    ):
         run_sweep(sweep, tmp_path, engine=engine("processes"))
     settled = run_sweep(sweep, tmp_path)
     assert settled.engine == "threads"
@@ -723,8 +861,12 @@ def test_the_engine_is_chosen_by_what_a_point_takes(tmp_path):
         ((0.06, 1e-4), "serial", 3),
     ],
 )
-def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(monkeypatch, paces, engine, lots):
-    sweep, clock, taken = planned(over={"operation.radial_load": "500:5000:400"}), [0.0], []
+def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(
+    monkeypatch, paces, engine, lots
+):
+    sweep = planned(over={"operation.radial_load": "500:5000:400"})
+    clock = [0.0]
+    taken = []
 
     def paced(work, points):
         pace = paces[min(len(taken), len(paces) - 1)]
@@ -737,7 +879,9 @@ def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(monk
     monkeypatch.setattr(sweep_run, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     run = sweep_run._Run(sweep, 400, sweep_run.Counter(), lambda progress: None)
     monkeypatch.setattr(run, "_take", lambda done: None)
-    chosen, _ = run.measured(sweep_run._Pending(range(400), bytearray(400), {0}), sweep_run._Interrupts())
+    chosen, _ = run.measured(
+        sweep_run._Pending(range(400), bytearray(400), {0}), sweep_run._Interrupts()
+    )
     assert (chosen.name, len(taken)) == (engine, lots)
 
 
@@ -751,13 +895,23 @@ def test_a_failed_point_is_counted_until_it_succeeds(tmp_path):
     journal.write(
         [
             attrs.evolve(
-                r, status=bad.get(r.number, "ok"), message="x" if r.number else "", layout="" if r.number else r.layout
+                r,
+                status=bad.get(r.number, "ok"),
+                message="x" if r.number else "",
+                layout="" if r.number else r.layout,
             )
             for r in rows
         ]
     )
     journal.close("complete")
-    assert [STATUSES[k - 1] if k else "" for k in states(tmp_path, 6)] == ["ok", "timed-out", "crashed", "", "", ""]
+    assert [STATUSES[k - 1] if k else "" for k in states(tmp_path, 6)] == [
+        "ok",
+        "timed-out",
+        "crashed",
+        "",
+        "",
+        "",
+    ]
     assert [number for number, *_ in status(tmp_path).errors] == [1, 2]
     settled = run_sweep(sweep, tmp_path, engine=engine("serial"))
     assert settled.progress.counts == {"ok": 4, "timed-out": 1, "crashed": 1}
@@ -772,17 +926,23 @@ def test_a_failed_point_is_counted_until_it_succeeds(tmp_path):
 
 def test_an_output_may_be_named_as_a_text():
     assert planned(output="friction").outputs == ("friction",)
-    assert planned(output="friction, half_width").outputs == planned(output=["friction", "half_width"]).outputs
+    assert (
+        planned(output="friction, half_width").outputs
+        == planned(output=["friction", "half_width"]).outputs
+    )
     with pytest.raises(SceneError, match="has no 'fricton'; did you mean 'friction'"):
         planned(output="fricton")
 
 
 def test_keys_of_points_tell_scenes_and_outputs_apart():
-    one, other = planned(), planned(output=["film_parameter"])
+    one = planned()
+    other = planned(output=["film_parameter"])
     rows = [compute(s.work, [(n, s.design.changes(n)) for n in (0, 1)]).rows for s in (one, other)]
     keys = [row.key for pair in rows for row in pair]
     assert len(set(keys)) == 4
-    assert keys[:2] == [row.key for row in compute(one.work, [(n, one.design.changes(n)) for n in (0, 1)]).rows]
+    assert keys[:2] == [
+        row.key for row in compute(one.work, [(n, one.design.changes(n)) for n in (0, 1)]).rows
+    ]
 
 
 @pytest.mark.parametrize(
@@ -798,14 +958,22 @@ def test_the_hash_of_a_point_is_that_of_its_scene(changes):
     work = planned().work
     scene = rollslip.evolve(work.scene, changes)
     whole = json.dumps(resolved(scene), sort_keys=True, separators=(",", ":"))
-    assert point._Task(work).hashes.of(scene) == scene_hash(scene) == hashlib.sha256(whole.encode()).hexdigest()
+    assert (
+        point._Task(work).hashes.of(scene)
+        == scene_hash(scene)
+        == hashlib.sha256(whole.encode()).hexdigest()
+    )
     assert point._Task(work).study(scene) == studies.settings(scene, work.study)[work.study]
 
 
 def test_a_journal_that_is_none_is_named(tmp_path):
     begin(planned(), tmp_path / "s")
-    (tmp_path / "s" / "journal-000000.sqlite").write_text("nothing of the kind, and long enough to be read as a header")
-    with pytest.raises(OutputError, match=r"journal-000000.sqlite: is not a journal that can be read"):
+    (tmp_path / "s" / "journal-000000.sqlite").write_text(
+        "nothing of the kind, and long enough to be read as a header"
+    )
+    with pytest.raises(
+        OutputError, match=r"journal-000000.sqlite: is not a journal that can be read"
+    ):
         status(tmp_path / "s")
     # one that was killed before its first table is nothing
     (tmp_path / "s" / "journal-000000.sqlite").write_text("")
@@ -813,7 +981,8 @@ def test_a_journal_that_is_none_is_named(tmp_path):
 
 
 def test_two_writers_of_a_folder_have_files_of_their_own(tmp_path):
-    one, other = Journal(tmp_path, {}), Journal(tmp_path, {})
+    one = Journal(tmp_path, {})
+    other = Journal(tmp_path, {})
     assert len({one.path, other.path}) == 2
     sweep = planned()
     row = compute(sweep.work, [(0, sweep.design.changes(0))]).rows
@@ -827,10 +996,12 @@ def test_two_writers_of_a_folder_have_files_of_their_own(tmp_path):
 def test_a_time_limit_ends_a_point_in_any_thread():
     # some tenths of a second a point
     scene = rollslip.evolve(
-        rollslip.load_scene("1032930-70C"), {"accuracy.slices": 1001, "study.effective-friction.points": 401}
+        rollslip.load_scene("1032930-70C"),
+        {"accuracy.slices": 1001, "study.effective-friction.points": 401},
     )
     sweep = planned({"operation.radial_load": "1 kN:4 kN:4"}, scene, "effective-friction", ())
-    points, short = [(n, sweep.design.changes(n)) for n in range(3)], attrs.evolve(sweep.work, time_limit=0.01)
+    points = [(n, sweep.design.changes(n)) for n in range(3)]
+    short = attrs.evolve(sweep.work, time_limit=0.01)
     with ThreadPoolExecutor(2) as threads:
         done = [compute(short, points), *threads.map(compute, [short, short], [points, points])]
     assert [row.status for one in done for row in one.rows] == 9 * ["timed-out"]
@@ -877,7 +1048,9 @@ def test_the_time_left_is_that_of_the_points_that_are_left(tmp_path):
     journal.close("interrupted")
     (session,) = sessions(folder)
     with contextlib.closing(sqlite3.connect(session.path, isolation_level=None)) as connection:
-        connection.execute("update about set value = ? where name = 'started'", (repr(session.last - 2.0),))
+        connection.execute(
+            "update about set value = ? where name = 'started'", (repr(session.last - 2.0),)
+        )
     assert status(folder).left == pytest.approx(3.0, abs=1e-6)
 
 
@@ -900,7 +1073,10 @@ def bounds_left(result):
 
 
 def test_a_sweep_says_at_how_many_of_its_corners_a_law_is_outside_what_it_was_made_for():
-    over = {"models.film": ["moes", "dowson-1968"], "operation.radial_load": ["1 kN", "2 kN", "5 kN"]}
+    over = {
+        "models.film": ["moes", "dowson-1968"],
+        "operation.radial_load": ["1 kN", "2 kN", "5 kN"],
+    }
     result = rollslip.sweep("1032930-70C", over, study="effective-friction")
     found = bounds_left(result)
     # three of the six points take the formula of Dowson (1968), and all have pressures above 100 MPa
@@ -910,9 +1086,14 @@ def test_a_sweep_says_at_how_many_of_its_corners_a_law_is_outside_what_it_was_ma
     assert "all points were checked" in said[-1]
     for number, film in enumerate(("moes", "dowson-1968")):
         alone = rollslip.run(
-            rollslip.evolve(rollslip.load_scene("1032930-70C"), {"models.film": film}), "effective-friction"
+            rollslip.evolve(rollslip.load_scene("1032930-70C"), {"models.film": film}),
+            "effective-friction",
         )
-        outside = {row["law"] for row in json.loads(alone.attrs["validity"])["bounds"] if row["share_outside"]}
+        outside = {
+            row["law"]
+            for row in json.loads(alone.attrs["validity"])["bounds"]
+            if row["share_outside"]
+        }
         assert ("film 'dowson-1968'" in outside) == bool(number), "a run says so too"
 
 
@@ -920,7 +1101,10 @@ def test_of_many_points_the_corners_are_judged():
     over = {"operation.radial_load": "500 N:5 kN:6", "operation.temperature": "50 degC:90 degC:5"}
     result = rollslip.sweep("1032930-70C", over, study="effective-friction")
     said = json.loads(result.attrs["left"])
-    assert bounds_left(result)["'barus'", "pressure <= 100 MPa"] == (8, 8)  # the one in the middle is the fifth of them
+    assert bounds_left(result)["'barus'", "pressure <= 100 MPa"] == (
+        8,
+        8,
+    )  # the one in the middle is the fifth of them
     # Barus's viscosity is too high by most where the pressure is highest, at a corner: the largest load
     (barus,) = (text for text in said if "'barus'" in text)
     assert "operation.radial_load = 5 kN" in barus
@@ -934,7 +1118,13 @@ def test_dimensions_have_plain_names_and_the_whole_key_and_older_results_are_tol
         "models.film": ["moes"],
     }
     result = swept(tmp_path, over=over, output=["friction"])
-    assert result.friction.dims == ("viscosity_factor", "max_slip", "film", "normal_force", "slip_index")
+    assert result.friction.dims == (
+        "viscosity_factor",
+        "max_slip",
+        "film",
+        "normal_force",
+        "slip_index",
+    )
     assert result.sel(viscosity_factor=1.1).max_slip.attrs["key"] == "study.friction-curve.max_slip"
     names = {name: result[name].attrs["key"] for name in axes(result)}
     older = result.rename(names)
@@ -951,7 +1141,10 @@ def test_names_tell_apart_keys_that_end_alike_and_what_a_study_gives():
         "thermal_balance_temperature",
         "cage_mass",
     ]
-    assert plain_names(["title", "a.title"], {"a_title"}) == {"title": "title_", "a.title": "a_title_"}
+    assert plain_names(["title", "a.title"], {"a_title"}) == {
+        "title": "title_",
+        "a.title": "a_title_",
+    }
 
 
 def test_few_points_are_told_one_by_one():

@@ -14,7 +14,9 @@ from rollslip_campaigns.sweep.journal import Journal, Row, sessions
 from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sweep import plan_sweep
 
-SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
+SCENE = rollslip.evolve(
+    rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5}
+)
 OVER = {"operation.temperature": "60 degC:80 degC:6"}
 HOURS = 5 * 3600.0
 
@@ -26,14 +28,16 @@ def planned():
 @pytest.fixture
 def clock(monkeypatch):
     """The clock of the host, which a test sets by seconds; what is monotonic is not set with it."""
-    true, off = time.time, [0.0]
+    true = time.time
+    off = [0.0]
     monkeypatch.setattr(time, "time", lambda: true() + off[0])
     return off
 
 
 @pytest.mark.parametrize("hours", [HOURS, -HOURS])
 def test_a_clock_that_is_set_while_points_are_computed_loses_nothing(hours, clock, tmp_path):
-    folder, told = begin(planned(), tmp_path / "s"), []
+    folder = begin(planned(), tmp_path / "s")
+    told = []
 
     def report(progress):
         told.append(progress.seconds)
@@ -52,7 +56,8 @@ def test_a_clock_that_is_set_while_points_are_computed_loses_nothing(hours, cloc
 def test_the_last_run_is_the_last_whatever_its_clock_says(hours, clock, tmp_path):
     """Two of six points in the first run and two in the second, each half a second after it begins."""
     sweep = planned()
-    folder, numbers = begin(sweep, tmp_path / "s"), itertools.count()
+    folder = begin(sweep, tmp_path / "s")
+    numbers = itertools.count()
     for _ in range(2):
         journal = Journal(folder, {"engine": "serial", "sweep": sweep.hash})
         time.sleep(0.5)

@@ -35,7 +35,8 @@ class Cluster:
     def __init__(self, folder):
         import distributed  # noqa: F401  # who runs these tests wants it: pip install 'rollslip[cluster]'
 
-        self.folder, self.processes = folder, []
+        self.folder = folder
+        self.processes = []
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
@@ -43,7 +44,15 @@ class Cluster:
 
     def _start(self, what, *arguments):
         process = subprocess.Popen(
-            [sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments, "--host", "127.0.0.1", "--no-dashboard"],
+            [
+                sys.executable,
+                "-m",
+                f"distributed.cli.dask_{what}",
+                *arguments,
+                "--host",
+                "127.0.0.1",
+                "--no-dashboard",
+            ],
             cwd=self.folder,
             env=environment(self.folder),
             stdout=subprocess.DEVNULL,
@@ -109,7 +118,10 @@ def address(tmp_path_factory):
 def grandchild(process):
     """The process in which a worker's nanny computes."""
     found = subprocess.run(
-        ["pgrep", "-P", str(process.pid), "-f", "spawn_main"], capture_output=True, text=True, check=False
+        ["pgrep", "-P", str(process.pid), "-f", "spawn_main"],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     return [int(line) for line in found.stdout.split()]
 
@@ -117,7 +129,9 @@ def grandchild(process):
 def patient(folder, address):
     """Let a scene ask for a scheduler, for which it waits shortly."""
     with open(folder / "scene.toml", "a", encoding="utf-8") as file:
-        file.write(f'\n[sweep]\nengine = {{ model = "dask", scheduler = "{address}", patience = "2 s" }}\n')
+        file.write(
+            f'\n[sweep]\nengine = {{ model = "dask", scheduler = "{address}", patience = "2 s" }}\n'
+        )
 
 
 @pytest.mark.parametrize("fault", [kill_the_run, interrupt_once, interrupt_twice])
@@ -128,7 +142,9 @@ def test_a_run_that_is_cut_off_is_gone_on_with(fault, address, folder, reference
 def test_a_full_disk_ends_the_run_and_loses_nothing(address, tmp_path):
     if not full_disk.allowed(tmp_path):
         pytest.skip("no file system can be mounted here: unshare(1) is missing or not allowed")
-    full_disk.on_a_disk(full_disk.the_journal_grows_until_the_disk_is_full, tmp_path, "--scheduler", address)
+    full_disk.on_a_disk(
+        full_disk.the_journal_grows_until_the_disk_is_full, tmp_path, "--scheduler", address
+    )
 
 
 def test_killed_workers_cost_no_point(folder, reference):
@@ -158,7 +174,9 @@ def test_a_scheduler_that_is_killed_and_started_again_costs_no_point(folder, ref
     same(result(folder / "s"), reference)
 
 
-def test_a_scheduler_that_is_killed_for_good_ends_the_run_and_another_engine_goes_on(folder, reference):
+def test_a_scheduler_that_is_killed_for_good_ends_the_run_and_another_engine_goes_on(
+    folder, reference
+):
     with running(folder) as (cluster, scheduler, workers):
         patient(folder, cluster.address)
         process = held_run(folder)
@@ -176,7 +194,9 @@ def test_a_point_that_kills_workers_is_found(folder):
         "--over", "models.traction.fault=none,kill", "--over", "models.traction.factor=0.1,0.2", "--output", "friction",
     ]  # fmt: skip
     with running(folder) as (cluster, _, _):
-        sweep(folder, "run", "scene.toml", *over, "--scheduler", cluster.address, "--out", "s", code=4)
+        sweep(
+            folder, "run", "scene.toml", *over, "--scheduler", cluster.address, "--out", "s", code=4
+        )
     assert result(folder / "s")["status"].values.tolist() == [["ok"] * 2, ["crashed"] * 2]
 
 

@@ -87,7 +87,9 @@ def test_ctrl_c_twice_ends_at_once(engine, folder, reference):
 @pytest.mark.parametrize("seconds", [0.0, 0.1])
 def test_ctrl_c_while_processes_start_is_not_taken_for_a_fault(seconds, folder):
     """It reaches workers that do not ignore it yet."""
-    process = started(folder, "run", "scene.toml", *FACTORS, *SLOW, "--engine", "processes", "--out", "s")
+    process = started(
+        folder, "run", "scene.toml", *FACTORS, *SLOW, "--engine", "processes", "--out", "s"
+    )
     until(lambda: bool(processes_of(process, computing=True)))
     time.sleep(seconds)
     pressed(process)
@@ -98,7 +100,9 @@ def test_ctrl_c_while_processes_start_is_not_taken_for_a_fault(seconds, folder):
 
 @faults
 def test_a_batch_system_that_ends_the_job_is_taken_for_ctrl_c(folder, reference):
-    process = started(folder, "run", "scene.toml", *FACTORS, *SLOW, "--engine", "serial", "--out", "s")
+    process = started(
+        folder, "run", "scene.toml", *FACTORS, *SLOW, "--engine", "serial", "--out", "s"
+    )
     until(lambda: points(folder / "s") >= 1)
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=60)
@@ -129,22 +133,52 @@ def test_a_folder_has_one_run_at_a_time(folder, reference):
 
 def test_a_point_that_kills_its_process_is_the_only_one_lost(folder):
     over = ["--over", "models.traction.fault=none,kill,error", "--output", "friction"]
-    done = sweep(folder, "run", "scene.toml", *over, "--engine", "processes", "--workers", 2, "--out", "s", code=4)
+    done = sweep(
+        folder,
+        "run",
+        "scene.toml",
+        *over,
+        "--engine",
+        "processes",
+        "--workers",
+        2,
+        "--out",
+        "s",
+        code=4,
+    )
     assert "some points have no result; see: rollslip sweep status s" in done.stderr
     found = result(folder / "s")
     assert found["status"].values.tolist() == ["ok", "crashed", "crashed"]
     assert "its process died" in str(found["message"].values[1])
-    assert "ZeroDivisionError: one over nothing; raised by evaluate()" in str(found["message"].values[2])
-    assert sorted(number for number, *_ in status(folder / "s").errors) == [1, 2]  # in the order in which they ended
+    assert "ZeroDivisionError: one over nothing; raised by evaluate()" in str(
+        found["message"].values[2]
+    )
+    assert sorted(number for number, *_ in status(folder / "s").errors) == [
+        1,
+        2,
+    ]  # in the order in which they ended
 
 
 @faults
 def test_a_worker_that_somebody_kills_costs_no_point(folder):
     many = ["--over", "models.traction.factor=0.01:0.3:30", "--output", "friction"]
-    slow = ["--set", "models.traction.seconds=0.1 s", "--engine", "processes", "--workers", 2, "--out", "s"]
+    slow = [
+        "--set",
+        "models.traction.seconds=0.1 s",
+        "--engine",
+        "processes",
+        "--workers",
+        2,
+        "--out",
+        "s",
+    ]
     process = started(folder, "run", "scene.toml", *many, *slow)
     for least in (2, 8):
-        until(lambda least=least: points(folder / "s") >= least and len(processes_of(process, computing=True)) >= 2)
+        until(
+            lambda least=least: (
+                points(folder / "s") >= least and len(processes_of(process, computing=True)) >= 2
+            )
+        )
         os.kill(processes_of(process, computing=True)[0], signal.SIGKILL)
     out, err = process.communicate(timeout=120)
     assert process.returncode == 0, out + err
@@ -155,7 +189,19 @@ def test_a_worker_that_somebody_kills_costs_no_point(folder):
 def test_points_that_take_too_long_are_timed_out_and_can_have_more_time(folder, reference):
     for engine, fault in (("processes", "stuck"), ("threads", "hang")):
         over = ["--over", f"models.traction.fault=none,{fault}", "--output", "friction"]
-        sweep(folder, "run", "scene.toml", *over, "--engine", engine, "--time-limit", "1 s", "--out", engine, code=4)
+        sweep(
+            folder,
+            "run",
+            "scene.toml",
+            *over,
+            "--engine",
+            engine,
+            "--time-limit",
+            "1 s",
+            "--out",
+            engine,
+            code=4,
+        )
         found = result(folder / engine)
         assert found["status"].values.tolist() == ["ok", "timed-out"]
         assert "took longer than the time limit of 1 s" in str(found["message"].values[1])
@@ -169,10 +215,21 @@ def test_points_that_take_too_long_are_timed_out_and_can_have_more_time(folder, 
 @faults
 @pytest.mark.parametrize("engine", ["serial", "threads", "processes"])
 def test_every_end_of_a_point_has_its_status(engine, folder):
-    over = ["--over", "models.traction.fault=none,domain,converge,error,exit", "--output", "friction"]
+    over = [
+        "--over",
+        "models.traction.fault=none,domain,converge,error,exit",
+        "--output",
+        "friction",
+    ]
     sweep(folder, "run", "scene.toml", *over, "--engine", engine, "--out", "s", code=4)
     found = result(folder / "s")
-    assert found["status"].values.tolist() == ["ok", "outside-domain", "not-converged", "crashed", "crashed"]
+    assert found["status"].values.tolist() == [
+        "ok",
+        "outside-domain",
+        "not-converged",
+        "crashed",
+        "crashed",
+    ]
 
 
 @faults
@@ -204,7 +261,9 @@ def own_disk(tmp_path):
 @faults
 @pytest.mark.parametrize("engine", ["serial", "threads", "processes"])
 def test_a_full_disk_ends_the_run_and_loses_nothing(engine, own_disk):
-    full_disk.on_a_disk(full_disk.the_journal_grows_until_the_disk_is_full, own_disk, "--engine", engine)
+    full_disk.on_a_disk(
+        full_disk.the_journal_grows_until_the_disk_is_full, own_disk, "--engine", engine
+    )
 
 
 @faults
@@ -230,7 +289,18 @@ def test_a_journal_that_must_not_grow_ends_the_run_and_loses_nothing(folder):
         resource.setrlimit(resource.RLIMIT_FSIZE, (48 * 1024, 48 * 1024))
 
     many = full_disk.MANY
-    done = sweep(folder, "run", "scene.toml", *many, "--engine", "serial", "--out", "s", code=2, preexec_fn=limited)
+    done = sweep(
+        folder,
+        "run",
+        "scene.toml",
+        *many,
+        "--engine",
+        "serial",
+        "--out",
+        "s",
+        code=2,
+        preexec_fn=limited,
+    )
     assert "journal-000000.sqlite: cannot be written (" in done.stderr
     assert "what was done is kept; go on with: rollslip sweep resume s" in done.stderr
     kept = 200 - states(folder / "s", 200).count(0)
@@ -301,10 +371,13 @@ def test_a_task_of_dask_ends_whatever_becomes_of_its_result(fetched, ended):
     """The connection breaks while a result is on its way, or the scheduler forgets the task: no future stays open."""
 
     class Client:
-        status, loop = "running", SimpleNamespace(add_callback=lambda function: asyncio.run(function()))
+        status = "running"
+        loop = SimpleNamespace(add_callback=lambda function: asyncio.run(function()))
 
         def submit(self, fn, *arguments, pure):
-            return SimpleNamespace(cancelled=lambda: isinstance(fetched, asyncio.CancelledError), cancel=lambda: None)
+            return SimpleNamespace(
+                cancelled=lambda: isinstance(fetched, asyncio.CancelledError), cancel=lambda: None
+            )
 
         async def gather(self, task, asynchronous):
             if fetched is not None:

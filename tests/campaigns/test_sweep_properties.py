@@ -42,8 +42,13 @@ from rollslip_campaigns.sweep.result import collect
 from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 
-SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
-OVER = {"operation.radial_load": "500:5000:4", "models.traction.hydrodynamic": ["muraki", "eyring", "maxwell-eyring"]}
+SCENE = rollslip.evolve(
+    rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5}
+)
+OVER = {
+    "operation.radial_load": "500:5000:4",
+    "models.traction.hydrodynamic": ["muraki", "eyring", "maxwell-eyring"],
+}
 COUNT = 12
 
 #: What can become of a task.
@@ -68,10 +73,13 @@ class Fateful(Engine):
 
 class _Fateful(Executor):
     def __init__(self, fates, chance):
-        self.fates, self.chance, self.late = fates, chance, []
+        self.fates = fates
+        self.chance = chance
+        self.late = []
 
     def submit(self, fn, /, *arguments):
-        future, fate = Future(), "comes"
+        future = Future()
+        fate = "comes"
         if fn is compute and self.fates:
             fate = self.fates.pop(0)
         if fate == "refused":
@@ -83,7 +91,9 @@ class _Fateful(Executor):
         elif fate == "dies":
             future.set_exception(BrokenExecutor("died"))
         elif fate == "comes last":
-            timer = threading.Timer(self.chance.uniform(0.0, 0.02), lambda: future.set_result(fn(*arguments)))
+            timer = threading.Timer(
+                self.chance.uniform(0.0, 0.02), lambda: future.set_result(fn(*arguments))
+            )
             future.set_running_or_notify_cancel()
             timer.start()
         else:
@@ -104,16 +114,24 @@ def planned_over(over, **options):
 
 def same(one, other):
     """Whether two datasets hold the same bits, but for times."""
-    return one.drop_vars("seconds").drop_attrs(deep=False).identical(other.drop_vars("seconds").drop_attrs(deep=False))
+    return (
+        one.drop_vars("seconds")
+        .drop_attrs(deep=False)
+        .identical(other.drop_vars("seconds").drop_attrs(deep=False))
+    )
 
 
 def counted(sweep, folder):
     """Check that everybody who counts points counts the same, and return that."""
-    size, dataset, told = sweep.design.size, collect(sweep, folder), status(folder, errors=1000)
+    size = sweep.design.size
+    dataset = collect(sweep, folder)
+    told = status(folder, errors=1000)
     codes = states(folder, size)
     counts = Counter(STATUSES[code - 1] if code else "pending" for code in codes)
     assert Counter(dataset["status"].to_numpy().ravel().tolist()) == counts
-    assert {name: count for name, count in json.loads(dataset.attrs["counts"]).items() if count} == dict(counts)
+    assert {
+        name: count for name, count in json.loads(dataset.attrs["counts"]).items() if count
+    } == dict(counts)
     assert told.counts == counts - Counter(pending=counts["pending"])
     assert told.total == size
     assert {number: of for number, of, _ in told.errors} == {
@@ -122,12 +140,16 @@ def counted(sweep, folder):
     assert len(status(folder, errors=1).errors) == min(1, len(told.errors))
     words = ", ".join(f"{counts[name]} {name}" for name in (*STATUSES, "pending") if counts[name])
     assert SweepAccount.topics(dataset)["points"] == [words]
-    assert {name: count for name, count in SweepAccount.record(dataset)["counts"].items() if count} == dict(counts)
+    assert {
+        name: count for name, count in SweepAccount.record(dataset)["counts"].items() if count
+    } == dict(counts)
     left = json.loads(dataset.attrs["left"])
     warnings = [text for text in json.loads(dataset.attrs["warnings"]) if text not in left]
     assert bool(left) == (counts["ok"] > 0), "laws are judged where points have a result"
     assert bool(warnings) == (counts["ok"] < size)
-    assert not warnings or warnings[0].startswith(f"{size - counts['ok']} of {size} points have no result: ")
+    assert not warnings or warnings[0].startswith(
+        f"{size - counts['ok']} of {size} points have no result: "
+    )
     if "friction" in dataset:
         ranges = SweepAccount.record(dataset)["outputs"]["friction"]
         each = dataset["friction"].size // size
@@ -138,7 +160,8 @@ def counted(sweep, folder):
 
 @pytest.fixture(scope="module")
 def serial(tmp_path_factory):
-    folder, sweep = tmp_path_factory.mktemp("serial"), planned()
+    folder = tmp_path_factory.mktemp("serial")
+    sweep = planned()
     store_sweep(sweep, folder)
     run_sweep(sweep, folder, engine=rollslip.get_model("engine", "serial"))
     return collect(sweep, folder)
@@ -157,11 +180,16 @@ def survives(runs, seed, task_seconds, serial, folder):
         partial = collect(sweep, folder)
         done = (partial["status"] == "ok").to_numpy()
         if done.any():
-            assert np.array_equal(partial["friction"].to_numpy()[done], serial["friction"].to_numpy()[done])
+            assert np.array_equal(
+                partial["friction"].to_numpy()[done], serial["friction"].to_numpy()[done]
+            )
             assert np.isnan(partial["friction"].to_numpy()[~done]).all()
     settled = run_sweep(open_sweep(folder), folder, engine=Fateful([], seed, task_seconds))
     assert settled.progress.done == COUNT
-    assert set(settled.progress.counts) <= {"ok", "crashed"}  # one that dies alone too has killed its worker
+    assert set(settled.progress.counts) <= {
+        "ok",
+        "crashed",
+    }  # one that dies alone too has killed its worker
     run_sweep(sweep, folder, engine=Fateful([], seed, task_seconds), again=FAILED)
     assert counted(sweep, folder) == {"ok": COUNT}
     assert same(collect(sweep, folder), serial)
@@ -183,7 +211,9 @@ def test_nothing_that_happens_changes_a_bit(runs, seed, task_seconds, serial, tm
 @pytest.mark.slow
 @settings(max_examples=500)
 @given(**FATED)
-def test_nothing_that_happens_changes_a_bit_over_many_draws(runs, seed, task_seconds, serial, tmp_path_factory):
+def test_nothing_that_happens_changes_a_bit_over_many_draws(
+    runs, seed, task_seconds, serial, tmp_path_factory
+):
     survives(runs, seed, task_seconds, serial, tmp_path_factory.mktemp("fated"))
 
 
@@ -193,17 +223,26 @@ def test_nothing_that_happens_changes_a_bit_over_many_draws(runs, seed, task_sec
 @settings(max_examples=15)
 @given(
     journals=st.lists(
-        st.lists(st.tuples(st.integers(0, COUNT - 1), st.sampled_from(STATUSES)), max_size=2 * COUNT), max_size=3
+        st.lists(
+            st.tuples(st.integers(0, COUNT - 1), st.sampled_from(STATUSES)), max_size=2 * COUNT
+        ),
+        max_size=3,
     )
 )
 def test_a_failed_point_is_counted_by_everybody_until_it_succeeds(journals, tmp_path_factory):
-    folder, sweep = tmp_path_factory.mktemp("counted"), planned()
+    folder = tmp_path_factory.mktemp("counted")
+    sweep = planned()
     store_sweep(sweep, folder)
-    rows = {row.number: row for row in compute(sweep.work, [(n, sweep.design.changes(n)) for n in range(COUNT)]).rows}
+    rows = {
+        row.number: row
+        for row in compute(sweep.work, [(n, sweep.design.changes(n)) for n in range(COUNT)]).rows
+    }
     wanted = dict.fromkeys(range(COUNT), "pending")
     for written in journals:
         journal = Journal(folder, {"engine": "serial", "sweep": sweep.hash})
-        journal.write([rows[n] if end == "ok" else Row(n, "", end, f"it {end}", 0.0) for n, end in written])
+        journal.write(
+            [rows[n] if end == "ok" else Row(n, "", end, f"it {end}", 0.0) for n, end in written]
+        )
         for number, ended in written:
             wanted[number] = "ok" if "ok" in (ended, wanted[number]) else ended
         journal.close("complete")
@@ -244,7 +283,8 @@ def test_a_damaged_journal_is_refused_or_changes_no_bit(data, kept, serial, tmp_
     folder = tmp_path_factory.mktemp("damaged")
     (folder / "journal-000000.sqlite").write_bytes(content)
     (folder / "sweep.json").write_bytes((kept / "sweep.json").read_bytes())
-    sweep, said = planned(), ""
+    sweep = planned()
+    said = ""
     try:
         status(folder)
         partial = collect(open_sweep(folder), folder)
@@ -255,7 +295,9 @@ def test_a_damaged_journal_is_refused_or_changes_no_bit(data, kept, serial, tmp_
         assert "journal-000000.sqlite: is not a journal that can be read (" in said
         assert "move it away and resume" in said
     elif (done := (partial["status"] == "ok").to_numpy()).any():
-        assert np.array_equal(partial["friction"].to_numpy()[done], serial["friction"].to_numpy()[done])
+        assert np.array_equal(
+            partial["friction"].to_numpy()[done], serial["friction"].to_numpy()[done]
+        )
     run_sweep(sweep, folder, engine=Fateful())
     assert same(collect(sweep, folder), serial)
 
@@ -293,13 +335,18 @@ def test_a_folder_that_has_lost_what_it_is_takes_its_journals_up_again(serial, t
     finish(sweep, folder)
     (folder / "sweep.json").write_text("{")
     with pytest.raises(
-        OutputError, match=r"cannot be read .*; remove it; the same command as before, with --out .*/s,"
+        OutputError,
+        match=r"cannot be read .*; remove it; the same command as before, with --out .*/s,",
     ):
         open_sweep(folder)
     (folder / "sweep.json").unlink()
-    with pytest.raises(OutputError, match=r"there is no sweep\.json; the same command .* --out .*/s, makes"):
+    with pytest.raises(
+        OutputError, match=r"there is no sweep\.json; the same command .* --out .*/s, makes"
+    ):
         status(folder)
-    with pytest.raises(OutputError, match=r"journal-000000.sqlite: is a journal of another sweep; move it away"):
+    with pytest.raises(
+        OutputError, match=r"journal-000000.sqlite: is a journal of another sweep; move it away"
+    ):
         begin(planned_over({"operation.radial_load": "1 kN"}), folder)
     assert begin(sweep, folder) == folder
     assert run_sweep(sweep, folder).why == "all points are done"
@@ -312,7 +359,9 @@ def test_a_journal_of_another_sweep_is_not_counted(kept, tmp_path):
     folder = begin(other, tmp_path / "s")
     (folder / "journal-000000.sqlite").write_bytes((kept / "journal-000000.sqlite").read_bytes())
     for ask in (lambda: run_sweep(other, folder), lambda: collect(other, folder)):
-        with pytest.raises(OutputError, match=r"journal-000000.sqlite: is a journal of another sweep; move it away"):
+        with pytest.raises(
+            OutputError, match=r"journal-000000.sqlite: is a journal of another sweep; move it away"
+        ):
             ask()
 
 
@@ -322,7 +371,9 @@ def test_a_folder_has_one_writer_at_a_time(tmp_path):
     with only_writer(folder):
         assert running(folder)
         assert status(folder).running
-        with pytest.raises(BusyError, match="s: is being computed; wait for it, or end it; how far it is: rol"):
+        with pytest.raises(
+            BusyError, match="s: is being computed; wait for it, or end it; how far it is: rol"
+        ):
             run_sweep(sweep, folder)
     assert not running(folder)
     assert not journals(folder)

@@ -28,7 +28,9 @@ class TestTheResolutionOfASweep:
     """It is chosen once, before the first point, and belongs to what the sweep is."""
 
     def test_points_keep_the_error_that_the_scene_states_with_fewer_slices(self):
-        made = plan_sweep("1032930-70C", OVER, samples=128, output=["critical_cage_slip", "critical_friction"])
+        made = plan_sweep(
+            "1032930-70C", OVER, samples=128, output=["critical_cage_slip", "critical_friction"]
+        )
         (chosen,) = made.resolutions.chosen.values()
         assert chosen.slices < 801
         assert chosen.instants < 128
@@ -40,7 +42,9 @@ class TestTheResolutionOfASweep:
             study = settings(scene, "effective-friction")["effective-friction"]
             exact, *_ = evaluate(study, assemble(scene, finest(scene)), made.outputs)
             for name in ("critical_cage_slip", "critical_friction"):
-                assert found[name][0] == pytest.approx(exact[name][1][0], rel=scene.accuracy.tolerance)
+                assert found[name][0] == pytest.approx(
+                    exact[name][1][0], rel=scene.accuracy.tolerance
+                )
 
     def test_other_laws_have_their_own(self):
         over = OVER | {"models.film": ["moes", "dowson-1968"]}
@@ -61,7 +65,9 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
     of = {"study": "effective-friction", "output": ["critical_friction"]}
     found = sweep("1032930-70C", over, out=tmp_path / "sweep", engine="serial", **of)
     assert "off a run" not in found.attrs["warnings"]
-    own = run(evolve(load_scene("1032930-70C"), {"operation.radial_load": "1 kN"}), "effective-friction")
+    own = run(
+        evolve(load_scene("1032930-70C"), {"operation.radial_load": "1 kN"}), "effective-friction"
+    )
     np.testing.assert_allclose(found["critical_friction"][1], own["critical_friction"], rtol=1e-3)
     wrong = found.copy(deep=True)
     wrong["critical_friction"][1] *= 1.03
@@ -76,12 +82,17 @@ def test_a_point_that_a_run_contradicts_is_told_of(tmp_path, monkeypatch):
 
     monkeypatch.setattr("rollslip_campaigns.sweep.result.compute", broken)
     (said,) = apart_from_run(plan_sweep("1032930-70C", over, **of), found)
-    assert said.startswith("how far points are off could not be checked at operation.radial_load = 1 kN")
+    assert said.startswith(
+        "how far points are off could not be checked at operation.radial_load = 1 kN"
+    )
     assert "a law of somebody" in said
 
 
 def test_motions_in_time_are_not_made_again():
-    assert apart_from_run(SimpleNamespace(study="dynamics"), xr.Dataset({"status": ("point", ["ok"])})) == []
+    assert (
+        apart_from_run(SimpleNamespace(study="dynamics"), xr.Dataset({"status": ("point", ["ok"])}))
+        == []
+    )
 
 
 def test_lean_steady_slips_are_those_of_a_run():
@@ -95,11 +106,14 @@ def test_lean_steady_slips_are_those_of_a_run():
 
 
 def test_samples_after_saltelli_exchange_one_dimension_at_a_time_and_begin_alike():
-    few, many = probabilities("saltelli", 8, 3, 5), probabilities("saltelli", 16, 3, 5)
+    few = probabilities("saltelli", 8, 3, 5)
+    many = probabilities("saltelli", 16, 3, 5)
     assert np.array_equal(many[:40], few)
     blocks = many.reshape(16, 5, 3)
     for k in range(3):
-        assert np.array_equal(np.delete(blocks[:, 2 + k], k, axis=1), np.delete(blocks[:, 0], k, axis=1))
+        assert np.array_equal(
+            np.delete(blocks[:, 2 + k], k, axis=1), np.delete(blocks[:, 0], k, axis=1)
+        )
         assert np.array_equal(blocks[:, 2 + k, k], blocks[:, 1, k])
 
 

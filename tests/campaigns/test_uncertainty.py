@@ -38,7 +38,9 @@ from rollslip_campaigns.uncertainty.margin import expected_seconds, run_margin
 from rollslip_studies.effective_friction.study import CLOSURES
 
 #: Few slices and slips: what is tested is what is made of the points.
-SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})
+SCENE = rollslip.evolve(
+    load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9}
+)
 
 
 ACCEPTABLE = rollslip.evolve(SCENE, {"study.steady-slip.acceptable_slip": 0.05})
@@ -70,7 +72,11 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
             {"samples": 8, "loads": 9},
             "loads: the samples of the minimum load are the first of all 8, not 9",
         ),
-        (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
+        (
+            SCENE,
+            {"indices": 12},
+            "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12",
+        ),
         (
             uncertain(
                 lubricant={
@@ -78,7 +84,13 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
                     "eyring_stress": {"distribution": "lognormal", "scatter": 0.2},
                 },
                 correlation=[
-                    {"between": ["lubricant.pressure_viscosity_factor", "lubricant.eyring_stress"], "coefficient": 0.5}
+                    {
+                        "between": [
+                            "lubricant.pressure_viscosity_factor",
+                            "lubricant.eyring_stress",
+                        ],
+                        "coefficient": 0.5,
+                    }
                 ],
             ),
             {"samples": 8, "indices": 4},
@@ -128,7 +140,10 @@ def test_every_shipped_oil_says_how_uncertain_it_is():
     from rollslip_plugins.data.lubricants import mil_prf_7808, mil_prf_23699, sae_30, santotrac_50
 
     for oil in (mil_prf_7808, mil_prf_23699, sae_30, santotrac_50):
-        assert {one.quantity for one in oil.scatter} >= {"pressure_viscosity_factor", "eyring_stress"}
+        assert {one.quantity for one in oil.scatter} >= {
+            "pressure_viscosity_factor",
+            "eyring_stress",
+        }
         for one in oil.scatter:
             assert one.grade in ("(B)", "(C)", "(D)")
             assert one.source
@@ -137,7 +152,9 @@ def test_every_shipped_oil_says_how_uncertain_it_is():
 def test_the_distribution_is_that_of_the_points(tmp_path):
     # where skidding begins falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
     found = uncertainty(uncertain(**ALPHA), samples=32, probability=0.9, out=tmp_path / "kept")
-    factors = np.sort(found.input_value.to_numpy()[0])[[-4, -16]].tolist()  # of 32, 3.2 and 16 lie below
+    factors = np.sort(found.input_value.to_numpy()[0])[
+        [-4, -16]
+    ].tolist()  # of 32, 3.2 and 16 lie below
     swept = rollslip.sweep(
         SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction", output=["runaway_slip"]
     )  # fmt: skip
@@ -146,21 +163,30 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
     assert told.sel(probability=[0.1, 0.5]).to_numpy() == pytest.approx(slips, rel=1e-12)
     assert found.allowable_slip == told.sel(probability=0.1)
     assert found.margin == 1.0
-    rows = {row[0]: dict(zip(head, row, strict=True)) for head, body in [sheet(found)] for row in body}
-    away, drag = rows["slip at which skidding begins"], rows["limit drag torque"]
+    rows = {
+        row[0]: dict(zip(head, row, strict=True)) for head, body in [sheet(found)] for row in body
+    }
+    away = rows["slip at which skidding begins"]
+    drag = rows["limit drag torque"]
     assert away["median"] == pytest.approx(100.0 * slips[1], rel=1e-11)
     assert [away[name] for name in ("unit", "bound", "samples", "beyond the range", "without a value")] == [
         "%", "at least", 32, 0, 0,
     ]  # fmt: skip
-    assert away["with probability 0.9"] == pytest.approx(100.0 * float(found.allowable_slip), rel=1e-11)
+    assert away["with probability 0.9"] == pytest.approx(
+        100.0 * float(found.allowable_slip), rel=1e-11
+    )
     assert quantity(f"{drag['median']} {drag['unit']}", "N m") == pytest.approx(
         float(found.quantile_value.sel(quantity="limit drag torque", probability=0.5)), rel=1e-11
     )
     printed, decides = account_of(found).tables(found)
-    assert f"at least {two(away['with probability 0.9'])}" in next(row for row in printed.rows if "skidding" in row[0])
+    assert f"at least {two(away['with probability 0.9'])}" in next(
+        row for row in printed.rows if "skidding" in row[0]
+    )
     ranks = found.rank_correlation.sel(acted="slip at which skidding begins").to_numpy()
     assert [row[-1] for row in decides.rows] == [f"{rank:+.2f}" for rank in ranks]
-    assert found.margin_low == pytest.approx(0.025 ** (1 / 32))  # Clopper and Pearson where all of 32 hold
+    assert found.margin_low == pytest.approx(
+        0.025 ** (1 / 32)
+    )  # Clopper and Pearson where all of 32 hold
     assert rollslip.open_result(tmp_path / "kept" / "uncertainty.nc").identical(found)
     json.dumps(UncertaintyAccount.record(found), allow_nan=False)
 
@@ -170,8 +196,14 @@ def _points(status, slips):
         {
             "runaway_slip": ("sample", slips),
             "runaway_drag": ("sample", np.where(np.isnan(slips), np.nan, 4.0)),
-            "runaway_status": ("sample", np.where(np.isnan(slips), "the cage was not found to run away", "found")),
-            "critical_cage_slip": (("sample", "ring"), np.stack([slips, np.full(len(slips), np.nan)], axis=1)),
+            "runaway_status": (
+                "sample",
+                np.where(np.isnan(slips), "the cage was not found to run away", "found"),
+            ),
+            "critical_cage_slip": (
+                ("sample", "ring"),
+                np.stack([slips, np.full(len(slips), np.nan)], axis=1),
+            ),
             "critical_friction": (("sample", "ring"), np.full((len(slips), 2), 0.01)),
             "status": ("sample", np.array(status)),
         },
@@ -183,14 +215,23 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     slips = np.linspace(0.1, 0.2, 64)
     slips[::16] = np.nan
     slips[5] = np.nan
-    status = ["crashed" if k % 16 == 0 else "ok" for k in range(64)]  # number 5 has none in the range
+    status = [
+        "crashed" if k % 16 == 0 else "ok" for k in range(64)
+    ]  # number 5 has none in the range
     made = UncertaintySettings(uncertain(**ALPHA), samples=64, probability=0.9).plan()
-    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(
+        swept,
+        "run_sweep",
+        lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False),
+    )
     monkeypatch.setattr(swept, "collect", lambda sweep, folder: _points(status, slips))
     found = run_margin(made, tmp_path / "failed")
     one = found.sel(quantity="slip at which skidding begins")
     assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
-    assert "4 of 64 points are crashed; they count as the worst and as the best" in found.attrs["warnings"]
+    assert (
+        "4 of 64 points are crashed; they count as the worst and as the best"
+        in found.attrs["warnings"]
+    )
     head, rows = sheet(found)
     assert head[-2:] == ["beyond the range", "without a value"]
     assert next(row[-2:] for row in rows if row[0] == "slip at which skidding begins") == [1, 4]
@@ -206,13 +247,19 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
 def _of_points(points, monkeypatch, folder, **options):
     """A result of points that nobody computes, and what was said on the way."""
     said = []
-    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(
+        swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
     monkeypatch.setattr(swept, "collect", points)
-    return run_margin(UncertaintySettings(uncertain(**ALPHA), **options).plan(), folder, said=said.append), said
+    return run_margin(
+        UncertaintySettings(uncertain(**ALPHA), **options).plan(), folder, said=said.append
+    ), said
 
 
 @pytest.mark.parametrize("count", [8, 64])
-def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(count, tmp_path, monkeypatch):
+def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(
+    count, tmp_path, monkeypatch
+):
     """The quantile is infinite on the upper side: every slip of the range is allowable; warnings are errors here."""
 
     def points(sweep, folder):
@@ -226,23 +273,37 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     begin = (
         "the allowable slip lies beyond the range of slips, 95 %: so does the slip at which skidding begins with "
         "probability 0.9"
-        + ("; 8 samples are too few to tell how much less" if count == 8 else " (95 % interval: beyond the range too")
+        + (
+            "; 8 samples are too few to tell how much less"
+            if count == 8
+            else " (95 % interval: beyond the range too"
+        )
     )
     assert first.startswith(begin)
     assert first.endswith("look further with --set study.effective-friction.runaway_range=0.99")
     assert indices.startswith("no Sobol indices: ")
     assert said[0] == f"{count} samples: allowable slip beyond the range, " + (
-        "too few for the low end of its interval" if count == 8 else "95 %: from beyond the range on"
+        "too few for the low end of its interval"
+        if count == 8
+        else "95 %: from beyond the range on"
     )
     allowed = UncertaintyAccount.record(found)["allowable_slip"]
     assert allowed == {"value": None, "low": None, "high": None, "status": first}
     told = [*account_of(found).sentences(found), *said]
     assert not any(word in text for text in told for word in ("inf", "nan", "at most more"))
     printed, _ = account_of(found).tables(found)
-    assert [row[0] for row in printed.rows] == ["peak friction, inner ring", "peak friction, outer ring"]
+    assert [row[0] for row in printed.rows] == [
+        "peak friction, inner ring",
+        "peak friction, outer ring",
+    ]
     files = save_plots(found, tmp_path)
-    assert [path.name for path in files] == ["uncertainty.svg"], "no figure of indices that are not there"
-    assert f"slip at which skidding begins: all {count} samples beyond the range or without end" in _words(files[0])
+    assert [path.name for path in files] == ["uncertainty.svg"], (
+        "no figure of indices that are not there"
+    )
+    assert (
+        f"slip at which skidding begins: all {count} samples beyond the range or without end"
+        in _words(files[0])
+    )
     told = account_of(found).paragraph(found)
     assert "inf" not in re.findall(r"\w+", told)
 
@@ -252,9 +313,12 @@ def _words(path):
 
 
 @pytest.mark.parametrize(
-    ("status", "said"), [("ok", " to more than the range, 64 samples)"), ("crashed", "; 64 samples")]
+    ("status", "said"),
+    [("ok", " to more than the range, 64 samples)"), ("crashed", "; 64 samples")],
 )
-def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not(status, said, tmp_path, monkeypatch):
+def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not(
+    status, said, tmp_path, monkeypatch
+):
     every_other = np.arange(64) % 2 == 1
     slips = np.where(every_other, np.nan, np.linspace(0.1, 0.2, 64))
 
@@ -270,11 +334,16 @@ def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not
 def test_rollers_that_do_not_drive_the_cage_allow_no_slip(tmp_path, monkeypatch):
     def points(sweep, folder):
         found = _points(["ok"] * 64, np.where(np.arange(64) < 16, np.nan, 0.3))
-        words = np.where(np.arange(64) < 16, "the rollers do not drive the cage at any slip up to 0.99", "found")
+        words = np.where(
+            np.arange(64) < 16, "the rollers do not drive the cage at any slip up to 0.99", "found"
+        )
         return found.assign(runaway_status=("sample", words))
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.9)
-    assert found.sel(quantity="slip at which skidding begins").value.to_numpy().tolist() == [0.0] * 16 + [0.3] * 48
+    assert (
+        found.sel(quantity="slip at which skidding begins").value.to_numpy().tolist()
+        == [0.0] * 16 + [0.3] * 48
+    )
     assert float(found.allowable_slip) == 0.0
 
 
@@ -285,7 +354,9 @@ def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
         n = len(sweep.only)
         return _points(["ok"] * n, np.full(n, np.nan))
 
-    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=512, probability=0.9, until=0.01)
+    found, _ = _of_points(
+        points, monkeypatch, tmp_path / "made", samples=512, probability=0.9, until=0.01
+    )
     assert found.batch_samples.values.tolist() == [64]
 
 
@@ -299,7 +370,10 @@ def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_p
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.9)
     assert np.isinf(found.batch_allowable.values).tolist() == [True, True, False]
-    assert [path.name for path in save_plots(found, tmp_path)] == ["uncertainty.svg", "uncertainty-ranks.svg"]
+    assert [path.name for path in save_plots(found, tmp_path)] == [
+        "uncertainty.svg",
+        "uncertainty-ranks.svg",
+    ]
 
 
 @functools.cache
@@ -310,14 +384,19 @@ def sixteen():
 
 @settings(max_examples=15)
 @given(
-    ends=st.lists(st.sampled_from([*STATUSES, "ok", "ok", "ok"]), min_size=16, max_size=16), beyond=st.integers(0, 16)
+    ends=st.lists(st.sampled_from([*STATUSES, "ok", "ok", "ok"]), min_size=16, max_size=16),
+    beyond=st.integers(0, 16),
 )
 def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
     slips = np.where(np.arange(16) < beyond, np.nan, np.linspace(0.1, 0.2, 16))
     slips[[end != "ok" for end in ends]] = np.nan
     counts = Counter(ends)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False))
+        patch.setattr(
+            swept,
+            "run_sweep",
+            lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False),
+        )
         patch.setattr(swept, "collect", lambda sweep, folder: _points(ends, slips))
         found = run_margin(sixteen(), tmp_path_factory.mktemp("ends"))
     told = UncertaintyAccount.record(found)
@@ -350,11 +429,16 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
 
     with pytest.raises(StopError):
         run_margin(made, tmp_path / "cut", report=stop)
-    again = run_margin(UncertaintySettings(uncertain(**ALPHA), **options, engine="serial").plan(), tmp_path / "cut")
+    again = run_margin(
+        UncertaintySettings(uncertain(**ALPHA), **options, engine="serial").plan(), tmp_path / "cut"
+    )
     assert again.drop_attrs().identical(whole.drop_attrs())
     assert list(whole.batch_samples.values) == [32, 48]
     with pytest.raises(OutputError, match="holds points of another scene"):
-        run_margin(UncertaintySettings(uncertain(**ALPHA), **options | {"seed": 1}).plan(), tmp_path / "cut")
+        run_margin(
+            UncertaintySettings(uncertain(**ALPHA), **options | {"seed": 1}).plan(),
+            tmp_path / "cut",
+        )
 
 
 @pytest.mark.slow
@@ -381,7 +465,9 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
         )  # fmt: skip
         ends[until] = float(found.allowable_low), float(found.allowable_high)
     for until, confidence in ((None, 0.95), (1e-9, 0.975)):
-        wanted = estimators.quantile(values, 0.2, replicates=allowable.REPLICATES, confidence=confidence)
+        wanted = estimators.quantile(
+            values, 0.2, replicates=allowable.REPLICATES, confidence=confidence
+        )
         assert ends[until] == (wanted.low, wanted.high)
     assert ends[1e-9][1] - ends[1e-9][0] > ends[None][1] - ends[None][0]
 
@@ -399,7 +485,9 @@ def test_the_command_writes_result_figures_and_report(tmp_path):
         "uncertainty.nc", "uncertainty.svg", "uncertainty-indices.svg", "report.html",
     }  # fmt: skip
     assert "total Sobol index: lubricant.pressure_" in (out / "report.html").read_text()
-    plain = CliRunner().invoke(cli, [*arguments, "--out", str(out / "plain"), "--no-plots", "--json"])
+    plain = CliRunner().invoke(
+        cli, [*arguments, "--out", str(out / "plain"), "--no-plots", "--json"]
+    )
     assert json.loads(plain.stdout)["allowable_slip"]["value"] > 0.0
 
 
@@ -407,18 +495,24 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     def points(sweep, folder):
         return _points(["timed-out"] * 8, np.full(8, np.nan))
 
-    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(
+        swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
     monkeypatch.setattr(swept, "collect", points)
     out = tmp_path / "made"
     own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert done.exit_code == 4, done.output
     assert "8 samples: none has a result" in done.output
-    assert "the allowable slip is not known: none of 8 samples says where skidding begins" in done.output
+    assert (
+        "the allowable slip is not known: none of 8 samples says where skidding begins"
+        in done.output
+    )
     assert "all 8 samples failed" in _words(out / "uncertainty.svg")
-    again = re.search(r"compute points without a result again by: rollslip (.*), then go on by the same", done.output)[
-        1
-    ]
+    again = re.search(
+        r"compute points without a result again by: rollslip (.*), then go on by the same",
+        done.output,
+    )[1]
     monkeypatch.undo()
     done = CliRunner().invoke(cli, shlex.split(again))
     assert not done.exit_code, done.output
@@ -433,12 +527,21 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     file, *_ = save_plots(grid, tmp_path)
     assert file.name == "sweep-map.svg"
     rests_on = CLOSURES[SCENE.study["effective-friction"].get("closure", "free-roller")]
-    assert f"Cage slip at largest traction of the inner ring {rests_on} over radial load" in file.read_text()
-    assert any(line.startswith(f"critical_cage_slip, inner ring {rests_on}: ") for line in SweepAccount.sentences(grid))
+    assert (
+        f"Cage slip at largest traction of the inner ring {rests_on} over radial load"
+        in file.read_text()
+    )
+    assert any(
+        line.startswith(f"critical_cage_slip, inner ring {rests_on}: ")
+        for line in SweepAccount.sentences(grid)
+    )
     closures = {"study.effective-friction.closure": ["epicyclic", "outer-rolling"]}
     varied = rollslip.sweep(SCENE, closures, study="effective-friction")
     assert "curves_with" not in varied.attrs
-    assert any(line.startswith("critical_cage_slip, inner ring: ") for line in SweepAccount.sentences(varied))
+    assert any(
+        line.startswith("critical_cage_slip, inner ring: ")
+        for line in SweepAccount.sentences(varied)
+    )
     over = {"lubricant.eyring_stress": "3 MPa:6 MPa", "models.film": ["moes", "dowson-1968"]}
     models = rollslip.sweep(SCENE, over, samples=4, study="effective-friction")
     (file,) = save_plots(models, tmp_path)
@@ -449,8 +552,14 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
 @pytest.mark.parametrize(
     ("beyond", "said"),
     [
-        (0, "the medians are up to 5 percentage points apart, the middle half of one is up to 4 wide"),
-        (6, "the medians are up to 5 percentage points apart, the middle half of 1 ends beyond the range"),
+        (
+            0,
+            "the medians are up to 5 percentage points apart, the middle half of one is up to 4 wide",
+        ),
+        (
+            6,
+            "the medians are up to 5 percentage points apart, the middle half of 1 ends beyond the range",
+        ),
         (16, "the medians of 1 are not known, the middle half of 1 ends beyond the range"),
     ],
 )
@@ -475,11 +584,15 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
         slips = np.where(lost, np.nan, sweep.design.samples[:, 0])
         return _points(np.where(lost, "crashed", "ok"), slips)
 
-    monkeypatch.setattr(swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False))
+    monkeypatch.setattr(
+        swept, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
     monkeypatch.setattr(swept, "collect", points)
     found = run_margin(made, tmp_path / "made")
     assert int(found.indexed_rows.sel(indexed="slip at which skidding begins")) == 8
-    assert found.first_order.sel(indexed="slip at which skidding begins").item() == pytest.approx(1.0, abs=0.5)
+    assert found.first_order.sel(indexed="slip at which skidding begins").item() == pytest.approx(
+        1.0, abs=0.5
+    )
     assert "made of 8 of 16 rows" in " ".join(account_of(found).sentences(found))
     assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]
 

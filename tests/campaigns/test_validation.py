@@ -27,10 +27,17 @@ from synthetic_traction import exact, synthetic
 
 def series_of(*rows):
     made = tuple(
-        Row(changes=FrozenTable({"operation.radial_load": f"{k} N"}), measured=m, uncertainty=u, line=k)
+        Row(
+            changes=FrozenTable({"operation.radial_load": f"{k} N"}),
+            measured=m,
+            uncertainty=u,
+            line=k,
+        )
         for k, (m, u) in enumerate(rows, 1)
     )
-    return Series(name="of nobody", quantity="cage-slip", unit="1", rows=made, about_uncertainty="made up")
+    return Series(
+        name="of nobody", quantity="cage-slip", unit="1", rows=made, about_uncertainty="made up"
+    )
 
 
 def values_of(*numbers):
@@ -46,15 +53,19 @@ def test_chi_square_is_that_of_both_uncertainties_and_of_what_rows_share():
     samples = np.column_stack([1.0 + shared, 2.0 + shared])
     variance = np.var(shared, ddof=1)
     _, group = held(OF, series_of((1.1, 0.1), (2.3, 0.1)), values_of(1.0, 2.0), samples, "")
-    a, b = 0.01 + variance, variance
+    a = 0.01 + variance
+    b = variance
     by_hand = (a * (0.1**2 + 0.3**2) - 2 * b * 0.1 * 0.3) / (a**2 - b**2)
     assert group.chi2 == pytest.approx(by_hand, rel=1e-12)
     assert group.freedom == 2
-    assert group.probability == pytest.approx(math.exp(-by_hand / 2), rel=1e-9)  # of two degrees of freedom
+    assert group.probability == pytest.approx(
+        math.exp(-by_hand / 2), rel=1e-9
+    )  # of two degrees of freedom
 
 
 @pytest.mark.parametrize(
-    ("measured", "verdict"), [(1.0, "inside"), (1.45, "inside"), (1.53, "outside"), (0.47, "outside")]
+    ("measured", "verdict"),
+    [(1.0, "inside"), (1.45, "inside"), (1.53, "outside"), (0.47, "outside")],
 )
 def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verdict):
     """0.2 and 0.15 make 0.25: 1.96 of it is 0.49."""
@@ -67,12 +78,16 @@ def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verd
     assert row.calculated_low == pytest.approx(1.0 - 1.96 * 0.2, rel=0.01)
     assert row.calculated_high == pytest.approx(1.0 + 1.96 * 0.2, rel=0.01)
     for ratio in (row.ratio_low, row.ratio_high):  # Fieller: K - r M is normal
-        assert abs(1.0 - ratio * measured) / math.hypot(0.2, 0.15 * ratio) == pytest.approx(1.96, rel=0.03)
+        assert abs(1.0 - ratio * measured) / math.hypot(0.2, 0.15 * ratio) == pytest.approx(
+            1.96, rel=0.03
+        )
 
 
 def test_values_beyond_the_range_are_larger_than_all_in_it():
     samples = np.array([0.5] * 50 + [math.inf] * 50)[:, None]
-    [row], group = held(OF, series_of((0.8, 0.01)), [Value(math.inf, "friction still rises", 0.0)], samples, "")
+    [row], group = held(
+        OF, series_of((0.8, 0.01)), [Value(math.inf, "friction still rises", 0.0)], samples, ""
+    )
     assert row.verdict == "inside"
     assert (row.calculated_low, row.calculated_high) == (0.5, math.inf)
     assert math.isnan(group.chi2)
@@ -122,7 +137,9 @@ def test_a_statement_holds_or_not_as_its_values_go(expect, values, verdict):
 def found():
     """The seed paper's data set, its first series and all statements, under its own models and another law."""
     sound = get_model("measurement", "klebanov-2022")
-    return validate([attrs.evolve(sound, series=sound.series[3:])], samples=24, traction="eyring-thermal")
+    return validate(
+        [attrs.evolve(sound, series=sound.series[3:])], samples=24, traction="eyring-thermal"
+    )
 
 
 def test_the_calibrated_oil_gives_the_published_pair_and_another_law_does_not(found):
@@ -132,7 +149,9 @@ def test_the_calibrated_oil_gives_the_published_pair_and_another_law_does_not(fo
     }
     assert verdicts == {"as stated": ["inside"] * 2, "eyring-thermal": ["outside"] * 2}
     own = found.isel(row=np.flatnonzero(found.row_models == "as stated"))
-    assert own.calculated.to_numpy() == pytest.approx([0.1117, 0.5002], abs=2e-4)  # README of rollslip-klebanov
+    assert own.calculated.to_numpy() == pytest.approx(
+        [0.1117, 0.5002], abs=2e-4
+    )  # README of rollslip-klebanov
     assert found.attrs["evaluations"] == 4 * (1 + 24)
     assert (own.ratio_low < own.ratio).all()
     assert (own.ratio < own.ratio_high).all()
@@ -148,16 +167,24 @@ def test_a_validation_is_stored_and_reported(found, tmp_path):
 def test_predictions_of_another_program_stand_beside_models(tmp_path):
     sound = get_model("measurement", "klebanov-2022")
     lines = form(sound).replace("program: NAME", "program: another").splitlines()
-    filled = [f"{line[:-1]}0.105,0.004" if line.endswith(",,") and "epicyclic" in line else line for line in lines]
+    filled = [
+        f"{line[:-1]}0.105,0.004" if line.endswith(",,") and "epicyclic" in line else line
+        for line in lines
+    ]
     path = tmp_path / "another.csv"
-    path.write_text("\n".join(filled[:6]), encoding="utf-8")  # the head, and the first row of the first series
+    path.write_text(
+        "\n".join(filled[:6]), encoding="utf-8"
+    )  # the head, and the first row of the first series
     read = read_predictions(path, sound)
     empty = attrs.evolve(sound, statements=())
     plan = ValidationSettings([empty], predictions=[read], samples=0).plan()
     plan = attrs.evolve(plan, combinations=())
     made = run_validation(plan)
     assert list(made.row_models.to_numpy()) == ["another", "another"]
-    assert list(made.row_verdict.to_numpy()) == ["inside", "cannot be determined"]  # 11 % and 50 % measured
+    assert list(made.row_verdict.to_numpy()) == [
+        "inside",
+        "cannot be determined",
+    ]  # 11 % and 50 % measured
 
 
 @pytest.mark.parametrize(
@@ -186,7 +213,9 @@ def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
     [series, *_] = get_model("measurement", "klebanov-2022").series
     [value] = observe(series.scene, "effective-friction/runaway_slip", {}, [{}])
     assert 0.0 < value.value < 1.0
-    with pytest.raises(SceneError, match="has no variable 'runaway_slipp'; did you mean 'runaway_slip'"):
+    with pytest.raises(
+        SceneError, match="has no variable 'runaway_slipp'; did you mean 'runaway_slip'"
+    ):
         observe(series.scene, "effective-friction/runaway_slipp", {}, [{}])
     with pytest.raises(SceneError, match="has 2 values along ring"):
         observe(series.scene, "critical-slip", {}, [{}])
@@ -194,16 +223,23 @@ def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
 
 def test_a_film_is_held_against_one_at_the_same_place_alone():
     series = get_model("measurement", "film-limits").series[0]
-    right, other = (way.nominal_values(series, way.Combination("", one))[0] for one in ({}, {"film": "dowson-toyoda"}))
+    right, other = (
+        way.nominal_values(series, way.Combination("", one))[0]
+        for one in ({}, {"film": "dowson-toyoda"})
+    )
     assert (right.why, right.value) == ("", pytest.approx(series.rows[0].measured, rel=1e-3))
     assert other.why == "dowson-toyoda gives the central film, measured was the minimum"
 
 
 def test_samples_of_an_oil_beyond_its_models_are_counted_and_rows_share_the_time(monkeypatch):
     [series] = synthetic(exact("carreau", 2), 0.01, seed=1, count=2).series
-    clock = SimpleNamespace(perf_counter=itertools.count().__next__)  # one second from one look to the next
+    clock = SimpleNamespace(
+        perf_counter=itertools.count().__next__
+    )  # one second from one look to the next
     monkeypatch.setattr(way, "time", clock)
-    assert way.nominal_values(series, way.AS_STATED)[0].seconds == pytest.approx(1 / len(series.rows))
+    assert way.nominal_values(series, way.AS_STATED)[0].seconds == pytest.approx(
+        1 / len(series.rows)
+    )
 
     def contacts(problem, oil, column):
         if oil is None:
@@ -243,4 +279,6 @@ def test_the_command_writes_a_form_and_a_folder(tmp_path, capsys, monkeypatch):
         main(["validate", "klebanov-2022", "--samples", "0", "--no-plots", "--json"])
     assert leave.value.code == 0
     assert '"klebanov-2022-validation"' in capsys.readouterr().out
-    assert [path.name for path in (tmp_path / "klebanov-2022-validation").glob("*.nc")] == ["validation.nc"]
+    assert [path.name for path in (tmp_path / "klebanov-2022-validation").glob("*.nc")] == [
+        "validation.nc"
+    ]

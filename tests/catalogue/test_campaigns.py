@@ -13,7 +13,16 @@ from rollslip.catalogue.registry import available
 from rollslip.cli.campaign import command_of
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
-from rollslip.planning.campaign import Campaign, campaign, campaigns, function_of, help_of, listed, options_of, setting
+from rollslip.planning.campaign import (
+    Campaign,
+    campaign,
+    campaigns,
+    function_of,
+    help_of,
+    listed,
+    options_of,
+    setting,
+)
 
 SAYS = '''\
 import json
@@ -61,7 +70,16 @@ def stranger(tmp_path):
 
 @pytest.mark.quick
 def test_every_campaign_of_the_box_is_a_command_and_a_function_of_its_fields():
-    assert set(campaigns()) >= {"compare", "explore", "fit", "limit", "pareto", "rank", "sweep", "uncertainty"}
+    assert set(campaigns()) >= {
+        "compare",
+        "explore",
+        "fit",
+        "limit",
+        "pareto",
+        "rank",
+        "sweep",
+        "uncertainty",
+    }
     assert set(campaigns()) == set(available("campaign"))
     context = click.Context(cli)
     assert set(campaigns()) <= set(cli.list_commands(context))
@@ -72,12 +90,16 @@ def test_every_campaign_of_the_box_is_a_command_and_a_function_of_its_fields():
         command = command.commands["run"] if isinstance(command, click.Group) else command
         taken = {one.name for one in command.params}
         assert {one.name for one in (*options_of(cls), *options_of(cls, arguments=True))} <= taken
-        assert " ".join(command.help.split()).startswith(" ".join(help_of(cls).split("\n\n")[0].split()))
+        assert " ".join(command.help.split()).startswith(
+            " ".join(help_of(cls).split("\n\n")[0].split())
+        )
         function = getattr(package, name)
         fields = {one.name for one in attrs.fields(cls)}
         assert set(inspect.signature(function).parameters) == fields
         assert typing.get_type_hints(function).keys() == fields | {"return"}
-        assert function.__doc__.startswith(help_of(cls).split("\n")[0].split("SCENE")[0].split("DATA")[0])
+        assert function.__doc__.startswith(
+            help_of(cls).split("\n")[0].split("SCENE")[0].split("DATA")[0]
+        )
         assert all(f"\n{one} : " in function.__doc__ for one in fields)
     assert cli.get_command(context, "nothing") is None
 
@@ -90,7 +112,9 @@ def test_a_field_is_an_option_an_argument_and_a_line_of_the_docs():
         name = "count"
 
         data: str = setting("", default=attrs.NOTHING, argument="DATA", first=True)
-        least: int | None = setting("Least count.", of=int, least=1, metavar="N", more="A whole number.")
+        least: int | None = setting(
+            "Least count.", of=int, least=1, metavar="N", more="A whole number."
+        )
 
         def plan(self):
             return self.least
@@ -99,15 +123,26 @@ def test_a_field_is_an_option_an_argument_and_a_line_of_the_docs():
             said("counted")
             return made or len(self.data)
 
-    function, (option, *_) = function_of(Counting), [one for one in command_of(Counting).params if one.name == "least"]
+    function = function_of(Counting)
+    (option, *_) = [one for one in command_of(Counting).params if one.name == "least"]
     assert list(inspect.signature(function).parameters) == ["data", "least", "report"]
     assert typing.get_type_hints(function)["least"] == int | None
-    assert function.__doc__.startswith("Count what data holds.\n\nParameters\n----------\ndata : str\n")
+    assert function.__doc__.startswith(
+        "Count what data holds.\n\nParameters\n----------\ndata : str\n"
+    )
     assert "least : int | None, optional\n    Least count.\n    A whole number." in function.__doc__
-    assert (option.opts, option.metavar, option.help, option.type.min) == (["--least"], "N", "Least count.", 1)
+    assert (option.opts, option.metavar, option.help, option.type.min) == (
+        ["--least"],
+        "N",
+        "Least count.",
+        1,
+    )
     assert (function("abc"), function("abc", least=2), function(data="abcd")) == (3, 2, 4)
     for wrong in (0, 1.5, "2", True):
-        with pytest.raises(SceneError, match=r"^least: a whole number, 1 or more, is expected, not .*; rollslip count"):
+        with pytest.raises(
+            SceneError,
+            match=r"^least: a whole number, 1 or more, is expected, not .*; rollslip count",
+        ):
             function("abc", least=wrong)
     with pytest.raises(TypeError, match="missing 1 required positional argument: 'data'"):
         function(least=3)
@@ -131,7 +166,17 @@ def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
     code, said, _ = rollslip("mean-friction", "--help", path=stranger)
     assert "--points N" in said
     assert "[default: 5; x>=2]" in said
-    asked = ("1032930-70C", "--loads", "2 kN", "--loads", "4 kN", "--out", f"{stranger}/made", "--json", "--no-plots")
+    asked = (
+        "1032930-70C",
+        "--loads",
+        "2 kN",
+        "--loads",
+        "4 kN",
+        "--out",
+        f"{stranger}/made",
+        "--json",
+        "--no-plots",
+    )
     code, said, error = rollslip("mean-friction", *asked, path=stranger)
     assert code == 0, error
     single = (
@@ -140,7 +185,9 @@ def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
         "print(found.drop_vars('seconds').drop_attrs().identical(kept.drop_vars('seconds').drop_attrs()))"
     )
     assert python(single, stranger) == [True]
-    code, said, _ = rollslip("plugins", "check", "mean-friction", "--kind", "campaign", path=stranger)
+    code, said, _ = rollslip(
+        "plugins", "check", "mean-friction", "--kind", "campaign", path=stranger
+    )
     assert code == 0, said
 
 
@@ -148,7 +195,11 @@ def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
     ("old", "new", "told"),
     [
         ("return [MeanFriction]", "return 1/0, [", "its campaigns() fails (ZeroDivisionError"),
-        ('name = "mean-friction"', 'name = "other"', "but its entry point promises 'mean-friction'"),
+        (
+            'name = "mean-friction"',
+            'name = "other"',
+            "but its entry point promises 'mean-friction'",
+        ),
         ("def run(", "def ran(", "class MeanFriction does not define run"),
         ("import json", "import nothing_there", "cannot be imported (ModuleNotFoundError"),
         ("return [MeanFriction]", "return [3]", "offers None, but its entry point promises"),
@@ -169,7 +220,11 @@ def test_a_broken_campaign_is_one_sentence_and_stays_its_own(old, new, told, str
 
 def test_a_command_of_its_own_that_is_broken_is_one_sentence(stranger):
     path = stranger / "rollslip_mean_friction.py"
-    path.write_text(path.read_text().replace("    loads:", '    own_command = "nothing_there:command"\n\n    loads:'))
+    path.write_text(
+        path.read_text().replace(
+            "    loads:", '    own_command = "nothing_there:command"\n\n    loads:'
+        )
+    )
     code, said, error = rollslip("mean-friction", "1032930-70C", path=stranger)
     assert (code, said, error.count("\n")) == (5, "", 1)
     assert "its command nothing_there:command cannot be imported (ModuleNotFoundError" in error
@@ -181,7 +236,10 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
     code, _, error = rollslip("limit", "--help", path=tmp_path)
     assert code == 5
     assert "packages rollslip and rollslip-other offer this name" in error
-    assert rollslip("limit", "--help", path=tmp_path, ROLLSLIP_DISABLED_PLUGINS="rollslip-other")[0] == 0
+    assert (
+        rollslip("limit", "--help", path=tmp_path, ROLLSLIP_DISABLED_PLUGINS="rollslip-other")[0]
+        == 0
+    )
 
 
 @pytest.mark.slow
@@ -201,6 +259,8 @@ def test_the_kit_holds_a_campaign_against_what_is_made_of_it(old, new, told, str
     path = stranger / "rollslip_mean_friction.py"
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new))
-    code, said, _ = rollslip("plugins", "check", "mean-friction", "--kind", "campaign", path=stranger)
+    code, said, _ = rollslip(
+        "plugins", "check", "mean-friction", "--kind", "campaign", path=stranger
+    )
     assert (code == 5) == bool(told), said
     assert told in " ".join(said.split())

@@ -27,7 +27,9 @@ Mine.kernel = lambda self: new(ctypes.addressof(table), label, None)
 
 def capsule(*, abi=1, size=SIZE, null=False, label="rollslip.slice_model.v1", status=0):
     evaluate = None if null else "ctypes.cast(done, ctypes.c_void_p)"
-    return TRACTION + CAPSULE.format(abi=abi, size=size, evaluate=evaluate, label=label.encode(), status=status)
+    return TRACTION + CAPSULE.format(
+        abi=abi, size=size, evaluate=evaluate, label=label.encode(), status=status
+    )
 
 
 def broken(old, new):
@@ -44,7 +46,11 @@ KERNEL = "model '{0}': rollslip_{0}.Mine.kernel() {1}; " + ORIGIN
 #: name -> (source, sentence, what it says beyond the name)
 FAULTS = {
     "absent": (None, IMPORT, "ModuleNotFoundError: No module named 'rollslip_absent'"),
-    "needs": ("import nothing_of_that_name", IMPORT, "ModuleNotFoundError: No module named 'nothing_of_that_name'"),
+    "needs": (
+        "import nothing_of_that_name",
+        IMPORT,
+        "ModuleNotFoundError: No module named 'nothing_of_that_name'",
+    ),
     "raises": ("raise RuntimeError('half\\n  a module')", IMPORT, "RuntimeError: half a module"),
     "syntax": ("def (", IMPORT, "SyntaxError: invalid syntax (rollslip_syntax.py, line 1)"),
     "exits": ("import sys; sys.exit(3)", IMPORT, "SystemExit: 3"),
@@ -56,7 +62,11 @@ FAULTS = {
         USE,
         "its traction_models() fails (ZeroDivisionError: division by zero)",
     ),
-    "quits": (broken("return [Mine]", "raise SystemExit(1)"), USE, "its traction_models() fails (SystemExit: 1)"),
+    "quits": (
+        broken("return [Mine]", "raise SystemExit(1)"),
+        USE,
+        "its traction_models() fails (SystemExit: 1)",
+    ),
     "number": (
         broken("return [Mine]", "return 42"),
         USE,
@@ -75,7 +85,9 @@ FAULTS = {
         "Mine(factor=0.05) is not a class derived from TractionModel",
     ),
     "film": (
-        broken("TractionModel\n", "DragModel as TractionModel\n").replace("evaluate(self, slices)", "torque(self)"),
+        broken("TractionModel\n", "DragModel as TractionModel\n").replace(
+            "evaluate(self, slices)", "torque(self)"
+        ),
         USE,
         "<class 'rollslip_film.Mine'> is not a class derived from TractionModel",
     ),
@@ -85,13 +97,24 @@ FAULTS = {
         USE,
         "class Mine is not decorated with @attrs.frozen",
     ),
-    "silent": (broken('    equation = "mu = f V/u"\n', ""), USE, "class Mine does not define equation"),
+    "silent": (
+        broken('    equation = "mu = f V/u"\n', ""),
+        USE,
+        "class Mine does not define equation",
+    ),
     "makes": (
-        broken("    def evaluate", "    def __attrs_post_init__(self):\n        1 / 0\n\n    def evaluate"),
+        broken(
+            "    def evaluate",
+            "    def __attrs_post_init__(self):\n        1 / 0\n\n    def evaluate",
+        ),
         "traction '{0}' cannot be made ({1}); " + ORIGIN,
         "ZeroDivisionError: division by zero",
     ),
-    "binds": (TRACTION + "\nMine.kernel = lambda self: {}['gone']\n", KERNEL, "fails (KeyError: 'gone')"),
+    "binds": (
+        TRACTION + "\nMine.kernel = lambda self: {}['gone']\n",
+        KERNEL,
+        "fails (KeyError: 'gone')",
+    ),
     "wrong": (
         TRACTION + "\nMine.kernel = lambda self: 42\n",
         KERNEL,
@@ -149,7 +172,9 @@ def street(tmp_path_factory):
 def answers(street):
     """What each package of the street answers, twice, all in one process."""
     (found,) = python(
-        ASK + f"print({{name: [ask(name), ask(name)] for name in {[*FAULTS, 'good', 'kragelsky']}}})", street
+        ASK
+        + f"print({{name: [ask(name), ask(name)] for name in {[*FAULTS, 'good', 'kragelsky']}}})",
+        street,
     )
     return found
 
@@ -163,7 +188,9 @@ def test_a_fault_is_one_sentence_and_the_same_again(answers, name):
 
 def test_no_other_model_suffers(answers):
     assert answers["good"] == [0.05 * 1.0 / 10.0] * 2
-    assert answers["kragelsky"] == pytest.approx([float(get_model("traction", "kragelsky").friction(0.1))] * 2)
+    assert answers["kragelsky"] == pytest.approx(
+        [float(get_model("traction", "kragelsky").friction(0.1))] * 2
+    )
 
 
 def test_the_command_line_names_the_fault_and_runs_without_it(street):
@@ -173,7 +200,9 @@ def test_the_command_line_names_the_fault_and_runs_without_it(street):
     code, out, err = rollslip("plan", "1032930-70C", "--set", "models.traction=exits", path=street)
     assert (code, out) == (5, "")
     assert err == "changes: models.traction: " + IMPORT.format("exits", "SystemExit: 3") + "\n"
-    code, out, err = rollslip("plan", "1032930-70C", "--set", "models.traction.hydrodynamic=null", path=street)
+    code, out, err = rollslip(
+        "plan", "1032930-70C", "--set", "models.traction.hydrodynamic=null", path=street
+    )
     assert (code, out) == (5, "")
     assert err == KERNEL.format("null", "gave a table whose evaluate is NULL") + "\n"
 
@@ -305,10 +334,15 @@ def test_one_name_of_two_packages_is_nobodys_until_one_is_disabled(tmp_path):
     twin, muraki, eyring, count = python(FIND.format(names=["twin", "muraki", "eyring"]), tmp_path)
     remedy = "offer this name; uninstall one or put it in ROLLSLIP_DISABLED_PLUGINS"
     assert twin == f"traction 'twin' of package a-twin: packages a-twin and rollslip-twin {remedy}"
-    assert muraki == f"traction 'muraki' of package rollslip: packages rollslip and rollslip-impostor {remedy}"
+    assert (
+        muraki
+        == f"traction 'muraki' of package rollslip: packages rollslip and rollslip-impostor {remedy}"
+    )
     assert (eyring, count) == ("rollslip", BOX - 1)
     disabled = "A_Twin, rollslip.impostor,,nothing-of-that-name"
-    *found, count = python(FIND.format(names=["twin", "muraki"]), tmp_path, ROLLSLIP_DISABLED_PLUGINS=disabled)
+    *found, count = python(
+        FIND.format(names=["twin", "muraki"]), tmp_path, ROLLSLIP_DISABLED_PLUGINS=disabled
+    )
     assert (found, count) == (["rollslip-twin", "rollslip"], BOX + 1)
 
 
@@ -318,7 +352,9 @@ def test_a_disabled_package_says_so_before_anything_else(tmp_path):
     said, count = python(FIND.format(names=["flat"]), tmp_path, **disabled)
     reason = "disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there to use it"
     assert (said, count) == (f"traction 'flat' of package rollslip-flat: {reason}", BOX)
-    code, out, err = rollslip("plan", "1032930-70C", "--set", "models.traction=flat", path=tmp_path, **disabled)
+    code, out, err = rollslip(
+        "plan", "1032930-70C", "--set", "models.traction=flat", path=tmp_path, **disabled
+    )
     assert (code, out, err) == (5, "", f"changes: models.traction: {said}\n")
 
 
@@ -349,7 +385,9 @@ def test_metadata_that_cannot_be_read_hides_only_itself(tmp_path):
 
 @pytest.mark.parametrize("child", ["42", "[1]", "{ factor = 1 }"])
 def test_what_is_no_model_is_a_mistake_of_the_scene(tmp_path, child):
-    code, out, err = rollslip("plan", "1032930-70C", "--set", f"models.traction.boundary={child}", path=tmp_path)
+    code, out, err = rollslip(
+        "plan", "1032930-70C", "--set", f"models.traction.boundary={child}", path=tmp_path
+    )
     expected = "a traction model is expected: its name, or a table with model = 'NAME'"
     assert (code, out, err) == (2, "", f"changes: models.traction.boundary: {expected}\n")
 
@@ -361,8 +399,21 @@ def test_a_scene_that_a_package_offers_too_is_said_to_be_of_both(tmp_path):
 
 
 def test_a_model_that_leaves_the_program_is_named(tmp_path):
-    leaves = TRACTION.replace("        slices.friction[...] = ", "        raise SystemExit(3)\n        slices.x = ")
+    leaves = TRACTION.replace(
+        "        slices.friction[...] = ", "        raise SystemExit(3)\n        slices.x = "
+    )
     install(tmp_path, "rollslip-leaves", leaves)
-    run = ["run", "1032930-70C", "--study", "friction-curve", "--set", "models.traction=leaves", "--out"]
+    run = [
+        "run",
+        "1032930-70C",
+        "--study",
+        "friction-curve",
+        "--set",
+        "models.traction=leaves",
+        "--out",
+    ]
     code, _, told = rollslip(*run, str(tmp_path / "out"), path=tmp_path)
-    assert (code, "sys.exit(3) raised by evaluate() of model 'leaves'; it comes from package" in told) == (5, True)
+    assert (
+        code,
+        "sys.exit(3) raised by evaluate() of model 'leaves'; it comes from package" in told,
+    ) == (5, True)

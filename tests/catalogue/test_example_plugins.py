@@ -38,8 +38,12 @@ from rollslip.catalogue.kinds import get_kind, kinds
 pytestmark = pytest.mark.plugins
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = sorted(path.parent.name for path in (ROOT / "docs" / "example-plugins").glob("*/pyproject.toml"))
-SCAFFOLDED = [(f"own-{kind}", kind, False) for kind in kinds() if get_kind(kind).template is not None]
+EXAMPLES = sorted(
+    path.parent.name for path in (ROOT / "docs" / "example-plugins").glob("*/pyproject.toml")
+)
+SCAFFOLDED = [
+    (f"own-{kind}", kind, False) for kind in kinds() if get_kind(kind).template is not None
+]
 SCAFFOLDED += [(f"rollslip-fast-{kind}", kind, True) for kind in ("contact", "film", "traction")]
 #: Kinds without a template that a scene swaps.
 SWAPPED = ("thermal", "damage", "torque")
@@ -47,8 +51,12 @@ SWAPPED = ("thermal", "damage", "torque")
 
 def leftovers(folder: str, names: list[str]) -> set[str]:
     """What earlier builds in this checkout have left; a C file is theirs where it has a Cython file beside it."""
-    built = shutil.ignore_patterns("build", "dist", "*.egg-info", "*.so", "*.pyd", "__pycache__", ".*_cache")
-    return set(built(folder, names)) | {name for name in names if name.endswith(".c") and f"{name[:-2]}.pyx" in names}
+    built = shutil.ignore_patterns(
+        "build", "dist", "*.egg-info", "*.so", "*.pyd", "__pycache__", ".*_cache"
+    )
+    return set(built(folder, names)) | {
+        name for name in names if name.endswith(".c") and f"{name[:-2]}.pyx" in names
+    }
 
 
 @contextmanager
@@ -64,7 +72,11 @@ class Place:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.bin = folder / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
-        inherited = {k: v for k, v in os.environ.items() if not re.match(r"PYTHON|VIRTUAL_ENV|ROLLSLIP|PYTEST", k)}
+        inherited = {
+            k: v
+            for k, v in os.environ.items()
+            if not re.match(r"PYTHON|VIRTUAL_ENV|ROLLSLIP|PYTEST", k)
+        }
         self.environment = inherited | {
             "PATH": f"{self.bin}{os.pathsep}{os.environ['PATH']}",
             "VIRTUAL_ENV": str(folder / "venv"),
@@ -115,7 +127,13 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Place:
     with timed("rollslip's wheel, and what it depends on"), ThreadPoolExecutor(2) as pool:
         wheel = pool.submit(place.wheel, tree)
         pool.submit(
-            place.pip, "install", "-q", *project["project"]["dependencies"], "hypothesis", "mpmath", "pytest"
+            place.pip,
+            "install",
+            "-q",
+            *project["project"]["dependencies"],
+            "hypothesis",
+            "mpmath",
+            "pytest",
         ).result()
         place.pip("install", "-q", "--no-deps", wheel.result())
 
@@ -124,11 +142,25 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Place:
     for name in EXAMPLES:
         shutil.copytree(ROOT / "docs" / "example-plugins" / name, packages / name, ignore=leftovers)
     for name, kind, compiled in SCAFFOLDED:
-        place.run("rollslip", "plugins", "new", name, "--kind", kind, *["--compiled"] * compiled, cwd=packages)
-    with timed(f"wheels of {len(EXAMPLES)} examples and {len(SCAFFOLDED)} new packages"), ThreadPoolExecutor(2) as pool:
+        place.run(
+            "rollslip",
+            "plugins",
+            "new",
+            name,
+            "--kind",
+            kind,
+            *["--compiled"] * compiled,
+            cwd=packages,
+        )
+    with (
+        timed(f"wheels of {len(EXAMPLES)} examples and {len(SCAFFOLDED)} new packages"),
+        ThreadPoolExecutor(2) as pool,
+    ):
         wheels = list(pool.map(place.wheel, sorted(packages.iterdir())))
     place.pip("install", "-q", "--no-index", *wheels)
-    site = Path(place.run("python", "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip())
+    site = Path(
+        place.run("python", "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip()
+    )
     for kind in SWAPPED:
         install(site, f"own-{kind}", FOREIGN[kind], kind=kind)
     place.pip("check")
@@ -136,7 +168,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Place:
 
 
 def test_nothing_of_this_checkout_is_imported_there(place: Place) -> None:
-    modules = "rollslip, rollslip_kernels.chain, rollslip_plugins, rollslip_studies, rollslip_campaigns"
+    modules = (
+        "rollslip, rollslip_kernels.chain, rollslip_plugins, rollslip_studies, rollslip_campaigns"
+    )
     code = f"import {modules}; print(*(module.__file__ for module in ({modules})))"
     for path in place.run("python", "-c", code).split():
         assert Path(path).is_relative_to(place.folder / "venv")
@@ -171,7 +205,9 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
         ("film", "shared-load", "rollslip-shared-load"),
         ("lubricant", "example-oil", "rollslip-example-oil"),
     }
-    listed = [(kind, name) for name, kind, _ in SCAFFOLDED if kind != "campaign"]  # which is a command itself
+    listed = [
+        (kind, name) for name, kind, _ in SCAFFOLDED if kind != "campaign"
+    ]  # which is a command itself
     listed += [(kind, f"own-{kind}") for kind in SWAPPED]
     assert offered >= {(kind, name.removeprefix("rollslip-"), name) for kind, name in listed}
     for kind, name, compiled in [
@@ -181,7 +217,10 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
         ("contact", "fast-contact", True),
         ("contact", "own-contact", False),
     ]:
-        assert json.loads(place.run("rollslip", "models", name, "--json"))[kind]["compiled"] is compiled
+        assert (
+            json.loads(place.run("rollslip", "models", name, "--json"))[kind]["compiled"]
+            is compiled
+        )
 
 
 # A scene that mixes them ----------------------------------------------------------------------------------------------
@@ -249,7 +288,10 @@ map_points = 0
 
 def expected(rpm: float, force: float, slip: np.ndarray) -> dict[str, Any]:
     """The scene once more, from its formulas: Hertz, Walther, Wooster, Roelands, Grubin, Cross, Lee, Kragelsky."""
-    r, Ri, Ro, length = 0.0055, 0.03, 0.041, 0.012
+    r = 0.0055
+    Ri = 0.03
+    Ro = 0.041
+    length = 0.012
     R = r * Ri / (r + Ri)
     E = 208e9 / (1 - 0.3**2)
     u = Ri * Ro / (Ri + Ro) * rpm * 2 * math.pi / 60
@@ -258,8 +300,10 @@ def expected(rpm: float, force: float, slip: np.ndarray) -> dict[str, Any]:
     p = w / (2 * b)
 
     T = 343.15
-    T1, T2 = math.log10(313.15), math.log10(373.15)
-    W1, W2 = math.log10(math.log10(46.7)), math.log10(math.log10(7.5))
+    T1 = math.log10(313.15)
+    T2 = math.log10(373.15)
+    W1 = math.log10(math.log10(46.7))
+    W2 = math.log10(math.log10(7.5))
     nu = 10**10 ** (W1 + (W2 - W1) * (math.log10(T) - T1) / (T2 - T1)) - 0.7
     eta0 = nu * 1e-6 * 875.0
     alpha = (0.6 + 0.965 * math.log10(eta0 / 1e-3)) * 1e-8
@@ -301,16 +345,24 @@ def test_a_scene_mixes_models_of_all_packages(place: Place) -> None:
         )  # fmt: skip
         result = open_result(folder / out / "friction-curve.nc")
         for force in (100.0, 1000.0):
-            one, want = result.sel(normal_force=force), expected(rpm, force, result["slip"].to_numpy())
+            one = result.sel(normal_force=force)
+            want = expected(rpm, force, result["slip"].to_numpy())
             for name, value in want.items():
                 got = np.asarray(one[name])
-                np.testing.assert_allclose(got, np.broadcast_to(value, got.shape), rtol=1e-11, atol=1e-15)
+                np.testing.assert_allclose(
+                    got, np.broadcast_to(value, got.shape), rtol=1e-11, atol=1e-15
+                )
             seen.append(want["film_parameter"])
     # The film parameters lie in every branch: both blends, the inner one alone, Cross alone.
     assert np.histogram(seen, [0.01, 1.0, 1.5, 3.0, np.inf])[0].min() >= 1
-    assert json.loads(result.attrs["packages"]).items() >= {"rollslip-plain-c-film": "0.1.0"}.items()
+    assert (
+        json.loads(result.attrs["packages"]).items() >= {"rollslip-plain-c-film": "0.1.0"}.items()
+    )
     citations = result.attrs["citations"]
-    assert all(who in citations for who in ("Grubin", "Cross M.M.", "Lee R.-T., Hamrock", "Kragelskii", "Stachowiak"))
+    assert all(
+        who in citations
+        for who in ("Grubin", "Cross M.M.", "Lee R.-T., Hamrock", "Kragelskii", "Stachowiak")
+    )
 
 
 def test_a_whole_run_finishes_with_models_of_all_packages(place: Place) -> None:
@@ -318,7 +370,9 @@ def test_a_whole_run_finishes_with_models_of_all_packages(place: Place) -> None:
     folder.mkdir()
     (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
     with timed("a run with plots and report"):
-        printed = place.run("rollslip", "run", "scene.toml", "-v", "--report", "--out", "out", cwd=folder)
+        printed = place.run(
+            "rollslip", "run", "scene.toml", "-v", "--report", "--out", "out", cwd=folder
+        )
     assert "film ertel-grubin (rollslip-plain-c-film 0.1.0)" in printed
     assert (folder / "out" / "report.html").stat().st_size > 1000
     effective = open_result(folder / "out" / "effective-friction.nc")
@@ -338,11 +392,15 @@ def test_heat_harm_and_torque_of_packages_take_the_place_of_ours(place: Place) -
     assert result("thermal-balance", "models.thermal=network", "network").sizes["node"] == 6
     own = result("thermal-balance", "models.thermal=own-thermal", "own")
     # 10 W/K to surroundings of 20 degC
-    assert float(own.temperature[0, 0]) - 293.15 == pytest.approx(float(own.loss.sum()) / 10.0, rel=1e-9)
+    assert float(own.temperature[0, 0]) - 293.15 == pytest.approx(
+        float(own.loss.sum()) / 10.0, rel=1e-9
+    )
     damage = result("surface-damage", 'models.damage=["power-density", "own-damage"]', "damage")
     assert damage.measure.to_numpy().tolist() == ["power-density", "own-damage"]
     assert np.all(np.isfinite(damage.worst.to_numpy()))
-    torque = result("steady-slip", 'models.torque=["constant-coefficient", "own-torque"]', "torque").formula_torque
+    torque = result(
+        "steady-slip", 'models.torque=["constant-coefficient", "own-torque"]', "torque"
+    ).formula_torque
     # 0.0011 at the bore of 150 mm, and 0.001 at the pitch circle of 180 mm
     assert float(torque[0] / torque[1]) == pytest.approx(0.0011 * 0.15 / (0.001 * 0.18), rel=1e-12)
 
@@ -356,7 +414,9 @@ def test_a_file_format_of_a_package_is_written_and_read(place: Place) -> None:
 # The page -------------------------------------------------------------------------------------------------------------
 
 PAGE = ROOT / "docs" / "start" / "first-model.rst"
-BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n(?:   :caption: (.+)\n)?\n((?:(?:   .*)?\n)+)", re.MULTILINE)
+BLOCK = re.compile(
+    r"^\.\. code-block:: (\w+)\n(?:   :caption: (.+)\n)?\n((?:(?:   .*)?\n)+)", re.MULTILINE
+)
 
 
 def page_as_script() -> str:
@@ -379,9 +439,13 @@ def test_the_page_your_first_model_runs_as_written(place: Place) -> None:
     with timed("the page 'Your first model'"):
         printed = place.run("bash", "-c", page_as_script(), cwd=folder)
     print(printed, file=sys.stderr)
-    before, after = (open_result(folder / name / "friction-curve.nc") for name in ("before", "after"))
+    before, after = (
+        open_result(folder / name / "friction-curve.nc") for name in ("before", "after")
+    )
     compiled = open_result(folder / "compiled" / "friction-curve.nc")
-    np.testing.assert_allclose(compiled["friction"], before["friction"], rtol=1e-11)  # the same law twice
+    np.testing.assert_allclose(
+        compiled["friction"], before["friction"], rtol=1e-11
+    )  # the same law twice
     # A hyperbolic tangent lies below its tangent and its limit; each run errs by the tolerance of the scene at most.
     assert (after["friction"] <= before["friction"] + 2e-3 * before["friction"].max()).all()
     assert float(abs(after["friction"] - before["friction"]).max()) > 1e-4

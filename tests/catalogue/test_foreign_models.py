@@ -22,11 +22,16 @@ for kind in {kinds}:
 
 def test_every_kind_is_brought_by_a_package_of_others():
     examples = (ROOT / "docs" / "example-plugins").glob("*/pyproject.toml")
-    points = [tomllib.loads(path.read_text(encoding="utf-8"))["project"]["entry-points"] for path in examples]
+    points = [
+        tomllib.loads(path.read_text(encoding="utf-8"))["project"]["entry-points"]
+        for path in examples
+    ]
     shown = {group.removeprefix("rollslip.").replace("_", "-") for of in points for group in of}
     written = {kind for kind in kinds() if get_kind(kind).template is not None}
     assert shown - written == {"format"}
-    assert set(kinds()) == written | shown | FOREIGN.keys() | {"scene"}  # tests/catalogue/test_named_data.py
+    assert set(kinds()) == written | shown | FOREIGN.keys() | {
+        "scene"
+    }  # tests/catalogue/test_named_data.py
 
 
 def test_the_kit_passes_what_packages_of_others_bring(tmp_path):

@@ -90,7 +90,8 @@ def test_what_a_scene_takes_by_its_name_is_cited():
 
 def test_a_scene_with_a_name_is_the_scene_with_its_values():
     written = SHIPPED.text.split("[bearing]")
-    head, tail = written[0], "[surface]" + written[1].split("[surface]")[1]
+    head = written[0]
+    tail = "[surface]" + written[1].split("[surface]")[1]
     short = parse_scene(f"{head}[bearing]\nname = '1032930'\n\n{tail}", "short.toml")
     assert short == SHIPPED
     assert scene_hash(short) == scene_hash(SHIPPED)
@@ -99,28 +100,43 @@ def test_a_scene_with_a_name_is_the_scene_with_its_values():
 
 def test_other_keys_change_the_values():
     read = scene(
-        "name = 'crowned'\nrollers = 18\nprofile = 'none'", "name = 'superfinished'\nroller_roughness = '0.5 um'"
+        "name = 'crowned'\nrollers = 18\nprofile = 'none'",
+        "name = 'superfinished'\nroller_roughness = '0.5 um'",
     )
     assert read.bearing == attrs.evolve(CROWNED.bearing, rollers=18, profile=Profile())
     assert read.surface == attrs.evolve(SMOOTH, roller_roughness=5e-7)
 
 
 def test_a_table_of_values_is_filled_and_a_choice_is_taken_whole():
-    read = scene("name = 'crowned'", bearing_material="density = '7000 kg/m3'", bearing_profile="shape = 'iso16281'")
+    read = scene(
+        "name = 'crowned'",
+        bearing_material="density = '7000 kg/m3'",
+        bearing_profile="shape = 'iso16281'",
+    )
     assert read.bearing.material == attrs.evolve(CROWNED.bearing.material, density=7000.0)
     assert read.bearing.profile == Profile(shape="iso16281")
 
 
 def test_a_clearance_that_follows_from_the_diameters_follows():
-    assert scene("name = '1032930'\nouter_raceway_diameter = '195.04 mm'").bearing.radial_clearance == 4e-5
-    assert scene("name = 'crowned'\nouter_raceway_diameter = '100.1 mm'").bearing.radial_clearance == 4e-5  # its own
+    assert (
+        scene("name = '1032930'\nouter_raceway_diameter = '195.04 mm'").bearing.radial_clearance
+        == 4e-5
+    )
+    assert (
+        scene("name = 'crowned'\nouter_raceway_diameter = '100.1 mm'").bearing.radial_clearance
+        == 4e-5
+    )  # its own
 
 
 def test_changes_start_from_the_name():
     read = scene("name = 'crowned'")
     changed = evolve(read, {"bearing.name": "1032930", "bearing.material.density": "7000 kg/m3"})
-    assert changed.bearing == attrs.evolve(bearing_1032930.bearing, material=Material(density=7000.0))
-    changed = evolve(read, {"bearing.material.density": "7000 kg/m3", "surface.name": "superfinished"})
+    assert changed.bearing == attrs.evolve(
+        bearing_1032930.bearing, material=Material(density=7000.0)
+    )
+    changed = evolve(
+        read, {"bearing.material.density": "7000 kg/m3", "surface.name": "superfinished"}
+    )
     assert changed.bearing.material == attrs.evolve(CROWNED.bearing.material, density=7000.0)
     assert changed.surface == SMOOTH
 
@@ -142,7 +158,12 @@ def test_an_unknown_name_gets_the_nearest():
 
 
 def test_faults_of_changed_values_have_their_lines():
-    assert faults(SceneError, scene, "name = 'crowned'\nrollers = 60\nlength = 1", "name = 'ground'\nrougness = 1") == [
+    assert faults(
+        SceneError,
+        scene,
+        "name = 'crowned'\nrollers = 60\nlength = 1",
+        "name = 'ground'\nrougness = 1",
+    ) == [
         "scene.toml:4: bearing.length: unknown key, did you mean 'roller_length'?",
         "scene.toml:7: surface.rougness: unknown key, did you mean 'roller_roughness'?",
     ]
@@ -152,7 +173,9 @@ def test_faults_of_changed_values_have_their_lines():
 
 
 def test_a_name_is_a_text():
-    assert "scene.toml:2: bearing.name: a text is expected, not 1032930" in faults(SceneError, scene, "name = 1032930")
+    assert "scene.toml:2: bearing.name: a text is expected, not 1032930" in faults(
+        SceneError, scene, "name = 1032930"
+    )
 
 
 def test_a_name_that_gives_nothing_is_said():
@@ -163,13 +186,18 @@ def test_a_name_that_gives_nothing_is_said():
 
 
 def test_named_data_take_no_parameters():
-    with pytest.raises(PluginError, match="bearing takes no parameters here, got rollers; set them in"):
+    with pytest.raises(
+        PluginError, match="bearing takes no parameters here, got rollers; set them in"
+    ):
         get_model("bearing", "crowned", rollers=20)
 
 
 def test_the_schema_has_the_names():
     rows = {row.key: row for row in schema()}
-    for kind, what in (("bearing", "a bearing that a plugin offers"), ("surface", "ground or superfinished")):
+    for kind, what in (
+        ("bearing", "a bearing that a plugin offers"),
+        ("surface", "ground or superfinished"),
+    ):
         assert rows[f"{kind}.name"].doc == f"{what}, whose values the other keys change"
     assert [*SURFACES] == ["ground", "superfinished"]
 
@@ -231,14 +259,18 @@ def test_a_package_ships_scenes(tmp_path):
     install(tmp_path, "rollslip-stand", SCENES, kind="scene", name="test-stand")
     (tmp_path / "own_scenes").mkdir()
     text = FILE.read_text(encoding="utf-8")
-    (tmp_path / "own_scenes" / "test-stand.toml").write_text(text.replace('title = "', 'title = "Own '))
+    (tmp_path / "own_scenes" / "test-stand.toml").write_text(
+        text.replace('title = "', 'title = "Own ')
+    )
     assert python(RUN, tmp_path) == [True, f"Own {SHIPPED.title}"]
 
 
 def test_a_scene_whose_file_is_missing_is_the_packages_fault(tmp_path):
     install(tmp_path, "rollslip-stand", SCENES, kind="scene", name="test-stand")
     said = python(RUN, tmp_path)[1]
-    assert said.startswith("scene 'test-stand' of package rollslip-stand 1.0: its file cannot be read (")
+    assert said.startswith(
+        "scene 'test-stand' of package rollslip-stand 1.0: its file cannot be read ("
+    )
     assert said.endswith("repair or uninstall rollslip-stand")
 
 
@@ -249,9 +281,20 @@ def test_the_box_offers_a_bearing():
 
 
 def test_data_of_the_wrong_kind_are_the_packages_fault(tmp_path):
-    install(tmp_path, "rollslip-wrong", BEARINGS.replace("BearingData(", "dict("), kind="bearing", name="wrong")
+    install(
+        tmp_path,
+        "rollslip-wrong",
+        BEARINGS.replace("BearingData(", "dict("),
+        kind="bearing",
+        name="wrong",
+    )
     thing = "type('T', (), {'name': 'NAME', '__repr__': lambda self: 'T()'})()"
-    install(tmp_path, "rollslip-odd", BEARINGS.split("    return")[0] + f"    return [{thing}]\n", kind="bearing")
+    install(
+        tmp_path,
+        "rollslip-odd",
+        BEARINGS.split("    return")[0] + f"    return [{thing}]\n",
+        kind="bearing",
+    )
     said = [python(READ % ("1032930-70C", name), tmp_path)[1] for name in ("wrong", "odd")]
     assert said == [
         "changes: bearing.name: bearing 'wrong' of package rollslip-wrong 1.0: its bearings() offers None, but its "

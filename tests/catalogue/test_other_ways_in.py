@@ -13,7 +13,18 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import Chain, Conditions, Slices, available, evolve, get_include, get_model, load_scene, run, sweep
+from rollslip import (
+    Chain,
+    Conditions,
+    Slices,
+    available,
+    evolve,
+    get_include,
+    get_model,
+    load_scene,
+    run,
+    sweep,
+)
 from rollslip.catalogue import discovery
 from rollslip.catalogue.packages import packages, requirements
 from rollslip.catalogue.registry import catalogue, find, get_class
@@ -47,7 +58,9 @@ def law(slices):
 
 
 def filled(stage, n=600, **conditions):
-    slices = Slices(n, Conditions(**conditions), rolling_speed=np.arange(1.0, n + 1), sliding_speed=2.0)
+    slices = Slices(
+        n, Conditions(**conditions), rolling_speed=np.arange(1.0, n + 1), sliding_speed=2.0
+    )
     Chain(stage)(slices)
     return slices.friction
 
@@ -70,7 +83,10 @@ def test_a_function_is_a_model_by_name():
     assert hash(made) == hash(get_model("traction", "my-law"))
     assert type(made).__doc__ == "Half the slide-roll ratio."
     assert made.equation == "friction = law(slices)"
-    assert made.domain == {"rolling_speed": POSITIVE, "sliding_speed": FINITE}  # what they physically can be
+    assert made.domain == {
+        "rolling_speed": POSITIVE,
+        "sliding_speed": FINITE,
+    }  # what they physically can be
     assert get_model("traction", "lambda-blend", boundary="my-law").boundary == made
     with pytest.raises(attrs.exceptions.FrozenInstanceError):
         made.name = "another"
@@ -108,13 +124,19 @@ def test_a_function_may_have_a_compiled_form():
 
 
 def test_a_domain_is_kept():
-    model("traction", "my-law", domain={"rolling_speed": (1.0, 500.0), "sliding_speed": FINITE})(law)
-    with pytest.raises(DomainError, match=r"^my-law: rolling_speed = 501 m/s at slice 500 is outside its domain \("):
+    model("traction", "my-law", domain={"rolling_speed": (1.0, 500.0), "sliding_speed": FINITE})(
+        law
+    )
+    with pytest.raises(
+        DomainError, match=r"^my-law: rolling_speed = 501 m/s at slice 500 is outside its domain \("
+    ):
         filled(get_model("traction", "my-law"))
 
 
 def test_a_film_reads_what_films_read():
-    model("film", "flat", domain={"load": (1.0, 2.0)}, equation="h = h0", references=["me"])(lambda slices: 1e-6)
+    model("film", "flat", domain={"load": (1.0, 2.0)}, equation="h = h0", references=["me"])(
+        lambda slices: 1e-6
+    )
     flat = get_model("film", "flat")
     assert flat.reads == FilmModel.reads
     assert flat.domain == {**FilmModel.domain, "load": (1.0, 2.0)}
@@ -124,9 +146,14 @@ def test_a_film_reads_what_films_read():
 
 def test_a_study_runs_with_it_and_says_that_it_is_not_packaged():
     model("traction", "my-law", reads=READS, references=["A Notebook of Mine, 2024."])(law)
-    changes = {"models.traction": "my-law", "study.friction-curve": {"points": 11, "normal_force": ["300 N"]}}
+    changes = {
+        "models.traction": "my-law",
+        "study.friction-curve": {"points": 11, "normal_force": ["300 N"]},
+    }
     result = run(evolve(load_scene("1032930-70C"), changes), "friction-curve")
-    np.testing.assert_allclose(result.friction.to_numpy()[0], 0.5 * result.slip.to_numpy(), rtol=1e-12)
+    np.testing.assert_allclose(
+        result.friction.to_numpy()[0], 0.5 * result.slip.to_numpy(), rtol=1e-12
+    )
     traction = next(one for one in json.loads(result.attrs["models"]) if one["kind"] == "traction")
     assert (traction["package"], traction["version"]) == ("(this process)", "unpackaged")
     assert json.loads(result.attrs["packages"])["(this process)"] == "unpackaged"
@@ -140,14 +167,23 @@ def test_an_error_of_a_function_says_that_it_is_of_this_session():
 
     with pytest.raises(LookupError, match="mine") as caught:
         filled(get_model("traction", "fails"))
-    assert caught.value.__notes__ == ["raised by evaluate() of model 'fails'; it was registered in this process"]
+    assert caught.value.__notes__ == [
+        "raised by evaluate() of model 'fails'; it was registered in this process"
+    ]
 
 
 def test_a_function_has_parameters_that_scenes_sweeps_and_fits_set():
-    limit = parameter(default=0.05, unit="1", doc="largest friction", validator=positive, usual=(0.01, 0.2))
+    limit = parameter(
+        default=0.05, unit="1", doc="largest friction", validator=positive, usual=(0.01, 0.2)
+    )
     stress = parameter(default=4e6, unit="Pa", doc="limiting stress", validator=positive)
 
-    @model("traction", "limited", reads=(*READS, "pressure"), parameters={"limit": limit, "stress": stress})
+    @model(
+        "traction",
+        "limited",
+        reads=(*READS, "pressure"),
+        parameters={"limit": limit, "stress": stress},
+    )
     def limited(slices, limit, stress):
         most = np.minimum(limit, stress / slices.pressure)
         return most * np.sign(slices.sliding_speed)
@@ -158,15 +194,24 @@ def test_a_function_has_parameters_that_scenes_sweeps_and_fits_set():
     with pytest.raises(SceneError, match=r"limited\.limit: must be above 0, not -1"):
         get_model("traction", "limited", limit=-1.0)
     scene = evolve(
-        load_scene("1032930-70C"), {"models.traction": {"model": "limited", "limit": 0.02, "stress": "1 GPa"}}
+        load_scene("1032930-70C"),
+        {"models.traction": {"model": "limited", "limit": 0.02, "stress": "1 GPa"}},
     )
     assert plan(scene, "friction-curve").assembly.traction.limit == 0.02
     swept = sweep(
-        scene, {"models.traction.limit": "0.01:0.03:3"}, study="friction-curve", output=["friction"], engine="serial"
+        scene,
+        {"models.traction.limit": "0.01:0.03:3"},
+        study="friction-curve",
+        output=["friction"],
+        engine="serial",
     )
-    np.testing.assert_allclose(swept["friction"].max(("slip", "normal_force")), [0.01, 0.02, 0.03], rtol=1e-12)
+    np.testing.assert_allclose(
+        swept["friction"].max(("slip", "normal_force")), [0.01, 0.02, 0.03], rtol=1e-12
+    )
     slices = Slices(2, sliding_speed=[1.0, -1.0], rolling_speed=10.0, pressure=1e9)
-    np.testing.assert_allclose(limited(slices, 0.05, 1e6), [1e-3, -1e-3])  # the function is left as it is
+    np.testing.assert_allclose(
+        limited(slices, 0.05, 1e6), [1e-3, -1e-3]
+    )  # the function is left as it is
 
 
 def two(slices, other):
@@ -182,7 +227,11 @@ def two(slices, other):
             "limit is no parameter with a default; declare it by rollslip.fields.parameter(default=",
         ),
         ({"limit": parameter(unit="1", doc="limit")}, two, "limit is no parameter with a default"),
-        ({"limit": parameter(default=1.0, unit="1", doc="limit")}, two, "two has to take the slices and limit, but "),
+        (
+            {"limit": parameter(default=1.0, unit="1", doc="limit")},
+            two,
+            "two has to take the slices and limit, but ",
+        ),
         (None, two, "two has to take the slices alone, but missing a required argument: 'other'"),
     ],
 )
@@ -195,13 +244,21 @@ def test_parameters_that_a_function_does_not_take_are_refused(parameters, functi
 @pytest.mark.parametrize(
     ("kind", "arguments", "sentence"),
     [
-        ("contact", {}, "a function cannot be a contact model, only film or traction; write a class and register it"),
+        (
+            "contact",
+            {},
+            "a function cannot be a contact model, only film or traction; write a class and register it",
+        ),
         (
             "traction",
             {"reads": ("speed", "load")},
             "traction 'mine' cannot be registered: it reads speed, but slices have approach, conductivity, effusivity",
         ),
-        ("traction", {"reads": ("friction",)}, "traction 'mine' cannot be registered: it reads friction, but"),
+        (
+            "traction",
+            {"reads": ("friction",)},
+            "traction 'mine' cannot be registered: it reads friction, but",
+        ),
         (
             "traction",
             {"reads": READS, "domain": {"load": POSITIVE}},
@@ -232,9 +289,14 @@ def test_a_taken_name_is_replaced_on_purpose_only():
     for name, whose in [("my-law", "in this process"), ("muraki", "by package rollslip")]:
         with pytest.raises(PluginError) as error:
             model("traction", name, reads=READS)(other)
-        sentence = f"traction {name!r} is offered {whose} already; rename yours, or set replace=True"
+        sentence = (
+            f"traction {name!r} is offered {whose} already; rename yours, or set replace=True"
+        )
         assert str(error.value) == sentence
-        assert find("traction", name).package == {"my-law": "(this process)", "muraki": "rollslip"}[name]
+        assert (
+            find("traction", name).package
+            == {"my-law": "(this process)", "muraki": "rollslip"}[name]
+        )
         model("traction", name, reads=READS, replace=True)(other)
         assert find("traction", name).package == "(this process)"
         np.testing.assert_array_equal(filled(get_model("traction", name)), 0.0)
@@ -253,7 +315,9 @@ def test_what_is_registered_belongs_to_no_package():
 
 def test_a_misspelt_name_of_the_session_gets_the_nearest():
     model("traction", "my-law", reads=READS)(law)
-    with pytest.raises(PluginError, match=r"^no traction is called 'my-lav'; did you mean 'my-law'\?"):
+    with pytest.raises(
+        PluginError, match=r"^no traction is called 'my-lav'; did you mean 'my-law'\?"
+    ):
         find("traction", "my-lav")
 
 
@@ -287,7 +351,9 @@ def test_a_class_is_offered_under_its_kind():
     assert get_class("film", "mine") is cls
     assert get_model("film", "mine").film_thickness(1e4, 10.0, 0.007, 2e11, 0.01, 1e-8) > 0
     assert "mine" not in available("contact")
-    with pytest.raises(PluginError, match=r"^film 'mine' is offered in this process already; rename yours, or set"):
+    with pytest.raises(
+        PluginError, match=r"^film 'mine' is offered in this process already; rename yours, or set"
+    ):
         register(made(Moes))
     other = made(Moes)
     register(other, replace=True)
@@ -300,7 +366,9 @@ def test_named_data_are_offered_as_they_are():
     assert get_model("bearing", "my-bearing") is bearing
     oil = attrs.evolve(get_model("lubricant", "mil-prf-7808"), name="my-oil")
     register(oil)
-    scene = evolve(load_scene("1032930-70C"), {"lubricant.name": "my-oil", "bearing": {"name": "my-bearing"}})
+    scene = evolve(
+        load_scene("1032930-70C"), {"lubricant.name": "my-oil", "bearing": {"name": "my-bearing"}}
+    )
     assert plan(scene).assembly.lubricant.name == "my-oil"
     assert scene.bearing == bearing.bearing
 
@@ -354,7 +422,9 @@ def address_of(function):
 def test_the_structure_of_ctypes_is_that_of_c():
     size, offsets = layout()
     assert ctypes.sizeof(SlicesStruct) == size
-    assert {name: getattr(SlicesStruct, name).offset for name, _ in SlicesStruct._fields_} == offsets
+    assert {
+        name: getattr(SlicesStruct, name).offset for name, _ in SlicesStruct._fields_
+    } == offsets
     assert [name for name, _ in SlicesStruct._fields_] == ["n", *CONDITIONS, *COLUMNS]
 
 
@@ -366,7 +436,9 @@ def test_a_function_of_ctypes_is_a_kernel():
             s.friction[i] = 0.5 * s.sliding_speed[i] / s.rolling_speed[i] + s.viscosity
         return 0
 
-    friction = filled(Foreign(capsule_from_address(address_of(evaluate), keep=evaluate)), viscosity=1.0)
+    friction = filled(
+        Foreign(capsule_from_address(address_of(evaluate), keep=evaluate)), viscosity=1.0
+    )
     np.testing.assert_array_equal(friction, EXPECTED + 1.0)
 
 
@@ -393,14 +465,28 @@ def library(tmp_path_factory):
         pytest.skip("no C compiler is installed")
     folder = tmp_path_factory.mktemp("library")
     (folder / "ramp.c").write_text(C_SOURCE)
-    command = [compiler, "-O1", "-Wall", "-Werror", "-shared", "-fPIC", "-I", get_include(), "ramp.c", "-o", "ramp.so"]
+    command = [
+        compiler,
+        "-O1",
+        "-Wall",
+        "-Werror",
+        "-shared",
+        "-fPIC",
+        "-I",
+        get_include(),
+        "ramp.c",
+        "-o",
+        "ramp.so",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     return ctypes.CDLL(str(folder / "ramp.so"))
 
 
 def ramp(library, factor):
     parameters = ctypes.c_double(factor)
-    return capsule_from_address(address_of(library.ramp), ctypes.addressof(parameters), keep=(library, parameters))
+    return capsule_from_address(
+        address_of(library.ramp), ctypes.addressof(parameters), keep=(library, parameters)
+    )
 
 
 def test_a_c_library_is_a_kernel(library):
@@ -411,7 +497,9 @@ def test_a_c_library_is_a_kernel(library):
     with pytest.raises(DomainError, match=r"^foreign: slice 101 is outside its domain$"):
         Chain(stage)(slices)
     blend = LambdaBlend(boundary=stage, hydrodynamic=stage)
-    slices = Slices(3, Conditions(roughness=1e-6), rolling_speed=1.0, sliding_speed=0.5, film_thickness=1e-6)
+    slices = Slices(
+        3, Conditions(roughness=1e-6), rolling_speed=1.0, sliding_speed=0.5, film_thickness=1e-6
+    )
     Chain(blend)(slices)
     np.testing.assert_array_equal(slices.friction, 0.25)
 
@@ -442,7 +530,8 @@ def test_an_address_of_nothing_is_refused(address):
 
 
 @pytest.mark.skipif(
-    importlib.util.find_spec("numba") is None, reason="Numba is not installed; rollslip does not need it"
+    importlib.util.find_spec("numba") is None,
+    reason="Numba is not installed; rollslip does not need it",
 )
 def test_a_function_of_numba_is_a_kernel():
     from numba import carray, cfunc
@@ -452,7 +541,9 @@ def test_a_function_of_numba_is_a_kernel():
     @cfunc(signature)
     def evaluate(slices, params):
         s = carray(slices, 1)[0]
-        friction, V, u = carray(column(s.friction), s.n), column(s.sliding_speed), column(s.rolling_speed)
+        friction = carray(column(s.friction), s.n)
+        V = column(s.sliding_speed)
+        u = column(s.rolling_speed)
         for i in range(s.n):
             friction[i] = 0.5 * V[i] / u[i] + s.viscosity
         return 0

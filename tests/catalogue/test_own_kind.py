@@ -116,10 +116,22 @@ def test_a_package_of_it_is_written_from_its_own_templates(seals, tmp_path_facto
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("import abc\n", "import abc, nothing_there\n", "of package rollslip-seals cannot be imported (ModuleNotFound"),
-        ("import abc\n", "import abc, sys; sys.exit(1)\n", "of package rollslip-seals cannot be imported (SystemExit"),
+        (
+            "import abc\n",
+            "import abc, nothing_there\n",
+            "of package rollslip-seals cannot be imported (ModuleNotFound",
+        ),
+        (
+            "import abc\n",
+            "import abc, sys; sys.exit(1)\n",
+            "of package rollslip-seals cannot be imported (SystemExit",
+        ),
         ("SEAL = Kind(", "OTHER = Kind(", "cannot be imported (AttributeError"),
-        ('name="seal"', 'name="lip-seal"', "rollslip_seals:SEAL is no Kind of that name; repair or uninstall"),
+        (
+            'name="seal"',
+            'name="lip-seal"',
+            "rollslip_seals:SEAL is no Kind of that name; repair or uninstall",
+        ),
     ],
 )
 def test_a_broken_kind_is_one_sentence_and_stays_its_own(old, new, told, seals):
@@ -142,21 +154,31 @@ def test_a_kind_of_two_packages_is_nobodys_until_one_is_disabled(seals):
     points.write_text("[rollslip.kind]\nseal = another_seal:SEAL\n")
     [[said, _, known]] = python(ASKED, seals)
     assert known
-    assert "kind 'seal': packages rollslip-another and rollslip-seals offer it; uninstall one" in said
-    assert python(ASKED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another") == [[0.942, True, True]]
-    [[said, film, known]] = python(ASKED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another,rollslip-seals")
+    assert (
+        "kind 'seal': packages rollslip-another and rollslip-seals offer it; uninstall one" in said
+    )
+    assert python(ASKED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another") == [
+        [0.942, True, True]
+    ]
+    [[said, film, known]] = python(
+        ASKED, seals, ROLLSLIP_DISABLED_PLUGINS="rollslip-another,rollslip-seals"
+    )
     assert (said[:30], film, known) == ("no kind of model is called 'se", True, False)
 
 
 def test_no_package_takes_the_name_of_a_kind_of_the_box(seals):
     points = seals / "rollslip_seals-1.0.dist-info" / "entry_points.txt"
     points.write_text("[rollslip.kind]\nfilm = rollslip_seals:SEAL\n")
-    assert python("import rollslip\nprint(repr(rollslip.get_model('film', 'moes').name))", seals) == ["moes"]
+    assert python(
+        "import rollslip\nprint(repr(rollslip.get_model('film', 'moes').name))", seals
+    ) == ["moes"]
 
 
 def test_metadata_that_cannot_be_read_keeps_nobody_from_help(tmp_path):
     install(tmp_path, "valueless", None)
-    (tmp_path / "valueless-1.0.dist-info" / "entry_points.txt").write_text("[rollslip.campaign]\nbad\n")
+    (tmp_path / "valueless-1.0.dist-info" / "entry_points.txt").write_text(
+        "[rollslip.campaign]\nbad\n"
+    )
     code, said, error = rollslip("--help", path=tmp_path)
     assert (code, error) == (0, "")
     assert "  sweep " in said
@@ -176,11 +198,13 @@ def check_a_larger_seal_resists_more(seal):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("law", "told"), [("diameter**2", "lip: 7 ok\n"), ("1", "  failed    check_a_larger_seal_resists")]
+    ("law", "told"),
+    [("diameter**2", "lip: 7 ok\n"), ("1", "  failed    check_a_larger_seal_resists")],
 )
 def test_a_kind_brings_the_rules_of_its_things(seals, law, told):
     (seals / "seal_rules.py").write_text(RULES)
-    kind, lip = seals / "rollslip_seals.py", seals / "rollslip_lip.py"
+    kind = seals / "rollslip_seals.py"
+    lip = seals / "rollslip_lip.py"
     kind.write_text(kind.read_text().replace('hook="seals"', 'hook="seals", rules="seal_rules"'))
     lip.write_text(lip.read_text().replace("diameter**2", law))
     code, said, error = rollslip("plugins", "check", "lip", path=seals)
@@ -202,8 +226,14 @@ def test_a_group_that_nobody_reads_is_named(seals):
     code, said, _ = rollslip("plugins", "list", path=seals)
     assert code == 0
     read = "or is the package that brings the kind not installed?"
-    assert f"rollslip-slip: rollslip.tracton: a group that nobody reads; did you mean rollslip.traction, {read}" in said
-    assert f"rollslip-felt: rollslip.gasket: a group that nobody reads; no kind has its name, {read}" in said
+    assert (
+        f"rollslip-slip: rollslip.tracton: a group that nobody reads; did you mean rollslip.traction, {read}"
+        in said
+    )
+    assert (
+        f"rollslip-felt: rollslip.gasket: a group that nobody reads; no kind has its name, {read}"
+        in said
+    )
     (seals / "rollslip_seals.py").write_text("raise ValueError('half a kind')")
     code, said, _ = rollslip("doctor", path=seals)
     assert code == 5

@@ -29,7 +29,9 @@ def street(tmp_path_factory):
     install(folder, "rollslip-two", IMPORTED, name="twin")
     install(folder, "rollslip-half", TRACTION, name="half")
     info = folder / "rollslip_half-1.0.dist-info" / "entry_points.txt"
-    info.write_text(info.read_text() + "gone = rollslip_half\n[rollslip.film]\nnowhere = rollslip_nowhere\n")
+    info.write_text(
+        info.read_text() + "gone = rollslip_half\n[rollslip.film]\nnowhere = rollslip_nowhere\n"
+    )
     install(folder, "unrelated", IMPORTED, name="")
     return folder
 
@@ -62,13 +64,25 @@ EXITS = (
 
 
 def test_every_package_is_listed_with_its_state_and_cause(street):
-    listed, text, dicts, required, states = python(LIST, street, ROLLSLIP_DISABLED_PLUGINS="rollslip-off")
+    listed, text, dicts, required, states = python(
+        LIST, street, ROLLSLIP_DISABLED_PLUGINS="rollslip-off"
+    )
     assert listed == [
         ("rollslip-exits", "1.0", "broken", EXITS),
         ("rollslip-good", "1.2.post1", "ok", ""),
         ("rollslip-half", "1.0", "broken", HALF),
-        ("rollslip-new", "1.0", "incompatible", "requires rollslip>=99, this is 0.1.0; install a version that fits"),
-        ("rollslip-off", "1.0", "disabled", "disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there to use it"),
+        (
+            "rollslip-new",
+            "1.0",
+            "incompatible",
+            "requires rollslip>=99, this is 0.1.0; install a version that fits",
+        ),
+        (
+            "rollslip-off",
+            "1.0",
+            "disabled",
+            "disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there to use it",
+        ),
         ("rollslip-one", "1.0", "shadowed", TWIN),
         ("rollslip-two", "1.0", "shadowed", TWIN),
     ]
@@ -97,7 +111,12 @@ def test_every_package_is_listed_with_its_state_and_cause(street):
         "rollslip-one==1.0",
         "rollslip-two==1.0",
     ]
-    assert states == {"ok", "incompatible", "disabled", "shadowed"}  # the catalogue itself imports nobody
+    assert states == {
+        "ok",
+        "incompatible",
+        "disabled",
+        "shadowed",
+    }  # the catalogue itself imports nobody
 
 
 def test_the_box_is_a_package_like_any_other():
@@ -105,7 +124,9 @@ def test_the_box_is_a_package_like_any_other():
     assert (box.name, box.state, box.cause) == ("rollslip", "ok", "")
     assert {offer.state for offer in box.offers} == {"ok"}
     assert as_dicts([box])[0]["version"] == box.version
-    assert as_text([box]).startswith(f"rollslip {box.version}: ok\n  account     alternatives, comparison, dynamics, ")
+    assert as_text([box]).startswith(
+        f"rollslip {box.version}: ok\n  account     alternatives, comparison, dynamics, "
+    )
     assert requirements()[0] == f"rollslip=={box.version}"
 
 
@@ -115,14 +136,22 @@ TEXT = load_scene("1032930-70C").text
 
 
 def scene(*required):
-    return parse_scene(f"{TEXT}\n[plugins]\n\nrequire = {json.dumps(list(required))}\n", "scene.toml")
+    return parse_scene(
+        f"{TEXT}\n[plugins]\n\nrequire = {json.dumps(list(required))}\n", "scene.toml"
+    )
 
 
 LINE = TEXT.count("\n") + 4
 
 
 def test_what_is_installed_satisfies_a_scene():
-    fits = ["rollslip", "Rollslip>=0.1", "numpy>=2,<99", "nothing-at-all>=1; python_version < '3'", "numpy[extra]>=1"]
+    fits = [
+        "rollslip",
+        "Rollslip>=0.1",
+        "numpy>=2,<99",
+        "nothing-at-all>=1; python_version < '3'",
+        "numpy[extra]>=1",
+    ]
     assert plan(scene(*fits)).scene.plugins.require == tuple(fits)
 
 
@@ -145,14 +174,21 @@ def test_what_is_no_requirement_is_a_mistake_of_the_scene():
         plan(scene("rollslip-nowhere>=0.1", ">=0.1", "two words"))
     first, second = error.value.problems
     assert first.startswith(f"scene.toml:{LINE}: plugins.require[1]: '>=0.1' is no requirement (")
-    assert second.startswith(f"scene.toml:{LINE}: plugins.require[2]: 'two words' is no requirement (")
-    assert all(problem.endswith("); write it as 'rollslip-cross>=0.1'") for problem in error.value.problems)
+    assert second.startswith(
+        f"scene.toml:{LINE}: plugins.require[2]: 'two words' is no requirement ("
+    )
+    assert all(
+        problem.endswith("); write it as 'rollslip-cross>=0.1'") for problem in error.value.problems
+    )
     assert "\n" not in first + second
 
 
 def test_a_requirement_is_checked_before_the_models_are_looked_up():
     changes = {"models.traction": "cross", "plugins.require": ["rollslip-nowhere"]}
-    with pytest.raises(PluginError, match=r"^changes: plugins.require\[0\]: package rollslip-nowhere is required but"):
+    with pytest.raises(
+        PluginError,
+        match=r"^changes: plugins.require\[0\]: package rollslip-nowhere is required but",
+    ):
         plan(evolve(load_scene("1032930-70C"), changes))
 
 
@@ -169,7 +205,12 @@ def test_the_command_line_checks_versions_without_an_import(street):
     ]:  # fmt: skip
         change = f'plugins.require=["{required}"]'
         code, out, err = rollslip(
-            "plan", "1032930-70C", "--set", change, path=street, ROLLSLIP_DISABLED_PLUGINS="rollslip-off"
+            "plan",
+            "1032930-70C",
+            "--set",
+            change,
+            path=street,
+            ROLLSLIP_DISABLED_PLUGINS="rollslip-off",
         )
         if said is None:
             assert (code, err) == (0, "")
@@ -209,7 +250,12 @@ def test_a_run_names_the_package_of_a_law_within_a_law(tmp_path):
     version, children = process(code, paths=[tmp_path]).stdout.splitlines()
     (children,) = ast.literal_eval(children)
     assert version == "2.5"
-    assert {"kind": "traction", "name": "edited", "package": "rollslip-edited", "version": "2.5"} in children
+    assert {
+        "kind": "traction",
+        "name": "edited",
+        "package": "rollslip-edited",
+        "version": "2.5",
+    } in children
 
 
 def test_a_sweep_goes_on_with_no_package_that_was_edited(tmp_path):
@@ -219,7 +265,15 @@ def test_a_sweep_goes_on_with_no_package_that_was_edited(tmp_path):
     info.write_text(json.dumps({"url": tmp_path.as_uri(), "dir_info": {"editable": True}}))
     folder = str(tmp_path / "swept")
     over = "operation.inner_speed=1000rpm:1500rpm:2"
-    given = ["sweep", "run", str(tmp_path / "own.toml"), "--study", "friction-curve", "--over", over]
+    given = [
+        "sweep",
+        "run",
+        str(tmp_path / "own.toml"),
+        "--study",
+        "friction-curve",
+        "--over",
+        over,
+    ]
     code, _, err = rollslip(*given, "--out", folder, "--engine", "serial", path=tmp_path)
     assert code == 0, err
     assert rollslip("sweep", "resume", folder, path=tmp_path)[0] == 0
@@ -245,7 +299,10 @@ def weaker(self, slices):
     [
         ("Muraki.evaluate = Muraki.kernel = weaker", "Muraki.evaluate"),
         ("Muraki.tolerance = 0.0", "Muraki.tolerance"),
-        ("Muraki.evaluate.__code__ = (lambda self, slices: None).__code__", "_EyringFluid.evaluate"),
+        (
+            "Muraki.evaluate.__code__ = (lambda self, slices: None).__code__",
+            "_EyringFluid.evaluate",
+        ),
         ("import rollslip.models as m; m.POSITIVE = (0.0, 1.0)", "rollslip.models.POSITIVE"),
     ],
 )

@@ -19,7 +19,15 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.hookspecs import hookspec
 from rollslip.lubricant import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel, submodel
+from rollslip.models import (
+    ContactModel,
+    Drag,
+    FilmModel,
+    IntegratorModel,
+    PressureModel,
+    TractionModel,
+    submodel,
+)
 from rollslip.planning.campaign import Campaign
 from rollslip.rings import RingModel
 from rollslip.studies.steady_slip.torque import TorqueFormula
@@ -29,7 +37,9 @@ from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import MaxwellEyring
 
-PROMISED = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]["entry-points"]
+PROMISED = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"][
+    "entry-points"
+]
 KINDS = PROMISED.pop("rollslip.kind")
 FAMILIES = {
     name: (group.removeprefix("rollslip."), path)
@@ -45,7 +55,15 @@ OFFERED = [
 ]
 #: Parameters of laws that have no defaults: constants are an oil's own.
 MADE = {
-    "yasutomi": {"glass_temperature": 245.0, "a1": 134.0, "a2": 2e-9, "b1": 4.8, "b2": 1.6e-10, "c1": 16.0, "c2": 20.7}
+    "yasutomi": {
+        "glass_temperature": 245.0,
+        "a1": 134.0,
+        "a2": 2e-9,
+        "b1": 4.8,
+        "b2": 1.6e-10,
+        "c1": 16.0,
+        "c2": 20.7,
+    }
 }
 BASES = {
     "contact": ContactModel,
@@ -56,7 +74,9 @@ BASES = {
     "drag": Drag,
     "integrator": IntegratorModel,
 }
-every_offer = pytest.mark.parametrize(("kind", "name"), OFFERED, ids=["-".join(offer) for offer in OFFERED])
+every_offer = pytest.mark.parametrize(
+    ("kind", "name"), OFFERED, ids=["-".join(offer) for offer in OFFERED]
+)
 
 
 # Catalogue -----------------------------------------------------------------------------------------------------------
@@ -64,7 +84,9 @@ every_offer = pytest.mark.parametrize(("kind", "name"), OFFERED, ids=["-".join(o
 
 def test_the_catalogue_lists_what_the_package_promises():
     ours = [(offer.kind, offer.name) for offer in catalogue() if offer.package == "rollslip"]
-    assert sorted(ours) == sorted([*OFFERED, *((kind, name) for name, (kind, _) in FAMILIES.items())])
+    assert sorted(ours) == sorted(
+        [*OFFERED, *((kind, name) for name, (kind, _) in FAMILIES.items())]
+    )
     assert {offer.state for offer in catalogue() if offer.package == "rollslip"} == {"ok"}
     assert set(kinds()) == set(KINDS)
     for kind in kinds():
@@ -92,7 +114,9 @@ def test_a_family_offers_all_its_names_and_is_none_itself():
     ],
 )
 def test_a_broken_family_says_why_and_hides_no_other_name(monkeypatch, module, told):
-    broken = discovery.Offer(kind="bearing", name="broken", package="broken", version="1", module=module)
+    broken = discovery.Offer(
+        kind="bearing", name="broken", package="broken", version="1", module=module
+    )
     installed = (*discovery._installed(), broken)
     monkeypatch.setattr(discovery, "_installed", lambda: installed)
     with pytest.raises(PluginError, match=told):
@@ -102,20 +126,33 @@ def test_a_broken_family_says_why_and_hides_no_other_name(monkeypatch, module, t
 
 def test_two_that_mean_the_same_are_both_named(monkeypatch):
     twin = discovery.Offer(
-        kind="bearing", name="twin", package="other", version="1", module=FAMILIES["cylindrical-roller"][1]
+        kind="bearing",
+        name="twin",
+        package="other",
+        version="1",
+        module=FAMILIES["cylindrical-roller"][1],
     )
     installed = (*discovery._installed(), twin)
     monkeypatch.setattr(discovery, "_installed", lambda: installed)
     monkeypatch.setattr(
-        discovery, "load", lambda offer, load=discovery.load: load(attrs.evolve(offer, name="cylindrical-roller"))
+        discovery,
+        "load",
+        lambda offer, load=discovery.load: load(attrs.evolve(offer, name="cylindrical-roller")),
     )
-    with pytest.raises(PluginError, match="may be 'NU2210E' of package rollslip and 'NU2210E' of package other"):
+    with pytest.raises(
+        PluginError, match="may be 'NU2210E' of package rollslip and 'NU2210E' of package other"
+    ):
         find("bearing", "NU2210")
 
 
 @pytest.mark.parametrize(
     ("written", "meant"),
-    [("ISO VG 68", "iso-vg-68"), ("vg68", "iso-vg-68"), ("MIL-L-7808", "mil-prf-7808"), ("SAE30", "sae-30")],
+    [
+        ("ISO VG 68", "iso-vg-68"),
+        ("vg68", "iso-vg-68"),
+        ("MIL-L-7808", "mil-prf-7808"),
+        ("SAE30", "sae-30"),
+    ],
 )
 def test_names_of_data_are_found_in_any_spelling_and_by_synonyms(written, meant):
     assert find("lubricant", written).name == meant
@@ -142,7 +179,10 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
         fresh=True,
     )
     assert listed == []
-    first = [f"rollslip_plugins{name}" for name in ("", ".bibliography", ".film", ".film.formulas", ".symbols")]
+    first = [
+        f"rollslip_plugins{name}"
+        for name in ("", ".bibliography", ".film", ".film.formulas", ".symbols")
+    ]
     assert film == again == first
     assert traction == [*first, "rollslip_plugins.traction", "rollslip_plugins.traction.boundary"]
 
@@ -162,7 +202,10 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
         assert not isinstance(thing, type)  # data: a value, checked when it was made
         assert isinstance(thing, Lubricant) == (kind == "lubricant")
     offer = find(kind, name)
-    assert (offer.package, offer.module) == ("rollslip", PROMISED[f"rollslip.{kind.replace('-', '_')}"][name])
+    assert (offer.package, offer.module) == (
+        "rollslip",
+        PROMISED[f"rollslip.{kind.replace('-', '_')}"][name],
+    )
     assert get_class(kind, name) is thing
 
 
@@ -170,9 +213,17 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     ("kind", "name", "sentence"),
     [
         ("film", "mos", "no film is called 'mos'; did you mean 'moes'?"),
-        ("film", "dowson", "no film is called 'dowson'; did you mean 'dowson-1968' or 'dowson-toyoda'"),
+        (
+            "film",
+            "dowson",
+            "no film is called 'dowson'; did you mean 'dowson-1968' or 'dowson-toyoda'",
+        ),
         ("traction", "maxwell", "no traction is called 'maxwell'; did you mean 'maxwell-eyring'"),
-        ("traction", "zzz", "no traction is called 'zzz'; there are: carreau, constant, eyring, eyring-thermal, "),
+        (
+            "traction",
+            "zzz",
+            "no traction is called 'zzz'; there are: carreau, constant, eyring, eyring-thermal, ",
+        ),
         ("film", "muraki", "no film is called 'muraki'"),
         ("fil", "moes", "no kind of model is called 'fil'; did you mean 'film'?"),
         (
@@ -191,7 +242,9 @@ def test_an_unknown_name_is_answered_with_the_nearest(kind, name, sentence):
 
 
 def test_an_unknown_kind_has_no_models():
-    with pytest.raises(PluginError, match="no kind of model is called 'lubricants'; did you mean 'lubricant'"):
+    with pytest.raises(
+        PluginError, match="no kind of model is called 'lubricants'; did you mean 'lubricant'"
+    ):
         available("lubricants")
 
 
@@ -220,7 +273,9 @@ def film_models():
 """
 
 
-def package(folder, name, *, film="flat", module=None, source=None, requires=("rollslip",), version="1.0"):
+def package(
+    folder, name, *, film="flat", module=None, source=None, requires=("rollslip",), version="1.0"
+):
     """Install a package that offers a film model, as pip would leave it: a module, METADATA, entry points."""
     module = module or name.replace("-", "_")
     info = folder / f"{name.replace('-', '_')}-{version}.dist-info"
@@ -247,7 +302,9 @@ ASK = """
 OTHERS = sorted(PROMISED["rollslip.film"])
 
 
-@pytest.mark.parametrize("hook", ["@hookimpl\ndef film_models", "def film_models", "@hookimpl\ndef traction_models"])
+@pytest.mark.parametrize(
+    "hook", ["@hookimpl\ndef film_models", "def film_models", "@hookimpl\ndef traction_models"]
+)
 def test_a_package_of_a_stranger_is_found_by_its_hook_or_by_its_class(tmp_path, hook):
     source = MODULE.format(name="flat").replace("@hookimpl\ndef film_models", hook)
     package(tmp_path, "rollslip-flat", source=source, requires=["rollslip>=0.1", "numpy"])
@@ -263,7 +320,10 @@ IMPORT = "cannot be imported ({}); repair or uninstall rollslip-flat"
 @pytest.mark.parametrize(
     ("source", "answer"),
     [
-        ("import nothing_of_that_name", IMPORT.format("ModuleNotFoundError: No module named 'nothing_of_that_name'")),
+        (
+            "import nothing_of_that_name",
+            IMPORT.format("ModuleNotFoundError: No module named 'nothing_of_that_name'"),
+        ),
         ("raise RuntimeError('half a module')", IMPORT.format("RuntimeError: half a module")),
         ("def (", IMPORT.format("SyntaxError: invalid syntax (rollslip_flat.py, line 1)")),
         ("1 / 0", IMPORT.format("ZeroDivisionError: division by zero")),
@@ -289,7 +349,9 @@ def test_a_package_that_cannot_be_imported_says_why(tmp_path, source, answer):
 def test_a_package_that_does_not_offer_what_it_promises_says_so(tmp_path, source, offered):
     package(tmp_path, "rollslip-flat", source=source)
     *_, said, others = python(ASK, tmp_path)
-    assert said == f"{BROKEN}: its film_models() offers {offered}, but its entry point promises 'flat'"
+    assert (
+        said == f"{BROKEN}: its film_models() offers {offered}, but its entry point promises 'flat'"
+    )
     assert others == OTHERS
 
 
@@ -297,13 +359,20 @@ def test_an_entry_point_without_a_module_says_so(tmp_path):
     package(tmp_path, "rollslip-flat")
     (tmp_path / "rollslip_flat.py").unlink()
     *_, said, others = python(ASK, tmp_path)
-    assert said == f"{BROKEN} " + IMPORT.format("ModuleNotFoundError: No module named 'rollslip_flat'")
+    assert said == f"{BROKEN} " + IMPORT.format(
+        "ModuleNotFoundError: No module named 'rollslip_flat'"
+    )
     assert others == OTHERS
 
 
 @pytest.mark.parametrize("requires", ["rollslip>=99", "rollslip<0.1", "rollslip==0.0.1,>0"])
 def test_a_package_for_another_rollslip_is_incompatible_without_an_import(tmp_path, requires):
-    package(tmp_path, "rollslip-flat", requires=["numpy>=99", requires], source="raise SystemExit('imported')")
+    package(
+        tmp_path,
+        "rollslip-flat",
+        requires=["numpy>=99", requires],
+        source="raise SystemExit('imported')",
+    )
     offers, listed, said, others = python(ASK, tmp_path)
     (name, _, _, state, cause), *rest = offers
     assert (name, state, listed, rest, others) == ("flat", "incompatible", False, [], OTHERS)
@@ -350,7 +419,8 @@ def test_a_package_cannot_take_over_a_name_of_the_box(tmp_path):
 
 
 def test_a_package_found_twice_on_the_path_is_one(tmp_path):
-    first, second = tmp_path / "first", tmp_path / "second"
+    first = tmp_path / "first"
+    second = tmp_path / "second"
     package(first, "rollslip-flat")
     package(second, "rollslip-flat", version="0.9")
     offers, *_, said, others = python(ASK, first, second)
@@ -363,7 +433,9 @@ def test_several_faults_do_not_hide_a_good_package(tmp_path):
     package(tmp_path, "bad-import", film="bad", source="import nothing_of_that_name")
     package(tmp_path, "too-new", film="new", requires=["rollslip>99"])
     package(tmp_path, "no-version-syntax", film="odd", requires=["rollslip !! 3"])
-    offers, listed, said, _ = python(ASK.replace('if name != "flat"', 'if name not in ("flat", "bad")'), tmp_path)
+    offers, listed, said, _ = python(
+        ASK.replace('if name != "flat"', 'if name not in ("flat", "bad")'), tmp_path
+    )
     assert {name: state for name, _, _, state, _ in offers} == {
         "flat": "ok",
         "bad": "ok",
@@ -417,9 +489,24 @@ def test_get_model_reads_plain_numbers_and_percent():
 @pytest.mark.parametrize(
     ("kind", "name", "parameters", "problems"),
     [
-        ("traction", "constant", {"coeficient": 1}, ["constant.coeficient: unknown key, did you mean 'coefficient'?"]),
-        ("traction", "constant", {"coefficient": "5 mm"}, ["'5 mm' is a length, here a plain number is expected"]),
-        ("traction", "constant", {"coefficient": "0,05"}, ["a decimal comma is not read; write '0.05'"]),
+        (
+            "traction",
+            "constant",
+            {"coeficient": 1},
+            ["constant.coeficient: unknown key, did you mean 'coefficient'?"],
+        ),
+        (
+            "traction",
+            "constant",
+            {"coefficient": "5 mm"},
+            ["'5 mm' is a length, here a plain number is expected"],
+        ),
+        (
+            "traction",
+            "constant",
+            {"coefficient": "0,05"},
+            ["a decimal comma is not read; write '0.05'"],
+        ),
         (
             "traction",
             "constant",
@@ -431,15 +518,36 @@ def test_get_model_reads_plain_numbers_and_percent():
             ],
         ),
         ("film", "moes", {"thickness": "central"}, ["moes.thickness: unknown key"]),
-        ("film", "pan-hamrock", {"thickness": "centre"}, ["must be one of 'minimum', 'central', not 'centre'"]),
-        ("traction", "lambda-blend", {"boundary": {"coefficient": 1}}, ["lambda-blend.boundary: a traction model is"]),
+        (
+            "film",
+            "pan-hamrock",
+            {"thickness": "centre"},
+            ["must be one of 'minimum', 'central', not 'centre'"],
+        ),
         (
             "traction",
             "lambda-blend",
-            {"boundary": {"model": "constant", "coefficient": -1}, "hydrodynamic": {"model": "muraki", "flesh": 1}},
-            ["lambda-blend.boundary.coefficient: must be above 0", "lambda-blend.hydrodynamic.flesh: unknown key"],
+            {"boundary": {"coefficient": 1}},
+            ["lambda-blend.boundary: a traction model is"],
         ),
-        ("traction", "lambda-blend", {"boundary_limit": 2.0}, ["hydrodynamic_limit: must be above boundary_limit = 2"]),
+        (
+            "traction",
+            "lambda-blend",
+            {
+                "boundary": {"model": "constant", "coefficient": -1},
+                "hydrodynamic": {"model": "muraki", "flesh": 1},
+            },
+            [
+                "lambda-blend.boundary.coefficient: must be above 0",
+                "lambda-blend.hydrodynamic.flesh: unknown key",
+            ],
+        ),
+        (
+            "traction",
+            "lambda-blend",
+            {"boundary_limit": 2.0},
+            ["hydrodynamic_limit: must be above boundary_limit = 2"],
+        ),
     ],
 )
 def test_bad_parameters_are_all_reported(kind, name, parameters, problems):
@@ -455,7 +563,11 @@ def test_models_can_be_nested_by_name_by_table_and_as_objects():
         "traction",
         "lambda-blend",
         boundary={"model": "constant", "coefficient": "10 %"},
-        hydrodynamic={"model": "lambda-blend", "boundary": "kragelsky", "hydrodynamic": MaxwellEyring(flash=1.0)},
+        hydrodynamic={
+            "model": "lambda-blend",
+            "boundary": "kragelsky",
+            "hydrodynamic": MaxwellEyring(flash=1.0),
+        },
     )
     assert blend.boundary == Constant(coefficient=0.1)
     assert blend.hydrodynamic.boundary == Kragelsky()
@@ -465,13 +577,17 @@ def test_models_can_be_nested_by_name_by_table_and_as_objects():
 
 @pytest.mark.parametrize("child", ["moes", "kragelski"])
 def test_an_unknown_nested_model_is_named_with_its_place(child):
-    with pytest.raises(PluginError, match=f"^lambda-blend.boundary: no traction is called '{child}'; "):
+    with pytest.raises(
+        PluginError, match=f"^lambda-blend.boundary: no traction is called '{child}'; "
+    ):
         get_model("traction", "lambda-blend", boundary={"model": child})
 
 
 def test_a_lubricant_is_a_value_and_takes_no_parameters():
     assert get_model("lubricant", "sae-30").name == "sae-30"
-    with pytest.raises(PluginError, match="takes no parameters here, got eyring_stress; set them in a scene"):
+    with pytest.raises(
+        PluginError, match="takes no parameters here, got eyring_stress; set them in a scene"
+    ):
         get_model("lubricant", "sae-30", eyring_stress=1e6)
 
 
@@ -479,7 +595,11 @@ def test_a_lubricant_is_a_value_and_takes_no_parameters():
 
 
 def test_every_kind_has_a_hook_and_every_hook_a_docstring():
-    marked = {name: thing for name, thing in vars(hookspecs).items() if hasattr(thing, f"{hookspec.project_name}_spec")}
+    marked = {
+        name: thing
+        for name, thing in vars(hookspecs).items()
+        if hasattr(thing, f"{hookspec.project_name}_spec")
+    }
     assert set(marked) == {get_kind(kind).hook for kind in kinds()}
     for hook in marked.values():
         assert (hook.__doc__ or "").strip().endswith(".")
@@ -487,8 +607,14 @@ def test_every_kind_has_a_hook_and_every_hook_a_docstring():
 
 
 def test_every_law_of_a_slice_is_compiled_but_for_references_and_a_table_that_scipy_interpolates():
-    laws = [(kind, name) for kind, name in OFFERED if kind in ("contact", "film", "traction", "pressure-viscosity")]
-    in_numpy = {name for kind, name in laws if get_model(kind, name, **MADE.get(name, {})).kernel() is None}
+    laws = [
+        (kind, name)
+        for kind, name in OFFERED
+        if kind in ("contact", "film", "traction", "pressure-viscosity")
+    ]
+    in_numpy = {
+        name for kind, name in laws if get_model(kind, name, **MADE.get(name, {})).kernel() is None
+    }
     assert in_numpy == {"reynolds-line", "maxwell-eyring-field", "tabulated"}
 
 
@@ -497,7 +623,14 @@ def test_every_law_of_a_slice_is_compiled_but_for_references_and_a_table_that_sc
 
 @pytest.mark.parametrize(
     ("name", "scipy_name"),
-    [("rk23", "RK23"), ("rk45", "RK45"), ("dop853", "DOP853"), ("radau", "Radau"), ("bdf", "BDF"), ("lsoda", "LSODA")],
+    [
+        ("rk23", "RK23"),
+        ("rk45", "RK45"),
+        ("dop853", "DOP853"),
+        ("radau", "Radau"),
+        ("bdf", "BDF"),
+        ("lsoda", "LSODA"),
+    ],
 )
 def test_scipys_integrators_come_as_they_are(name, scipy_name):
     """y' = -y to t = 1: the global error is some ten times the tolerance of a step for every one of them."""
@@ -506,7 +639,9 @@ def test_scipys_integrators_come_as_they_are(name, scipy_name):
     cls = get_model("integrator", name).solver()
     assert cls is getattr(scipy.integrate, scipy_name)
     assert issubclass(cls, scipy.integrate.OdeSolver)
-    solution = scipy.integrate.solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method=cls, rtol=1e-6, atol=1e-9)
+    solution = scipy.integrate.solve_ivp(
+        lambda t, y: -y, (0.0, 1.0), [1.0], method=cls, rtol=1e-6, atol=1e-9
+    )
     assert solution.success
     np.testing.assert_allclose(solution.y[0, -1], np.exp(-1.0), rtol=2e-5)
 
@@ -517,7 +652,11 @@ def test_the_box_has_all_of_scipys_integrators():
     theirs = {cls.__name__ for cls in scipy.integrate.OdeSolver.__subclasses__()} - {"RungeKutta"}
     theirs |= {cls.__name__ for cls in scipy.integrate.RK45.__mro__[1].__subclasses__()}
     integrators = PROMISED["rollslip.integrator"]
-    listed = [name for name, module in integrators.items() if module == "rollslip_plugins.integrators.scipy"]
+    listed = [
+        name
+        for name, module in integrators.items()
+        if module == "rollslip_plugins.integrators.scipy"
+    ]
     ours = {get_model("integrator", name).solver().__name__ for name in listed}
     assert set(integrators) - set(listed) == {"rodas5p", "leapfrog", "cvode"}
     assert ours == {name for name in theirs if hasattr(scipy.integrate, name)}
@@ -535,19 +674,31 @@ def test_a_submodel_may_be_declared_by_its_name():
     assert halved().of == get_model("traction", "muraki")
     assert halved(of=Constant()).of == Constant()
     for given in ({}, {"factory": Constant, "default": "muraki"}):
-        with pytest.raises(TypeError, match="takes a factory or the name of its default, one of them"):
+        with pytest.raises(
+            TypeError, match="takes a factory or the name of its default, one of them"
+        ):
             submodel("traction", doc="", **given)
 
 
 def test_a_release_candidate_of_rollslip_is_one_that_fits(monkeypatch):
     monkeypatch.setattr("importlib.metadata.version", lambda name: "0.2.0rc1")
     assert installed._state(SimpleNamespace(name="x", requires=["rollslip>=0.1"])) == ("ok", "")
-    assert installed._state(SimpleNamespace(name="x", requires=["rollslip>=0.3"]))[0] == "incompatible"
+    assert (
+        installed._state(SimpleNamespace(name="x", requires=["rollslip>=0.3"]))[0] == "incompatible"
+    )
 
 
 def test_of_offers_that_cannot_be_used_the_one_is_told_whose_remedy_helps(monkeypatch):
     offers = tuple(
-        discovery.Offer(kind="film", name="flat", package=state, version="1", module="m", state=state, cause=state)
+        discovery.Offer(
+            kind="film",
+            name="flat",
+            package=state,
+            version="1",
+            module="m",
+            state=state,
+            cause=state,
+        )
         for state in ("incompatible", "shadowed", "disabled")
     )
     monkeypatch.setattr(discovery, "catalogue", lambda: offers)

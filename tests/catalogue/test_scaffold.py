@@ -26,7 +26,9 @@ WRITTEN = [kind for kind in kinds() if get_kind(kind).template is not None]
 COMPILED = ("contact", "drag", "film", "traction")
 FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in COMPILED]
 every_form = pytest.mark.parametrize(
-    ("kind", "compiled"), FORMS, ids=[f"{kind}-compiled" if compiled else kind for kind, compiled in FORMS]
+    ("kind", "compiled"),
+    FORMS,
+    ids=[f"{kind}-compiled" if compiled else kind for kind, compiled in FORMS],
 )
 
 
@@ -35,13 +37,22 @@ def test_a_package_is_written_whole(kind: str, compiled: bool, tmp_path: Path) -
     made = new("rollslip-my-law", kind, compiled, tmp_path)
     assert made == tmp_path / "rollslip-my-law"
     source = "src/rollslip_my_law"
-    expected = {".gitignore", "LICENSE", "README.md", "pyproject.toml", f"{source}/__init__.py", f"{source}/py.typed"}
+    expected = {
+        ".gitignore",
+        "LICENSE",
+        "README.md",
+        "pyproject.toml",
+        f"{source}/__init__.py",
+        f"{source}/py.typed",
+    }
     expected |= {".github/workflows/wheels.yml"}
     expected |= {f"{source}/{kind}.py", f"tests/test_rollslip_my_law_{kind}.py"}
     expected |= {f"{source}/heun.py"} if kind == "integrator" else set()
     if compiled:
         expected |= {"setup.py", f"{source}/_{kind}.pyx", f"{source}/_{kind}.pyi"}
-    written = {path.relative_to(made).as_posix(): path for path in made.rglob("*") if path.is_file()}
+    written = {
+        path.relative_to(made).as_posix(): path for path in made.rglob("*") if path.is_file()
+    }
     assert set(written) == expected
     assert {name: path.read_text(encoding="utf-8") for name, path in written.items()} == package(
         "rollslip-my-law", kind, compiled
@@ -57,9 +68,13 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
     project = metadata["project"]
     assert project["name"] == "rollslip-my-law"
     assert project["entry-points"] == {f"rollslip.{kind}": {"my-law": f"rollslip_my_law.{kind}"}}
-    assert "rollslip>=0.1" in project["dependencies"], "the contract is what has to fit, and says so where it does not"
+    assert "rollslip>=0.1" in project["dependencies"], (
+        "the contract is what has to fit, and says so where it does not"
+    )
     assert project["license"] == "BSD-3-Clause"
-    assert texts["LICENSE"].startswith("BSD 3-Clause License\n\nCopyright (c) the authors of rollslip-my-law\n")
+    assert texts["LICENSE"].startswith(
+        "BSD 3-Clause License\n\nCopyright (c) the authors of rollslip-my-law\n"
+    )
     assert {*project["urls"]} == {"Source", "Issues"}
     assert project["optional-dependencies"] == {"test": ["rollslip[kit]"]}
     builders = {re.split("[<>=]", one)[0] for one in metadata["build-system"]["requires"]}
@@ -69,7 +84,8 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
     hooks = [
         node.name
         for node in tree.body
-        if isinstance(node, ast.FunctionDef) and [ast.unparse(one) for one in node.decorator_list] == ["hookimpl"]
+        if isinstance(node, ast.FunctionDef)
+        and [ast.unparse(one) for one in node.decorator_list] == ["hookimpl"]
     ]
     assert hooks == [get_kind(kind).hook]
     strings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
@@ -86,7 +102,9 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
 def test_the_files_are_python_and_nothing_is_left_to_fill_in(kind: str, compiled: bool) -> None:
     imported = {"numpy": "numpy", "attrs": "attrs", "scipy": "scipy"}
     for path, text in package("quick", kind, compiled).items():
-        assert "$" not in text.replace("${{ matrix.os }}", "" if path.endswith(".yml") else "$"), path
+        assert "$" not in text.replace("${{ matrix.os }}", "" if path.endswith(".yml") else "$"), (
+            path
+        )
         assert not re.search(r"^@(compiled|python)\b", text, re.MULTILINE), path
         assert text == "" or text.endswith("\n"), path
         assert not re.search(r"[ \t]$|\t|\n\n\n\n", text, re.MULTILINE), path
@@ -95,8 +113,13 @@ def test_the_files_are_python_and_nothing_is_left_to_fill_in(kind: str, compiled
             tree = ast.parse(text, path)
             assert path.endswith(".pyi") or text == "" or ast.get_docstring(tree), path
             if path.startswith("src/"):
-                modules = {name.split(".")[0] for name in re.findall(r"^(?:from|import) ([\w.]+)", text, re.MULTILINE)}
-                wanted = tomllib.loads(package("quick", kind, compiled)["pyproject.toml"])["project"]["dependencies"]
+                modules = {
+                    name.split(".")[0]
+                    for name in re.findall(r"^(?:from|import) ([\w.]+)", text, re.MULTILINE)
+                }
+                wanted = tomllib.loads(package("quick", kind, compiled)["pyproject.toml"])[
+                    "project"
+                ]["dependencies"]
                 for module in modules & set(imported):
                     assert any(one.startswith(imported[module]) for one in wanted), (path, module)
 
@@ -104,8 +127,13 @@ def test_the_files_are_python_and_nothing_is_left_to_fill_in(kind: str, compiled
 @pytest.mark.parametrize("kind", COMPILED)
 def test_compiled_forms_are_cython(kind: str, tmp_path: Path) -> None:
     source = new("own-compiled", kind, True, tmp_path) / "src" / "own_compiled" / f"_{kind}.pyx"
-    options = CompilationOptions(include_path=[get_include()], output_file=str(tmp_path / "k.c"), language_level=3)
-    assert compile_single(str(source), options, full_module_name=f"own_compiled._{kind}").num_errors == 0
+    options = CompilationOptions(
+        include_path=[get_include()], output_file=str(tmp_path / "k.c"), language_level=3
+    )
+    assert (
+        compile_single(str(source), options, full_module_name=f"own_compiled._{kind}").num_errors
+        == 0
+    )
 
 
 def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -143,7 +171,9 @@ def test_several_models_make_one_package(compiled: bool, tmp_path: Path) -> None
         assert (f"from own_pair import _{kind}\n" in texts[f"src/own_pair/{kind}.py"]) == compiled
     if compiled:
         assert 'for name in ("_film", "_traction",)' in texts["setup.py"]
-    with pytest.raises(FieldError, match="a package takes one film from a template; write a second one beside it"):
+    with pytest.raises(
+        FieldError, match="a package takes one film from a template; write a second one beside it"
+    ):
         new("own-pair", "film,film:own-other", compiled, tmp_path)
 
 
@@ -225,7 +255,9 @@ def test_an_entry_point_may_name_a_module_of_marked_functions(tmp_path: Path) ->
         ("rollslip-moes", "package rollslip offers a film called 'moes' already"),
     ],
 )  # fmt: skip
-def test_a_name_that_cannot_be_used_is_refused_with_a_reason(name: str, sentence: str, tmp_path: Path) -> None:
+def test_a_name_that_cannot_be_used_is_refused_with_a_reason(
+    name: str, sentence: str, tmp_path: Path
+) -> None:
     with pytest.raises(FieldError) as error:
         new(name, "film", False, tmp_path)
     assert str(error.value).startswith("name: ")
@@ -242,7 +274,10 @@ def test_the_name_of_another_kind_is_free(tmp_path: Path) -> None:
     ("kind", "sentence"),
     [
         ("tracton", "kind: no kind of model is called 'tracton'; did you mean 'traction'?"),
-        ("zzz", "there are: account, bearing, campaign, contact, damage, drag, engine, film, format, integrator"),
+        (
+            "zzz",
+            "there are: account, bearing, campaign, contact, damage, drag, engine, film, format, integrator",
+        ),
     ],
 )
 def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) -> None:
@@ -261,7 +296,9 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
         ("thermal", "rollslip_plugins.thermal"),
     ],
 )
-def test_a_kind_without_a_template_leads_to_a_module_to_start_from(kind: str, module: str, tmp_path: Path) -> None:
+def test_a_kind_without_a_template_leads_to_a_module_to_start_from(
+    kind: str, module: str, tmp_path: Path
+) -> None:
     with pytest.raises(FieldError) as error:
         new("law", kind, False, tmp_path)
     assert str(error.value) == (
@@ -273,7 +310,9 @@ def test_a_kind_without_a_template_leads_to_a_module_to_start_from(kind: str, mo
 
 @pytest.mark.parametrize("kind", ["campaign", "integrator", "lubricant", "study"])
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
-    with pytest.raises(FieldError, match=f"{kind} has no compiled form, only {', '.join(COMPILED)} have"):
+    with pytest.raises(
+        FieldError, match=f"{kind} has no compiled form, only {', '.join(COMPILED)} have"
+    ):
         new("law", kind, True, tmp_path)
     assert list(tmp_path.iterdir()) == []
 
@@ -290,12 +329,16 @@ def test_what_is_there_already_is_left_alone(there: str, tmp_path: Path) -> None
         if there == "folder":
             (target / "notes").write_text("mine")
     before = sorted(path.name for path in tmp_path.rglob("*"))
-    with pytest.raises(OutputError, match=r"law: exists, and is left as it is; choose another name or folder"):
+    with pytest.raises(
+        OutputError, match=r"law: exists, and is left as it is; choose another name or folder"
+    ):
         new("law", "film", False, tmp_path)
     assert sorted(path.name for path in tmp_path.rglob("*")) == before
 
 
-def test_nothing_is_left_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_left_when_writing_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     real = Path.write_text
 
     def full(path: Path, text: str, *arguments: object, **options: object) -> int:
@@ -312,7 +355,8 @@ def test_nothing_is_left_when_writing_fails(tmp_path: Path, monkeypatch: pytest.
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(
-        RollslipError, match=r"file/law: cannot be written \(.*\); nothing was written; choose another folder"
+        RollslipError,
+        match=r"file/law: cannot be written \(.*\); nothing was written; choose another folder",
     ):
         new("law", "film", False, tmp_path / "file")
 

@@ -12,12 +12,17 @@ from rollslip.catalogue.scaffold import new
 
 ROOT = Path(__file__).parents[2]
 WRITTEN = {kind: template for kind in kinds() if (template := get_kind(kind).template) is not None}
-FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in WRITTEN if WRITTEN[kind].compiled]
+FORMS = [(kind, False) for kind in WRITTEN] + [
+    (kind, True) for kind in WRITTEN if WRITTEN[kind].compiled
+]
 
 
 def test_two_laws_of_a_package_pass_the_kit_and_its_tests(tmp_path: Path) -> None:
     made = new("own-pair", "film,traction:own-other", False, tmp_path)
-    environment = {**os.environ, "PYTHONPATH": f"{made / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": f"{made / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}",
+    }
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n0", "-k", "worked or named"],
         cwd=made, env=environment, capture_output=True, text=True, check=False,
@@ -28,11 +33,14 @@ def test_two_laws_of_a_package_pass_the_kit_and_its_tests(tmp_path: Path) -> Non
 @pytest.mark.slow
 def test_every_template_is_typed(tmp_path: Path) -> None:
     """As strictly as rollslip: what a package begins with finds no fault of its author's tools."""
-    asked, paths = [], [str(tmp_path / f"own-{kind}{compiled:d}" / "src") for kind, compiled in FORMS]
+    asked = []
+    paths = [str(tmp_path / f"own-{kind}{compiled:d}" / "src") for kind, compiled in FORMS]
     for kind, compiled in FORMS:
         made = new(f"own-{kind}{compiled:d}", kind, compiled, tmp_path)
         asked += [
-            str(path) for path in sorted(made.rglob("*.py*")) if path.name != "setup.py" and path.suffix != ".pyx"
+            str(path)
+            for path in sorted(made.rglob("*.py*"))
+            if path.name != "setup.py" and path.suffix != ".pyx"
         ]
     config = tmp_path / "mypy.ini"
     config.write_text("[mypy]\nstrict = True\n[mypy-rollslip.*]\nfollow_imports = silent\n")

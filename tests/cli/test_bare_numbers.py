@@ -45,12 +45,24 @@ def said(*arguments: object) -> tuple[int, str]:
     [
         ("plan", SCENE, "--set", "operation.inner_speed=3000"),
         ("run", SCENE, "--set", "operation.inner_speed=3000"),
-        ("info", SCENE, "--set", "operation={inner_speed=3000, radial_load='2 kN', temperature='70 degC'}"),
+        (
+            "info",
+            SCENE,
+            "--set",
+            "operation={inner_speed=3000, radial_load='2 kN', temperature='70 degC'}",
+        ),
         ("compare", SCENE, "--film", "moes,dowson-1968", "--set", "operation.inner_speed=3000"),
         ("sweep", "run", SCENE, "--over", "operation.inner_speed=3000:6000:3"),
         ("sweep", "run", SCENE, "--over", "operation.inner_speed=3000,6000"),
         ("sweep", "run", SCENE, "--over", "operation.inner_speed=3000:6000", "--samples", 4),
-        ("limit", SCENE, "--over", "operation.inner_speed=3000:6000", "--keep", "critical_friction<=0.02"),
+        (
+            "limit",
+            SCENE,
+            "--over",
+            "operation.inner_speed=3000:6000",
+            "--keep",
+            "critical_friction<=0.02",
+        ),
         ("uncertainty", SCENE, "--set", "operation.inner_speed=3000"),
     ],
     ids=lambda arguments: " ".join(map(str, arguments[:2])),
@@ -62,7 +74,8 @@ def test_a_number_that_is_typed_for_a_quantity_with_a_unit_is_refused_with_what_
     assert code != 0
     # 3000 rad/s are 3000 60/(2 pi) = 28647.89 turns in a minute
     told = (
-        "3000 has no unit, here a rotational speed is expected: write '3000 rpm' or '3000 rad/s', which is 28647.9 rpm"
+        "3000 has no unit, here a rotational speed is expected: write '3000 rpm' or "
+        "'3000 rad/s', which is 28647.9 rpm"
     )
     assert told in " ".join(output.split())
 
@@ -72,11 +85,16 @@ def test_an_angle_without_unit_may_be_meant_in_degrees() -> None:
     assert code != 0
     told = "0.5 has no unit, here an angle is expected: write '0.5 mrad' or '0.5 deg' or '0.5 rad', which is 500 mrad"
     assert told in " ".join(output.split())
-    with pytest.raises(UnitError, match="'20' has no unit, here an angle is expected, such as '20 mrad' or '20 deg'"):
+    with pytest.raises(
+        UnitError,
+        match="'20' has no unit, here an angle is expected, such as '20 mrad' or '20 deg'",
+    ):
         quantity("20", "rad")
 
 
-@pytest.mark.parametrize("over", ["operation.inner_speed=3000:6000:3", "operation.inner_speed=3000:6000"])
+@pytest.mark.parametrize(
+    "over", ["operation.inner_speed=3000:6000:3", "operation.inner_speed=3000:6000"]
+)
 def test_an_explorer_refuses_it_too(over: str) -> None:
     with pytest.raises(SceneError, match="3000 has no unit, here a rotational speed is expected"):
         ExplorerSettings(SCENE, parse_overs([over])).plan()
@@ -94,7 +112,9 @@ def test_an_explorer_refuses_it_too(over: str) -> None:
 )
 def test_tables_lists_and_temperatures_are_no_way_round(change: str, key: str) -> None:
     with pytest.raises(SceneError) as error:
-        rollslip.run(evolve(load_scene(SCENE), {"study.steady-slip.points": 9, **dict([parse_set(change)])}))
+        rollslip.run(
+            evolve(load_scene(SCENE), {"study.steady-slip.points": 9, **dict([parse_set(change)])})
+        )
     assert f"{key}: " in str(error.value)
     assert "has no unit" in str(error.value)
 
@@ -102,15 +122,36 @@ def test_tables_lists_and_temperatures_are_no_way_round(change: str, key: str) -
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ("--keep", "keep: runaway_drag: '3' has no unit, here a torque is expected, such as '3 N m'"),
+        (
+            "--keep",
+            "keep: runaway_drag: '3' has no unit, here a torque is expected, such as '3 N m'",
+        ),
         ("--speed", "speed: '3000' has no unit"),
         ("--time-limit", "'60' has no unit, here a time is expected, such as '60 s'"),
     ],
 )
-def test_options_with_quantities_of_their_own_refuse_it_too(change: str, told: str, tmp_path: object) -> None:
+def test_options_with_quantities_of_their_own_refuse_it_too(
+    change: str, told: str, tmp_path: object
+) -> None:
     arguments: dict[str, tuple[object, ...]] = {
-        "--keep": ("limit", SCENE, "--over", "operation.radial_load=1 kN:5 kN", "--keep", "runaway_drag<=3"),
-        "--speed": ("new", f"{tmp_path}/a.toml", "--bearing", "NU 210", "--oil", "iso-vg-68", "--speed", 3000),
+        "--keep": (
+            "limit",
+            SCENE,
+            "--over",
+            "operation.radial_load=1 kN:5 kN",
+            "--keep",
+            "runaway_drag<=3",
+        ),
+        "--speed": (
+            "new",
+            f"{tmp_path}/a.toml",
+            "--bearing",
+            "NU 210",
+            "--oil",
+            "iso-vg-68",
+            "--speed",
+            3000,
+        ),
         "--time-limit": ("uncertainty", SCENE, "--time-limit", 60),
     }
     code, output = said(*arguments[change])
@@ -124,14 +165,23 @@ def test_what_has_no_unit_stays_free_and_zero_is_zero_in_every_unit() -> None:
                         "operation.outer_speed=0"])
     )  # fmt: skip
     scene = evolve(load_scene(SCENE), changes)
-    assert (scene.accuracy.tolerance, scene.accuracy.slices, scene.operation.outer_speed) == (0.01, 5, 0.0)
+    assert (scene.accuracy.tolerance, scene.accuracy.slices, scene.operation.outer_speed) == (
+        0.01,
+        5,
+        0.0,
+    )
     again = evolve(scene, {"operation.inner_speed": 300.0})  # from Python a number is in SI units
     assert again.operation.inner_speed == 300.0
     assert again.models.traction.parameters["exponent"] == 5
 
 
-@given(value=st.floats(1e-3, 1e6), unit=st.sampled_from(["m", "rad/s", "N", "Pa", "K", "kg", "s", "W/K", "1/Pa"]))
-def test_what_the_refusal_offers_is_read_and_the_last_of_it_is_the_number_in_si_units(value: float, unit: str) -> None:
+@given(
+    value=st.floats(1e-3, 1e6),
+    unit=st.sampled_from(["m", "rad/s", "N", "Pa", "K", "kg", "s", "W/K", "1/Pa"]),
+)
+def test_what_the_refusal_offers_is_read_and_the_last_of_it_is_the_number_in_si_units(
+    value: float, unit: str
+) -> None:
     with pytest.raises(UnitError) as error:
         quantity(typed(value), unit)
     offered = str(error.value).partition("write ")[2].split("'")[1::2]
@@ -149,8 +199,14 @@ def test_what_the_refusal_offers_is_read_and_the_last_of_it_is_the_number_in_si_
             "3000",
             "3000 rad/s = 28647.9 rpm is 2e+06 mm/min of speed times pitch diameter (n d_m), at most 7e+05 mm/min",
         ),
-        ('"3000 rad/s"', "is 2e+06 mm/min of speed times pitch diameter (n d_m), at most 1.5e+06 mm/min"),
-        ("1500", "1500 rad/s = 14323.9 rpm is 1e+06 mm/min"),  # a whole number without a unit: rpm may be meant
+        (
+            '"3000 rad/s"',
+            "is 2e+06 mm/min of speed times pitch diameter (n d_m), at most 1.5e+06 mm/min",
+        ),
+        (
+            "1500",
+            "1500 rad/s = 14323.9 rpm is 1e+06 mm/min",
+        ),  # a whole number without a unit: rpm may be meant
         ('"1500 rad/s"', None),
         ("300", None),
         ("1499.5", None),
@@ -160,7 +216,11 @@ def test_what_the_refusal_offers_is_read_and_the_last_of_it_is_the_number_in_si_
 def test_a_speed_in_a_file_is_asked_about_by_what_it_means_for_a_bearing_of_that_size(
     speed: str, told: str | None
 ) -> None:
-    warnings = [text for text in implausible(parse_scene(BEARING.format(speed=speed), "a.toml")) if "mm/min" in text]
+    warnings = [
+        text
+        for text in implausible(parse_scene(BEARING.format(speed=speed), "a.toml"))
+        if "mm/min" in text
+    ]
     assert len(warnings) == (told is not None)
     if told is not None:
         assert told in warnings[0]

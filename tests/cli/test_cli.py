@@ -45,7 +45,11 @@ def scene(tmp_path):
     def write(old, new):
         assert old in text, old
         path.write_text(text.replace(old, new))
-        line = next(n for n, row in enumerate(path.read_text().splitlines(), 1) if new.split("\n")[-1] in row)
+        line = next(
+            n
+            for n, row in enumerate(path.read_text().splitlines(), 1)
+            if new.split("\n")[-1] in row
+        )
         return path, line
 
     write.path = path
@@ -55,7 +59,11 @@ def scene(tmp_path):
 def test_a_run_writes_data_plots_and_report(tmp_path):
     short = command("run", "1032930-70C", "--no-plots", "--out", "short", cwd=tmp_path)
     *answer, written = short.stdout.splitlines()
-    assert answer[:3] == ["OK   1032930-70C, MIL-PRF-7808, 6371 rpm, 3.415 kN, 70 °C", "", answer[2]]
+    assert answer[:3] == [
+        "OK   1032930-70C, MIL-PRF-7808, 6371 rpm, 3.415 kN, 70 °C",
+        "",
+        answer[2],
+    ]
     assert re.fullmatch(r"  cage slip            0\.77 % +below 0\.1 to 6\.\d %", answer[2])
     assert len(answer) <= 15
     assert "  assumed  models, law and drags are the paper's or assumed for it" in short.stdout
@@ -74,9 +82,13 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     )
     assert "\n".join(answer) in done.stdout
     assert "inner ring: slip at largest traction" in done.stdout
-    assert re.search(r"\n  skidding begins at a cage slip of 42\.\d %, limit drag torque 4\.0\d N m\n", done.stdout)
     assert re.search(
-        r"\n  with the drags of the scene the cage runs at a slip of 0\.766 %, with a drag reserve of ", done.stdout
+        r"\n  skidding begins at a cage slip of 42\.\d %, limit drag torque 4\.0\d N m\n",
+        done.stdout,
+    )
+    assert re.search(
+        r"\n  with the drags of the scene the cage runs at a slip of 0\.766 %, with a drag reserve of ",
+        done.stdout,
     )
     assert "confidence: 'muraki' is 13 % (rms) off" in done.stdout
     notes = done.stdout.partition("\nnotes:\n")[2].splitlines()[:7]
@@ -91,7 +103,10 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     folder = "1032930-70C-results"
     told = command("info", f"{folder}/effective-friction.nc", cwd=tmp_path).stdout
     assert "pressure 'hertz' is valid for load parameter M >= 2; " in told
-    assert "film 'moes' is valid for film parameter Lambda >= 3; " in told.split("bounds left with less consequence")[1]
+    assert (
+        "film 'moes' is valid for film parameter Lambda >= 3; "
+        in told.split("bounds left with less consequence")[1]
+    )
     names = {path.name for path in (tmp_path / "1032930-70C-results").iterdir()}
     assert {"effective-friction.nc", "friction-curve.nc", "report.html"} <= names
     assert sum(name.endswith(".svg") for name in names) >= 2
@@ -101,7 +116,9 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
 
 def test_json_is_json_and_says_null_with_a_status(tmp_path):
     coarse = ["--set", "accuracy.slices=15"]
-    done = command("run", "1032930-70C", *coarse, "--no-plots", "--json", "--out", "o", cwd=tmp_path)
+    done = command(
+        "run", "1032930-70C", *coarse, "--no-plots", "--json", "--out", "o", cwd=tmp_path
+    )
     said = json.loads(done.stdout)
     outer = said["studies"]["effective-friction"]["results"]["outer ring"]
     assert outer["critical_slip"] is None
@@ -123,10 +140,20 @@ def test_a_result_comes_back_as_it_was_and_can_be_run_again(tmp_path):
     save(result, path)
     stored = rollslip.open_result(path)
     assert stored.identical(result)
-    assert set(stored.attrs) >= {"scene", "scene_hash", "scene_resolved", "packages", "models", "warnings", "citations"}
+    assert set(stored.attrs) >= {
+        "scene",
+        "scene_hash",
+        "scene_resolved",
+        "packages",
+        "models",
+        "warnings",
+        "citations",
+    }
     from rollslip.scene.reading import parse_scene
 
-    again = rollslip.run(parse_scene(stored.attrs["scene"], stored.attrs["source"]), "friction-curve")
+    again = rollslip.run(
+        parse_scene(stored.attrs["scene"], stored.attrs["source"]), "friction-curve"
+    )
     for volatile in set(VOLATILE) & stored.attrs.keys():
         again.attrs[volatile] = stored.attrs[volatile]
     assert again.identical(stored)
@@ -141,21 +168,33 @@ def test_cite_names_the_sources_of_a_scene_and_of_its_result(tmp_path):
     assert "Kragelskii" in of_scene  # of a model inside the blend
     command("run", "1032930-30C", *QUICK, "--out", "o", cwd=tmp_path)
     assert command("cite", "o/friction-curve.nc", cwd=tmp_path).stdout == of_scene
-    changed = json.loads(command("cite", "1032930-30C", "--set", "models.film=blok", "--json", cwd=tmp_path).stdout)
+    changed = json.loads(
+        command("cite", "1032930-30C", "--set", "models.film=blok", "--json", cwd=tmp_path).stdout
+    )
     assert any(one.get("authors") == ["Blok, H."] and "Blok H." in one["text"] for one in changed)
     bibtex = command("cite", "1032930-30C", "--bibtex", cwd=tmp_path).stdout
     assert list(parse_string(bibtex, "bibtex").entries)[:2] == ["klebanov2022", "rollslip"]
     assert len(parse_string(bibtex, "bibtex").entries) == len(of_scene.splitlines())
     assert command("cite", "o/friction-curve.nc", "--bibtex", cwd=tmp_path).stdout == bibtex
-    assert "take one" in command("cite", "1032930-30C", "--bibtex", "--json", cwd=tmp_path, code=2).stderr
+    assert (
+        "take one"
+        in command("cite", "1032930-30C", "--bibtex", "--json", cwd=tmp_path, code=2).stderr
+    )
     done = command("cite", "o/friction-curve.nc", "--set", "a.b=1", cwd=tmp_path, code=2)
     assert "a result cannot be changed" in done.stderr
 
 
 def test_set_changes_the_scene(tmp_path):
     plain, changed = (
-        json.loads(command("run", "1032930-30C", *QUICK, "--json", "--out", out, *extra, cwd=tmp_path).stdout)
-        for out, extra in (("a", []), ("b", ["--set", "lubricant.eyring_stress=10 MPa", "--set", "models.film=blok"]))
+        json.loads(
+            command(
+                "run", "1032930-30C", *QUICK, "--json", "--out", out, *extra, cwd=tmp_path
+            ).stdout
+        )
+        for out, extra in (
+            ("a", []),
+            ("b", ["--set", "lubricant.eyring_stress=10 MPa", "--set", "models.film=blok"]),
+        )
     )
     assert plain["scene_hash"] != changed["scene_hash"]
     assert changed["models"]["film"] == "blok"
@@ -164,11 +203,31 @@ def test_set_changes_the_scene(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("eyring_stress", "eyring_stres", "lubricant.eyring_stres: unknown key, did you mean 'eyring_stress'?"),
-        ('roller_diameter = "15 mm"', 'roller_diameter = "15 kg"', "bearing.roller_diameter: '15 kg' is a mass"),
-        ('roller_diameter = "15 mm"', 'roller_diameter = "1,5 mm"', "a decimal comma is not read; write '1.5 mm'"),
-        ('roller_diameter = "15 mm"', 'roller_diameter = "-15 mm"', "bearing.roller_diameter: must be above 0"),
-        ('roller_roughness = "0.1 um"', 'roller_roughness = "0 um"', "surface.roller_roughness: must be above 0"),
+        (
+            "eyring_stress",
+            "eyring_stres",
+            "lubricant.eyring_stres: unknown key, did you mean 'eyring_stress'?",
+        ),
+        (
+            'roller_diameter = "15 mm"',
+            'roller_diameter = "15 kg"',
+            "bearing.roller_diameter: '15 kg' is a mass",
+        ),
+        (
+            'roller_diameter = "15 mm"',
+            'roller_diameter = "1,5 mm"',
+            "a decimal comma is not read; write '1.5 mm'",
+        ),
+        (
+            'roller_diameter = "15 mm"',
+            'roller_diameter = "-15 mm"',
+            "bearing.roller_diameter: must be above 0",
+        ),
+        (
+            'roller_roughness = "0.1 um"',
+            'roller_roughness = "0 um"',
+            "surface.roller_roughness: must be above 0",
+        ),
         ("rollers = 28", "rollers = 38", "bearing.rollers: 38 rollers of 15 mm do not fit"),
         ("rollers = 28", "rollers = 12.9", "bearing.rollers: "),
         ("rollers = 28", "rollers = true", "bearing.rollers: "),
@@ -180,19 +239,29 @@ def test_set_changes_the_scene(tmp_path):
             "gives no conductivity",
         ),
         ('closure = "epicyclic"', 'closure = "epicycle"', "closure: must be one of"),
-        ("boundary_limit = 0.01", "boundary_limit = 2.0", "hydrodynamic_limit: must be above boundary_limit"),
+        (
+            "boundary_limit = 0.01",
+            "boundary_limit = 2.0",
+            "hydrodynamic_limit: must be above boundary_limit",
+        ),
     ],
 )
 def test_a_bad_scene_gets_one_sentence_with_its_line(tmp_path, scene, old, new, says):
     if "radial_load" in old:
         scene('radial_clearance = "0 mm"', 'radial_clearance = "50 um"')
         scene.path.write_text(scene.path.read_text().replace(old, new))
-        path, line = scene.path, None
+        path = scene.path
+        line = None
     else:
         path, line = scene(old, new)
     done = command("run", path, "--out", "o", cwd=tmp_path, code=2)
     assert says in done.stderr
-    if line is not None and "temperature" not in old and "name" not in old and "boundary_limit" not in old:
+    if (
+        line is not None
+        and "temperature" not in old
+        and "name" not in old
+        and "boundary_limit" not in old
+    ):
         assert f"own.toml:{line}: " in done.stderr
     assert not (tmp_path / "o").exists()
 
@@ -224,7 +293,10 @@ def test_a_model_that_does_not_exist_gets_the_nearest(tmp_path, change, says):
     [
         (["run", "1032930-71C"], "1032930-70C"),
         (["run", "missing.toml"], "there is no such file"),
-        (["run", "1032930-70C", "--study", "effective-frction"], "did you mean 'effective-friction'"),
+        (
+            ["run", "1032930-70C", "--study", "effective-frction"],
+            "did you mean 'effective-friction'",
+        ),
         (["run", "1032930-70C", "--set", "operation.radial_load"], "KEY=VALUE"),
         (["info", "missing.nc"], "there is no such file"),
         (["run"], "Missing argument"),
@@ -271,10 +343,16 @@ def test_results_are_replaced_and_nothing_beside_them(tmp_path):
     run = ["run", "1032930-70C", *QUICK, "--out", "o", "--overwrite"]
     command(*run, cwd=tmp_path)
     command(*run, cwd=tmp_path)
-    assert {path.name for path in (tmp_path / "o").iterdir()} == {"friction-curve.nc", "manifest.json"}
+    assert {path.name for path in (tmp_path / "o").iterdir()} == {
+        "friction-curve.nc",
+        "manifest.json",
+    }
     (tmp_path / "o" / "thesis.tex").write_text("precious")
     done = command(*run, cwd=tmp_path, code=2)
-    assert "o: holds what rollslip did not write there, or what was changed since: thesis.tex" in done.stderr
+    assert (
+        "o: holds what rollslip did not write there, or what was changed since: thesis.tex"
+        in done.stderr
+    )
     assert (tmp_path / "o" / "thesis.tex").read_text() == "precious"
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
 
@@ -293,7 +371,10 @@ def test_an_empty_folder_is_used_and_a_file_is_not(tmp_path):
     (tmp_path / "o").mkdir()
     command("run", "1032930-70C", *QUICK, "--out", "o", cwd=tmp_path)
     (tmp_path / "f").write_text("")
-    assert "f: is not a folder" in command("run", "1032930-70C", *QUICK, "--out", "f", cwd=tmp_path, code=2).stderr
+    assert (
+        "f: is not a folder"
+        in command("run", "1032930-70C", *QUICK, "--out", "f", cwd=tmp_path, code=2).stderr
+    )
 
 
 def test_a_folder_that_cannot_be_written_is_said(tmp_path):
@@ -305,13 +386,16 @@ def test_a_folder_that_cannot_be_written_is_said(tmp_path):
         locked.chmod(stat.S_IRUSR | stat.S_IXUSR)
         assert (
             "cannot be written"
-            in command("run", "1032930-70C", *QUICK, "--out", "locked/o", cwd=tmp_path, code=2).stderr
+            in command(
+                "run", "1032930-70C", *QUICK, "--out", "locked/o", cwd=tmp_path, code=2
+            ).stderr
         )
 
 
 @pytest.mark.faults
 @pytest.mark.parametrize(
-    ("how", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGQUIT, 131)]
+    ("how", "code"),
+    [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGQUIT, 131)],
 )
 def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
     process = subprocess.Popen(
@@ -333,7 +417,11 @@ def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
 
 
 def test_plan_says_what_is_left_out_and_why(tmp_path):
-    said = json.loads(command("plan", "1032930-70C", "--set", "bearing.profile=none", "--json", cwd=tmp_path).stdout)
+    said = json.loads(
+        command(
+            "plan", "1032930-70C", "--set", "bearing.profile=none", "--json", cwd=tmp_path
+        ).stdout
+    )
     slices = next(part for part in said["parts"] if part["part"] == "slices")
     assert (slices["included"], slices["choice"]) == (False, "one lamina per contact")
     assert "reason" in command("plan", "-v", "1032930-70C", cwd=tmp_path).stdout
@@ -341,19 +429,25 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
     assert len(short) <= 10
     assert any(line.startswith("left out: ") and "unloaded contacts" in line for line in short)
     assert all(
-        any(line.startswith(f"{study}: ") for line in short) for study in ("effective-friction", "friction-curve")
+        any(line.startswith(f"{study}: ") for line in short)
+        for study in ("effective-friction", "friction-curve")
     )
     assert short[-1] == "every part with its reason: rollslip plan -v 1032930-70C"
-    known = json.loads(command("run", "1032930-70C", "--no-plots", "--json", cwd=tmp_path).stdout)["answer"]["assumed"]
+    known = json.loads(command("run", "1032930-70C", "--no-plots", "--json", cwd=tmp_path).stdout)[
+        "answer"
+    ]["assumed"]
     cautions = [line for line in short if line in known]
     assert cautions[:1] == [LOWER_BOUNDS]
-    assert [line.partition(" Barus")[0] for line in cautions[1:]] == ["viscosity under pressure follows"]
+    assert [line.partition(" Barus")[0] for line in cautions[1:]] == [
+        "viscosity under pressure follows"
+    ]
     rows = {r["part"]: r for r in rollslip.plan("1032930-70C").as_dict()["parts"]}
     assert rows["slices"]["included"]
     assert not rows["unloaded contacts"]["included"]
     assert not rows["cage, drag and integrators"]["included"]
     misaligned = rollslip.evolve(
-        rollslip.load_scene("1032930-70C"), {"operation.misalignment": "0.1 mrad", "bearing.profile": "none"}
+        rollslip.load_scene("1032930-70C"),
+        {"operation.misalignment": "0.1 mrad", "bearing.profile": "none"},
     )
     rows = {r["part"]: r for r in rollslip.plan(misaligned).as_dict()["parts"]}
     assert rows["slices"]["included"]
@@ -362,21 +456,39 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
 
 @pytest.mark.slow
 def test_report_from_stored_results(tmp_path):
-    command("run", "1032930-30C", "--set", "accuracy.slices=5", "--no-plots", "--out", "o", cwd=tmp_path)
-    command("report", "o/effective-friction.nc", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path)
+    command(
+        "run", "1032930-30C", "--set", "accuracy.slices=5", "--no-plots", "--out", "o", cwd=tmp_path
+    )
+    command(
+        "report", "o/effective-friction.nc", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path
+    )
     assert (tmp_path / "r.html").read_text().lower().startswith("<!doctype html>")
     command("report", "o", "--out", "folder.html", cwd=tmp_path)
     assert (tmp_path / "folder.html").read_text() == (tmp_path / "r.html").read_text(), (
         "a folder stands for its results"
     )
-    assert "exists" in command("report", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path, code=2).stderr
+    assert (
+        "exists"
+        in command("report", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path, code=2).stderr
+    )
     (tmp_path / "no.nc").write_text("nothing")
-    assert "is not a netCDF file" in command("report", "no.nc", "--out", "s.html", cwd=tmp_path, code=2).stderr
+    assert (
+        "is not a netCDF file"
+        in command("report", "no.nc", "--out", "s.html", cwd=tmp_path, code=2).stderr
+    )
 
 
 def test_a_report_is_written_beside_the_results_and_belongs_to_them(tmp_path, monkeypatch):
     """It was written into the current folder; one that the manifest does not know would keep a run from its folder."""
-    one = ["run", "1032930-30C", "--study", "friction-curve", "--set", "accuracy.slices=5", "--no-plots"]
+    one = [
+        "run",
+        "1032930-30C",
+        "--study",
+        "friction-curve",
+        "--set",
+        "accuracy.slices=5",
+        "--no-plots",
+    ]
     for out in ("o", "p"):
         command(*one, "--out", f"r/{out}", cwd=tmp_path)
     assert Path("r/o/report.html").as_posix() in command("report", "r/o", cwd=tmp_path).stdout
@@ -384,7 +496,9 @@ def test_a_report_is_written_beside_the_results_and_belongs_to_them(tmp_path, mo
     assert "exists" in command("report", "r/o/friction-curve.nc", cwd=tmp_path, code=2).stderr
     command("report", "r/o/friction-curve.nc", "--overwrite", cwd=tmp_path)
     assert not (tmp_path / "report.html").exists()
-    command(*one, "--out", "r/o", "--overwrite", cwd=tmp_path)  # the report belongs to what is replaced
+    command(
+        *one, "--out", "r/o", "--overwrite", cwd=tmp_path
+    )  # the report belongs to what is replaced
     assert not (tmp_path / "r/o/report.html").exists()
     command("report", "r/o", "r/p", cwd=tmp_path)  # beside neither
     assert (tmp_path / "report.html").exists()
@@ -393,12 +507,18 @@ def test_a_report_is_written_beside_the_results_and_belongs_to_them(tmp_path, mo
     assert rollslip.report(*both, overwrite=True) == Path("report.html")
 
 
-@pytest.mark.parametrize(("slices", "tolerance"), [(201, 1e-4), pytest.param(401, 1e-5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("slices", "tolerance"), [(201, 1e-4), pytest.param(401, 1e-5, marks=pytest.mark.slow)]
+)
 def test_the_fine_result_agrees_with_the_default_one(slices, tolerance):
     """What the plan leaves out or coarsens stays below the tolerance of the scene."""
-    scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"study.effective-friction.map_points": 0})
+    scene = rollslip.evolve(
+        rollslip.load_scene("1032930-70C"), {"study.effective-friction.map_points": 0}
+    )
     default = rollslip.run(scene)
-    fine = rollslip.run(rollslip.evolve(scene, {"accuracy.slices": slices, "accuracy.tolerance": tolerance}))
+    fine = rollslip.run(
+        rollslip.evolve(scene, {"accuracy.slices": slices, "accuracy.tolerance": tolerance})
+    )
     ratio = default.critical_cage_slip.sel(ring="inner") / fine.critical_cage_slip.sel(ring="inner")
     assert float(np.abs(ratio - 1.0)) < 1e-3
 
@@ -416,22 +536,36 @@ def test_every_shipped_scene_runs(tmp_path):
 def test_grades_of_an_oil_are_told_with_their_legend(tmp_path):
     shown = command("models", "fva-3", cwd=tmp_path).stdout
     assert (
-        "quality     viscosity (A), density (A), pressure_viscosity (A), conductivity (A), eyring_stress (C)" in shown
+        "quality     viscosity (A), density (A), pressure_viscosity (A), conductivity (A), eyring_stress (C)"
+        in shown
     )
     assert "(A) printed in a source that was read; (C) second-hand or recalled, with doubt" in shown
     assert "scatter     pressure_viscosity_factor uniform, scatter 0.05 (C): measured" in shown
     told = json.loads(command("models", "fva-3", "--json", cwd=tmp_path).stdout)["lubricant"]
     assert told["grades"]["viscosity"] == "A"
-    assert told["legend"] == {"A": "printed in a source that was read", "C": "second-hand or recalled, with doubt"}
-    assert {one["quantity"] for one in told["scatter"]} >= {"viscosity_factor", "pressure_viscosity_factor"}
+    assert told["legend"] == {
+        "A": "printed in a source that was read",
+        "C": "second-hand or recalled, with doubt",
+    }
+    assert {one["quantity"] for one in told["scatter"]} >= {
+        "viscosity_factor",
+        "pressure_viscosity_factor",
+    }
     info = command("info", "1032930-70C", "--set", "lubricant.name=fva-3", cwd=tmp_path).stdout
     assert " mPa s (A)" in info
     assert re.search(r"^  \(A\) +printed in a source that was read$", info, re.MULTILINE)
     assert "eyring stress" not in info  # the scene gives its own
 
 
-def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_has_the_grades(tmp_path):
-    changes = ["--set", "lubricant.pressure_viscosity=17.5 1/GPa", "--set", "lubricant.name=iso-vg-32"]
+def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_has_the_grades(
+    tmp_path,
+):
+    changes = [
+        "--set",
+        "lubricant.pressure_viscosity=17.5 1/GPa",
+        "--set",
+        "lubricant.name=iso-vg-32",
+    ]
     done = command("run", "1032930-30C", *QUICK, *changes, "--report", "--out", "o", cwd=tmp_path)
     assert "but lubricant.pressure_viscosity is the same at every temperature" in done.stderr
     report = (tmp_path / "o" / "report.html").read_text(encoding="utf-8")

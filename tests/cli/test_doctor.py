@@ -59,9 +59,13 @@ def test_packages_of_strangers_are_told_with_their_state(tmp_path):
     assert "cannot be imported (SystemExit: 3); repair" in remedies["plugin rollslip-exits"]
 
 
-@pytest.mark.parametrize(("installed", "found"), [("", "is not installed, needs >="), ("0.1", "0.1, needs >=")])
+@pytest.mark.parametrize(
+    ("installed", "found"), [("", "is not installed, needs >="), ("0.1", "0.1, needs >=")]
+)
 def test_a_dependency_that_is_missing_or_old_is_a_fault(monkeypatch, installed, found):
-    monkeypatch.setattr(doctor, "_version", lambda name: installed if name == "h5netcdf" else "9999")
+    monkeypatch.setattr(
+        doctor, "_version", lambda name: installed if name == "h5netcdf" else "9999"
+    )
     (fault,) = [finding for finding in doctor._dependencies() if finding.state == "fault"]
     assert fault.check == "h5netcdf"
     assert fault.found.startswith(found)
@@ -91,7 +95,11 @@ def test_a_check_that_fails_is_a_fault_of_its_own(monkeypatch):
 
     monkeypatch.setattr(doctor, "CHECKS", (_broken, doctor._python))
     found = examine()
-    assert {finding.check: finding.state for finding in found} == {"broken": "fault", "python": "ok", "rollslip": "ok"}
+    assert {finding.check: finding.state for finding in found} == {
+        "broken": "fault",
+        "python": "ok",
+        "rollslip": "ok",
+    }
     assert "cannot be examined (ZeroDivisionError: oh)" in found[0].found
     assert not healthy(found)
     assert as_text(found).endswith("1 fault")

@@ -19,7 +19,18 @@ def changed(*changes: str, command: str = "info") -> list[list[str]]:
 
 
 NAMES = [
-    *("", ".", "/", "bad.nc", "table.csv", "latin.toml", "deep.toml", "big.toml", "null.toml", "folder.toml"),
+    *(
+        "",
+        ".",
+        "/",
+        "bad.nc",
+        "table.csv",
+        "latin.toml",
+        "deep.toml",
+        "big.toml",
+        "null.toml",
+        "folder.toml",
+    ),
     *("loop.toml", "dangling.toml", f"{LONG}.toml", LONG, "/dev/null", "nosuch"),
 ]
 #: A model that ends the process while it is asked.
@@ -85,7 +96,9 @@ def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: repr(" ".join(command))[:60])
 @pytest.mark.usefixtures("surroundings")
-def test_no_command_ends_in_a_traceback(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_command_ends_in_a_traceback(
+    command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as left:
         main(command)
     told = capsys.readouterr().err
@@ -129,4 +142,7 @@ def test_too_little_memory_is_said(
 
 def test_a_model_that_leaves_is_named():
     done = subprocess.run([sys.executable, "-c", LEAVING], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (BAD_PLUGIN, "sys.exit(3) in film 'thin' of package own\n")
+    assert (done.returncode, done.stderr) == (
+        BAD_PLUGIN,
+        "sys.exit(3) in film 'thin' of package own\n",
+    )

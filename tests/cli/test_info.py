@@ -16,20 +16,28 @@ pytestmark = pytest.mark.quick
 
 def test_what_follows_from_a_scene_is_that_of_its_bearing():
     scene = rollslip.load_scene("1032930-70C")
-    told, made = rollslip.info(scene), assemble(scene)
-    loads, oil = made.load_distribution(), made.lubricant.at(343.15)
+    told = rollslip.info(scene)
+    made = assemble(scene)
+    loads = made.load_distribution()
+    oil = made.lubricant.at(343.15)
     load = dict(told["load distribution"])
     assert load["rollers loaded by the inner ring"] == str(np.count_nonzero(loads.inner_force))
     assert 1 < np.count_nonzero(loads.inner_force) < 28
     # the roller in the line of load presses the outer ring by its centrifugal force more
-    inner, outer = (quantity(load[f"largest force, {ring} ring"], "N") for ring in ("inner", "outer"))
+    inner, outer = (
+        quantity(load[f"largest force, {ring} ring"], "N") for ring in ("inner", "outer")
+    )
     assert outer - inner == pytest.approx(made.centrifugal_force, rel=0.02)
     of = dict(told["inner raceway"])
-    assert quantity(of["viscosity"].partition(" (")[0], "Pa s") == pytest.approx(oil.viscosity, rel=1e-3)
+    assert quantity(of["viscosity"].partition(" (")[0], "Pa s") == pytest.approx(
+        oil.viscosity, rel=1e-3
+    )
     alpha = float(of["pressure-viscosity coefficient"].split(" 1/GPa")[0])
     assert alpha == pytest.approx(1e9 * oil.pressure_viscosity, rel=1e-3)
     film = next(quantity(value, "m") for name, value in of.items() if name.startswith("  film ("))
-    assert float(of["  film parameter"]) == pytest.approx(film / quantity(of["composite roughness"], "m"), rel=1e-2)
+    assert float(of["  film parameter"]) == pytest.approx(
+        film / quantity(of["composite roughness"], "m"), rel=1e-2
+    )
 
 
 def test_errors_of_parts_of_a_plan_are_summed(capsys):
@@ -43,7 +51,10 @@ def test_errors_of_parts_of_a_plan_are_summed(capsys):
                         seconds_of=lambda _: 2.0, degrees_of_freedom=3, evaluations=5, seconds=2.0, planning=0.1)
     )  # fmt: skip
     said = capsys.readouterr().out
-    assert "s: 4 laminae of a roller, 2 roller positions within a pitch; relative errors of about " in said
+    assert (
+        "s: 4 laminae of a roller, 2 roller positions within a pitch; relative errors of about "
+        in said
+    )
     assert "4e-04" in said
 
 
@@ -58,4 +69,6 @@ def test_models_tell_ranges_and_the_nearest_name(capsys):
     with pytest.raises(UnknownNameError, match="did you mean 'muraki'"):
         models.kinds_of("murakki")
     models.print_models("network")
-    assert "usually from 1000 J/(kg K) to 4500 J/(kg K)" in " ".join(capsys.readouterr().out.split())
+    assert "usually from 1000 J/(kg K) to 4500 J/(kg K)" in " ".join(
+        capsys.readouterr().out.split()
+    )

@@ -44,7 +44,9 @@ def test_an_interrupt_at_any_moment_is_heard(name, moment, tmp_path):
     process.send_signal(signal.SIGINT)
     try:
         out, err = process.communicate(timeout=20)
-    except subprocess.TimeoutExpired:  # points of a sweep that run are finished, unless it is interrupted again
+    except (
+        subprocess.TimeoutExpired
+    ):  # points of a sweep that run are finished, unless it is interrupted again
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=60)
     if "written to" in out or (name == "plan" and out):  # it came after the end
@@ -70,10 +72,31 @@ def test_a_compiled_function_that_cannot_raise_shows_no_interrupt(capsys):
 # Commands that take results or folders of others, and short ones ------------------------------------------------------
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-SWEEP = ["sweep", "run", "1032930-70C", "--set", "accuracy.slices=7", "--over", "operation.radial_load=500N:5000N:40"]
+SWEEP = [
+    "sweep",
+    "run",
+    "1032930-70C",
+    "--set",
+    "accuracy.slices=7",
+    "--over",
+    "operation.radial_load=500N:5000N:40",
+]
 #: Command -> arguments, the longest time until it is interrupted [s], and what it may leave beside what was there.
 OTHERS = {
-    "fit": (["fit", "twin-disc.csv", "--traction", "muraki", "--parameters", "eyring_stress", "--out", "o"], 2.0, "o"),
+    "fit": (
+        [
+            "fit",
+            "twin-disc.csv",
+            "--traction",
+            "muraki",
+            "--parameters",
+            "eyring_stress",
+            "--out",
+            "o",
+        ],
+        2.0,
+        "o",
+    ),
     "report": (["report", "r/friction-curve.nc", "--out", "o"], 1.5, "o"),
     "resume": (["sweep", "resume", "part"], 1.0, ""),
     "retry": (["sweep", "retry", "part", "--failed"], 1.0, ""),
@@ -98,20 +121,29 @@ def there(tmp_path_factory):
         shutil.copy(EXAMPLES / name, folder)
     shared = {"cwd": folder, "capture_output": True, "text": True, "check": True}
     call = [sys.executable, "-c", PROGRAM]
-    subprocess.run([*call, "run", "1032930-70C", "--study", "friction-curve", "--no-plots", "--out", "r"], **shared)
-    with subprocess.Popen([*call, *SWEEP, "--out", "part", "--engine", "serial"], cwd=folder) as process:
+    subprocess.run(
+        [*call, "run", "1032930-70C", "--study", "friction-curve", "--no-plots", "--out", "r"],
+        **shared,
+    )
+    with subprocess.Popen(
+        [*call, *SWEEP, "--out", "part", "--engine", "serial"], cwd=folder
+    ) as process:
         while not list((folder / "part").glob("*.sqlite*")) and process.poll() is None:
             time.sleep(0.01)
         process.kill()
     assert (folder / "part" / "sweep.json").is_file()
-    subprocess.run([*call, "sweep", "status", "part"], **shared)  # whoever reads first rolls back what the kill left
+    subprocess.run(
+        [*call, "sweep", "status", "part"], **shared
+    )  # whoever reads first rolls back what the kill left
     return folder
 
 
 def contents(folder):
     """File -> content, without SQLite's rollback journals: it keeps one that a kill left before its first sync, and
     takes it away when it writes next."""
-    files = (path for path in folder.rglob("*") if path.is_file() and not path.name.endswith("-journal"))
+    files = (
+        path for path in folder.rglob("*") if path.is_file() and not path.name.endswith("-journal")
+    )
     return {path.relative_to(folder): path.read_bytes() for path in files}
 
 
@@ -142,7 +174,9 @@ def test_an_interrupt_at_any_moment_of_another_command_is_heard(name, moment, th
     added = {path.parts[0] for path in now.keys() - before.keys()}
     if name in ("resume", "retry"):  # the sweep, as far as it is done; a later one goes on
         assert added <= {"part"}
-        assert not {path.name for path in now.keys() - before.keys() if path.name.endswith(".partial")}
+        assert not {
+            path.name for path in now.keys() - before.keys() if path.name.endswith(".partial")
+        }
     else:
         assert added <= {left}
         assert all(now[path] == content for path, content in before.items())

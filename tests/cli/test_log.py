@@ -29,7 +29,9 @@ def test_the_library_is_silent_until_somebody_listens(logger, caplog):
     assert any(isinstance(handler, logging.NullHandler) for handler in logger.handlers)
     with caplog.at_level(logging.INFO, "rollslip"):
         made = rollslip.plan("1032930-70C", "friction-curve")
-    said = [record.getMessage() for record in caplog.records if record.name == "rollslip.planning.plan"]
+    said = [
+        record.getMessage() for record in caplog.records if record.name == "rollslip.planning.plan"
+    ]
     assert [one.split(":")[0] for one in said] == [part.part for part in made.parts]
 
 
@@ -53,6 +55,10 @@ def test_an_unknown_level_is_refused_with_those_that_there_are(capsys):
 def test_an_integration_tells_its_steps(caplog):
     problem = InitialValueProblem(rates=lambda t, y: -y, y=np.ones(1), atol=np.full(1, 1e-9))
     with caplog.at_level(logging.DEBUG, "rollslip_studies.motion"):
-        found = integrate(problem, rollslip.get_model("integrator", "rk45"), np.array([0.0, 1.0]), rtol=1e-6)
+        found = integrate(
+            problem, rollslip.get_model("integrator", "rk45"), np.array([0.0, 1.0]), rtol=1e-6
+        )
     (said,) = caplog.messages
-    assert said.startswith(f"rk45 finished at t = 1 s: {found.steps} steps, {found.rejected} rejected, ")
+    assert said.startswith(
+        f"rk45 finished at t = 1 s: {found.steps} steps, {found.rejected} rejected, "
+    )

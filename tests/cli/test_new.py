@@ -68,7 +68,15 @@ def test_options_make_a_scene_that_says_what_they_say(tmp_path):
 
 def test_numbers_and_names_are_read_as_people_write_them():
     done = new(
-        "my.toml", "--bearing", "NUP2210 ECP", "--speed", "1500 U/min", "--load", "2,5 kN", "--temperature", "160 F"
+        "my.toml",
+        "--bearing",
+        "NUP2210 ECP",
+        "--speed",
+        "1500 U/min",
+        "--load",
+        "2,5 kN",
+        "--temperature",
+        "160 F",
     )
     assert done.exit_code == 0, done.output
     scene = load_scene("my.toml")
@@ -83,7 +91,16 @@ def test_numbers_and_names_are_read_as_people_write_them():
 
 
 def test_all_that_is_wrong_is_told_at_once(capsys):
-    given = ("--bearing", "NU2210", "--speed", "1,500 rpm", "--load", "2000", "--oil", "Shell Morlina S2 B 68")
+    given = (
+        "--bearing",
+        "NU2210",
+        "--speed",
+        "1,500 rpm",
+        "--load",
+        "2000",
+        "--oil",
+        "Shell Morlina S2 B 68",
+    )
     code, said = told(capsys, "my.toml", *given)
     assert code == 2
     assert said.splitlines() == [
@@ -97,7 +114,10 @@ def test_all_that_is_wrong_is_told_at_once(capsys):
 def test_what_nobody_gives_is_assumed_and_marked():
     done = new("my")
     assert done.exit_code == 0, done.output
-    assert "assumed, since no option gives it: bearing, oil, speed, load, temperature, cage, supply" in done.stderr
+    assert (
+        "assumed, since no option gives it: bearing, oil, speed, load, temperature, cage, supply"
+        in done.stderr
+    )
     text = load_scene("my.toml").text
     assert len(re.findall("ASSUMED, write yours", text)) == 7
 
@@ -105,13 +125,19 @@ def test_what_nobody_gives_is_assumed_and_marked():
 def test_every_commented_value_of_the_bearing_is_the_one_that_counts():
     new("my.toml", "--bearing", "NU1010")
     scene = load_scene("my.toml")
-    comments = [line[2:] for line in scene.text.partition("[surface]")[0].splitlines() if re.match(r"# \w+ = ", line)]
+    comments = [
+        line[2:]
+        for line in scene.text.partition("[surface]")[0].splitlines()
+        if re.match(r"# \w+ = ", line)
+    ]
     assert len(comments) == 7
     written = structure(Bearing, tomllib.loads("\n".join(comments)), Location({}), [])
     for name in ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter"):
         assert getattr(written, name) == pytest.approx(getattr(scene.bearing, name), rel=1e-12)
     assert written.clearance_class == scene.bearing.clearance_class
-    assert written.radial_clearance == pytest.approx(scene.bearing.radial_clearance, abs=1e-7)  # 3 digits
+    assert written.radial_clearance == pytest.approx(
+        scene.bearing.radial_clearance, abs=1e-7
+    )  # 3 digits
 
 
 @pytest.mark.parametrize(
@@ -126,7 +152,9 @@ def test_a_new_scene_says_how_its_clearance_comes_about(bearing, fit, says):
     done = new("my.toml", "--bearing", bearing, "--speed", "1 rpm")
     assert done.exit_code == 0, done.output
     scene = load_scene("my.toml")
-    assert f"[bearing.mounting]                       # clearance in operation: {says}\n" in scene.text
+    assert (
+        f"[bearing.mounting]                       # clearance in operation: {says}\n" in scene.text
+    )
     assert str(scene.bearing.mounted) == says
     assert scene.bearing.mounted.assumed == ()
     assert (scene.bearing.mounting.shaft_fit, scene.bearing.mounting.housing_fit) == (fit, "H7")
@@ -139,14 +167,28 @@ def test_a_bearing_without_clearance_classes_is_not_mounted():
 
 def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
     monkeypatch.setattr(run, "at_a_terminal", lambda: True)
-    answers = ["NU9999", "nu2210", "", "3000", "3000 rpm", "90 degC", "wood", "steel", "tap", "drip"]
+    answers = [
+        "NU9999",
+        "nu2210",
+        "",
+        "3000",
+        "3000 rpm",
+        "90 degC",
+        "wood",
+        "steel",
+        "tap",
+        "drip",
+    ]
     done = new("my.toml", "--load", "3 kN", input="\n".join(answers) + "\n")
     assert done.exit_code == 0, done.output
     assert "no bearing is called 'NU9999'" in done.output
     assert "'3000' has no unit" in done.output
     assert "there are cages of brass, steel, polyamide, not of 'wood'" in done.output
     scene = load_scene("my.toml")
-    assert "there are supplies by bath, splash, circulating, jet, mist, grease, not by 'tap'" in done.output
+    assert (
+        "there are supplies by bath, splash, circulating, jet, mist, grease, not by 'tap'"
+        in done.output
+    )
     assert (scene.lubricant.name, scene.lubrication.supply) == ("iso-vg-68", "mist")
     assert scene.operation.temperature == pytest.approx(363.15)
     assert "ASSUMED" not in scene.text
@@ -160,7 +202,11 @@ def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
         (["--speed", "3000"], 2, "speed: '3000' has no unit"),
         (["--load", "0N"], 2, "load: '0N' loads no roller; give more, such as '2 kN'"),
         (["--load", "3 rpm"], 2, "load: '3 rpm' is a rotational speed, here a force is expected"),
-        (["--temperature", "300 degC"], 2, "operation.temperature: iso-vg-68 at 300 degC: its data hold from"),
+        (
+            ["--temperature", "300 degC"],
+            2,
+            "operation.temperature: iso-vg-68 at 300 degC: its data hold from",
+        ),
         (["--cage", "wood"], 2, "cage: there are cages of brass, steel, polyamide"),
     ],
 )
@@ -179,8 +225,21 @@ def test_nothing_is_replaced(tmp_path, capsys):
 
 
 def test_the_cage_that_is_assumed_is_the_bearings_and_follows_its_name():
-    given = ["--oil", "iso-vg-68", "--speed", "3000 rpm", "--load", "3 kN", "--temperature", "70 degC"]
-    for file, bearing in (("brass.toml", "NU 2312 MA"), ("plain.toml", "NU 2312"), ("ecp.toml", "NU 2312 ECP")):
+    given = [
+        "--oil",
+        "iso-vg-68",
+        "--speed",
+        "3000 rpm",
+        "--load",
+        "3 kN",
+        "--temperature",
+        "70 degC",
+    ]
+    for file, bearing in (
+        ("brass.toml", "NU 2312 MA"),
+        ("plain.toml", "NU 2312"),
+        ("ecp.toml", "NU 2312 ECP"),
+    ):
         assert new(file, "--bearing", bearing, *given).exit_code == 0
     brass, plain, ecp = (load_scene(f"{name}.toml") for name in ("brass", "plain", "ecp"))
     assert brass.cage == {"make": "brass", "guidance": "outer"}
@@ -204,7 +263,15 @@ def test_every_commented_value_of_the_cage_is_the_one_that_counts():
     scene = load_scene("my.toml")
     comments = scene.text.partition("[cage]")[2].partition("[operation]")[0].splitlines()
     written = tomllib.loads("\n".join(line[2:] for line in comments if re.match(r"# \w+ = ", line)))
-    assert set(written) == {"make", "mass", "inertia", "guidance", "pocket_clearance", "pocket_stiffness", "drag"}
+    assert set(written) == {
+        "make",
+        "mass",
+        "inertia",
+        "guidance",
+        "pocket_clearance",
+        "pocket_stiffness",
+        "drag",
+    }
     cage, own = (plan(one).assembly.cage for one in (evolve(scene, {"cage": written}), scene))
     for name in ("make", "guidance", "pocket_stiffness"):
         assert getattr(cage, name) == getattr(own, name)
@@ -244,7 +311,9 @@ def test_keys_at_a_terminal_end_it_or_are_answers(keys, code, says, tmp_path):
     import pty
     import termios
 
-    program, shown, left = "from rollslip.cli import main; main()", "", list(keys)
+    program = "from rollslip.cli import main; main()"
+    shown = ""
+    left = list(keys)
     ours, theirs = pty.openpty()
     command = [sys.executable, "-c", program, "new", "my"]
     process = subprocess.Popen(

@@ -50,7 +50,9 @@ class Terminal(io.StringIO):
 def lines_of(text):
     """What stands on each line of a terminal, one after another, without colours and movements of the cursor."""
     return [
-        piece.strip() for piece in re.split(r"[\r\n]", re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text)) if piece.strip()
+        piece.strip()
+        for piece in re.split(r"[\r\n]", re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text))
+        if piece.strip()
     ]
 
 
@@ -65,7 +67,9 @@ def test_on_a_terminal_messages_stand_on_lines_of_their_own(monkeypatch):
         show("4 of 10 points [bold]", 0.4, 60.0)
     lines = lines_of(stream.getvalue())
     assert "warning: something" in lines
-    assert any(re.search(r"sweep: 4 of 10 points \[bold\] .*1 min 0 s left", line) for line in lines)
+    assert any(
+        re.search(r"sweep: 4 of 10 points \[bold\] .*1 min 0 s left", line) for line in lines
+    )
 
 
 def test_results_in_a_file_are_not_drawn_into_the_terminal(monkeypatch):
@@ -87,7 +91,10 @@ def test_without_a_terminal_a_line_comes_every_half_a_minute(monkeypatch):
             now[0] = float(second)
             show(f"{second} of 100 points", second / 100)
     said = sys.stderr.getvalue().splitlines()
-    assert said == [f"sweep: {s} of 100 points, {d} left" for s, d in ((30, "1 min 10 s"), (60, "40 s"), (90, "10 s"))]
+    assert said == [
+        f"sweep: {s} of 100 points, {d} left"
+        for s, d in ((30, "1 min 10 s"), (60, "40 s"), (90, "10 s"))
+    ]
 
 
 def test_a_comparison_tells_how_far_it_is():
@@ -132,7 +139,9 @@ def test_a_notebook_shows_how_far_a_sweep_is_and_nothing_at_the_end(shown):
     form = re.compile(r'<progress value="([\d.]+)"></progress> sweep: (\d) of 3 points(, .*)?')
     told = [form.fullmatch(one) for one in shown[1:-1]]
     assert all(told)
-    assert [float(one[1]) for one in told] == pytest.approx([int(one[2]) / 3 for one in told], abs=1e-3)
+    assert [float(one[1]) for one in told] == pytest.approx(
+        [int(one[2]) / 3 for one in told], abs=1e-3
+    )
     assert told[-1][2] == "3"
 
 

@@ -43,11 +43,16 @@ def test_a_full_output_is_one_sentence(command: str, tmp_path: Path) -> None:
     assert (tmp_path / "o" / "friction-curve.nc").exists() == (command == CURVE)
 
 
-@pytest.mark.parametrize("where", [">&-", "2>&-", "2>/dev/full", ">&- 2>&- <&-", "2>/dev/full | head -1"])
+@pytest.mark.parametrize(
+    "where", [">&-", "2>&-", "2>/dev/full", ">&- 2>&- <&-", "2>/dev/full | head -1"]
+)
 def test_results_are_kept_whatever_becomes_of_the_streams(where: str, tmp_path: Path) -> None:
     done = shell(f"{PROGRAM} {CURVE} {where}", tmp_path)
     assert done.returncode == 0
-    assert rollslip.open_result(tmp_path / "o" / "friction-curve.nc").attrs["study"] == "friction-curve"
+    assert (
+        rollslip.open_result(tmp_path / "o" / "friction-curve.nc").attrs["study"]
+        == "friction-curve"
+    )
     assert "Traceback" not in done.stderr + done.stdout
 
 
@@ -62,11 +67,16 @@ def test_a_name_that_the_locale_cannot_write_loses_nothing(tmp_path: Path) -> No
     assert readable("a\udcff") == r"a\xff"
 
 
-def test_pipes_are_read_and_not_waited_for_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pipes_are_read_and_not_waited_for_without_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert shell(f"{PROGRAM} info <(cat {SHIPPED})", tmp_path).returncode == 0
     os.mkfifo(tmp_path / "pipe.toml")
     monkeypatch.setattr("rollslip.files._PATIENCE", 0.1)
-    with pytest.raises(SceneError, match=r"pipe.toml: cannot be read: is a pipe through which nothing came for 0.1 s"):
+    with pytest.raises(
+        SceneError,
+        match=r"pipe.toml: cannot be read: is a pipe through which nothing came for 0.1 s",
+    ):
         rollslip.load_scene(tmp_path / "pipe.toml")
     with pytest.raises(SceneError, match=r"cannot be read: has more than 64 MB"):
         rollslip.load_scene("/dev/zero")
@@ -88,7 +98,10 @@ from rollslip.cli import main; main()
 """
     for milliseconds in range(0, 100, 10):
         process = subprocess.Popen(
-            [sys.executable, "-c", begun, "--version"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [sys.executable, "-c", begun, "--version"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
         )
         assert process.stdout is not None
         assert process.stdout.readline() == "\n"
@@ -108,7 +121,9 @@ program = importlib.import_module("rollslip.cli.main")
 program._seldom_collected = lambda into, arguments: {late}
 program.main()
 """
-    done = subprocess.run([sys.executable, "-c", program, "--version"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", program, "--version"], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout
 
@@ -138,7 +153,9 @@ def test_what_an_interrupt_leaves_half_built_ends_in_silence(monkeypatch, capsys
     assert capsys.readouterr().err == "interrupted; nothing was left behind\n"
 
 
-def test_an_interrupt_that_a_library_makes_an_error_of_its_own_stays_one(monkeypatch, capsys) -> None:
+def test_an_interrupt_that_a_library_makes_an_error_of_its_own_stays_one(
+    monkeypatch, capsys
+) -> None:
     """As Python 3.11 does where a class with ``__set_name__`` is being made."""
 
     def run(**_: object) -> None:
@@ -166,21 +183,31 @@ atexit.register(print, "exit function", file=sys.stderr)
 program.cli.main = lambda **_: signal.raise_signal(signal.SIGINT)
 program.main()
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (130, "interrupted; nothing was left behind\nexit function\n")
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (
+        130,
+        "interrupted; nothing was left behind\nexit function\n",
+    )
 
 
 def test_a_package_that_hangs_is_named_with_a_way_round_it(tmp_path: Path) -> None:
     (tmp_path / "hanging.py").write_text("import time\ntime.sleep(30.0)\n")
     information = tmp_path / "rollslip_hanging-1.0.dist-info"
     information.mkdir()
-    (information / "METADATA").write_text("Metadata-Version: 2.1\nName: rollslip-hanging\nVersion: 1.0\n")
+    (information / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: rollslip-hanging\nVersion: 1.0\n"
+    )
     (information / "entry_points.txt").write_text("[rollslip.film]\nhanging = hanging\n")
     program = "import rollslip.catalogue.shipped as d; d._SLOW = 0.1; from rollslip.cli import main; main()"
     process = subprocess.Popen(
         [sys.executable, "-c", program, "models", "hanging"],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])},
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]),
+        },
         stderr=subprocess.PIPE,
         text=True,
     )

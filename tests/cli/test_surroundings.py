@@ -15,10 +15,48 @@ PROGRAM = "from rollslip.cli import main; main()"
 FEW = ["--set", "accuracy.slices=7"]
 RUN = ["run", "1032930-70C", *FEW, "--report", "--out", "p/o"]
 ONE = ["run", "1032930-70C", *FEW, "--study", "friction-curve", "--report", "--out", "p/o"]
-SWEEP = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500N:5000N:400", "--out", "p/o"]
-COMPARE = ["compare", "1032930-70C", *FEW, "--traction", "muraki", "--traction", "constant", "--out", "p/o"]
-UNCERTAINTY = ["uncertainty", "1032930-70C", *FEW, "--samples", "512", "--loads", "0", "--out", "p/o"]
-MOTION = ["run", "1032930-50C", "--study", "dynamics", "--set", "study.dynamics.duration=5 ms", "--out", "p/o"]
+SWEEP = [
+    "sweep",
+    "run",
+    "1032930-70C",
+    *FEW,
+    "--over",
+    "operation.radial_load=500N:5000N:400",
+    "--out",
+    "p/o",
+]
+COMPARE = [
+    "compare",
+    "1032930-70C",
+    *FEW,
+    "--traction",
+    "muraki",
+    "--traction",
+    "constant",
+    "--out",
+    "p/o",
+]
+UNCERTAINTY = [
+    "uncertainty",
+    "1032930-70C",
+    *FEW,
+    "--samples",
+    "512",
+    "--loads",
+    "0",
+    "--out",
+    "p/o",
+]
+MOTION = [
+    "run",
+    "1032930-50C",
+    "--study",
+    "dynamics",
+    "--set",
+    "study.dynamics.duration=5 ms",
+    "--out",
+    "p/o",
+]
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +86,10 @@ STRICT = {
     "with warnings as errors": {"PYTHONWARNINGS": "error"},
     "without a home": {"HOME": None},
     "with a home that is not there": {"HOME": "/nowhere/at/all"},
-    "with a home that cannot be written": {"HOME": "home", "shell": "mkdir home && mount -t tmpfs -o ro tmpfs home"},
+    "with a home that cannot be written": {
+        "HOME": "home",
+        "shell": "mkdir home && mount -t tmpfs -o ro tmpfs home",
+    },
 }
 
 
@@ -56,8 +97,15 @@ STRICT = {
     ("name", "how"),
     [
         *(("run", how) for how in STRICT),  # with figures and a report
-        *(("sweep", how) for how in STRICT if how not in ("without a home", "with a home that is not there")),
-        *(("report", how) for how in ("with warnings as errors", "with a home that cannot be written")),
+        *(
+            ("sweep", how)
+            for how in STRICT
+            if how not in ("without a home", "with a home that is not there")
+        ),
+        *(
+            ("report", how)
+            for how in ("with warnings as errors", "with a home that cannot be written")
+        ),
     ],
 )
 def test_commands_do_not_need_a_home_nor_a_lenient_python(name, how, stored, tmp_path):
@@ -65,8 +113,21 @@ def test_commands_do_not_need_a_home_nor_a_lenient_python(name, how, stored, tmp
     if "shell" in given:
         assert allowed(tmp_path), "no file system can be mounted here"
         given = {**given, "HOME": tmp_path / "home"}
-    few = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500N:5000N:4", "--engine", "processes"]
-    arguments = {"run": ONE, "sweep": [*few, "--out", "p/o"], "report": ["report", stored[-1], "--out", "r.html"]}[name]
+    few = [
+        "sweep",
+        "run",
+        "1032930-70C",
+        *FEW,
+        "--over",
+        "operation.radial_load=500N:5000N:4",
+        "--engine",
+        "processes",
+    ]
+    arguments = {
+        "run": ONE,
+        "sweep": [*few, "--out", "p/o"],
+        "report": ["report", stored[-1], "--out", "r.html"],
+    }[name]
     done = command(arguments, tmp_path, **given)
     assert done.returncode == 0, done.stderr
     assert "written to" in done.stdout
@@ -78,7 +139,9 @@ def fails_in_words(done, folder):
     assert "Traceback" not in done.stderr
     said = [line for line in done.stderr.splitlines() if "cannot be written (" in line]
     assert len(said) == 1
-    assert said[0].startswith(("p/o", str(folder / "p" / "o")))  # what was asked for, not what we call it meanwhile
+    assert said[0].startswith(
+        ("p/o", str(folder / "p" / "o"))
+    )  # what was asked for, not what we call it meanwhile
     assert "free space" in said[0] or "make room" in said[0]
 
 
@@ -89,23 +152,34 @@ def test_a_disk_that_fills_up_while_results_are_written_is_said_and_nothing_is_l
     look = '"$@"; code=$?; ls -A p > left; exit $code'
     shell = f"mount -t tmpfs -o size={size}k tmpfs p && sh -c '{look}' sh"
     call = [*unshared(f'{shell} "$@"'), "sh", sys.executable, "-c", PROGRAM, *RUN]
-    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(
+        call, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False
+    )
     fails_in_words(done, tmp_path)
     assert (tmp_path / "left").read_text() == ""
 
 
-WRITING = {"run": ONE, "motion": MOTION, "sweep": SWEEP, "compare": COMPARE, "uncertainty": UNCERTAINTY}
+WRITING = {
+    "run": ONE,
+    "motion": MOTION,
+    "sweep": SWEEP,
+    "compare": COMPARE,
+    "uncertainty": UNCERTAINTY,
+}
 
 
 @pytest.mark.parametrize(
     ("name", "place"),
     [
         *((name, "a disk of 64 kB") for name in WRITING),
-        *((name, "files of at most 64 kB") for name in ("run", "sweep")),  # the others write in the same ways
+        *(
+            (name, "files of at most 64 kB") for name in ("run", "sweep")
+        ),  # the others write in the same ways
     ],
 )
 def test_a_place_that_is_too_small_is_said(name, place, tmp_path):
-    arguments, small = WRITING[name], place == "a disk of 64 kB"
+    arguments = WRITING[name]
+    small = place == "a disk of 64 kB"
     if small:
         assert allowed(tmp_path), "no file system can be mounted here"
     (tmp_path / "p").mkdir()

@@ -5,7 +5,10 @@ import pytest
 from rollslip.cli import console
 
 HEAD = ("alternative", "verdict", "cage slip", "reserve to slipping", "ratio")
-ROWS = [("iso-vg-68", "SLIPS", "7.0 %", "0.52", ""), ("iso-vg-150", "SLIPS", "7.1 %", "0.57", "0.15 to 7.2")]
+ROWS = [
+    ("iso-vg-68", "SLIPS", "7.0 %", "0.52", ""),
+    ("iso-vg-150", "SLIPS", "7.1 %", "0.57", "0.15 to 7.2"),
+]
 
 
 @pytest.mark.parametrize("columns", [20, 60, 80, 200])

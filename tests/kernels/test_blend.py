@@ -45,7 +45,9 @@ def test_a_refusal_of_a_slice_that_was_not_needed_is_not_heard(needed):
     assert refused(int(np.flatnonzero(~needed)[5]), needed) is None
 
 
-@pytest.mark.parametrize("needed", [FULL, np.arange(N) < 4, np.ones(N, bool)], ids=["half", "a sixteenth", "all"])
+@pytest.mark.parametrize(
+    "needed", [FULL, np.arange(N) < 4, np.ones(N, bool)], ids=["half", "a sixteenth", "all"]
+)
 def test_a_refusal_of_a_slice_that_was_needed_names_it(needed):
     at = int(np.flatnonzero(needed)[2])
     assert refused(at, needed) == ("status", 0, "", at)

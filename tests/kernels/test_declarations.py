@@ -15,7 +15,9 @@ MODULES = sorted(PACKAGE.rglob("*.pyx"))
 
 @pytest.fixture(scope="module")
 def declarations():
-    spec = importlib.util.spec_from_file_location("declarations", PACKAGE.parent / "declarations.py")
+    spec = importlib.util.spec_from_file_location(
+        "declarations", PACKAGE.parent / "declarations.py"
+    )
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -45,7 +47,11 @@ def functions_of(body):
 
 def parameters_of(function):
     named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
-    return [parameter.name for parameter in inspect.signature(function).parameters.values() if parameter.kind in named]
+    return [
+        parameter.name
+        for parameter in inspect.signature(function).parameters.values()
+        if parameter.kind in named
+    ]
 
 
 @pytest.mark.parametrize("source", MODULES, ids=lambda path: path.stem)
@@ -54,16 +60,22 @@ def test_a_stub_has_the_public_names_of_its_module_and_their_parameters(source):
     module = importlib.import_module(place)
     tree = ast.parse(source.with_suffix(".pyi").read_text(encoding="utf-8"))
     functions = functions_of(tree.body)
-    classes = {node.name: functions_of(node.body) for node in tree.body if isinstance(node, ast.ClassDef)}
+    classes = {
+        node.name: functions_of(node.body) for node in tree.body if isinstance(node, ast.ClassDef)
+    }
     public = {name: value for name, value in vars(module).items() if not name.startswith("_")}
-    own = {name: value for name, value in public.items() if getattr(value, "__module__", "") == place}
+    own = {
+        name: value for name, value in public.items() if getattr(value, "__module__", "") == place
+    }
     assert {name for name, value in own.items() if isinstance(value, type)} == set(classes)
     assert {name for name, value in own.items() if not isinstance(value, type)} == set(functions)
     for name, parameters in functions.items():
         assert parameters_of(own[name]) == parameters, name
     for cls, methods in classes.items():
         attributes = {name for name in vars(own[cls]) if not name.startswith("_")}
-        body = next(node.body for node in tree.body if isinstance(node, ast.ClassDef) and node.name == cls)
+        body = next(
+            node.body for node in tree.body if isinstance(node, ast.ClassDef) and node.name == cls
+        )
         annotated = {node.target.id for node in body if isinstance(node, ast.AnnAssign)}
         assert attributes <= annotated | set(methods), cls
         for name in attributes & set(methods):

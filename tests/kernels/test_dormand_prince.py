@@ -45,7 +45,9 @@ PROBLEMS = {
 
 
 def with_fixed_steps(rates, exact, end, steps):
-    solver = DormandPrince(python_system(rates, 2), 0.0, exact(0.0), end, 1e3, 1e3, end / steps, end / steps)
+    solver = DormandPrince(
+        python_system(rates, 2), 0.0, exact(0.0), end, 1e3, 1e3, end / steps, end / steps
+    )
     between = 0.0
     while solver.status == "running":
         before = solver.t
@@ -59,7 +61,9 @@ def with_fixed_steps(rates, exact, end, steps):
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_it_converges_with_order_five_at_the_steps_and_between_them(problem):
     rates, exact, end, steps = PROBLEMS[problem]
-    (coarse, coarse_between), (fine, fine_between) = (with_fixed_steps(rates, exact, end, n * steps) for n in (1, 2))
+    (coarse, coarse_between), (fine, fine_between) = (
+        with_fixed_steps(rates, exact, end, n * steps) for n in (1, 2)
+    )
     assert 4.5 < math.log2(coarse / fine) < 5.7
     assert 4.5 < math.log2(coarse_between / fine_between) < 5.5
 
@@ -94,10 +98,16 @@ def test_it_goes_on_bit_by_bit_from_its_state_and_meets_events():
     def made():
         watched = {"watch": lambda t, y: [y[0] - 0.5], "watched": 1}
         return DormandPrince(
-            python_system(lambda t, y: [y[1], -y[0]], 2, autonomous=True, **watched), 0.0, [0.0, 1.0], 4.0, 1e-9, 1e-9
+            python_system(lambda t, y: [y[1], -y[0]], 2, autonomous=True, **watched),
+            0.0,
+            [0.0, 1.0],
+            4.0,
+            1e-9,
+            1e-9,
         )
 
-    whole, resumed = made(), made()
+    whole = made()
+    resumed = made()
     assert whole.advance()[0] == "event"
     assert (whole.t, whole.rising) == (pytest.approx(np.pi / 6, abs=1e-7), True)
     resumed.state = whole.state

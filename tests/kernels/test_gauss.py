@@ -12,21 +12,29 @@ pytestmark = pytest.mark.quick
 @pytest.mark.parametrize("count", [1, 2, 8, 24])
 def test_equal_weights_at_equal_steps_have_the_rule_of_gram_s_polynomials(count):
     """Their recurrence is known: alpha = (N - 1)/2, beta_k = k^2 (N^2 - k^2)/(4 (4 k^2 - 1))."""
-    points, k = 101, np.arange(1, count)
+    points = 101
+    k = np.arange(1, count)
     beside = np.sqrt(k**2 * (points**2 - k**2) / (4.0 * (4.0 * k**2 - 1.0)))
     jacobi = np.diag(np.full(count, (points - 1) / 2.0)) + np.diag(beside, 1) + np.diag(beside, -1)
     want, vectors = np.linalg.eigh(jacobi)
-    nodes, weights = rules(np.arange(points) ** 2.0, np.full(points, 3.0), np.array([0, points]), count)
+    nodes, weights = rules(
+        np.arange(points) ** 2.0, np.full(points, 3.0), np.array([0, points]), count
+    )
     np.testing.assert_allclose(np.sqrt(nodes[0]), want, rtol=0, atol=1e-13 * points)
-    np.testing.assert_allclose(weights[0], 3.0 * points * vectors[0] ** 2, rtol=0, atol=1e-13 * points * 3.0)
+    np.testing.assert_allclose(
+        weights[0], 3.0 * points * vectors[0] ** 2, rtol=0, atol=1e-13 * points * 3.0
+    )
 
 
 def by_numpy(load, weight, count):
     """Lanczos' recurrence, orthogonal to all before twice, of one row; its matrix by LAPACK."""
-    x, vector = np.sqrt(load), np.sqrt(weight / weight.sum())
-    basis, jacobi = np.zeros((count, load.size)), np.zeros((count, count))
+    x = np.sqrt(load)
+    vector = np.sqrt(weight / weight.sum())
+    basis = np.zeros((count, load.size))
+    jacobi = np.zeros((count, count))
     for k in range(count):
-        basis[k], vector = vector, x * vector
+        basis[k] = vector
+        vector = x * vector
         jacobi[k, k] = basis[k] @ vector
         for _ in range(2):
             vector = vector - (basis[: k + 1] @ vector) @ basis[: k + 1]
@@ -41,7 +49,11 @@ def by_numpy(load, weight, count):
 def test_rules_of_loads_as_of_a_roller_are_those_of_numpy(points, count):
     """Loads that end between slices, as of a crowned roller; some rows have no more of them than nodes."""
     rng = np.random.default_rng(11)
-    load = np.maximum(1.0 - rng.uniform(0.3, 1.2, (30, 1)) * np.linspace(0.0, 1.0, points) ** 2, 0.0) ** (10 / 9) * 1e5
+    load = (
+        np.maximum(1.0 - rng.uniform(0.3, 1.2, (30, 1)) * np.linspace(0.0, 1.0, points) ** 2, 0.0)
+        ** (10 / 9)
+        * 1e5
+    )
     weight = np.where(load > 0.0, rng.uniform(0.5, 1.5, load.shape), 0.0)
     nodes, weights = rules(load.ravel(), weight.ravel(), points * np.arange(31), count)
     assert (np.diff(nodes, axis=1)[:, -1] > 0.0).all()
@@ -58,10 +70,12 @@ def test_rules_of_loads_as_of_a_roller_are_those_of_numpy(points, count):
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
 def test_rules_of_whole_rows_are_those_of_their_loaded_slices(slices, count, tilt):
     """Some rows twice, some without load, and such as mirror themselves where they are not tilted."""
-    rng, x = np.random.default_rng(3), np.linspace(-1.0, 1.0, slices)
+    rng = np.random.default_rng(3)
+    x = np.linspace(-1.0, 1.0, slices)
     load = np.maximum(1.0 - rng.uniform(0.3, 1.2, (20, 1)) * x**2 + tilt * x, 0.0) ** (10 / 9) * 1e5
     load = 0.5 * (load + load[:, ::-1]) if tilt == 0.0 else load
-    load[[4, 9]], load[7] = load[[3, 8]] * (1.0 + 2e-16), 0.0
+    load[[4, 9]] = load[[3, 8]] * (1.0 + 2e-16)
+    load[7] = 0.0
     width = 1.0 - 0.3 * x**2
     width = 0.5 * (width + width[::-1])
     some = load > 0.0
@@ -80,8 +94,11 @@ def test_the_rule_of_gauss_and_legendre_has_the_roots_and_weights_of_many_digits
     with mpmath.workdps(40):
         for k in {0, n // 5, n // 2}:
             x = mpmath.mpf(float(nodes[k]))
-            for _ in range(3):  # Newton's rule from the node; P' by the recurrence of the polynomials
-                before, now = mpmath.mpf(1), x
+            for _ in range(
+                3
+            ):  # Newton's rule from the node; P' by the recurrence of the polynomials
+                before = mpmath.mpf(1)
+                now = x
                 for j in range(2, n + 1):
                     before, now = now, ((2 * j - 1) * x * now - (j - 1) * before) / j
                 slope = n * (before - x * now) / (1 - x * x)

@@ -36,7 +36,9 @@ def slower(counted, table):
     ]
 
 
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="the table is that of x86-64")
+@pytest.mark.skipif(
+    platform.machine() not in ("x86_64", "AMD64"), reason="the table is that of x86-64"
+)
 def test_no_stage_takes_more_instructions_than_it_did():
     try:
         counted = instructions.counts(SET)

@@ -38,7 +38,9 @@ def turning(t):
 
 def pushed(t):
     """At rest until sin 3 t pushes a mass on a spring of frequency 1."""
-    return np.array([0.375 * math.sin(t) - 0.125 * math.sin(3 * t), 0.375 * (math.cos(t) - math.cos(3 * t))])
+    return np.array(
+        [0.375 * math.sin(t) - 0.125 * math.sin(3 * t), 0.375 * (math.cos(t) - math.cos(3 * t))]
+    )
 
 
 PROBLEMS = {
@@ -65,7 +67,9 @@ def test_it_is_of_order_two_at_its_steps_and_between_them(problem):
             before = solver.t
             solver.step()
             inside = np.linspace(before, solver.t, 6)[1:-1]
-            between = max(between, *(np.abs(solver.interpolate(t) - exact(t)).max() for t in inside))
+            between = max(
+                between, *(np.abs(solver.interpolate(t) - exact(t)).max() for t in inside)
+            )
         assert solver.steps == steps
         errors.append((np.abs(solver.y - exact(end)).max(), between))
     (coarse, coarse_between), (fine, fine_between) = errors
@@ -100,7 +104,9 @@ def test_without_a_frequency_its_steps_go_with_the_root_of_the_tolerance():
     rates, exact, places, end = PROBLEMS["pendulum"]
     steps = []
     for tolerance in (1e-4, 1e-6):
-        solver = Leapfrog(python_system(rates, 2, places=places), 0.0, exact(0.0), end, tolerance, tolerance)
+        solver = Leapfrog(
+            python_system(rates, 2, places=places), 0.0, exact(0.0), end, tolerance, tolerance
+        )
         solver.advance()
         steps.append(solver.steps)
     assert steps[1] / steps[0] == pytest.approx(10.0, rel=0.2)
@@ -108,22 +114,38 @@ def test_without_a_frequency_its_steps_go_with_the_root_of_the_tolerance():
 
 def test_one_evaluation_a_step_and_no_loss_over_a_thousand_swings():
     """A method of order 5 with as long steps, of six evaluations, has lost a quarter of the energy by then."""
-    rates, end, h = (lambda t, y: [y[1], -y[0]]), 6400.0, 0.8
+
+    def rates(t, y):
+        return [y[1], -y[0]]
+
+    end = 6400.0
+    h = 0.8
     solver = in_steps_of(h, rates, [0.0, 1.0], PLACES, end)
     assert solver.advance()[0] == "finished"
     # all but the start, and what the damping is looked at by, all 2048 steps
     assert solver.evaluations <= 1.01 * solver.steps
     # of an oscillator it keeps q^2 + (1 - h^2/4) v^2
-    assert solver.y[0] ** 2 + (1.0 - h * h / 4) * solver.y[1] ** 2 == pytest.approx(1.0 - h * h / 4, abs=1e-9)
-    other = DormandPrince(python_system(rates, 2), 0.0, [0.0, 1.0], end, 1e3, 1e3, max_step=h, first_step=h)
+    assert solver.y[0] ** 2 + (1.0 - h * h / 4) * solver.y[1] ** 2 == pytest.approx(
+        1.0 - h * h / 4, abs=1e-9
+    )
+    other = DormandPrince(
+        python_system(rates, 2), 0.0, [0.0, 1.0], end, 1e3, 1e3, max_step=h, first_step=h
+    )
     other.advance()
     assert other.y @ other.y < 0.75
 
 
 def test_the_step_goes_by_the_frequency_and_the_root_of_the_tolerance():
     system = python_system(lambda t, y: [y[1], -25 * y[0]], 2, places=PLACES, swing_frequency=5.0)
-    steps = {rtol: Leapfrog(system, 0.0, [1.0, 0.0], 1.0, rtol).h for rtol in (1e-2, 1e-5, 1e-7, 1e-9)}
-    assert steps == {1e-2: 0.16, 1e-5: 0.16, 1e-7: pytest.approx(0.016), 1e-9: pytest.approx(0.0016)}
+    steps = {
+        rtol: Leapfrog(system, 0.0, [1.0, 0.0], 1.0, rtol).h for rtol in (1e-2, 1e-5, 1e-7, 1e-9)
+    }
+    assert steps == {
+        1e-2: 0.16,
+        1e-5: 0.16,
+        1e-7: pytest.approx(0.016),
+        1e-9: pytest.approx(0.0016),
+    }
     # the loosest of all unknowns counts, and no step is longer than allowed
     assert Leapfrog(system, 0.0, [1.0, 0.0], 1.0, [1e-11, 1e-7]).h == pytest.approx(0.016)
     assert Leapfrog(system, 0.0, [1.0, 0.0], 1.0, 1e-5, max_step=0.01).h == 0.01
@@ -132,7 +154,9 @@ def test_the_step_goes_by_the_frequency_and_the_root_of_the_tolerance():
 @pytest.mark.parametrize(("damping", "ends"), [(2.9, "finished"), (3.1, "failed")])
 def test_it_ends_in_words_where_damping_is_too_strong_for_its_step(damping, ends):
     """D h = 0.3 with h = 0.1; the stiffness, which is none, does not count."""
-    solver = in_steps_of(0.1, lambda t, y: [y[1], -5 * y[0] - damping * y[1]], [1.0, 0.0], PLACES, 3.0)
+    solver = in_steps_of(
+        0.1, lambda t, y: [y[1], -5 * y[0] - damping * y[1]], [1.0, 0.0], PLACES, 3.0
+    )
     assert solver.advance()[0] == ends
     assert solver.damping == pytest.approx(damping, rel=1e-6)
     if ends == "failed":
@@ -145,7 +169,9 @@ def test_it_ends_in_words_where_damping_is_too_strong_for_its_step(damping, ends
 
 def test_damping_is_looked_at_again_along_the_way():
     """It sets in after 1200 steps, and is seen at the next look."""
-    solver = in_steps_of(0.01, lambda t, y: [y[1], -y[0] - (40.0 if t > 12.0 else 0.0) * y[1]], [1, 0], PLACES, 30.0)
+    solver = in_steps_of(
+        0.01, lambda t, y: [y[1], -y[0] - (40.0 if t > 12.0 else 0.0) * y[1]], [1, 0], PLACES, 30.0
+    )
     assert solver.advance()[0] == "failed"
     assert solver.t == pytest.approx(2048 * 0.01)
 
@@ -165,12 +191,19 @@ def test_the_strongest_damping_is_found_among_rollers_and_head():
 
 def swing(h=0.01, end=7.0):
     return in_steps_of(
-        h, lambda t, y: [y[1], -y[0]], [1.0, 0.0], PLACES, end, watch=lambda t, y: [y[0] - 0.5], watched=1
+        h,
+        lambda t, y: [y[1], -y[0]],
+        [1.0, 0.0],
+        PLACES,
+        end,
+        watch=lambda t, y: [y[0] - 0.5],
+        watched=1,
     )
 
 
 def test_events_are_located_between_steps():
-    solver, found = swing(), []
+    solver = swing()
+    found = []
     while solver.advance()[0] == "event":
         found.append((solver.t, solver.rising))
         assert solver.y[0] == pytest.approx(0.5, abs=1e-12)
@@ -182,10 +215,14 @@ def test_events_are_located_between_steps():
 
 @pytest.mark.parametrize("steps", [1, 7, 150])
 def test_it_goes_on_bit_by_bit_from_its_state(steps):
-    whole, first, rest = swing(), swing(), swing()
+    whole = swing()
+    first = swing()
+    rest = swing()
     first.advance(max_steps=steps)
     rest.state = first.state
-    times = np.sort(np.append(np.linspace(first.t, 7.0, 23), first.t + 0.003))  # one in the next step
+    times = np.sort(
+        np.append(np.linspace(first.t, 7.0, 23), first.t + 0.003)
+    )  # one in the next step
     states = []
     for solver in (whole, rest):
         ahead = times[times >= solver.t]
@@ -220,7 +257,9 @@ def test_what_it_cannot_take_is_refused():
 
     with pytest.raises(OSError, match="gone"):
         in_steps_of(0.1, raises, [1.0, 0.0], PLACES, 1.0).advance()
-    away = in_steps_of(0.1, lambda t, y: [y[1], math.nan if t > 0.5 else 0.0], [0.0, 1.0], PLACES, 1.0)
+    away = in_steps_of(
+        0.1, lambda t, y: [y[1], math.nan if t > 0.5 else 0.0], [0.0, 1.0], PLACES, 1.0
+    )
     assert away.advance()[0] == "failed"
     assert away.t == pytest.approx(0.5)
     assert "not finite" in away.message

@@ -80,7 +80,9 @@ def weights(tree):
 
 def misses(b, order, at=1):
     """Largest fault in the conditions of one order, sum b_i(x) Phi_i(t) = x^order/density(t)."""
-    return max(abs((b * weights(tree))[0] - mpf(at) ** order / density(tree)) for tree in trees(order))
+    return max(
+        abs((b * weights(tree))[0] - mpf(at) ** order / density(tree)) for tree in trees(order)
+    )
 
 
 def test_there_are_as_many_conditions_as_the_theory_counts():
@@ -127,7 +129,9 @@ def test_it_is_l_stable(which):
         assert abs(1 - (b * mp.inverse(beta) * one)[0]) < 1e-13
         for y in [mpf(10) ** (mpf(k) / 8) for k in range(-16, 33)]:
             z = mp.mpc(0, y)
-            assert abs(1 + z * (b * mp.inverse(mp.eye(STAGES) - z * beta) * one)[0]) <= 1 + mpf("1e-13")
+            assert abs(1 + z * (b * mp.inverse(mp.eye(STAGES) - z * beta) * one)[0]) <= 1 + mpf(
+                "1e-13"
+            )
         assert all(beta[i, j] == 0 for i in range(STAGES) for j in range(i + 1, STAGES))
         assert all(abs(beta[i, i] - tableau()["gamma"]) < 1e-15 for i in range(STAGES))
 
@@ -201,12 +205,16 @@ def with_fixed_steps(problem, end, steps):
 )
 def test_it_converges_with_order_five_at_the_steps_and_between_them(problem, end, steps):
     """Measured 4.9 to 5.0; between the steps the error of one step is of order five too."""
-    (coarse, coarse_between), (fine, fine_between) = (with_fixed_steps(problem, end, n) for n in (steps, 2 * steps))
+    (coarse, coarse_between), (fine, fine_between) = (
+        with_fixed_steps(problem, end, n) for n in (steps, 2 * steps)
+    )
     assert 4.7 < math.log2(coarse / fine) < 5.3
     assert 4.6 < math.log2(coarse_between / fine_between) < 5.4
 
 
-@pytest.mark.parametrize("problem", [prothero_robinson(-1e6), kaps(1e-6)], ids=["prothero-robinson", "kaps"])
+@pytest.mark.parametrize(
+    "problem", [prothero_robinson(-1e6), kaps(1e-6)], ids=["prothero-robinson", "kaps"]
+)
 def test_a_stiff_problem_costs_no_accuracy_at_large_steps(problem):
     """A step is up to 1e5 times the fast time; 16 steps leave 4e-12 and 3e-10, 1e-7 between them."""
     at_steps, between = with_fixed_steps(problem, 1.0, 16)
@@ -217,7 +225,13 @@ def test_a_stiff_problem_costs_no_accuracy_at_large_steps(problem):
 def solved(problem, end, rtol, **more):
     rates, jacobian, exact = problem
     solver = Rosenbrock(
-        python_system(rates, exact(0.0).size, jacobian=jacobian), 0.0, exact(0.0), end, rtol, rtol, **more
+        python_system(rates, exact(0.0).size, jacobian=jacobian),
+        0.0,
+        exact(0.0),
+        end,
+        rtol,
+        rtol,
+        **more,
     )
     assert solver.advance() == ("finished", 0)
     return solver, np.max(np.abs(solver.y - exact(end)))
@@ -238,7 +252,8 @@ def test_the_error_follows_the_tolerance_down_to_1e_12(problem, end):
 def test_every_unknown_has_its_own_tolerances_and_no_step_is_longer_than_allowed():
     """A fast turn with a wide tolerance beside a slow one with a tight one: the first may not set the steps."""
     turns = python_system(lambda t, y: [100 * y[1], -100 * y[0], y[3], -y[2]], 4, autonomous=True)
-    y0, tight = [0.0, 1.0, 0.0, 1.0], [1e3, 1e3, 1e-9, 1e-9]
+    y0 = [0.0, 1.0, 0.0, 1.0]
+    tight = [1e3, 1e3, 1e-9, 1e-9]
     loose = Rosenbrock(turns, 0.0, y0, 3.0, tight, tight)
     loose.advance()
     np.testing.assert_allclose(loose.y[2:], [np.sin(3.0), np.cos(3.0)], atol=1e-7)
@@ -273,7 +288,8 @@ def test_it_runs_backwards():
 
 def bearing(rollers):
     """A cage (speed) and rollers (angle, spin) coupled by friction, loaded as they pass, and the energy lost in it."""
-    inertia, drag = 5.0, 0.3
+    inertia = 5.0
+    drag = 0.3
 
     def friction(head, own):
         load = np.maximum(np.cos(own[:, 0]), 0.0) ** 2
@@ -293,14 +309,21 @@ def bearing(rollers):
         force, sliding = friction(y[:1], own)
         rates = np.empty_like(y)
         rates[0] = (force.sum() - drag * y[0]) / inertia
-        rates[1:-1:2], rates[2:-1:2] = y[0], force
+        rates[1:-1:2] = y[0]
+        rates[2:-1:2] = force
         rates[-1] = force @ sliding
         return rates
 
     y0 = np.zeros(2 + 2 * rollers)
     y0[1:-1:2] = 0.3 + 2 * np.pi * np.arange(rollers) / rollers
     capsule = python_system(
-        head_rates, 1, roller_rates=roller_rates, rollers=rollers, block=2, ledger=1, autonomous=True
+        head_rates,
+        1,
+        roller_rates=roller_rates,
+        rollers=rollers,
+        block=2,
+        ledger=1,
+        autonomous=True,
     )
     return capsule, whole, y0
 
@@ -332,7 +355,13 @@ def test_a_ledger_closes_to_the_tolerance():
     """Energy of a driven, damped pendulum against the ledger of what drive and damper put in."""
     for rtol in (1e-5, 1e-8, 1e-11):
         system = python_system(
-            lambda t, y: [y[1], -np.sin(y[0]) - 0.2 * y[1] + np.cos(t), y[1] * (np.cos(t) - 0.2 * y[1])], 2, ledger=1
+            lambda t, y: [
+                y[1],
+                -np.sin(y[0]) - 0.2 * y[1] + np.cos(t),
+                y[1] * (np.cos(t) - 0.2 * y[1]),
+            ],
+            2,
+            ledger=1,
         )
         solver = Rosenbrock(system, 0.0, [0.0, 1.0, 0.0], 20.0, rtol, rtol)
         solver.advance()
@@ -389,7 +418,8 @@ def test_wanted_times_are_filled_across_calls():
     times = np.linspace(0.0, 3.0, 301)
     out = np.full((301, 2), np.nan)
     solver = Rosenbrock(python_system(rates, 2), 0.0, exact(0.0), 3.0, 1e-9, 1e-9)
-    at, reason = 0, "steps"
+    at = 0
+    reason = "steps"
     while reason == "steps":
         reason, filled = solver.advance(t_out=times[at:], y_out=out[at:], max_steps=7)
         at += filled
@@ -447,12 +477,16 @@ def test_no_rates_are_asked_for_outside_the_interval():
 
 
 def watching(rates, n, watch, watched, y0, end, rtol=1e-9, **more):
-    return Rosenbrock(python_system(rates, n, watch=watch, watched=watched, **more), 0.0, y0, end, rtol, rtol)
+    return Rosenbrock(
+        python_system(rates, n, watch=watch, watched=watched, **more), 0.0, y0, end, rtol, rtol
+    )
 
 
 def oscillator(watch, watched, end=10.0, rtol=1e-9):
     """sin t and cos t."""
-    return watching(lambda t, y: [y[1], -y[0]], 2, watch, watched, [0.0, 1.0], end, rtol, autonomous=True)
+    return watching(
+        lambda t, y: [y[1], -y[0]], 2, watch, watched, [0.0, 1.0], end, rtol, autonomous=True
+    )
 
 
 def events_of(solver):
@@ -474,7 +508,9 @@ def test_every_change_of_sign_is_found_once_with_its_direction():
         key=lambda event: event[2],
     )
     assert [event[:2] for event in found] == [event[:2] for event in expected]
-    np.testing.assert_allclose([event[2] for event in found], [event[2] for event in expected], atol=1e-7)
+    np.testing.assert_allclose(
+        [event[2] for event in found], [event[2] for event in expected], atol=1e-7
+    )
 
 
 def test_the_error_of_an_event_is_that_of_the_continuous_output():
@@ -482,7 +518,11 @@ def test_the_error_of_an_event_is_that_of_the_continuous_output():
     errors = []
     for h in (0.2, 0.1, 0.05):
         system = python_system(
-            lambda t, y: [y[1], -np.sin(y[0])], 2, watch=lambda t, y: [y[0] - 0.7], watched=1, autonomous=True
+            lambda t, y: [y[1], -np.sin(y[0])],
+            2,
+            watch=lambda t, y: [y[0] - 0.7],
+            watched=1,
+            autonomous=True,
         )
         fixed = Rosenbrock(system, 0.0, [0.0, 1.6], 4.0, 1e3, 1e3, h, h)
         assert fixed.advance()[0] == fixed.advance()[0] == "event"
@@ -496,7 +536,10 @@ def test_the_error_of_an_event_is_that_of_the_continuous_output():
 
 with mp.workdps(30):
     #: Time at which the pendulum with k = 0.8 falls through 0.7 rad: 2 K - F(asin(sin(0.35)/k), k).
-    FALLS_AT = float(2 * mp.ellipk(mpf("0.64")) - mp.ellipf(mp.asin(mp.sin(mpf("0.35")) / mpf("0.8")), mpf("0.64")))
+    FALLS_AT = float(
+        2 * mp.ellipk(mpf("0.64"))
+        - mp.ellipf(mp.asin(mp.sin(mpf("0.35")) / mpf("0.8")), mpf("0.64"))
+    )
 
 
 def test_the_state_at_an_event_is_on_the_continuous_output_and_past_the_change():
@@ -508,7 +551,9 @@ def test_the_state_at_an_event_is_on_the_continuous_output_and_past_the_change()
     assert 0 <= value < 4 * np.spacing(0.5), "located to rounding, on the far side"
     assert before < solver.t
     assert np.array_equal(solver.interpolate(solver.t), solver.y)
-    np.testing.assert_allclose(solver.interpolate(np.nextafter(solver.t, 0.0)), solver.y, atol=1e-14)
+    np.testing.assert_allclose(
+        solver.interpolate(np.nextafter(solver.t, 0.0)), solver.y, atol=1e-14
+    )
     with pytest.raises(ValueError, match="is not within the last step"):
         solver.interpolate(solver.t + 1e-6)
 
@@ -529,14 +574,22 @@ def test_an_event_is_located_by_secants_and_not_by_halving():
 
 def test_two_values_that_change_together_are_reported_one_after_the_other():
     """sin t - 1/2, three times it, and its opposite: three events at the same time, and none twice."""
-    found = events_of(oscillator(lambda t, y: [y[0] - 0.5, 3 * (y[0] - 0.5), 0.5 - y[0]], 3, end=2.0))
-    assert sorted((index, rising) for index, rising, _ in found) == [(0, True), (1, True), (2, False)]
+    found = events_of(
+        oscillator(lambda t, y: [y[0] - 0.5, 3 * (y[0] - 0.5), 0.5 - y[0]], 3, end=2.0)
+    )
+    assert sorted((index, rising) for index, rising, _ in found) == [
+        (0, True),
+        (1, True),
+        (2, False),
+    ]
     np.testing.assert_allclose([t for *_, t in found], np.pi / 6, atol=1e-7)
 
 
 def test_a_dip_between_the_ends_of_a_step_is_found():
     """y'' = 0 is solved in steps of any length; (t - 0.4)(t - 0.6) is negative only within the first."""
-    solver = watching(lambda t, y: [1.0], 1, lambda t, y: [(y[0] - 0.4) * (y[0] - 0.6)], 1, [0.0], 1.0)
+    solver = watching(
+        lambda t, y: [1.0], 1, lambda t, y: [(y[0] - 0.4) * (y[0] - 0.6)], 1, [0.0], 1.0
+    )
     solver.restart(0.0, [0.0], 1.0)
     found = events_of(solver)
     assert [(rising, round(t, 12)) for _, rising, t in found] == [(False, 0.4), (True, 0.6)]
@@ -599,14 +652,18 @@ def test_a_solution_that_becomes_infinite_ends_with_a_reason():
                 return y * y
 
         solver = Rosenbrock(python_system(rates, 1), 0.0, [1.0], 2.0, rtol, 1e-9)
-        failed(solver, "the step size became too small at t = ", "the solution may be infinite there")
+        failed(
+            solver, "the step size became too small at t = ", "the solution may be infinite there"
+        )
         assert solver.t == pytest.approx(1.0, abs=20 * rtol)
         assert calls < 20_000
 
 
 def test_rates_that_stop_being_finite_end_with_a_reason_at_the_last_good_state():
     with np.errstate(invalid="ignore", divide="ignore"):
-        solver = Rosenbrock(python_system(lambda t, y: [np.log(1.0 - t) * 0 - 1], 1), 0.0, [3.0], 2.0)
+        solver = Rosenbrock(
+            python_system(lambda t, y: [np.log(1.0 - t) * 0 - 1], 1), 0.0, [3.0], 2.0
+        )
         failed(solver, "the rates are not finite at t = 1, or a little after it")
     assert 0.999999999 < solver.t < 1.0
     assert solver.y[0] == pytest.approx(3.0 - solver.t, abs=1e-12)
@@ -639,7 +696,9 @@ def test_a_step_into_refused_ground_is_tried_again_smaller():
 
 def test_a_jump_in_the_rates_is_crossed():
     """A kink and a jump cost steps and no more: |y|' with a dry friction that turns at t = 1."""
-    solver = Rosenbrock(python_system(lambda t, y: [np.sign(1.0 - t)], 1), 0.0, [0.0], 2.0, 1e-8, 1e-8)
+    solver = Rosenbrock(
+        python_system(lambda t, y: [np.sign(1.0 - t)], 1), 0.0, [0.0], 2.0, 1e-8, 1e-8
+    )
     assert solver.advance() == ("finished", 0)
     assert solver.y[0] == pytest.approx(0.0, abs=1e-6)
     assert solver.rejected < 200
@@ -730,7 +789,9 @@ def test_what_cannot_be_asked_for_is_refused():
     with pytest.raises(ValueError, match=r"y_out must have the shape \(1, 1\), got \(2, 1\)"):
         solver.advance(t_out=[0.5], y_out=np.empty((2, 1)))
     for times in ([0.5, 0.4], [-0.1, 0.4], [0.1, np.nan]):
-        with pytest.raises(ValueError, match="t_out must go on from t = 0 in the direction of integration"):
+        with pytest.raises(
+            ValueError, match="t_out must go on from t = 0 in the direction of integration"
+        ):
             solver.advance(t_out=times, y_out=np.empty((2, 1)))
     with pytest.raises(ValueError, match="no step has been taken yet"):
         _ = solver.continuous
@@ -747,7 +808,8 @@ def test_what_cannot_be_asked_for_is_refused():
 
 def test_solve_ivp_takes_a_function_and_a_system():
     capsule, whole, y0 = bearing(6)
-    system, method = System(capsule), get_model("integrator", "rodas5p").solver()
+    system = System(capsule)
+    method = get_model("integrator", "rodas5p").solver()
     options = {"method": method, "rtol": 1e-8, "atol": 1e-8, "dense_output": True}
     arrow = solve_ivp(system, (0.0, 3.0), y0, **options)
     dense = solve_ivp(whole, (0.0, 3.0), y0, **options)
@@ -760,7 +822,9 @@ def test_solve_ivp_takes_a_function_and_a_system():
     assert arrow.nfev <= 8 * arrow.nlu + 2 * 3 * arrow.njev + 3
     assert dense.nfev >= 7 * dense.nlu + (2 * y0.size + 2) * dense.njev
     # and SciPy's own solvers take the system and its Jacobian
-    theirs = solve_ivp(system, (0.0, 3.0), y0, method="Radau", jac=system.jacobian, rtol=1e-8, atol=1e-8)
+    theirs = solve_ivp(
+        system, (0.0, 3.0), y0, method="Radau", jac=system.jacobian, rtol=1e-8, atol=1e-8
+    )
     np.testing.assert_allclose(theirs.y[:, -1], arrow.y[:, -1], atol=1e-5)
     with pytest.raises(ValueError, match="a System has its own Jacobian"):
         solve_ivp(system, (0.0, 3.0), y0, method=method, jac=system.jacobian)
@@ -802,4 +866,6 @@ def test_unknowns_of_different_size_have_their_own_tolerances():
         lambda t, y: [-1e18 * y[1], 1e-18 * y[0]], (0.0, 3.0), [1e9, 0.0],
         method=get_model("integrator", "rodas5p").solver(), rtol=1e-8, atol=[1.0, 1e-18],
     )  # fmt: skip
-    np.testing.assert_allclose(solution.y[:, -1], [1e9 * np.cos(3.0), 1e-9 * np.sin(3.0)], rtol=1e-6)
+    np.testing.assert_allclose(
+        solution.y[:, -1], [1e9 * np.cos(3.0), 1e-9 * np.sin(3.0)], rtol=1e-6
+    )

@@ -28,10 +28,15 @@ def sanitized(tmp_path_factory):
     example = next((ROOT / "docs" / "example-plugins").glob("*/src/*/*.pyx")).parents[2]
     for source in (ROOT / "framework", ROOT / "kernels", ROOT / "plugins", ROOT / "tests", example):
         ignored = shutil.ignore_patterns("*.so", "*.c", "__pycache__", "build", "*.egg-info")
-        shutil.copytree(source, folder / ("example" if source is example else source.name), ignore=ignored)
+        shutil.copytree(
+            source, folder / ("example" if source is example else source.name), ignore=ignored
+        )
     for name in ("setup.py", "pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, folder)
-    paths = [folder / part for part in ("framework", "kernels", "plugins", "tests/support", "example/src")]
+    paths = [
+        folder / part
+        for part in ("framework", "kernels", "plugins", "tests/support", "example/src")
+    ]
     environment = os.environ | {
         "CFLAGS": SANITIZE,
         "ROLLSLIP_BOUNDSCHECK": "1",
@@ -41,13 +46,18 @@ def sanitized(tmp_path_factory):
     }
 
     def run(command, at=folder, **more):
-        return subprocess.run(command, cwd=at, env=environment | more, capture_output=True, text=True, check=False)
+        return subprocess.run(
+            command, cwd=at, env=environment | more, capture_output=True, text=True, check=False
+        )
 
     # with its metadata beside it, the example is found like an installed package
     for place, commands in ((folder, []), (folder / "example", ["egg_info"])):
         built = run([sys.executable, "setup.py", "-q", *commands, "build_ext", "--inplace"], place)
         assert built.returncode == 0, built.stderr[-3000:]
-    libraries = [run(["cc", f"-print-file-name={name}"]).stdout.strip() for name in ("libasan.so", "libubsan.so")]
+    libraries = [
+        run(["cc", f"-print-file-name={name}"]).stdout.strip()
+        for name in ("libasan.so", "libubsan.so")
+    ]
     return folder, lambda code: run([sys.executable, "-c", code], LD_PRELOAD=" ".join(libraries))
 
 
@@ -152,9 +162,20 @@ def test_an_overrun_of_a_column_is_caught(sanitized):
     folder, run = sanitized
     (folder / "overrun.c").write_text(OVERRUN)
     include = folder / "kernels" / "rollslip_kernels" / "include"
-    command = ["cc", *SANITIZE.split(), "-shared", "-fPIC", f"-I{include}", "overrun.c", "-o", "overrun.so"]
+    command = [
+        "cc",
+        *SANITIZE.split(),
+        "-shared",
+        "-fPIC",
+        f"-I{include}",
+        "overrun.c",
+        "-o",
+        "overrun.so",
+    ]
     subprocess.run(command, cwd=folder, check=True)
-    clean(run(CALL.replace("CALL", "Chain(Stage(capsule=capsule))(slices)")))  # the next row hides it
+    clean(
+        run(CALL.replace("CALL", "Chain(Stage(capsule=capsule))(slices)"))
+    )  # the next row hides it
     done = run(CALL.replace("CALL", "stages.call_apart(capsule, slices)"))
     assert done.returncode != 0
     assert "heap-buffer-overflow" in done.stderr
@@ -208,11 +229,15 @@ broken = Chain(Stage(body=raising))
 print(grown(lambda: failing(broken, table, ZeroDivisionError), 2000))
 """
 #: A capsule that nobody frees.
-PLANTED = "\nprint(grown(lambda: ctypes.pythonapi.Py_IncRef(ctypes.py_object(single[0].kernel())), 1000))"
+PLANTED = (
+    "\nprint(grown(lambda: ctypes.pythonapi.Py_IncRef(ctypes.py_object(single[0].kernel())), 1000))"
+)
 
 
 def test_nothing_is_left_behind(sanitized):
     *grown, planted = (float(number) for number in clean(sanitized[1](LEAKS + PLANTED)))
     assert len(grown) > 100
-    assert max(grown) < 8.0  # what is kept once, as in caches, divided by hundreds; the least object is larger
+    assert (
+        max(grown) < 8.0
+    )  # what is kept once, as in caches, divided by hundreds; the least object is larger
     assert planted > 16.0

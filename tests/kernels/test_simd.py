@@ -31,13 +31,17 @@ def run(code, name, *arguments):
     """Run Python code with the instruction set forced."""
     path = os.pathsep.join(filter(None, [str(SUPPORT), os.environ.get("PYTHONPATH")]))
     environment = os.environ | {"ROLLSLIP_SIMD": name, "PYTHONPATH": path}
-    return subprocess.run([sys.executable, "-c", code, *arguments], env=environment, capture_output=True, text=True)
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], env=environment, capture_output=True, text=True
+    )
 
 
 def test_the_widest_set_runs_by_default():
     code = "from rollslip_kernels.stages import simd; print(simd.active())"
     environment = {name: value for name, value in os.environ.items() if name != "ROLLSLIP_SIMD"}
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == simd.available()[-1]
     assert simd.available()[0] == "baseline"
 
@@ -127,20 +131,27 @@ def test_neighbours_change_no_bit_of_a_slice():
         Chain(model)(whole)
         Chain(model, block=1)(alone)
         for name in model.writes:
-            np.testing.assert_array_equal(getattr(whole, name), getattr(alone, name), err_msg=model.name)
+            np.testing.assert_array_equal(
+                getattr(whole, name), getattr(alone, name), err_msg=model.name
+            )
 
 
 def test_the_command_line_says_which_runs_and_refuses_what_is_not_there():
     def info(name):
         code = "from rollslip.cli import main; main(['info'])"
         return subprocess.run(
-            [sys.executable, "-c", code], env=os.environ | {"ROLLSLIP_SIMD": name}, capture_output=True, text=True
+            [sys.executable, "-c", code],
+            env=os.environ | {"ROLLSLIP_SIMD": name},
+            capture_output=True,
+            text=True,
         )
 
     assert "instructions  baseline, of baseline" in info("baseline").stdout
     refused = info("v9")
     assert refused.returncode == 2
-    assert refused.stderr.startswith("ROLLSLIP_SIMD = 'v9' names no instruction set of this machine")
+    assert refused.stderr.startswith(
+        "ROLLSLIP_SIMD = 'v9' names no instruction set of this machine"
+    )
 
 
 #: Rates of motions at all levels: loops over rollers are compiled for sets too, and tables come from stages.
@@ -187,24 +198,38 @@ BENT = {
 @pytest.mark.parametrize("friction", ["effective", "conventional"])
 def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, rings, monkeypatch):
     """From the same tables, which stages make: the baseline too, since these loops fuse nothing."""
-    scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2} | rings)
-    assembly, rates = assemble(scene), []
+    scene = evolve(
+        load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2} | rings
+    )
+    assembly = assemble(scene)
+    rates = []
     for name in ("baseline", "v3"):
         monkeypatch.setattr(planar, "active", lambda name=name: name)
-        moving = planar_motion(assembly, PlanarSettings(inner_ring_mass=5.0), FrictionSettings(name=friction))
+        moving = planar_motion(
+            assembly, PlanarSettings(inner_ring_mass=5.0), FrictionSettings(name=friction)
+        )
         y = moving.initial(0.02, 0.03)
         at = moving.split(y)
         at["pocket_position"][:4] = 0.5 * assembly.cage.pocket_clearance + 1e-7 * np.arange(4)
         at["cage_x"][...] = 3e-5
         system = moving.system
         held = system.held(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size))
-        rates.append((system.rates(0.0, y), held, system.held(0.0, y, 1e-5, y, apart=True), system.go(0.0, 4e-6, 2, y)))
+        rates.append(
+            (
+                system.rates(0.0, y),
+                held,
+                system.held(0.0, y, 1e-5, y, apart=True),
+                system.go(0.0, 4e-6, 2, y),
+            )
+        )
     for one, other in zip(*rates, strict=True):
         assert one.tobytes() == other.tobytes()
 
 
 @pytest.mark.slow
-def test_rates_of_motions_are_the_same_bits_on_sets_that_fuse_and_differ_by_rounding_on_others(tmp_path):
+def test_rates_of_motions_are_the_same_bits_on_sets_that_fuse_and_differ_by_rounding_on_others(
+    tmp_path,
+):
     found = {}
     for name in simd.available():
         done = run(RATES, name, str(tmp_path / f"{name}.npz"))
@@ -215,7 +240,9 @@ def test_rates_of_motions_are_the_same_bits_on_sets_that_fuse_and_differ_by_roun
     assert len(widest) == 30
     for name, rates in found.items():
         for key, value in rates.items():
-            if name == "baseline":  # whose tables of effective friction choose their nodes by other roundings
+            if (
+                name == "baseline"
+            ):  # whose tables of effective friction choose their nodes by other roundings
                 off = (1e-3 if "effective" in key else 1e-13) * np.abs(widest[key]).max()
                 np.testing.assert_allclose(value, widest[key], rtol=0, atol=off, err_msg=key)
             else:

@@ -11,7 +11,9 @@ from rollslip_kernels.motion.system import RefusedError, System, python_system
 
 pytestmark = pytest.mark.quick
 
-HEAD, BLOCK, LEDGER = 2, 3, 2
+HEAD = 2
+BLOCK = 3
+LEDGER = 2
 N_RECEIVING = HEAD + LEDGER
 
 
@@ -29,7 +31,13 @@ def arrow(rollers, scale=1.0):
         return rates, np.array([x * y, np.sin(z) - x * a, x**2, a * b * z]).T
 
     return python_system(
-        head_rates, HEAD, roller_rates=roller_rates, rollers=rollers, block=BLOCK, ledger=LEDGER, scale=scale
+        head_rates,
+        HEAD,
+        roller_rates=roller_rates,
+        rollers=rollers,
+        block=BLOCK,
+        ledger=LEDGER,
+        scale=scale,
     )
 
 
@@ -37,7 +45,10 @@ def dense(t, u):
     """The same system from one vector to another, for complex numbers too, a roller at a time."""
     a, b = u[:HEAD]
     rates = np.zeros_like(u)
-    rates[0], rates[1], rates[-2], rates[-1] = np.sin(a * b) + t, b * b - a, a * b, np.cos(a)
+    rates[0] = np.sin(a * b) + t
+    rates[1] = b * b - a
+    rates[-2] = a * b
+    rates[-1] = np.cos(a)
     for j in range((u.size - N_RECEIVING) // BLOCK):
         first = HEAD + j * BLOCK
         x, y, z = u[first : first + BLOCK]
@@ -77,7 +88,8 @@ def test_rates_are_those_of_the_same_system_written_densely(rollers):
 
 @pytest.mark.parametrize(("central", "tolerance"), [(False, 2e-7), (True, 2e-9)])
 def test_the_arrow_jacobian_is_that_of_complex_steps(central, tolerance):
-    system, y = System(arrow(7)), state(7)
+    system = System(arrow(7))
+    y = state(7)
     exact = complex_step(0.3, y)
     found = system.jacobian(0.3, y, central=central)
     np.testing.assert_allclose(found, exact, rtol=0, atol=tolerance * np.max(np.abs(exact)))
@@ -88,12 +100,16 @@ def test_differences_take_the_scale_of_an_unknown_that_is_zero():
     """With y = 0 and f = sin(y/s), df/dy = 1/s needs increments well below s."""
     sizes = np.array([1e-9, 1.0, 1e6])
     system = System(python_system(lambda t, y: np.sin(y / sizes), 3, scale=sizes))
-    np.testing.assert_allclose(np.diag(system.jacobian(0.0, np.zeros(3), central=False)) * sizes, 1.0, rtol=1e-7)
+    np.testing.assert_allclose(
+        np.diag(system.jacobian(0.0, np.zeros(3), central=False)) * sizes, 1.0, rtol=1e-7
+    )
 
 
 @pytest.mark.parametrize("rollers", [1, 10, 300])
 @pytest.mark.parametrize(("central", "times"), [(False, 1), (True, 2)])
-def test_a_jacobian_costs_as_many_evaluations_whatever_the_number_of_rollers(rollers, central, times):
+def test_a_jacobian_costs_as_many_evaluations_whatever_the_number_of_rollers(
+    rollers, central, times
+):
     system = System(arrow(rollers))
     system.jacobian(0.0, state(rollers), central=central)
     assert system.evaluations == 1 + times * (HEAD + BLOCK)
@@ -145,13 +161,18 @@ SHAPES = [
 def linear(head, rollers, block, ledger, seed=2):
     """A linear system of arrow shape with coefficients from a normal distribution."""
     draw = np.random.default_rng(seed).normal
-    own, pull = draw(size=(head + ledger, head)), draw(size=(rollers, head + ledger, block))
-    by_head, within = draw(size=(rollers, block, head)), draw(size=(rollers, block, block))
+    own = draw(size=(head + ledger, head))
+    pull = draw(size=(rollers, head + ledger, block))
+    by_head = draw(size=(rollers, block, head))
+    within = draw(size=(rollers, block, block))
     return python_system(
         lambda t, h: own @ h,
         head,
         roller_rates=(
-            lambda t, h, r: (by_head @ h + np.einsum("zij,zj->zi", within, r), np.einsum("zij,zj->zi", pull, r))
+            lambda t, h, r: (
+                by_head @ h + np.einsum("zij,zj->zi", within, r),
+                np.einsum("zij,zj->zi", pull, r),
+            )
         )
         if rollers
         else None,
@@ -208,8 +229,12 @@ def test_operations_grow_in_proportion_to_the_rollers():
         spent[rollers] = system.solve(0.0, y, 10.0, y)[1]
     assert spent[190] - spent[100] == spent[100] - spent[10] > 0
     assert spent[1000] - spent[100] == 10 * (spent[100] - spent[10])
-    H, B, L = HEAD, BLOCK, LEDGER  # a matrix of m by n takes a vector in m n multiplications, and factors in n^3
-    factors, solution = B**3 + B * B * H + H * B * H, B * B + H * B + B * H + L * B
+    # a matrix of m by n takes a vector in m n multiplications, and factors in n^3
+    H = HEAD
+    B = BLOCK
+    L = LEDGER
+    factors = B**3 + B * B * H + H * B * H
+    solution = B * B + H * B + B * H + L * B
     assert spent[100] - spent[10] == 90 * (factors + solution)
     assert spent[10] == 10 * (factors + solution) + H**3 + H * H + L * H + L
 
@@ -241,7 +266,9 @@ def test_a_system_that_does_not_fit_together_is_refused(keywords, sentence):
 
 def test_arrays_that_do_not_fit_are_refused():
     system = System(arrow(2))
-    with pytest.raises(ValueError, match=r"the system has 10 unknowns, got an array of shape \(9,\)"):
+    with pytest.raises(
+        ValueError, match=r"the system has 10 unknowns, got an array of shape \(9,\)"
+    ):
         system(0.0, np.ones(9))
     with pytest.raises(ValueError, match="unknown 3 is not finite"):
         system(0.0, np.where(np.arange(10) == 3, np.inf, 1.0))
@@ -256,7 +283,12 @@ def good_rollers(t, head, own):
 @pytest.mark.parametrize(
     ("head_rates", "roller_rates", "error", "sentence"),
     [
-        (lambda t, h: np.ones(2), good_rollers, ValueError, r"the rates must have the shape \(1,\), got \(2,\)"),
+        (
+            lambda t, h: np.ones(2),
+            good_rollers,
+            ValueError,
+            r"the rates must have the shape \(1,\), got \(2,\)",
+        ),
         (lambda t, h: h * 1j, good_rollers, TypeError, "the rates must be real, got complex128"),
         (
             lambda t, h: h,
@@ -264,7 +296,12 @@ def good_rollers(t, head, own):
             ValueError,
             r"the rollers' rates must .* \(2, 3\), got \(3, 2\)",
         ),
-        (lambda t, h: h, lambda t, h, r: (r, r), ValueError, r"what the rollers add must .* \(2, 1\), got \(2, 3\)"),
+        (
+            lambda t, h: h,
+            lambda t, h, r: (r, r),
+            ValueError,
+            r"what the rollers add must .* \(2, 1\), got \(2, 3\)",
+        ),
         (lambda t, h: {}["speed"], good_rollers, KeyError, "speed"),
     ],
 )
@@ -279,7 +316,9 @@ def test_watched_values_are_asked_for_and_their_faults_come_out():
     system = System(python_system(lambda t, y: y, 2, watch=lambda t, y: [y[0] - t], watched=1))
     assert system.watch(0.5, [2.0, 1.0]).tolist() == [1.5]
     bad = System(python_system(lambda t, y: y, 2, watch=lambda t, y: y, watched=1))
-    with pytest.raises(ValueError, match=r"the watched values must have the shape \(1,\), got \(2,\)"):
+    with pytest.raises(
+        ValueError, match=r"the watched values must have the shape \(1,\), got \(2,\)"
+    ):
         bad.watch(0.0, [1.0, 1.0])
 
 

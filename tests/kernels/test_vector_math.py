@@ -8,7 +8,10 @@ from rollslip_kernels.stages import simd, vector_math
 
 mpmath.mp.dps = 40
 
-INF, NAN, TINY, MOST = np.inf, np.nan, 5e-324, np.finfo(float).max
+INF = np.inf
+NAN = np.nan
+TINY = 5e-324
+MOST = np.finfo(float).max
 
 
 def spread(rng, low, high, n, *, both=False):
@@ -47,22 +50,28 @@ every_function = pytest.mark.parametrize("name", FUNCTIONS)
 
 def ulps(computed, exact):
     """Return the error in units of the last place of the exact value, as a double would have it."""
-    worst, where = 0.0, None
+    worst = 0.0
+    where = None
     for k, (value, truth) in enumerate(zip(computed.tolist(), exact, strict=True)):
         nearest = float(truth)
         if not np.isfinite(nearest) or not np.isfinite(value):
             assert value == nearest, (k, value, nearest)
             continue
-        error = abs(float((mpmath.mpf(value) - truth) / mpmath.mpf(float(np.spacing(abs(nearest))))))
+        error = abs(
+            float((mpmath.mpf(value) - truth) / mpmath.mpf(float(np.spacing(abs(nearest)))))
+        )
         if error > worst:
-            worst, where = error, k
+            worst = error
+            where = k
     return worst, where
 
 
 def error_of(name, path, n, seed=1):
     exact, samples, _ = FUNCTIONS[name]
     x = samples(np.random.default_rng(seed), n)
-    worst, where = ulps(getattr(vector_math, name)(x, simd=path), [exact(mpmath.mpf(v)) for v in x.tolist()])
+    worst, where = ulps(
+        getattr(vector_math, name)(x, simd=path), [exact(mpmath.mpf(v)) for v in x.tolist()]
+    )
     return worst, x[where]
 
 
@@ -100,7 +109,13 @@ def test_worst_error_of_what_is_added_to_a_logarithm(path):
     rng = np.random.default_rng(4)
     x = np.concatenate([-rng.uniform(0, 3, 2000), -rng.uniform(0, 1000, 2000), [0.0, -1000.0]])
     falling = vector_math.exp2_falling(x, simd=path)
-    assert max(abs(float(v / mpmath.mpf(2) ** mpmath.mpf(at) - 1)) for v, at in zip(falling, x, strict=True)) <= 2e-16
+    assert (
+        max(
+            abs(float(v / mpmath.mpf(2) ** mpmath.mpf(at) - 1))
+            for v, at in zip(falling, x, strict=True)
+        )
+        <= 2e-16
+    )
     y = np.concatenate([rng.uniform(0, 1, 2000), spread(rng, 1e-300, 1, 2000), [0.0, 1.0]])
     plus_one = vector_math.log2_plus_one(y, simd=path)
     exact = [mpmath.log1p(mpmath.mpf(at)) / mpmath.log(2) for at in y]
@@ -112,7 +127,13 @@ def test_worst_error_of_what_is_added_to_a_logarithm(path):
 def test_short_forms_have_the_bits_of_the_long_ones(path):
     """Stages take them for whole blocks, and a neighbour that needs the long form may change no bit of a slice."""
     rng = np.random.default_rng(5)
-    x = np.concatenate([rng.uniform(-700, 700, 4000), spread(rng, 1e-300, 700, 4000, both=True), [0.0, -700.0, 700.0]])
+    x = np.concatenate(
+        [
+            rng.uniform(-700, 700, 4000),
+            spread(rng, 1e-300, 700, 4000, both=True),
+            [0.0, -700.0, 700.0],
+        ]
+    )
     assert vector_math.exp_normal(x, simd=path).tobytes() == vector_math.exp(x, simd=path).tobytes()
 
 
@@ -121,7 +142,9 @@ def test_expm1_of_what_is_not_positive(path):
     """As good as expm1 is; below -693 it is -1 as well."""
     rng = np.random.default_rng(6)
     x = -np.concatenate([rng.uniform(0, 60, 3000), spread(rng, 1e-300, 40, 3000), [0.0]])
-    worst, where = ulps(vector_math.expm1_falling(x, simd=path), [mpmath.expm1(mpmath.mpf(v)) for v in x.tolist()])
+    worst, where = ulps(
+        vector_math.expm1_falling(x, simd=path), [mpmath.expm1(mpmath.mpf(v)) for v in x.tolist()]
+    )
     assert worst <= FUNCTIONS["expm1"][2], x[where]
     assert vector_math.expm1_falling([-693.5, -1e308, -INF], simd=path).tolist() == [-1.0] * 3
 
@@ -130,12 +153,57 @@ def test_expm1_of_what_is_not_positive(path):
 
 #: function -> {argument: exact result}
 ENDS = {
-    "exp": {0.0: 1.0, -INF: 0.0, INF: INF, 709.79: INF, -745.2: 0.0, -1e308: 0.0, MOST: INF, NAN: NAN},
-    "exp2": {0.0: 1.0, -INF: 0.0, INF: INF, 1024.0: INF, 1023.0: 2.0**1023, -1074.0: TINY, -1076.0: 0.0, NAN: NAN},
-    "expm1": {0.0: 0.0, -INF: -1.0, INF: INF, 709.79: INF, -1e308: -1.0, TINY: TINY, -1e-310: -1e-310, NAN: NAN},
+    "exp": {
+        0.0: 1.0,
+        -INF: 0.0,
+        INF: INF,
+        709.79: INF,
+        -745.2: 0.0,
+        -1e308: 0.0,
+        MOST: INF,
+        NAN: NAN,
+    },
+    "exp2": {
+        0.0: 1.0,
+        -INF: 0.0,
+        INF: INF,
+        1024.0: INF,
+        1023.0: 2.0**1023,
+        -1074.0: TINY,
+        -1076.0: 0.0,
+        NAN: NAN,
+    },
+    "expm1": {
+        0.0: 0.0,
+        -INF: -1.0,
+        INF: INF,
+        709.79: INF,
+        -1e308: -1.0,
+        TINY: TINY,
+        -1e-310: -1e-310,
+        NAN: NAN,
+    },
     "log": {1.0: 0.0, 0.0: -INF, INF: INF, -1.0: NAN, -INF: NAN, -TINY: NAN, NAN: NAN},
-    "log2": {1.0: 0.0, 0.0: -INF, INF: INF, TINY: -1074.0, 2.0**1023: 1023.0, 0.5: -1.0, -1.0: NAN, NAN: NAN},
-    "log1p": {0.0: 0.0, -1.0: -INF, INF: INF, -1.5: NAN, -INF: NAN, TINY: TINY, -1e-310: -1e-310, NAN: NAN},
+    "log2": {
+        1.0: 0.0,
+        0.0: -INF,
+        INF: INF,
+        TINY: -1074.0,
+        2.0**1023: 1023.0,
+        0.5: -1.0,
+        -1.0: NAN,
+        NAN: NAN,
+    },
+    "log1p": {
+        0.0: 0.0,
+        -1.0: -INF,
+        INF: INF,
+        -1.5: NAN,
+        -INF: NAN,
+        TINY: TINY,
+        -1e-310: -1e-310,
+        NAN: NAN,
+    },
     "asinh": {0.0: 0.0, INF: INF, -INF: -INF, TINY: TINY, -1e-310: -1e-310, NAN: NAN},
 }
 POWERS = {
@@ -152,7 +220,9 @@ POWERS = {
 @every_function
 def test_ends_of_the_range(name, path):
     x = np.array(list(ENDS[name]))
-    np.testing.assert_array_equal(getattr(vector_math, name)(x, simd=path), list(ENDS[name].values()))
+    np.testing.assert_array_equal(
+        getattr(vector_math, name)(x, simd=path), list(ENDS[name].values())
+    )
 
 
 @every_set
@@ -175,7 +245,10 @@ def test_all_sets_that_fuse_give_the_same_bits_and_all_do_for_any_length(name):
         function = getattr(vector_math, name)
         whole = function(x, simd=path).tobytes()
         assert path == "baseline" or whole == widest
-        assert b"".join(function(x[k : k + 7], simd=path).tobytes() for k in range(0, len(x), 7)) == whole
+        assert (
+            b"".join(function(x[k : k + 7], simd=path).tobytes() for k in range(0, len(x), 7))
+            == whole
+        )
 
 
 def test_shapes_are_kept_and_checked():

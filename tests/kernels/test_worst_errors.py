@@ -14,12 +14,16 @@ from rollslip_kernels.stages import simd
 from tabled import REFERENCES, rows_of
 from worst_slices import by_set, error_of, laws
 
-ROWS = [row | {"members": json.loads(row["members"])} for row in rows_of(REFERENCES / "worst_errors.csv")]
+ROWS = [
+    row | {"members": json.loads(row["members"])}
+    for row in rows_of(REFERENCES / "worst_errors.csv")
+]
 #: Half of the last digit of the table.
 ROUNDED = 1.0006
 
 pytestmark = pytest.mark.skipif(
-    platform.machine() not in ("x86_64", "AMD64"), reason="the rounding of the baseline is that of x86-64"
+    platform.machine() not in ("x86_64", "AMD64"),
+    reason="the rounding of the baseline is that of x86-64",
 )
 
 
@@ -39,7 +43,9 @@ def too_large(row, got):
 def test_no_law_is_farther_from_fifty_digits_than_it_was(name):
     got = filled(name)
     assert got.keys() == laws().keys()
-    assert [row["law"] for row in ROWS if row["set"] == name and too_large(row, got[row["law"]])] == []
+    assert [
+        row["law"] for row in ROWS if row["set"] == name and too_large(row, got[row["law"]])
+    ] == []
 
 
 def test_an_error_of_a_few_bits_more_is_caught():
@@ -60,4 +66,6 @@ def test_no_error_is_more_than_1e_13_but_where_the_inputs_lose_more():
     """Roelands's viscosity at 3 GPa is a power of exponents in the hundreds, which multiply the rounding of alpha."""
     for row in (row for row in ROWS if float(row["error"]) > 1e-13):
         assert row["law"] == "roelands"
-        assert float(row["error"]) < EPS * condition(laws()[row["law"]], row["members"], row["column"])
+        assert float(row["error"]) < EPS * condition(
+            laws()[row["law"]], row["members"], row["column"]
+        )

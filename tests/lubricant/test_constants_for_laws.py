@@ -9,7 +9,10 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import add
 from rollslip.errors import SceneError
 
-PAPER = evolve(load_scene("1032930-70C"), {"models.traction": {"model": "lambda-blend", "hydrodynamic": "muraki"}})
+PAPER = evolve(
+    load_scene("1032930-70C"),
+    {"models.traction": {"model": "lambda-blend", "hydrodynamic": "muraki"}},
+)
 
 
 def traction(models, **more):
@@ -36,13 +39,17 @@ def test_a_value_that_laws_share_stands_once():
 
 def test_an_oil_of_a_package_brings_them_and_a_scene_changes_some():
     oil = attrs.evolve(
-        get_model("lubricant", "mil-prf-7808"), name="offered", models={"muraki": {"flash": 0.5}, "elsewhere": {"x": 1}}
+        get_model("lubricant", "mil-prf-7808"),
+        name="offered",
+        models={"muraki": {"flash": 0.5}, "elsewhere": {"x": 1}},
     )
     with registrations_rolled_back():
         add("lubricant", oil)
         offered = evolve(PAPER, {"lubricant.name": "offered"})
         assert assemble(offered).traction.hydrodynamic.flash == 0.5
-        changed = assemble(evolve(offered, {"lubricant.models": {"lambda-blend": {"exponent": 3.0}}})).traction
+        changed = assemble(
+            evolve(offered, {"lubricant.models": {"lambda-blend": {"exponent": 3.0}}})
+        ).traction
         assert (changed.exponent, changed.hydrodynamic.flash) == (3.0, 0.5)
         plain = assemble(PAPER)
         assert assemble(offered, like=plain).traction.hydrodynamic.flash == 0.5
@@ -56,8 +63,14 @@ def test_an_oil_of_a_package_brings_them_and_a_scene_changes_some():
             {"muraky": {"flash": 0.5}},
             r"lubricant\.models\.muraky: no law of a contact is called so; did you mean muraki",
         ),
-        ({"muraki": {"flush": 0.5}}, r"lubricant\.models\.muraki\.flush: 'muraki' has no parameter 'flush'"),
-        ({"flush": 0.5}, r"lubricant\.models\.flush: no law of this scene has such a parameter: palmgren, "),
+        (
+            {"muraki": {"flush": 0.5}},
+            r"lubricant\.models\.muraki\.flush: 'muraki' has no parameter 'flush'",
+        ),
+        (
+            {"flush": 0.5},
+            r"lubricant\.models\.flush: no law of this scene has such a parameter: palmgren, ",
+        ),
         ({"muraki": {"flash": -1.0}}, r"models\.traction\.hydrodynamic\.flash"),
         ("muraki", r"lubricant\.models: a table is expected, not 'muraki'"),
     ],

@@ -56,8 +56,16 @@ REFERENCE = rows_of(REFERENCES / "viscosity.csv")
 def test_oils_agree_with_fifty_digit_arithmetic(oil):
     for row in (row for row in REFERENCE if row["oil"] == oil):
         state = asdict(OILS[oil].at(float(row["temperature"])))
-        for column in ("viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"):
-            assert state[column] == pytest.approx(float(row[column]), rel=1e-13, abs=0.0), (column, row)
+        for column in (
+            "viscosity",
+            "pressure_viscosity",
+            "thermoviscosity",
+            "pressure_thermoviscosity",
+        ):
+            assert state[column] == pytest.approx(float(row[column]), rel=1e-13, abs=0.0), (
+                column,
+                row,
+            )
 
 
 # The collection of formulas behind these oils prints 16.35 mPa s at 30 degC; its own formula gives 16.3446.
@@ -92,7 +100,9 @@ def test_mil_prf_7808_gives_its_printed_table(celsius):
 @pytest.mark.parametrize("T", [305.0, 333.0, 345.0])
 def test_derivative_is_the_slope(law, T):
     step = 1e-2
-    difference = (8 * (law(T + step) - law(T - step)) - (law(T + 2 * step) - law(T - 2 * step))) / (12 * step)
+    difference = (8 * (law(T + step) - law(T - step)) - (law(T + 2 * step) - law(T - 2 * step))) / (
+        12 * step
+    )
     assert law.derivative(T) == pytest.approx(difference, rel=1e-9)
 
 
@@ -123,11 +133,16 @@ def test_table_refuses_what_is_not_a_table(temperatures, values, message):
 
 @every_oil
 def test_viscosity_and_its_pressure_coefficient_fall_over_the_range(oil):
-    low, high = oil.minimum_temperature, oil.maximum_temperature
+    low = oil.minimum_temperature
+    high = oil.maximum_temperature
     states = [oil.at(low + (high - low) * i / 100) for i in range(101)]
     assert all(cold.viscosity > warm.viscosity > 0.0 for cold, warm in pairwise(states))
-    assert all(cold.pressure_viscosity >= warm.pressure_viscosity > 0.0 for cold, warm in pairwise(states))
-    assert all(state.thermoviscosity > 0.0 and state.pressure_thermoviscosity >= 0.0 for state in states)
+    assert all(
+        cold.pressure_viscosity >= warm.pressure_viscosity > 0.0 for cold, warm in pairwise(states)
+    )
+    assert all(
+        state.thermoviscosity > 0.0 and state.pressure_thermoviscosity >= 0.0 for state in states
+    )
 
 
 @every_oil
@@ -167,14 +182,19 @@ def test_the_range_error_names_oil_temperature_range_and_remedy():
 
 def test_factors_multiply_viscosity_alpha_and_gamma():
     oil = OILS["mil-prf-7808"]
-    scaled = evolve(oil, viscosity_factor=1.1, pressure_viscosity_factor=1.25, pressure_thermoviscosity_factor=0.8).at(
-        323.15
-    )
+    scaled = evolve(
+        oil,
+        viscosity_factor=1.1,
+        pressure_viscosity_factor=1.25,
+        pressure_thermoviscosity_factor=0.8,
+    ).at(323.15)
     plain = oil.at(323.15)
     assert scaled.viscosity == pytest.approx(1.1 * plain.viscosity)
     assert scaled.thermoviscosity == plain.thermoviscosity
     assert scaled.pressure_viscosity == pytest.approx(1.25 * plain.pressure_viscosity)
-    assert scaled.pressure_thermoviscosity == pytest.approx(1.25 * 0.8 * plain.pressure_thermoviscosity)
+    assert scaled.pressure_thermoviscosity == pytest.approx(
+        1.25 * 0.8 * plain.pressure_thermoviscosity
+    )
 
 
 @pytest.mark.parametrize(
@@ -201,12 +221,20 @@ drop = st.floats(1.2, 5.0)
 
 @given(T=kelvin, step=gap, nu=st.floats(1e-6, 5e-4), ratio=drop)
 def test_walther_passes_through_two_points(T, step, nu, ratio):
-    T, nu = [T, T + step], [ratio * nu, nu]
+    T = [T, T + step]
+    nu = [ratio * nu, nu]
     law = fit_walther(T, nu, density=900.0)
     assert [law(t) / 900.0 for t in T] == pytest.approx(nu, rel=1e-12)
 
 
-@given(T=kelvin, step=gap, other=gap, eta=st.floats(1e-3, 1.0), slope=st.floats(300.0, 2000.0), pole=st.floats(0, 200))
+@given(
+    T=kelvin,
+    step=gap,
+    other=gap,
+    eta=st.floats(1e-3, 1.0),
+    slope=st.floats(300.0, 2000.0),
+    pole=st.floats(0, 200),
+)
 def test_vogel_passes_through_three_points(T, step, other, eta, slope, pole):
     truth = Vogel(eta / math.exp(slope / (T - pole)), slope, pole)
     T = [T + step, T, T + step + other]  # in any order
@@ -242,7 +270,9 @@ def test_fits_through_more_points_are_least_squares(noise):
 def test_walther_through_more_points_recovers_its_law():
     truth = Walther(9.5, 3.7, 0.7, 9e-4)
     T = [290.0 + 15.0 * i for i in range(7)]
-    assert asdict(fit_walther(T, [truth(t) / 900.0 for t in T], 900.0)) == pytest.approx(asdict(truth), rel=1e-12)
+    assert asdict(fit_walther(T, [truth(t) / 900.0 for t in T], 900.0)) == pytest.approx(
+        asdict(truth), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(
@@ -325,7 +355,9 @@ def test_other_keys_override_the_shipped_oil():
 
 def test_an_own_oil_passes_through_its_points_and_lacks_the_rest():
     oil = read(viscosity_law="vogel", points=MEASURED)
-    assert [oil.at(c + 273.15).viscosity for c in (40, 70, 100)] == pytest.approx([12e-3, 5.2e-3, 2.9e-3])
+    assert [oil.at(c + 273.15).viscosity for c in (40, 70, 100)] == pytest.approx(
+        [12e-3, 5.2e-3, 2.9e-3]
+    )
     assert (oil.minimum_temperature, oil.maximum_temperature) == pytest.approx((293.15, 393.15))
     assert math.isnan(oil.at(330.0).pressure_viscosity)
 
@@ -340,13 +372,20 @@ def test_density_stands_between_kinematic_and_dynamic_viscosity(law):
 
 
 def test_a_range_given_replaces_that_of_the_points():
-    oil = read(viscosity_law="vogel", points=MEASURED, minimum_temperature="30 degC", maximum_temperature="150 degC")
+    oil = read(
+        viscosity_law="vogel",
+        points=MEASURED,
+        minimum_temperature="30 degC",
+        maximum_temperature="150 degC",
+    )
     assert (oil.minimum_temperature, oil.maximum_temperature) == pytest.approx((303.15, 423.15))
 
 
 def test_points_with_a_name_replace_the_viscosity_within_the_range_of_both():
     named = evolve(OILS["mil-prf-7808"], minimum_temperature=300.0)
-    oil = lubricant_from_table({"name": "x", "viscosity_law": "vogel", "points": MEASURED}, {"x": named}.__getitem__)
+    oil = lubricant_from_table(
+        {"name": "x", "viscosity_law": "vogel", "points": MEASURED}, {"x": named}.__getitem__
+    )
     assert oil.viscosity == fit_vogel([313.15, 343.15, 373.15], [12e-3, 5.2e-3, 2.9e-3])
     assert oil.pressure_viscosity == named.pressure_viscosity
     assert (oil.minimum_temperature, oil.maximum_temperature) == pytest.approx((300.0, 393.15))
@@ -360,21 +399,39 @@ def test_points_with_a_name_replace_the_viscosity_within_the_range_of_both():
         ({"name": 7808}, ["lubricant.name: "]),
         ({"name": "sae-30", "eyring_stres": 1.0}, ["lubricant.eyring_stres: unknown"]),
         ({"name": "sae-30", "eyring_stress": "4 mm"}, ["lubricant.eyring_stress: "]),
-        ({"name": "sae-30", "eyring_stress": "-4 MPa", "viscosity_factor": 0}, ["lubricant.eyring_", "lubricant.visc"]),
-        ({"name": "sae-30", "minimum_temperature": "300 degC"}, ["lubricant.minimum_temperature: 300 degC is not"]),
+        (
+            {"name": "sae-30", "eyring_stress": "-4 MPa", "viscosity_factor": 0},
+            ["lubricant.eyring_", "lubricant.visc"],
+        ),
+        (
+            {"name": "sae-30", "minimum_temperature": "300 degC"},
+            ["lubricant.minimum_temperature: 300 degC is not"],
+        ),
         ({"name": "sae-30", "viscosity_law": "vogel"}, ["lubricant.points: missing"]),
         ({"viscosity_law": "vogel"}, ["lubricant.name: missing"]),
         ({"points": MEASURED}, ["lubricant.viscosity_law: missing"]),
-        ({"viscosity": "5 mPa s"}, ["lubricant.thermoviscosity: missing; one viscosity does not say how it falls"]),
-        ({"name": "sae-30", "viscosity": 0.0}, ["lubricant.viscosity: must be above 0, not 0 Pa s"]),
+        (
+            {"viscosity": "5 mPa s"},
+            ["lubricant.thermoviscosity: missing; one viscosity does not say how it falls"],
+        ),
+        (
+            {"name": "sae-30", "viscosity": 0.0},
+            ["lubricant.viscosity: must be above 0, not 0 Pa s"],
+        ),
         ({"name": "sae-30", "viscosity": "5 mPa"}, ["lubricant.viscosity: '5 mPa' is a pressure"]),
-        ({"name": "sae-30", "thermoviscosity": "-0.02 1/K"}, ["lubricant.thermoviscosity: must be at least 0"]),
+        (
+            {"name": "sae-30", "thermoviscosity": "-0.02 1/K"},
+            ["lubricant.thermoviscosity: must be at least 0"],
+        ),
         (
             {"viscosity": 0.005, "viscosity_law": "vogel", "points": MEASURED},
             ["lubricant.viscosity: not beside points"],
         ),
         (
-            {"name": "sae-30", "conductivity": {"temperature": ["40 degC"], "value": ["0.14 W/(m K)"]}},
+            {
+                "name": "sae-30",
+                "conductivity": {"temperature": ["40 degC"], "value": ["0.14 W/(m K)"]},
+            },
             ["lubricant.conductivity.temperature: a table needs two or more temperatures, not 1"],
         ),
         (
@@ -382,29 +439,54 @@ def test_points_with_a_name_replace_the_viscosity_within_the_range_of_both():
             ["lubricant.conductivity.value: needs one value for each of 2, not 1"],
         ),
         (
-            {"name": "sae-30", "conductivity": {"temperature": [350.0, 300.0], "value": [0.14, 0.13]}},
+            {
+                "name": "sae-30",
+                "conductivity": {"temperature": [350.0, 300.0], "value": [0.14, 0.13]},
+            },
             ["lubricant.conductivity.temperature: must rise"],
         ),
         (
-            {"name": "sae-30", "conductivity": {"temperature": [300.0, 350.0], "value": [0.14, "0.13 W"]}},
-            ["lubricant.conductivity.value[1]: '0.13 W' is a power, here a thermal conductivity is expected"],
+            {
+                "name": "sae-30",
+                "conductivity": {"temperature": [300.0, 350.0], "value": [0.14, "0.13 W"]},
+            },
+            [
+                "lubricant.conductivity.value[1]: '0.13 W' is a power, here a thermal conductivity is expected"
+            ],
         ),
         (
-            {"name": "sae-30", "conductivity": {"temperature": [300.0, 350.0], "value": [0.14, -0.13]}},
+            {
+                "name": "sae-30",
+                "conductivity": {"temperature": [300.0, 350.0], "value": [0.14, -0.13]},
+            },
             ["lubricant.conductivity: must be above 0, not -0.13 W/(m K)"],
         ),
         (
-            {"name": "sae-30", "conductivity": {"temperature": [300.0, 350.0], "values": [0.14, 0.13]}},
-            ["lubricant.conductivity.values: unknown key, did you mean 'value'?", "lubricant.conductivity.value: miss"],
+            {
+                "name": "sae-30",
+                "conductivity": {"temperature": [300.0, 350.0], "values": [0.14, 0.13]},
+            },
+            [
+                "lubricant.conductivity.values: unknown key, did you mean 'value'?",
+                "lubricant.conductivity.value: miss",
+            ],
         ),
         (
-            {"name": "sae-30", "conductivity": {"temperature": [600.0, 650.0], "value": [0.14, 0.13]}},
-            ["lubricant.conductivity: has no temperatures in common with the rest of the oil's data"],
+            {
+                "name": "sae-30",
+                "conductivity": {"temperature": [600.0, 650.0], "value": [0.14, 0.13]},
+            },
+            [
+                "lubricant.conductivity: has no temperatures in common with the rest of the oil's data"
+            ],
         ),
         ({"viscosity_law": "reynolds", "points": MEASURED}, ["lubricant.viscosity_law: "]),
         ({"viscosity_law": "walther", "points": MEASURED}, ["lubricant.density: missing"]),
         ({"viscosity_law": "vogel", "points": KINEMATIC}, ["lubricant.density: missing"]),
-        ({"viscosity_law": "vogel", "points": MEASURED[:2]}, ["lubricant.points: the vogel law needs 3 or more"]),
+        (
+            {"viscosity_law": "vogel", "points": MEASURED[:2]},
+            ["lubricant.points: the vogel law needs 3 or more"],
+        ),
         (
             {"viscosity_law": "vogel", "points": [{"temperature": 300.0}]},
             ["lubricant.points[0].viscosity: give either"],
@@ -414,7 +496,10 @@ def test_points_with_a_name_replace_the_viscosity_within_the_range_of_both():
             ["lubricant.points[0].viscosity: give either"],
         ),
         (
-            {"viscosity_law": "vogel", "points": [*MEASURED, {"temperature": "90 mm", "viscosity": "3 mPa s"}]},
+            {
+                "viscosity_law": "vogel",
+                "points": [*MEASURED, {"temperature": "90 mm", "viscosity": "3 mPa s"}],
+            },
             ["lubricant.points[3].temperature: "],
         ),
     ],
@@ -442,6 +527,8 @@ def test_an_unknown_name_is_left_to_the_catalogue():
 def test_oils_need_no_scipy_to_be_described():
     code = "import sys, rollslip.lubricant; sys.exit('scipy' in sys.modules)"
     assert (
-        subprocess.run([sys.executable, "-c", code], check=False, env={"PYTHONPATH": ":".join(sys.path)}).returncode
+        subprocess.run(
+            [sys.executable, "-c", code], check=False, env={"PYTHONPATH": ":".join(sys.path)}
+        ).returncode
         == 0
     )

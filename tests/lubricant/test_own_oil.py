@@ -12,7 +12,13 @@ from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip.lubricant import fit_walther, lubricant_from_table
-from rollslip.lubricant.base_oil import BASE_OILS, ISO_GRADES, at_100_of, exponent_factor, viscosity_index
+from rollslip.lubricant.base_oil import (
+    BASE_OILS,
+    ISO_GRADES,
+    at_100_of,
+    exponent_factor,
+    viscosity_index,
+)
 from rollslip.planning.plausibility import implausible
 from rollslip.scene.reading import from_raw
 from rollslip_plugins.data.industrial_oils import iso_vg
@@ -96,7 +102,8 @@ def test_an_own_oil_of_a_grade_is_the_shipped_one_within_its_scatter(oil):
     for written in (f"VG {grade}", f"ISO VG {grade}", int(grade)):
         made = own(base_oil="mineral", iso_grade=written)
         for T in (313.15, 343.15, 373.15):
-            mine, theirs = made.at(T), oil.at(T)
+            mine = made.at(T)
+            theirs = oil.at(T)
             assert mine.viscosity == pytest.approx(theirs.viscosity, rel=0.1)
             assert mine.pressure_viscosity == pytest.approx(theirs.pressure_viscosity, rel=0.25)
         assert {one.quantity for one in made.scatter} == {one.quantity for one in oil.scatter}
@@ -117,7 +124,9 @@ def test_what_is_estimated_is_said_with_its_grade(kind):
 @pytest.mark.parametrize(
     ("name", "kind"), [("mil-prf-7808", "ester"), ("mil-prf-23699", "ester"), ("fva-3", "mineral")]
 )
-def test_the_estimate_of_alpha_is_within_its_scatter_of_oils_that_were_fitted_or_measured(name, kind):
+def test_the_estimate_of_alpha_is_within_its_scatter_of_oils_that_were_fitted_or_measured(
+    name, kind
+):
     oil = get_model("lubricant", name)
     nu = [1e6 * oil.viscosity(T) / oil.density(T) for T in (313.15, 373.15)]
     made = own(base_oil=kind, points=[point(40, repr(nu[0])), point(100, repr(nu[1]))])
@@ -159,9 +168,14 @@ def test_viscosities_that_no_oil_has_are_questioned():
     for hot, cold in ((15, 20), (3, 68)):
         table["points"] = [point(40, cold), point(100, hot)]
         told = implausible(from_raw({**raw, "lubricant": table}, "a test's"))
-        assert any("lubricant.points: the viscosities make a viscosity index of" in one for one in told)
+        assert any(
+            "lubricant.points: the viscosities make a viscosity index of" in one for one in told
+        )
     table["points"] = [point(40, 68), point(100, 8.5)]
-    assert not any("viscosity index" in one for one in implausible(from_raw({**raw, "lubricant": table}, "a test's")))
+    assert not any(
+        "viscosity index" in one
+        for one in implausible(from_raw({**raw, "lubricant": table}, "a test's"))
+    )
 
 
 # One oil, one answer --------------------------------------------------------------------------------------------------
@@ -177,7 +191,9 @@ def test_one_oil_gives_one_answer_however_it_is_named(name):
         evolve(bare, {"lubricant": name}),
         from_raw({**raw, "lubricant": name}, "a test's"),
         from_raw({**raw, "lubricant": {"name": name, **stated}}, "a test's"),
-        evolve(from_raw({**raw, "lubricant": {"name": "pao-68"}}, "a test's"), {"lubricant.name": name}),
+        evolve(
+            from_raw({**raw, "lubricant": {"name": "pao-68"}}, "a test's"), {"lubricant.name": name}
+        ),
     ]
     found = [assemble(scene) for scene in ways]
     shipped = get_model("lubricant", name)
@@ -192,10 +208,14 @@ def test_a_name_in_place_of_another_says_what_it_keeps_and_leaves():
     scene = load_scene("1032930-70C")
     left = implausible(evolve(scene, {"lubricant": "iso-vg-68"}))
     assert any(
-        "leaves out what the scene states: pressure_viscosity_law = 'barus', eyring_stress" in one for one in left
+        "leaves out what the scene states: pressure_viscosity_law = 'barus', eyring_stress" in one
+        for one in left
     )
     kept = implausible(evolve(scene, {"lubricant.name": "iso-vg-68"}))
-    assert any("keeps what the scene states: pressure_viscosity_law = 'barus', eyring_stress" in one for one in kept)
+    assert any(
+        "keeps what the scene states: pressure_viscosity_law = 'barus', eyring_stress" in one
+        for one in kept
+    )
     assert not any("scene states" in one for one in implausible(scene))
 
 
@@ -204,12 +224,17 @@ def test_a_name_in_place_of_another_says_what_it_keeps_and_leaves():
 
 def test_the_factor_on_the_exponent_moves_the_contact_and_not_the_film():
     scene = load_scene("1032930-70C")
-    one, more = (assemble(evolve(scene, {"lubricant.pressure_exponent_factor": f})) for f in (1.0, 1.1))
+    one, more = (
+        assemble(evolve(scene, {"lubricant.pressure_exponent_factor": f})) for f in (1.0, 1.1)
+    )
     assert one.inner.conditions == more.inner.conditions  # of which the film is made
     assert more.lubricant.pressure_viscosity_law == Barus(factor=1.1)
     pressure = np.array([1e8, 4e8])
     rise, raised = (
-        np.log(a.lubricant.pressure_viscosity_law.at(a.inner.conditions, pressure)[0] / a.inner.conditions.viscosity)
+        np.log(
+            a.lubricant.pressure_viscosity_law.at(a.inner.conditions, pressure)[0]
+            / a.inner.conditions.viscosity
+        )
         for a in (one, more)
     )
     np.testing.assert_allclose(raised, 1.1 * rise, rtol=1e-12)
@@ -217,18 +242,22 @@ def test_the_factor_on_the_exponent_moves_the_contact_and_not_the_film():
     assert again.inner.chain.models == more.inner.chain.models
 
 
-@pytest.mark.parametrize("name", ["mil-prf-7808", "mil-prf-23699", "sae-30", "iso-vg-32", "pao-68", "fva-3", "b-3v"])
+@pytest.mark.parametrize(
+    "name", ["mil-prf-7808", "mil-prf-23699", "sae-30", "iso-vg-32", "pao-68", "fva-3", "b-3v"]
+)
 def test_the_scatter_of_the_exponent_is_a_factor_of_1_6_or_2_2_at_half_a_gigapascal(name):
     oil = get_model("lubricant", name)
     (scatter,) = [one for one in oil.scatter if one.quantity == "pressure_exponent_factor"]
-    state, p0, pole = oil.at(333.15), 1 / 5.1e-9, math.exp(-9.67)
+    state = oil.at(333.15)
+    p0 = 1 / 5.1e-9
+    pole = math.exp(-9.67)
     k = math.log(state.viscosity / pole)  # Roelands's law, written out
     rise = k * ((1 + 0.45e9 / p0) ** (state.pressure_viscosity * p0 / k) - 1)
     wanted = 0.8 if name.startswith(("mil", "b-3v")) else 0.5
     assert scatter.parameters["scatter"] * rise == pytest.approx(wanted, rel=0.03)
-    assert exponent_factor(Roelands(), wanted, state.viscosity, state.pressure_viscosity) == pytest.approx(
-        wanted / rise
-    )
+    assert exponent_factor(
+        Roelands(), wanted, state.viscosity, state.pressure_viscosity
+    ) == pytest.approx(wanted / rise)
 
 
 def test_walther_through_the_points_of_a_grade_is_that_of_the_fit():

@@ -41,7 +41,10 @@ LAWS = [Barus(), Roelands(), FIVE_RINGS]
 every_law = pytest.mark.parametrize("law", forms(LAWS))
 
 READ = [
-    (row["law"], *(float(row[key]) for key in ("temperature", "pressure", "viscosity", "thermoviscosity")))
+    (
+        row["law"],
+        *(float(row[key]) for key in ("temperature", "pressure", "viscosity", "thermoviscosity")),
+    )
     for row in rows_of(REFERENCES / "pressure_viscosity.csv")
 ]
 
@@ -79,13 +82,18 @@ def test_laws_give_the_reference_numbers(law):
 def test_barus_and_roelands_differ_fourfold_at_0_4_gigapascals():
     """What a published comparison would be missing: at 30 degC the MIL-L-7808 laws are 4.5 apart."""
     known = {(law, T, p): eta for law, T, p, eta, _ in READ}
-    assert known["barus", 303.15, 4e8] / known["roelands", 303.15, 4e8] == pytest.approx(4.497, rel=1e-3)
+    assert known["barus", 303.15, 4e8] / known["roelands", 303.15, 4e8] == pytest.approx(
+        4.497, rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("pressure", [1e8, 4e8, 6e8])
 def test_what_barus_is_said_to_be_above_roelands_is_what_the_laws_give(pressure):
     there = Conditions(
-        viscosity=8.58e-3, pressure_viscosity=10.74e-9, thermoviscosity=0.0284, pressure_thermoviscosity=0.0
+        viscosity=8.58e-3,
+        pressure_viscosity=10.74e-9,
+        thermoviscosity=0.0284,
+        pressure_thermoviscosity=0.0,
     )
     barus, roelands = (float(law.at(there, pressure)[0]) for law in (Barus(), Roelands()))
     (validity,) = Barus.validity
@@ -96,7 +104,8 @@ def test_what_barus_is_said_to_be_above_roelands_is_what_the_laws_give(pressure)
 @pytest.mark.parametrize("T", [303.15, 343.15])
 def test_the_initial_slope_is_the_coefficient_of_the_oil(law, T):
     """alpha = dln(eta)/dp at ambient pressure, for a law that takes it from the oil and for one that fixes it."""
-    here, p = conditions(law, T), 1.0
+    here = conditions(law, T)
+    p = 1.0
     slope = math.log(law.at(here, p)[0] / here.viscosity) / p
     # the difference quotient loses 1e-16/(alpha p) = 1e-8 of its digits
     assert slope == pytest.approx(here.pressure_viscosity, rel=1e-6)
@@ -108,7 +117,9 @@ def test_yasutomi_is_the_glass_viscosity_at_the_glass_transition():
     T = 343.15
     p = (math.exp((T - FIVE_RINGS.glass_temperature) / FIVE_RINGS.a1) - 1) / FIVE_RINGS.a2
     ambient = 1e12 * 10 ** (-16.01 * (T - 244.95) / (20.69 + T - 244.95))
-    rise = FIVE_RINGS.at(Conditions(temperature=T, viscosity=ambient, thermoviscosity=0.1), p * (1 - 1e-14))[0]
+    rise = FIVE_RINGS.at(
+        Conditions(temperature=T, viscosity=ambient, thermoviscosity=0.1), p * (1 - 1e-14)
+    )[0]
     assert rise == pytest.approx(1e12, rel=1e-9)
     # its atmospheric viscosity at 98.9 degC is of the size of the fluid's data sheet, 13 mm2/s and some 1100 kg/m3 (C)
     hot = 1e12 * 10 ** (-16.01 * (98.9 + 28.2) / (20.69 + 98.9 + 28.2))
@@ -120,13 +131,19 @@ def test_below_the_glass_transition_there_is_no_viscosity(law):
     with pytest.raises(DomainError, match="yasutomi: slice 1 is outside its domain"):
         evaluated(law, conditions(law, 303.15), pressure=[1e8, 1e9, 1e8])
     with pytest.raises(DomainError, match="yasutomi"):  # the oil itself is one
-        evaluated(law, Conditions(temperature=240.0, viscosity=1.0, thermoviscosity=0.1), pressure=0.0)
+        evaluated(
+            law, Conditions(temperature=240.0, viscosity=1.0, thermoviscosity=0.1), pressure=0.0
+        )
 
 
 @pytest.mark.parametrize("law", forms([Roelands()]))
 def test_roelands_has_no_value_for_an_oil_thinner_than_its_pole(law):
-    thin = Conditions(viscosity=6e-5, pressure_viscosity=1e-8, thermoviscosity=0.02, pressure_thermoviscosity=0.0)
-    with pytest.raises(DomainError, match=r"roelands: viscosity = 6e-05 Pa s is outside its domain \(>= 6.3"):
+    thin = Conditions(
+        viscosity=6e-5, pressure_viscosity=1e-8, thermoviscosity=0.02, pressure_thermoviscosity=0.0
+    )
+    with pytest.raises(
+        DomainError, match=r"roelands: viscosity = 6e-05 Pa s is outside its domain \(>= 6.3"
+    ):
         evaluated(law, thin, pressure=1e8)
 
 
@@ -147,7 +164,9 @@ def test_local_pressures_of_any_shape():
     viscosity, fall = Barus().at(here, np.full((2, 3), 1e8))
     assert viscosity.shape == fall.shape == (2, 3)
     with mpmath.workdps(30):
-        expected = mpmath.mpf(here.viscosity) * mpmath.exp(mpmath.mpf(here.pressure_viscosity) * mpmath.mpf(1e8))
+        expected = mpmath.mpf(here.viscosity) * mpmath.exp(
+            mpmath.mpf(here.pressure_viscosity) * mpmath.mpf(1e8)
+        )
     np.testing.assert_allclose(viscosity, float(expected), rtol=1e-15)
 
 
@@ -160,15 +179,23 @@ def own(**changes):
         "pressure_viscosity_law": {"model": "yasutomi", **ETHER},
         **changes,
     }
-    return lubricant_from_table({k: v for k, v in table.items() if v is not None}, lambda name: mil_prf_7808)
+    return lubricant_from_table(
+        {k: v for k, v in table.items() if v is not None}, lambda name: mil_prf_7808
+    )
 
 
 def test_a_law_that_fixes_the_coefficient_is_believed():
     made = own()
     assert made.pressure_viscosity_law == FIVE_RINGS
     state = made.at(343.15)
-    assert state.pressure_viscosity == FIVE_RINGS.coefficient(343.15) != mil_prf_7808.at(343.15).pressure_viscosity
-    assert math.isnan(state.pressure_thermoviscosity)  # so that no law that reads gamma is bound to it
+    assert (
+        state.pressure_viscosity
+        == FIVE_RINGS.coefficient(343.15)
+        != mil_prf_7808.at(343.15).pressure_viscosity
+    )
+    assert math.isnan(
+        state.pressure_thermoviscosity
+    )  # so that no law that reads gamma is bound to it
 
 
 @pytest.mark.parametrize(
@@ -184,10 +211,22 @@ def test_a_law_that_fixes_the_coefficient_is_believed():
             {"pressure_viscosity_law": {"model": "roelands", "factor": 2.0}},
             "lubricant.pressure_viscosity_law.factor: unk",
         ),
-        ({"pressure_viscosity": 1e-8}, "lubricant.pressure_viscosity: not with law 'yasutomi', which fixes it"),
-        ({"pressure_viscosity_kind": "film"}, "lubricant.pressure_viscosity_kind: not with law 'yasutomi'"),
-        ({"pressure_viscosity_kind": "secant"}, "lubricant.pressure_viscosity_kind: must be one of 'tangent', 'film'"),
-        ({"pressure_viscosity_factor": 1.2}, "lubricant.pressure_viscosity_law: 'yasutomi' fixes alpha itself"),
+        (
+            {"pressure_viscosity": 1e-8},
+            "lubricant.pressure_viscosity: not with law 'yasutomi', which fixes it",
+        ),
+        (
+            {"pressure_viscosity_kind": "film"},
+            "lubricant.pressure_viscosity_kind: not with law 'yasutomi'",
+        ),
+        (
+            {"pressure_viscosity_kind": "secant"},
+            "lubricant.pressure_viscosity_kind: must be one of 'tangent', 'film'",
+        ),
+        (
+            {"pressure_viscosity_factor": 1.2},
+            "lubricant.pressure_viscosity_law: 'yasutomi' fixes alpha itself",
+        ),
         (
             {"pressure_viscosity_law": "barrus"},
             "lubricant.pressure_viscosity_law: no law of viscosity under pressure is called 'barrus'",
@@ -200,12 +239,17 @@ def test_what_a_scene_gets_wrong(changes, says):
 
 
 def test_the_choice_reaches_the_contacts_the_plan_and_the_citations():
-    scene = evolve(load_scene("1032930-70C"), {"lubricant.pressure_viscosity_law": "roelands", "accuracy.slices": 11})
+    scene = evolve(
+        load_scene("1032930-70C"),
+        {"lubricant.pressure_viscosity_law": "roelands", "accuracy.slices": 11},
+    )
     assert [m.name for m in assemble(scene).inner.chain.models][1:3] == ["moes", "roelands"]
     part = next(part for part in plan(scene).parts if part.part == "viscosity at pressure")
     assert part.choice == "roelands"
     assert "mil-prf-7808" in part.reason
-    small = evolve(scene, {"study.effective-friction.points": 9, "study.effective-friction.map_points": 0})
+    small = evolve(
+        scene, {"study.effective-friction.points": 9, "study.effective-friction.map_points": 0}
+    )
     result = run(small, "effective-friction")
     assert any("Roelands" in text for text in json.loads(result.attrs["citations"]))
     barus = run(evolve(small, {"lubricant.pressure_viscosity_law": "barus"}), "effective-friction")
@@ -234,7 +278,9 @@ def test_the_law_reaches_a_model_and_its_children_that_ask_for_it():
 class ReadsGamma(TractionModel):
     """A law that takes gamma from the oil."""
 
-    name, equation, references = "reads-gamma", "mu = 0.01", ()
+    name = "reads-gamma"
+    equation = "mu = 0.01"
+    references = ()
     reads = frozenset({"pressure_thermoviscosity"})
     domain = MappingProxyType({"pressure_thermoviscosity": (0.0, 1.0)})
 
@@ -260,7 +306,10 @@ def test_an_oil_without_the_data_of_its_law_is_refused_in_words(monkeypatch):
         name="thin", description="", source="", viscosity=Constant(0.01), minimum_temperature=290.0,
         maximum_temperature=390.0,
     )  # fmt: skip
-    slices = Slices(1, Conditions(**{k: getattr(bare.at(300.0), k) for k in ("viscosity", "pressure_viscosity")}))
+    slices = Slices(
+        1,
+        Conditions(**{k: getattr(bare.at(300.0), k) for k in ("viscosity", "pressure_viscosity")}),
+    )
     slices.pressure[:] = 1e8
     with pytest.raises(DomainError, match="barus: needs"):
         Chain(Barus())(slices)
@@ -275,7 +324,12 @@ FILM_CASES = [(8.58e-3, 1.074e-8), (0.06, 2.18e-8), (3e-3, 8e-9), (1.0, 3e-8), (
 @pytest.mark.parametrize(("viscosity", "alpha"), FILM_CASES)
 def test_alpha_of_the_film_is_the_reciprocal_of_the_integral(viscosity, alpha):
     """1/int(eta0/eta dp) by quadrature in 30 digits of the law as published, with the z that the law has taken."""
-    here = Conditions(viscosity=viscosity, pressure_viscosity=alpha, thermoviscosity=0.03, pressure_thermoviscosity=0.0)
+    here = Conditions(
+        viscosity=viscosity,
+        pressure_viscosity=alpha,
+        thermoviscosity=0.03,
+        pressure_thermoviscosity=0.0,
+    )
     for form in (Roelands(alpha="film"), NumpyForm(Roelands(alpha="film"))):
         slices = evaluated(form, here, pressure=[1e9])
         with mpmath.workdps(30):
@@ -284,21 +338,28 @@ def test_alpha_of_the_film_is_the_reciprocal_of_the_integral(viscosity, alpha):
             rise = mpmath.log(mpmath.mpf(float(slices.film_viscosity[0])) / viscosity)
             z = mpmath.log(1 + rise / k) / mpmath.log(1 + 1e9 / p0)
             steps = [0, 1, 3, 10, 30, 100, 1000, mpmath.inf]
-            integral = p0 * mpmath.quad(lambda x, k=k, z=z: mpmath.exp(-k * ((1 + x) ** z - 1)), steps)
+            integral = p0 * mpmath.quad(
+                lambda x, k=k, z=z: mpmath.exp(-k * ((1 + x) ** z - 1)), steps
+            )
             assert float(1 / integral) == pytest.approx(alpha, rel=1e-9)
         assert float(z) > alpha * float(p0) / float(k)  # its tangent at no pressure is steeper
 
 
 def test_by_barus_the_alpha_of_the_film_is_the_tangent():
     with mpmath.workdps(20):
-        integral = mpmath.quad(lambda p: mpmath.exp(-mpmath.mpf(20) * p), [0, mpmath.inf])  # p in GPa
+        integral = mpmath.quad(
+            lambda p: mpmath.exp(-mpmath.mpf(20) * p), [0, mpmath.inf]
+        )  # p in GPa
     assert float(1 / integral) == pytest.approx(20.0, rel=1e-12)
     assert Barus().of_oil("film") == Barus()
 
 
 def test_the_fall_with_temperature_has_both_parts_of_the_film():
     """Against differences of the law itself in temperature, eta0 and alpha* both functions of it."""
-    law, T, p, step = Roelands(alpha="film"), 343.15, 4e8, 0.05
+    law = Roelands(alpha="film")
+    T = 343.15
+    p = 4e8
+    step = 0.05
     film = attrs.evolve(oil(Roelands()), pressure_viscosity_kind="film")
     assert film.pressure_viscosity_law == law
 
@@ -311,7 +372,13 @@ def test_the_fall_with_temperature_has_both_parts_of_the_film():
 
 def conditions_of(lubricant, temperature):
     state = lubricant.at(temperature)
-    names = ("temperature", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity")
+    names = (
+        "temperature",
+        "viscosity",
+        "pressure_viscosity",
+        "thermoviscosity",
+        "pressure_thermoviscosity",
+    )
     return Conditions(**{name: getattr(state, name) for name in names})
 
 
@@ -319,7 +386,9 @@ def test_an_oil_says_which_alpha_it_gives():
     table = {"name": "mil-prf-7808", "pressure_viscosity_kind": "film"}
     made = lubricant_from_table(table, lambda name: mil_prf_7808)
     assert made.pressure_viscosity_law == Roelands(alpha="film")
-    assert made.at(343.15).pressure_viscosity == mil_prf_7808.at(343.15).pressure_viscosity  # films take it as it is
+    assert (
+        made.at(343.15).pressure_viscosity == mil_prf_7808.at(343.15).pressure_viscosity
+    )  # films take it as it is
     back = attrs.evolve(made, pressure_viscosity_kind="tangent")
     assert back.pressure_viscosity_law == Roelands()
 
@@ -328,9 +397,13 @@ def test_an_oil_says_which_alpha_it_gives():
 class Flat(PressureViscosity):
     """A stranger's law: no rise at all, and no factor."""
 
-    name, equation, references = "flat", "eta = eta0", ("A test, this file, 2026.",)
+    name = "flat"
+    equation = "eta = eta0"
+    references = ("A test, this file, 2026.",)
     reads = frozenset({"pressure", "viscosity", "thermoviscosity"})
-    domain = MappingProxyType(dict.fromkeys(("pressure", "viscosity", "thermoviscosity"), (0.0, 1e300)))
+    domain = MappingProxyType(
+        dict.fromkeys(("pressure", "viscosity", "thermoviscosity"), (0.0, 1e300))
+    )
 
     def at(self, conditions, pressure):
         shape = np.ones_like(np.asarray(pressure, dtype=float))
@@ -344,14 +417,21 @@ def test_a_strangers_law_is_named_like_ours(monkeypatch):
     assert assemble(scene).lubricant.pressure_viscosity_law == Flat()
     with pytest.raises(SceneError, match="pressure_exponent_factor: law 'flat' takes none"):
         assemble(evolve(scene, {"lubricant.pressure_exponent_factor": 1.2}))
-    with pytest.raises(PluginError, match=r"pressure_viscosity_law: no pressure-viscosity is called 'flatt'"):
+    with pytest.raises(
+        PluginError, match=r"pressure_viscosity_law: no pressure-viscosity is called 'flatt'"
+    ):
         assemble(evolve(scene, {"lubricant.pressure_viscosity_law": "flatt"}))
 
 
 def test_barus_is_told_first_where_a_scene_names_it():
-    scene = evolve(load_scene("1032930-70C"), {"study.effective-friction.points": 9, "accuracy.slices": 11})
+    scene = evolve(
+        load_scene("1032930-70C"), {"study.effective-friction.points": 9, "accuracy.slices": 11}
+    )
     told = answer(run(scene, "effective-friction")).assumed
-    assert any("follows Barus's law, as the scene names it: too steep above 0.1 GPa" in line for line in told)
+    assert any(
+        "follows Barus's law, as the scene names it: too steep above 0.1 GPa" in line
+        for line in told
+    )
     part = next(part for part in plan(scene).parts if part.part == "viscosity at pressure")
     assert "times what the default, Roelands's, does" in part.reason
     quiet = evolve(scene, {"lubricant.pressure_viscosity_law": "roelands"})

@@ -21,13 +21,21 @@ SLOPES = {"lubricant.eyring_stress_slope": 0.02, "lubricant.shear_modulus_slope"
 def table(raceway):
     """Slices of many pressures, slips from none to much, both ways."""
     load = np.geomspace(2e3, 3e5, 40)
-    return Slices(40, raceway.conditions, load=load, rolling_speed=30.0, sliding_speed=np.linspace(-6.1, 12.0, 40))
+    return Slices(
+        40,
+        raceway.conditions,
+        load=load,
+        rolling_speed=30.0,
+        sliding_speed=np.linspace(-6.1, 12.0, 40),
+    )
 
 
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("law", LAWS)
 # 0.4 GPa raises 4 MPa to 12; the modulus decides little
-@pytest.mark.parametrize(("stress", "modulus", "least"), [(0.02, 3.0, 0.1), (0.02, 0.0, 0.1), (0.0, 3.0, 1e-6)])
+@pytest.mark.parametrize(
+    ("stress", "modulus", "least"), [(0.02, 3.0, 0.1), (0.02, 0.0, 0.1), (0.0, 3.0, 1e-6)]
+)
 def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled, stress, modulus, least):
     """As that slice alone, in an oil that has these values at all pressures."""
     both = {"models.traction": {"model": law}}
@@ -40,7 +48,11 @@ def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled, stres
     moved = []
     for k in range(len(together)):
         p = together.pressure[k]
-        own = attrs.evolve(c, eyring_stress=c.eyring_stress + stress * p, shear_modulus=c.shear_modulus + modulus * p)
+        own = attrs.evolve(
+            c,
+            eyring_stress=c.eyring_stress + stress * p,
+            shear_modulus=c.shear_modulus + modulus * p,
+        )
         alone = Slices(
             1, own, load=together.load[k], rolling_speed=30.0, sliding_speed=together.sliding_speed[k]
         )  # fmt: skip
@@ -56,10 +68,14 @@ def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled, stres
 @pytest.mark.parametrize("law", LAWS)
 def test_without_slopes_no_bit_changes(law):
     raceway = assemble(evolve(SCENE, {"models.traction": {"model": law}})).inner
-    given, never = table(raceway), table(raceway)
+    given = table(raceway)
+    never = table(raceway)
     raceway.chain(given)
     zero = {"eyring_stress_slope": 0.0, "shear_modulus_slope": 0.0}
-    Chain(*raceway.chain.models[:3], with_law(get_class("traction", law)(), raceway.chain.models[2], zero))(never)
+    Chain(
+        *raceway.chain.models[:3],
+        with_law(get_class("traction", law)(), raceway.chain.models[2], zero),
+    )(never)
     assert np.array_equal(given.friction, never.friction)
 
 
@@ -76,12 +92,18 @@ def test_slopes_reach_laws_inside_a_blend_and_closed_forms():
 def test_models_that_take_one_value_refuse_a_slope(law):
     slope = "shear_modulus" if law == "limiting-shear" else "eyring_stress"
     with pytest.raises(SceneError) as caught:
-        assemble(evolve(SCENE, {"models.traction.hydrodynamic": law, f"lubricant.{slope}_slope": 0.02}))
+        assemble(
+            evolve(SCENE, {"models.traction.hydrodynamic": law, f"lubricant.{slope}_slope": 0.02})
+        )
     (problem,) = caught.value.problems
-    assert problem.startswith(f"changes: lubricant.{slope}_slope: model {law!r} takes one {slope} at all pressures; ")
+    assert problem.startswith(
+        f"changes: lubricant.{slope}_slope: model {law!r} takes one {slope} at all pressures; "
+    )
     assert without_slope(get_class("traction", law)(), slope) == [law]
 
 
 def test_a_negative_slope_is_refused():
-    with pytest.raises(SceneError, match=r"lubricant\.eyring_stress_slope: must be at least 0, not -0\.01"):
+    with pytest.raises(
+        SceneError, match=r"lubricant\.eyring_stress_slope: must be at least 0, not -0\.01"
+    ):
         assemble(evolve(SCENE, {"lubricant.eyring_stress_slope": -0.01}))

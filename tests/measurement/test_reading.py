@@ -43,32 +43,74 @@ def test_the_example_of_the_documentation_is_a_data_set():
 
 def test_equal_folders_give_equal_data_sets_wherever_they_stand(tmp_path):
     copytree(BOX / "klebanov-2022", tmp_path / "copy")
-    one, other = load_measurement(BOX / "klebanov-2022"), load_measurement(tmp_path / "copy")
+    one = load_measurement(BOX / "klebanov-2022")
+    other = load_measurement(tmp_path / "copy")
     assert one == other == pickle.loads(pickle.dumps(one))
     assert hash(one) == hash(other)
 
 
 def test_the_error_of_reading_a_figure_adds_to_that_of_the_value(written, tmp_path):
-    toml = written["measurement.toml"].replace('"computed" ', '"digitised"').replace("# reading_error", "reading_error")
+    toml = (
+        written["measurement.toml"]
+        .replace('"computed" ', '"digitised"')
+        .replace("# reading_error", "reading_error")
+    )
     made = read(tmp_path / "data", written | {"measurement.toml": toml})
-    assert made.series[0].rows[0].uncertainty == pytest.approx((0.003**2 + (0.02 * 0.15) ** 2) ** 0.5, rel=1e-12)
+    assert made.series[0].rows[0].uncertainty == pytest.approx(
+        (0.003**2 + (0.02 * 0.15) ** 2) ** 0.5, rel=1e-12
+    )
 
 
 #: File, what stands there, what stands there instead -> what is said.
 BROKEN = {
-    "a decimal comma": ("cage-slip.csv", "150, 15, 0.3", "150, 15, 0,3", "cage-slip.csv:2: 4 values under 3 columns"),
-    "a text": ("cage-slip.csv", "150, 15, 0.3", "150, high, 0.3", "cage-slip.csv:2: measured: 'high' is not a number"),
-    "NaN": ("cage-slip.csv", "150, 15, 0.3", "150, nan, 0.3", "cage-slip.csv:2: measured: 'nan' is not a number"),
-    "an empty cell": ("cage-slip.csv", "150, 15, 0.3", "150, , 0.3", "cage-slip.csv:2: measured: is empty"),
-    "a negative uncertainty": ("cage-slip.csv", "15, 0.3", "15, -0.3", "cage-slip.csv:2: uncertainty: must be above 0"),
-    "no uncertainty": ("cage-slip.csv", "15, 0.3", "15, 0", "cage-slip.csv:2: uncertainty: must be above 0"),
+    "a decimal comma": (
+        "cage-slip.csv",
+        "150, 15, 0.3",
+        "150, 15, 0,3",
+        "cage-slip.csv:2: 4 values under 3 columns",
+    ),
+    "a text": (
+        "cage-slip.csv",
+        "150, 15, 0.3",
+        "150, high, 0.3",
+        "cage-slip.csv:2: measured: 'high' is not a number",
+    ),
+    "NaN": (
+        "cage-slip.csv",
+        "150, 15, 0.3",
+        "150, nan, 0.3",
+        "cage-slip.csv:2: measured: 'nan' is not a number",
+    ),
+    "an empty cell": (
+        "cage-slip.csv",
+        "150, 15, 0.3",
+        "150, , 0.3",
+        "cage-slip.csv:2: measured: is empty",
+    ),
+    "a negative uncertainty": (
+        "cage-slip.csv",
+        "15, 0.3",
+        "15, -0.3",
+        "cage-slip.csv:2: uncertainty: must be above 0",
+    ),
+    "no uncertainty": (
+        "cage-slip.csv",
+        "15, 0.3",
+        "15, 0",
+        "cage-slip.csv:2: uncertainty: must be above 0",
+    ),
     "conditions twice": (
         "cage-slip.csv",
         "200, 12",
         "150, 12",
         "cage-slip.csv:3: the conditions of line 2 once more",
     ),
-    "a wrong unit": ("cage-slip.csv", "measured [%]", "measured [mm]", "cage-slip.csv:1: measured: "),
+    "a wrong unit": (
+        "cage-slip.csv",
+        "measured [%]",
+        "measured [mm]",
+        "cage-slip.csv:1: measured: ",
+    ),
     "no unit": (
         "cage-slip.csv",
         "measured [%]",
@@ -87,14 +129,39 @@ BROKEN = {
         "measured [%]",
         "cage-slip.csv:1: 'measured' stands there twice",
     ),
-    "an unknown key": ("cage-slip.csv", "operation.radial_load", "operation.radial_laod", "did you mean 'radial_load'"),
+    "an unknown key": (
+        "cage-slip.csv",
+        "operation.radial_load",
+        "operation.radial_laod",
+        "did you mean 'radial_load'",
+    ),
     "no key": ("cage-slip.csv", "operation.radial_load", "load", "'load' is no key of the scene"),
-    "a load that cannot be": ("cage-slip.csv", "150, 15", "-150, 15", "cage-slip.csv:2: operation.radial_load: "),
+    "a load that cannot be": (
+        "cage-slip.csv",
+        "150, 15",
+        "-150, 15",
+        "cage-slip.csv:2: operation.radial_load: ",
+    ),
     "no source": ("measurement.toml", "references = [", "references_ = [", "source.references"),
-    "no licence": ("measurement.toml", "licence = ", "# licence = ", "source.licence: missing, but required"),
+    "no licence": (
+        "measurement.toml",
+        "licence = ",
+        "# licence = ",
+        "source.licence: missing, but required",
+    ),
     "an empty licence": ("measurement.toml", '"CC0 1.0" ', '" "', "source.licence: is empty"),
-    "closed numbers": ("measurement.toml", '"CC0 1.0" ', '"not redistributable"', "but the values stand here"),
-    "no reader": ("measurement.toml", 'read = "computed" ', 'read = "digitised"\n#', "reading_error: missing"),
+    "closed numbers": (
+        "measurement.toml",
+        '"CC0 1.0" ',
+        '"not redistributable"',
+        "but the values stand here",
+    ),
+    "no reader": (
+        "measurement.toml",
+        'read = "computed" ',
+        'read = "digitised"\n#',
+        "reading_error: missing",
+    ),
     "another way of reading": ("measurement.toml", '"computed" ', '"guessed"', "source.read"),
     "an unknown quantity": (
         "measurement.toml",
@@ -102,7 +169,12 @@ BROKEN = {
         '"cage-slipp" #',
         "did you mean 'cage-slip'?",
     ),
-    "no such file": ("measurement.toml", '"scene.toml"', '"bearing.toml"', "'bearing.toml' is no file in"),
+    "no such file": (
+        "measurement.toml",
+        '"scene.toml"',
+        '"bearing.toml"',
+        "'bearing.toml' is no file in",
+    ),
     "no words on uncertainty": (
         "measurement.toml",
         "half of the last digit given, all values within it alike",
@@ -121,16 +193,36 @@ BROKEN = {
         '"bearing.clearance" =',
         "no scene of the data set states this key",
     ),
-    "a name with a space": ("measurement.toml", 'name = "my-rig"', 'name = "My rig"', "name: 'My rig' is not made of"),
-    "one step": ("measurement.toml", '["200 N", "500 N", "1 kN"]', '["200 N"]', "falls needs two steps"),
+    "a name with a space": (
+        "measurement.toml",
+        'name = "my-rig"',
+        'name = "My rig"',
+        "name: 'My rig' is not made of",
+    ),
+    "one step": (
+        "measurement.toml",
+        '["200 N", "500 N", "1 kN"]',
+        '["200 N"]',
+        "falls needs two steps",
+    ),
     "a limit of a trend": (
         "measurement.toml",
         'expect = "falls" ',
         'limit = 1\nexpect = "falls" ',
         "limit: 'falls' has no limit",
     ),
-    "an unknown expectation": ("measurement.toml", 'expect = "falls" ', 'expect = "sinks" ', "expect"),
-    "an unknown file key": ("measurement.toml", "[source]", "colour = 1\n[source]", "colour: unknown key"),
+    "an unknown expectation": (
+        "measurement.toml",
+        'expect = "falls" ',
+        'expect = "sinks" ',
+        "expect",
+    ),
+    "an unknown file key": (
+        "measurement.toml",
+        "[source]",
+        "colour = 1\n[source]",
+        "colour: unknown key",
+    ),
     "no TOML": ("measurement.toml", "[source]", "[source", "not valid TOML"),
 }
 

@@ -70,7 +70,9 @@ def test_parts_come_back_together(store):
 
 def test_a_part_without_instants_or_events_counts(store):
     store.write(0, part(0, 4))
-    store.write(1, part(4, 5, t=np.empty(0), y=np.empty((0, 2)), events=(), last_t=0.39, rejected=-1))
+    store.write(
+        1, part(4, 5, t=np.empty(0), y=np.empty((0, 2)), events=(), last_t=0.39, rejected=-1)
+    )
     found = store.load(TIMES, 2)
     assert found.t.size == 4
     assert (found.last_t, found.rejected, found.steps) == (0.39, -1, 14)
@@ -97,12 +99,16 @@ def test_parts_of_another_study_are_no_concern(store):
 def test_another_scene_is_refused_and_left(store):
     store.write(0, part(0, 4))
     other = attrs.evolve(store, scene_hash="d4e5f6")
-    with pytest.raises(OutputError, match=r"x.unfinished: holds a run of another scene, .* without --resume"):
+    with pytest.raises(
+        OutputError, match=r"x.unfinished: holds a run of another scene, .* without --resume"
+    ):
         other.load(TIMES, 2)
     assert store.load(TIMES, 2).t.size == 4
 
 
-@pytest.mark.parametrize("how", ["cut", "empty", "text", "zeros", "without a field", "no facts", "other archive"])
+@pytest.mark.parametrize(
+    "how", ["cut", "empty", "text", "zeros", "without a field", "no facts", "other archive"]
+)
 def test_a_damaged_part_is_refused_in_words(store, how):
     store.write(0, part(0, 4))
     store.write(1, part(4, 6))
@@ -126,18 +132,25 @@ def test_a_damaged_part_is_refused_in_words(store, how):
         else:
             held = {"a": np.zeros(3)}
         np.savez(path, **held)
-    with pytest.raises(OutputError, match=r"dynamics-00001.npz: is not a part of a run that can be read .*; remove it"):
+    with pytest.raises(
+        OutputError,
+        match=r"dynamics-00001.npz: is not a part of a run that can be read .*; remove it",
+    ):
         store.load(TIMES, 2)
 
 
-@pytest.mark.parametrize("how", ["a gap", "twice", "other instants", "other unknowns", "beyond the end"])
+@pytest.mark.parametrize(
+    "how", ["a gap", "twice", "other instants", "other unknowns", "beyond the end"]
+)
 def test_parts_that_do_not_fit_are_refused(store, how):
     store.write(0, part(0, 4))
     if how == "a gap":
         store.write(1, part(5, 6))
     elif how == "twice":
         store.write(1, part(3, 6))
-    times = TIMES + 0.01 if how == "other instants" else TIMES[:3] if how == "beyond the end" else TIMES
+    times = (
+        TIMES + 0.01 if how == "other instants" else TIMES[:3] if how == "beyond the end" else TIMES
+    )
     with pytest.raises(OutputError, match="do not fit together; remove the folder and run anew"):
         store.load(times, 3 if how == "other unknowns" else 2)
 
@@ -302,7 +315,15 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on(scene, tmp_path, unint
     assert process.returncode == 130, err
     assert "Traceback" not in err
     again = err.splitlines()[-1].partition("interrupted; go on with: rollslip ")[2]
-    assert shlex.split(again) == ["run", "own.toml", "--study", "dynamics", "--out", "o", "--resume"]
+    assert shlex.split(again) == [
+        "run",
+        "own.toml",
+        "--study",
+        "dynamics",
+        "--out",
+        "o",
+        "--resume",
+    ]
     assert "interrupted at t = " in out
     partial = open_result(tmp_path / "o" / "dynamics.nc")
     assert partial.attrs["outcome"] == "interrupted"
@@ -364,7 +385,9 @@ def test_a_killed_run_goes_on_from_its_last_part(scene, tmp_path, uninterrupted,
 
 
 @pytest.mark.faults
-def test_a_run_killed_at_twenty_random_moments_has_the_bits_of_an_uninterrupted_one(scene, tmp_path, uninterrupted):
+def test_a_run_killed_at_twenty_random_moments_has_the_bits_of_an_uninterrupted_one(
+    scene, tmp_path, uninterrupted
+):
     def is_that_of_the_uninterrupted():
         whole = open_result(tmp_path / "o" / "dynamics.nc")
         assert whole.attrs["outcome"] == "finished"
@@ -374,7 +397,9 @@ def test_a_run_killed_at_twenty_random_moments_has_the_bits_of_an_uninterrupted_
     moments = random.Random(16)
     for _ in range(20):
         held = len(parts(tmp_path))
-        process = start(*RUN, *(["--resume"] if held else []), cwd=tmp_path, PAUSE="1e-3", EVERY="0.02")
+        process = start(
+            *RUN, *(["--resume"] if held else []), cwd=tmp_path, PAUSE="1e-3", EVERY="0.02"
+        )
         while process.poll() is None and len(parts(tmp_path)) <= held:
             time.sleep(0.01)
         time.sleep(moments.uniform(0.0, 0.2))
@@ -430,7 +455,12 @@ def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
         "figures.save_plots = stop\nmain()\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM.replace("main()\n", "", 1) + at_plots, *(a for a in RUN if a != "--no-plots")],
+        [
+            sys.executable,
+            "-c",
+            PROGRAM.replace("main()\n", "", 1) + at_plots,
+            *(a for a in RUN if a != "--no-plots"),
+        ],
         cwd=tmp_path,
         env=os.environ | {"EVERY": "0"},
         capture_output=True,
@@ -438,7 +468,10 @@ def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
         check=False,
     )
     assert done.returncode == 130, done.stderr
-    assert "interrupted; go on with: rollslip run own.toml --study dynamics --out o --resume" in done.stderr
+    assert (
+        "interrupted; go on with: rollslip run own.toml --study dynamics --out o --resume"
+        in done.stderr
+    )
     assert parts(tmp_path)
     command(*RUN, "--resume", cwd=tmp_path)
     assert open_result(tmp_path / "o" / "dynamics.nc").attrs["outcome"] == "finished"
@@ -448,7 +481,11 @@ def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
 @pytest.mark.parametrize(
     ("fault", "code", "says"),
     [
-        ({"FAIL": "160"}, 5, "RuntimeError at t = .*: the drag broke; raised by torque\\(\\) of drag 'slow'"),
+        (
+            {"FAIL": "160"},
+            5,
+            "RuntimeError at t = .*: the drag broke; raised by torque\\(\\) of drag 'slow'",
+        ),
         pytest.param(
             {"NAN": "160"},
             2,
@@ -457,7 +494,9 @@ def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
         ),
     ],
 )
-def test_a_failing_plugin_leaves_what_was_computed(scene, tmp_path, uninterrupted, fault, code, says):
+def test_a_failing_plugin_leaves_what_was_computed(
+    scene, tmp_path, uninterrupted, fault, code, says
+):
     out, err = command(*RUN, cwd=tmp_path, code=code, **fault)
     assert re.search(rf"^failed: .*{says}.*; what was computed is kept$", err, re.MULTILINE), err
     found = open_result(tmp_path / "o" / "dynamics.nc")

@@ -28,7 +28,9 @@ from rollslip_studies.motion.time_integration import InitialValueProblem, integr
 END = 0.004  # s
 #: A load that stays; the motion is then the one without a history.
 FIXED = {"radial_load": {"shape": "step", "to": "1037 N", "at": "2 ms"}}
-HELD = {"radial_load": {"shape": "step", "to": "1037.0 N", "at": "2 ms"}}  # one with a history, of what stays
+HELD = {
+    "radial_load": {"shape": "step", "to": "1037.0 N", "at": "2 ms"}
+}  # one with a history, of what stays
 RAMP = {"radial_load": {"shape": "ramp", "to": "900 N", "within": "4 ms"}}
 
 
@@ -36,7 +38,9 @@ RAMP = {"radial_load": {"shape": "ramp", "to": "900 N", "within": "4 ms"}}
 class RunningIn(DragModel):
     """A seal that runs in: T = -T_0 exp(-t/tau) tanh(w_c/w_0), w_0 = 1 rad/s."""
 
-    name, equation, references = "running-in", "T = -T_0 exp(-t/tau)", ("An example. 2020, made for a test.",)
+    name = "running-in"
+    equation = "T = -T_0 exp(-t/tau)"
+    references = ("An example. 2020, made for a test.",)
     varies_in_time = True
 
     size: float = parameter(default=0.05, unit="N m", validator=non_negative, doc="T_0")
@@ -51,7 +55,9 @@ class RunningIn(DragModel):
 class LoadedLip(DragModel):
     """T = -c F tanh(w_c/w_0), F the radial load."""
 
-    name, equation, references = "loaded-lip", "T = -c F", ("An example. 2020, made for a test.",)
+    name = "loaded-lip"
+    equation = "T = -c F"
+    references = ("An example. 2020, made for a test.",)
 
     lever: float = parameter(default=2e-5, unit="m", validator=non_negative, doc="c")
     load: float = from_scene("radial_load", doc="F")
@@ -75,19 +81,25 @@ def scene(drag):
 
 def impulse(drag, level, history, method="rk45", friction="conventional"):
     """Impulse of the drags on the cage over time [N m s], at five instants."""
-    of, problems, where = scene(drag), [], Location({}, ("study", "dynamics", "history"))
+    of = scene(drag)
+    problems = []
+    where = Location({}, ("study", "dynamics", "history"))
     way = structure(HistorySettings, history, where, problems).history(of, END, where)
     m = varying_motion(
         assemble(of), FrictionSettings(name=friction), way, level=level,
         planar=PlanarSettings(inner_ring_mass=1.0) if level == "planar" else None,
     )  # fmt: skip
     system = m.system if history != FIXED else m.base.system
-    problem = InitialValueProblem(rates=system, y=m.initial(), atol=1e-10 * system.scale, breaks=m.breaks)
+    problem = InitialValueProblem(
+        rates=system, y=m.initial(), atol=1e-10 * system.scale, breaks=m.breaks
+    )
     times = np.linspace(0.0, END, 5)
     ours = integrate(problem, get_model("integrator", method), times, rtol=1e-8)
     assert ours.outcome == "finished"
     if method == "rodas5p" and level != "planar":
-        assert ours.steps < 500  # some 100; thousands where a method is not told that rates vary in time
+        assert (
+            ours.steps < 500
+        )  # some 100; thousands where a method is not told that rates vary in time
     assert np.abs(m.split(ours.y)["cage_speed"]).min() > 20.0  # tanh is 1
     return m.direction * m.split(ours.y)["impulse_drag"], times, way
 
@@ -106,16 +118,24 @@ def test_a_torque_follows_the_load_of_the_moment(level):
     history = {"radial_load": {"shape": "ramp", "to": "900 N", "at": "1 ms", "within": "2 ms"}}
     found, times, way = impulse("loaded-lip", level, history)
     load = way.courses["radial_load"].at
-    true = [quad(lambda t: -2e-5 * float(load(np.array([t]))[0]), 0.0, end, points=[1e-3])[0] for end in times]
+    true = [
+        quad(lambda t: -2e-5 * float(load(np.array([t]))[0]), 0.0, end, points=[1e-3])[0]
+        for end in times
+    ]
     np.testing.assert_allclose(found, true, rtol=1e-4, atol=1e-12)
 
 
 def test_what_is_steady_is_refused_in_words_and_a_motion_tells_none():
     of = scene("running-in")
-    with pytest.raises(DomainError, match="drag 'running-in' varies in time, and no motion is steady with it"):
+    with pytest.raises(
+        DomainError, match="drag 'running-in' varies in time, and no motion is steady with it"
+    ):
         run(of, "steady-slip")
     moved = run(evolve(of, {"study.dynamics.duration": "10 ms"}), "dynamics")
-    assert moved.attrs["steady_status"] == "drag 'running-in' varies in time, and no motion is steady with it"
+    assert (
+        moved.attrs["steady_status"]
+        == "drag 'running-in' varies in time, and no motion is steady with it"
+    )
     assert math.isnan(moved.attrs["steady_cage_slip"])
 
 

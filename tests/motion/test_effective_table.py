@@ -111,10 +111,12 @@ def tabulated(draw):
 def test_a_cell_without_an_extremum_stays_between_its_ends_and_no_extremum_is_invented(case):
     law, _, table = case
     V = places(table, 24)
-    found, true = friction_of(table, V.ravel()).reshape(V.shape), law(V)
+    found = friction_of(table, V.ravel()).reshape(V.shape)
+    true = law(V)
     least = rounding(table)
     monotone = np.array([turns(row, least) == 0 for row in true])
-    low, high = np.minimum(true[:, 0], true[:, -1]), np.maximum(true[:, 0], true[:, -1])
+    low = np.minimum(true[:, 0], true[:, -1])
+    high = np.maximum(true[:, 0], true[:, -1])
     off = np.maximum(low[:, None] - found, found - high[:, None]).max(axis=1)
     assert off[monotone].max() <= least
     joined = np.append(found[:, :-1].ravel(), found[-1, -1])
@@ -129,7 +131,9 @@ def test_the_error_between_all_nodes_is_the_stated_one(case):
     V = places(table, 37)
     error = np.abs(friction_of(table, V.ravel()) - law(V).ravel()).max() / np.abs(law(V)).max()
     assert table.error <= tolerance
-    assert error <= 1.125 * tolerance  # what effective_table leaves of its tolerance to the rest of a cell
+    assert (
+        error <= 1.125 * tolerance
+    )  # what effective_table leaves of its tolerance to the rest of a cell
     assert error <= 1.5 * table.error + 16.0 * EPSILON
 
 
@@ -185,14 +189,22 @@ def test_an_odd_law_stays_odd_and_the_ends_are_held(case):
 def test_value_and_slope_are_continuous_at_the_nodes(case):
     _, _, table = case
     x = np.linspace(*table.limits, table.nodes.shape[0])
-    size, step = np.abs(table.nodes[:, 0]).max(), 1e-3
+    size = np.abs(table.nodes[:, 0]).max()
+    step = 1e-3
     near = x[1:-1] + (x[1] - x[0]) * step * np.array([[-2], [-1], [0], [1], [2]])
-    f = friction_of(table, (table.sliding_scale * near / (1.0 - np.abs(near))).ravel()).reshape(near.shape)
+    f = friction_of(table, (table.sliding_scale * near / (1.0 - np.abs(near))).ravel()).reshape(
+        near.shape
+    )
     np.testing.assert_allclose(f[2], table.nodes[1:-1, 0], rtol=0.0, atol=rounding(table))
-    before, after = (3 * f[2] - 4 * f[1] + f[0]) / (2 * step), (-3 * f[2] + 4 * f[3] - f[4]) / (2 * step)
+    before = (3 * f[2] - 4 * f[1] + f[0]) / (2 * step)
+    after = (-3 * f[2] + 4 * f[3] - f[4]) / (2 * step)
     steepest = np.abs(table.nodes[:, 1]).max()
-    np.testing.assert_allclose(before, table.nodes[1:-1, 1], rtol=0.0, atol=1e-5 * steepest + 1e-12 * size)
-    np.testing.assert_allclose(after, table.nodes[1:-1, 1], rtol=0.0, atol=1e-5 * steepest + 1e-12 * size)
+    np.testing.assert_allclose(
+        before, table.nodes[1:-1, 1], rtol=0.0, atol=1e-5 * steepest + 1e-12 * size
+    )
+    np.testing.assert_allclose(
+        after, table.nodes[1:-1, 1], rtol=0.0, atol=1e-5 * steepest + 1e-12 * size
+    )
 
 
 # Order ---------------------------------------------------------------------------------------------------------------
@@ -205,7 +217,8 @@ def test_the_order_is_four_everywhere_and_at_the_maximum():
     for tolerance in np.geomspace(1e-3, 3e-9, 40):
         table = curve_table(law, ROLLING, tolerance)
         tables[table.nodes.shape[0]] = table
-    errors, at_maximum = [], []
+    errors = []
+    at_maximum = []
     for table in tables.values():
         V = places(table, 20)
         off = np.abs(friction_of(table, V.ravel()) - law(V).ravel()).reshape(V.shape).max(axis=1)
@@ -249,7 +262,8 @@ def test_a_map_of_a_smooth_law_invents_no_extremum_on_rows_and_between(law):
     for e in rows[:-1].tolist():
         u = ROLLING * e / (1.0 - e)
         V = table.sliding_ratio * u * x / (1.0 - np.abs(x))
-        found, true = friction_of(table, V, u), friction(u, V)
+        found = friction_of(table, V, u)
+        true = friction(u, V)
         assert turns(found, rounding(table)) <= turns(true, rounding(table))
         assert np.abs(found - true).max() <= 2e-3 * 1.125 * np.abs(true).max()
     best = max(law.extrema(), key=law)
@@ -272,7 +286,10 @@ def all_slices(raceway, load, rolling):
 
     def friction(V):
         return (
-            np.array([raceway.evaluate(loaded, rolling, one).friction @ loaded for one in np.ravel(V)]) / loaded.sum()
+            np.array(
+                [raceway.evaluate(loaded, rolling, one).friction @ loaded for one in np.ravel(V)]
+            )
+            / loaded.sum()
         )
 
     return friction
@@ -293,7 +310,8 @@ SCENES = st.fixed_dictionaries(
 @settings(max_examples=12, phases=[Phase.explicit, Phase.generate], derandomize=True)
 def test_curves_of_bearings_are_those_of_all_their_slices(changes, ring):
     assembly = bearing(**changes)
-    raceway, distribution = assembly.raceways[ring], assembly.load_distribution(4)
+    raceway = assembly.raceways[ring]
+    distribution = assembly.load_distribution(4)
     load = (distribution.inner_load, distribution.outer_load)[ring].reshape(-1, 5)
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     friction = all_slices(raceway, load, rolling)
@@ -315,7 +333,10 @@ def test_curves_of_bearings_are_those_of_all_their_slices(changes, ring):
             options={"xatol": 1e-8 * table.critical_speed},
         )
         assert abs(table.critical_speed / found.x - 1.0) <= table.critical_error + 1e-6
-        assert abs(float(friction_of(table, [table.critical_speed])[0]) / -found.fun - 1.0) <= table.critical_error
+        assert (
+            abs(float(friction_of(table, [table.critical_speed])[0]) / -found.fun - 1.0)
+            <= table.critical_error
+        )
 
 
 def loads_of(assembly):
@@ -342,7 +363,9 @@ def test_a_table_does_not_depend_on_threads(slips):
 
 def test_friction_that_does_not_change_is_a_flat_table():
     table = curve_table(lambda V: np.full_like(V, 0.03), ROLLING, 1e-8)
-    np.testing.assert_allclose(friction_of(table, np.linspace(-REACH, REACH, 101)), 0.03, rtol=1e-15)
+    np.testing.assert_allclose(
+        friction_of(table, np.linspace(-REACH, REACH, 101)), 0.03, rtol=1e-15
+    )
     assert (table.error, table.slope_error) == (0.0, 0.0)
     assert math.isnan(table.critical_speed)
 
@@ -360,7 +383,10 @@ def test_friction_without_a_maximum_has_no_critical_speed(law):
 
 def test_a_kink_of_the_law_gives_no_ripple():
     """A maximum with a corner in it is the critical speed, and met by a node."""
-    law = lambda V: np.sign(V) * np.where(np.abs(V) < 2.0, 0.01 * np.abs(V), 0.04 / (np.abs(V) + 1e-300))  # noqa: E731
+
+    def law(V):
+        return np.sign(V) * np.where(np.abs(V) < 2.0, 0.01 * np.abs(V), 0.04 / (np.abs(V) + 1e-300))
+
     table = curve_table(lambda V: np.minimum(law(V), 0.02) if np.ndim(V) else law(V), ROLLING, 1e-2)
     V = places(table, 16)
     assert turns(friction_of(table, np.unique(V)), rounding(table)) == 2
@@ -382,25 +408,37 @@ def test_a_corner_makes_no_ripple_on_the_rows_of_a_map():
     x = np.linspace(*table.limits, 8 * (table.nodes.shape[1] - 1) + 1)
     for e in np.linspace(*table.row_limits, table.nodes.shape[0]).tolist():
         u = ROLLING * e / (1.0 - e)
-        assert turns(friction_of(table, table.sliding_ratio * u * x / (1.0 - np.abs(x)), u), rounding(table)) == 0
+        assert (
+            turns(
+                friction_of(table, table.sliding_ratio * u * x / (1.0 - np.abs(x)), u),
+                rounding(table),
+            )
+            == 0
+        )
 
 
 def test_maxima_between_the_nodes_of_a_map_cost_no_order():
     """A limit of three times the gentler chord flattens them, and takes twice as many cells at this tolerance."""
     law = Hump(0.02, 0.5, 4.0)
-    table = map_table(lambda u, V: (ROLLING / u) ** 0.3 * law(V * (ROLLING / u) ** 1.2), ROLLING, 1e-4)
+    table = map_table(
+        lambda u, V: (ROLLING / u) ** 0.3 * law(V * (ROLLING / u) ** 1.2), ROLLING, 1e-4
+    )
     assert table.nodes.shape[1] <= 257
 
 
 def test_a_law_that_bends_far_from_where_it_rises_gets_the_cells_that_it_takes():
     law = lambda V: np.tanh(V / 1e-7) + np.tanh(V / 1e-2)  # noqa: E731
-    table, V = curve_table(law, 10.0, 1e-4), np.geomspace(1e-9, 1.0, 997)
+    table = curve_table(law, 10.0, 1e-4)
+    V = np.geomspace(1e-9, 1.0, 997)
     assert table.nodes.shape[0] > 4097
     assert np.abs(friction_of(table, V) - law(V)).max() < 2e-4
 
 
 def test_a_law_that_jumps_is_said_to_be_too_much():
-    with pytest.raises(ConvergenceError, match=r"relative error of .* with the most nodes.*raise accuracy\.tolerance"):
+    with pytest.raises(
+        ConvergenceError,
+        match=r"relative error of .* with the most nodes.*raise accuracy\.tolerance",
+    ):
         curve_table(np.sign, ROLLING, 1e-3)
 
 
@@ -459,7 +497,12 @@ def test_a_motion_says_how_right_its_tables_are(over):
     changes = {
         "accuracy.slices": 5,
         "accuracy.tolerance": 1e-2,
-        "study.dynamics": {"friction": "effective", "effective_over": over, "duration": 1e-3, "points": 3},
+        "study.dynamics": {
+            "friction": "effective",
+            "effective_over": over,
+            "duration": 1e-3,
+            "points": 3,
+        },
         "study.effective-friction.closure": "free-roller",
         "study.effective-friction.max_cage_slip": 0.4,
         "study.effective-friction.points": 11,
@@ -473,25 +516,39 @@ def test_a_motion_says_how_right_its_tables_are(over):
         assert 0.0 < record["critical_error"] <= 1e-2
         assert record["critical_speed"] > 0.0
         assert len(record["nodes"]) == (2 if over == "slips" else 1)
-    conventional = changes | {"study.dynamics": {"friction": "conventional", "duration": 1e-3, "points": 3}}
-    assert "effective_tables" not in run(evolve(load_scene("1032930-50C"), conventional), "dynamics").attrs
+    conventional = changes | {
+        "study.dynamics": {"friction": "conventional", "duration": 1e-3, "points": 3}
+    }
+    assert (
+        "effective_tables"
+        not in run(evolve(load_scene("1032930-50C"), conventional), "dynamics").attrs
+    )
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("nodes", [4, 5, 9, 33, 300])
 def test_slopes_are_those_of_the_library_s_splines(nodes):
-    rng, places = np.random.default_rng(nodes), np.arange(nodes)
-    values, rise = rng.normal(size=(3, nodes)), rng.normal(size=3)
+    rng = np.random.default_rng(nodes)
+    places = np.arange(nodes)
+    values = rng.normal(size=(3, nodes))
+    rise = rng.normal(size=3)
     clamped = CubicSpline(places, values, axis=-1, bc_type=((1, rise), "not-a-knot"))
     np.testing.assert_allclose(tables._spline(values, rise), clamped(places, 1), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(tables._spline(values), CubicSpline(places, values, axis=-1)(places, 1), atol=1e-13)
+    np.testing.assert_allclose(
+        tables._spline(values), CubicSpline(places, values, axis=-1)(places, 1), atol=1e-13
+    )
 
 
 def test_what_classes_of_load_leave_is_added_to_what_cells_leave(monkeypatch):
     assembly = assemble(load_scene("1032930-50C"))
     found = []
     for left in ((0.0, 0.0, 0.0), (1e-3, 2e-3, 3e-3)):
-        monkeypatch.setattr(tables, "_gathered", lambda *_, left=left: (lambda u, V: Hump(0.02, 0.1, 5.0)(V), left))
+        monkeypatch.setattr(
+            tables, "_gathered", lambda *_, left=left: (lambda u, V: Hump(0.02, 0.1, 5.0)(V), left)
+        )
         found.append(effective_table(assembly, assembly.inner, np.ones((2, 3)), 1e-2, False))
-    more = [getattr(found[1], name) - getattr(found[0], name) for name in ("error", "slope_error", "critical_error")]
+    more = [
+        getattr(found[1], name) - getattr(found[0], name)
+        for name in ("error", "slope_error", "critical_error")
+    ]
     assert more == pytest.approx([1e-3, 2e-3, 3e-3])

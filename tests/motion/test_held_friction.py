@@ -39,7 +39,9 @@ def motion(level, case, load=1037.0):
     slices, drags, friction = CASES[case] if isinstance(case, str) else (5, (), case)
     changes = {"accuracy.slices": slices, "accuracy.tolerance": 2e-2, "operation.radial_load": load}
     changes |= BENT if "bent" in level else {}
-    assembly = assemble(evolve(load_scene("1032930-50C"), changes | {"cage.drag": ["petroff-land", *drags]}))
+    assembly = assemble(
+        evolve(load_scene("1032930-50C"), changes | {"cage.drag": ["petroff-land", *drags]})
+    )
     if level.startswith("planar"):
         return planar_motion(assembly, PlanarSettings(inner_ring_mass=5.0), friction)
     return carried_motion(assembly, friction, level="pocket")
@@ -48,7 +50,8 @@ def motion(level, case, load=1037.0):
 @functools.cache
 def sliding(level, case):
     """A state with slip of cage and rollers, off the middles, in which rollers slide at all speeds."""
-    moving, rng = motion(level, case), np.random.default_rng(4)
+    moving = motion(level, case)
+    rng = np.random.default_rng(4)
     y = moving.initial(0.02, 0.03)
     of = moving.split(y)
     of["roller_spin"][:] *= 1.0 + rng.normal(0.0, 2e-3, 28)
@@ -59,14 +62,17 @@ def sliding(level, case):
 @functools.cache
 def gone(level, case, times):
     moving = motion(level, case)
-    problem = InitialValueProblem(rates=moving.system, y=sliding(level, case), atol=1e-9 * moving.system.scale)
+    problem = InitialValueProblem(
+        rates=moving.system, y=sliding(level, case), atol=1e-9 * moving.system.scale
+    )
     return integrate(problem, get_model("integrator", "rk45"), np.array(times), rtol=1e-9).y
 
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("level", ALL)
 def test_where_it_is_evaluated_all_rates_are_those_of_every_law(level, case):
-    moving, y = motion(level, case), sliding(level, case)
+    moving = motion(level, case)
+    y = sliding(level, case)
     rates = moving.system.rates(0.0, y)
     held = moving.system.held(0.0, y, 0.0, y)
     np.testing.assert_allclose(held, rates, rtol=1e-9, atol=1e-11 * np.abs(rates).max())
@@ -77,8 +83,11 @@ def test_where_it_is_evaluated_all_rates_are_those_of_every_law(level, case):
 def test_it_goes_off_with_the_square_of_the_time(level, case):
     """Along the motion itself, by what the spins of the rollers feel: nearly, but for bends of tables and, of slices,
     whose coefficient is taken to stay when their force changes."""
-    times, moving, y = (1e-5, 2e-5), motion(level, case), sliding(level, case)
-    off, size = [], 0.0
+    times = (1e-5, 2e-5)
+    moving = motion(level, case)
+    y = sliding(level, case)
+    off = []
+    size = 0.0
     for t, state in zip(times, gone(level, case, times), strict=True):
         exact, held = (moving.split(r)["roller_spin"] for r in
                        (moving.system.rates(t, state), moving.system.held(0.0, y, t, state)))  # fmt: skip
@@ -92,8 +101,11 @@ def test_it_goes_off_with_the_square_of_the_time(level, case):
 @pytest.mark.parametrize("level", ALL)
 def test_solved_for_it_is_that_of_the_middle_of_the_step(level, case):
     """Rates at extrapolated speeds, which it changes to those that it brings about itself."""
-    moving, y = motion(level, case), sliding(level, case)
-    kicked, half = ~moving.system.places, 5e-4  # D half is 0.1 and more
+    moving = motion(level, case)
+    y = sliding(level, case)
+    # D half is 0.1 and more
+    kicked = ~moving.system.places
+    half = 5e-4
     before = moving.system.rates(0.0, y) * 0.5
     found = moving.system.held(0.0, y, 0.0, y, half, before)
     of_rollers = np.zeros(y.size, bool)
@@ -105,7 +117,9 @@ def test_solved_for_it_is_that_of_the_middle_of_the_step(level, case):
     for name in ("roller_spin", "orbital_speed", "lost_inner", "lost_outer", "work_rings"):
         one, other, without = (moving.split(r)[name] for r in (found, again, explicit))
         scale = np.abs(other).max()
-        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-3 * np.abs(other - without).max() + 1e-9 * scale)
+        np.testing.assert_allclose(
+            one, other, rtol=0.0, atol=1e-3 * np.abs(other - without).max() + 1e-9 * scale
+        )
         assert np.abs(other - without).max() > 1e-4 * scale
 
 
@@ -114,9 +128,13 @@ STEEP = attrs.evolve(CONSTANT, transition=5e-3)
 
 @pytest.mark.parametrize("level", ALL)
 def test_it_resumes_bit_by_bit_also_where_nothing_touches(level):
-    moving, clear = motion(level, "curve"), []
+    moving = motion(level, "curve")
+    clear = []
     for steps in (3, 40, 200, 700, 1500):
-        whole, first, rest = (Leapfrog(moving.system.capsule, 0.0, moving.initial(0.002), 0.01, 1e-5) for _ in range(3))
+        whole, first, rest = (
+            Leapfrog(moving.system.capsule, 0.0, moving.initial(0.002), 0.01, 1e-5)
+            for _ in range(3)
+        )
         first.advance(max_steps=steps)
         state = first.state
         clear.append(bool(state[-(first.y.size + 2)]))
@@ -136,15 +154,23 @@ def test_leapfrog_goes_on_where_friction_is_too_steep_for_its_step(level):
     ends = []
     for name, tolerance in (("leapfrog", 1e-5), ("rodas5p", 1e-6)):
         problem = InitialValueProblem(
-            rates=moving.system, y=moving.initial(0.002), atol=tolerance * absolute, relative=relative
+            rates=moving.system,
+            y=moving.initial(0.002),
+            atol=tolerance * absolute,
+            relative=relative,
         )
-        found = integrate(problem, get_model("integrator", name), np.array([0.0, 1e-3, 2e-3]), rtol=tolerance)
+        found = integrate(
+            problem, get_model("integrator", name), np.array([0.0, 1e-3, 2e-3]), rtol=tolerance
+        )
         assert found.outcome == "finished"
-        residual, turned = moving.energy_residual(found.y)[-1], sum(abs(w[-1]) for w in moving.works(found.y).values())
+        residual = moving.energy_residual(found.y)[-1]
+        turned = sum(abs(w[-1]) for w in moving.works(found.y).values())
         assert abs(residual) < 3e-5 * turned
         ends.append(moving.split(found.y)["cage_speed"][-1])
     assert ends[0] == pytest.approx(ends[1], rel=5e-5)
-    whole, first, rest = (Leapfrog(moving.system.capsule, 0.0, moving.initial(0.002), 1e-3, 1e-5) for _ in range(3))
+    whole, first, rest = (
+        Leapfrog(moving.system.capsule, 0.0, moving.initial(0.002), 1e-3, 1e-5) for _ in range(3)
+    )
     first.advance(max_steps=77)
     rest.state = first.state
     assert (whole.advance()[0], rest.advance()[0]) == ("finished", "finished")
@@ -161,13 +187,16 @@ def test_beyond_that_it_ends_in_words(level):
 
 def test_it_is_renewed_where_it_is_off_by_what_is_allowed():
     """At a tenth of the tolerance it is off by a tenth, in a third of the time."""
-    moving, told = motion("pocket", "curve"), []
+    moving = motion("pocket", "curve")
+    told = []
     for tolerance in (1e-5, 1e-6):
         solver = Leapfrog(moving.system.capsule, 0.0, sliding("pocket", "curve"), 0.01, tolerance)
         assert solver.told == {}
         assert solver.advance()[0] == "finished"
         told.append(solver.told)
-        assert solver.told["friction_held"] * solver.renewals == pytest.approx(0.01, rel=0.05)  # but for the last one
+        assert solver.told["friction_held"] * solver.renewals == pytest.approx(
+            0.01, rel=0.05
+        )  # but for the last one
     assert told[0]["friction_off"] == pytest.approx(1e-3, rel=0.5)
     assert told[1]["friction_off"] == pytest.approx(1e-4, rel=0.5)
     assert 2.0 < told[0]["friction_held"] / told[1]["friction_held"] < 5.0
@@ -177,16 +206,20 @@ def test_it_is_renewed_where_it_is_off_by_what_is_allowed():
 @pytest.mark.parametrize("seed", range(3))
 def test_a_flight_ends_where_a_roller_meets_a_bar(seed):
     """With constant rates: the place there is that of first touch, and none is nearer."""
-    moving, rng = motion("pocket", "constant"), np.random.default_rng(seed)
+    moving = motion("pocket", "constant")
+    rng = np.random.default_rng(seed)
     y = moving.initial(0.02)
     moving.split(y)["orbital_speed"][:] += rng.normal(0.0, 0.3, 28)
     rates = moving.system.rates(0.0, y)
     time = moving.system.flight(0.0, y, rates, 1.0)
     assert 0.0 < time < 1.0
     assert moving.system.flight(0.0, y, rates, 0.5 * time) == 0.5 * time
-    orbit, cage = moving.assembly.kinematics.orbit_radius, moving.assembly.cage
+    orbit = moving.assembly.kinematics.orbit_radius
+    cage = moving.assembly.cage
     place = moving.split(y)["pocket_position"]
-    closing, pulled = (moving.split(x)["orbital_speed"] - moving.split(x)["cage_speed"] for x in (y, rates))
+    closing, pulled = (
+        moving.split(x)["orbital_speed"] - moving.split(x)["cage_speed"] for x in (y, rates)
+    )
     then = place + orbit * (closing * time + 0.5 * pulled * time**2)
     touch = 0.5 * cage.pocket_clearance - 0.02 / cage.pocket_stiffness
     assert np.abs(then).max() == pytest.approx(touch, rel=1e-12)

@@ -46,8 +46,13 @@ def friction(name="conventional"):
 def test_shapes_are_what_their_names_say():
     t = np.linspace(0.0, 1.0, 2001)
     sine = course("radial_load", shape="sine", amplitude="300 N", period="0.13 s", phase="1 rad")
-    assert np.abs(sine.at(t) - (1037.0 + 300.0 * np.sin(2 * np.pi * t / 0.13 + 1.0))).max() < 3e-9 * 600.0
-    coast = course("inner_speed", shape="coast-down", time_constant="0.1 s", at="0.2 s", to="100 rpm")
+    assert (
+        np.abs(sine.at(t) - (1037.0 + 300.0 * np.sin(2 * np.pi * t / 0.13 + 1.0))).max()
+        < 3e-9 * 600.0
+    )
+    coast = course(
+        "inner_speed", shape="coast-down", time_constant="0.1 s", at="0.2 s", to="100 rpm"
+    )
     end = 100.0 * math.pi / 30.0
     decay = end + (SPEED - end) * np.exp(-np.maximum(t - 0.2, 0.0) / 0.1)
     assert np.abs(coast.at(t) - decay).max() < 3e-9 * SPEED
@@ -58,13 +63,20 @@ def test_shapes_are_what_their_names_say():
     assert np.abs(stop.at(t) - SPEED * np.clip((0.75 - t) / 0.25, 0.0, 1.0)).max() < 1e-12 * SPEED
     assert stop.breaks == (0.5, 0.75)
     ramp = course("temperature", shape="ramp", **{"from": "20 degC"}, to="60 degC", within="1 s")
-    assert ramp.at(np.array([0.0, 0.5, 2.0])).tolist() == pytest.approx([293.15, 313.15, 333.15], abs=1e-12)
+    assert ramp.at(np.array([0.0, 0.5, 2.0])).tolist() == pytest.approx(
+        [293.15, 313.15, 333.15], abs=1e-12
+    )
 
 
 @pytest.mark.quick
 def test_a_jump_has_the_later_value_and_is_a_break():
     step = course("radial_load", shape="step", to="300 N", at="0.5 s")
-    assert step.at([0.0, np.nextafter(0.5, 0.0), 0.5, 9.0]).tolist() == [1037.0, 1037.0, 300.0, 300.0]
+    assert step.at([0.0, np.nextafter(0.5, 0.0), 0.5, 9.0]).tolist() == [
+        1037.0,
+        1037.0,
+        300.0,
+        300.0,
+    ]
     assert step.breaks == (0.5,)
     twice = {"time": ["0 s", "1 s", "1 s", "2 s"], "value": ["1 kN", "2 kN", "500 N", "500 N"]}
     of_table = course("radial_load", end=2.0, **twice)
@@ -78,7 +90,9 @@ def test_the_span_of_a_course_is_found_between_its_nodes_and_not_beyond_the_run(
     assert inside.span(1.0) == pytest.approx((0.0, 0.25))
     assert inside.span(0.25) == pytest.approx((0.0, 0.1875))
     assert constant(3.0).span(1.0) == (3.0, 3.0)
-    assert table(np.array([-1.0, 1.0, 3.0]), np.array([0.0, 2.0, 9.0])).span(1.0) == pytest.approx((1.0, 2.0))
+    assert table(np.array([-1.0, 1.0, 3.0]), np.array([0.0, 2.0, 9.0])).span(1.0) == pytest.approx(
+        (1.0, 2.0)
+    )
 
 
 @pytest.mark.quick
@@ -94,7 +108,9 @@ def test_of_very_many_kinks_the_sharpest_are_breaks():
 @pytest.mark.quick
 def test_a_load_may_fall_to_nothing_whatever_the_rounding():
     for within in ("0.2 s", "0.3 s", "0.7 s"):
-        ramp = history({"radial_load": {"shape": "ramp", "to": "0 N", "at": "0.1 s", "within": within}})
+        ramp = history(
+            {"radial_load": {"shape": "ramp", "to": "0 N", "at": "0.1 s", "within": within}}
+        )
         assert abs(ramp.spans["radial_load"][0]) < 1e-12
 
 
@@ -147,14 +163,19 @@ HEAD = "time [s], radial_load [N], temperature [degC]\n"
         (HEAD + "0, 1, 20\n1, nan, 20\n2, 1, 20\n", ":3: radial_load: "),
         (HEAD + "0, 1, 20\n1, -4, 20\n2, 1, 20\n", ":3: radial_load: must be at least 0"),
         (HEAD + "0, 1, 20\n2, 1, 20\n1, 1, 20\n", ":4: time: 1 s comes after 2 s"),
-        (HEAD + "0, 1, 20\n0.5, 1, 20\n", ":3: the history ends at 0.5 s, before the run does at 1 s"),
+        (
+            HEAD + "0, 1, 20\n0.5, 1, 20\n",
+            ":3: the history ends at 0.5 s, before the run does at 1 s",
+        ),
         (HEAD + "0, 1\n", ":2: 2 values under 3 columns"),
     ],
 )
 @pytest.mark.parametrize("long", [False, True])
 def test_a_fault_of_a_file_is_told_with_its_line(tmp_path, text, said, long):
     path = tmp_path / "measured.csv"
-    if long and text.count("\n") > 1:  # behind so many rows that are right that the file is read the quick way
+    if (
+        long and text.count("\n") > 1
+    ):  # behind so many rows that are right that the file is read the quick way
         head, rows = text.split("\n", 1)
         before = [f"{-3 + k * 1e-3}" + ", 1" * head.count(",") for k in range(3000)]
         text = "\n".join((head, *before, rows))
@@ -187,7 +208,9 @@ def test_a_million_points_are_read_as_the_slow_way_reads_them(tmp_path):
 
 @pytest.mark.quick
 def test_the_compiled_courses_are_those_of_the_settings():
-    of_speed = history({"inner_speed": {"shape": "coast-down", "time_constant": "0.1 s", "at": "0.3 s"}})
+    of_speed = history(
+        {"inner_speed": {"shape": "coast-down", "time_constant": "0.1 s", "at": "0.3 s"}}
+    )
     moving = varying_motion(assemble(SCENE), friction(), of_speed, level="cage-set")
     t = np.random.default_rng(1).uniform(-0.1, 2.0, 300)  # not in order
     inner, outer, direction, load, limit = moving.system.owner.values(t)
@@ -198,7 +221,9 @@ def test_the_compiled_courses_are_those_of_the_settings():
     assert np.isnan(limit).all()
 
 
-@pytest.mark.parametrize("name", ["conventional", pytest.param("effective", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", ["conventional", pytest.param("effective", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize(
     ("raw", "key", "unit"),
     [
@@ -211,12 +236,15 @@ def test_the_compiled_courses_are_those_of_the_settings():
     ],
 )  # fmt: skip
 def test_between_nodes_rates_are_those_of_a_bearing_put_together_there(name, raw, key, unit):
-    way, bearing = history(raw), assemble(SCENE)
+    way = history(raw)
+    bearing = assemble(SCENE)
     moving = varying_motion(bearing, friction(name), way, level="cage-set")
     worst = 0.0
     for t in np.random.default_rng(7).uniform(0.0, 1.0, 12):
         value = float(way.courses[key].at(t))
-        there = assemble(rollslip.evolve(SCENE, {f"operation.{key}": f"{value!r} {unit}"}), bearing.resolution)
+        there = assemble(
+            rollslip.evolve(SCENE, {f"operation.{key}": f"{value!r} {unit}"}), bearing.resolution
+        )
         direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
         rows = [[one.split(one.system(t, y)) for one in (moving, direct)] for y in states(direct)]
         for entry in ("impulse_inner", "impulse_outer", "impulse_drag"):
@@ -228,7 +256,10 @@ def test_between_nodes_rates_are_those_of_a_bearing_put_together_there(name, raw
 
 def states(motion):
     k = motion.assembly.kinematics
-    return [motion.initial(slip, 0.9 * float(k.roller_slip_outer_rolling(slip))) for slip in (0.01, 0.07, 0.4)]
+    return [
+        motion.initial(slip, 0.9 * float(k.roller_slip_outer_rolling(slip)))
+        for slip in (0.01, 0.07, 0.4)
+    ]
 
 
 @pytest.mark.quick
@@ -241,7 +272,9 @@ def test_a_bearing_rests_where_rings_cage_and_rollers_stand_or_spin_freely():
     still = moving.state_at(0.0, 0.0, 1037.0, 0.0)
     assert moving.at_rest(0.5, 0.6, still)
     assert not moving.at_rest(0.4, 0.45, still)
-    turning, spinning, free = still.copy(), still.copy(), still.copy()
+    turning = still.copy()
+    spinning = still.copy()
+    free = still.copy()
     moving.split(turning)["cage_speed"][...] = 1.0
     assert not moving.at_rest(0.5, 0.6, turning)
     moving.split(spinning)["roller_spin"][0] = 100.0  # in the line of load
@@ -260,16 +293,27 @@ def test_two_axes_are_followed_together():
     bearing = assemble(SCENE)
     moving = varying_motion(bearing, friction(), way, level="cage-set")
     now = {name: float(value) for name, value in way.at(0.37).items()}
-    changes = {"operation.radial_load": f"{now['radial_load']!r} N", "operation.temperature": f"{now['temperature']} K"}
+    changes = {
+        "operation.radial_load": f"{now['radial_load']!r} N",
+        "operation.temperature": f"{now['temperature']} K",
+    }
     there = assemble(rollslip.evolve(SCENE, changes), bearing.resolution)
     direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
     for y in states(direct):
-        assert np.abs(moving.system(0.37, y) - direct.system(0.37, y))[1] < 1e-3 * np.abs(direct.system(0.37, y))[1]
+        assert (
+            np.abs(moving.system(0.37, y) - direct.system(0.37, y))[1]
+            < 1e-3 * np.abs(direct.system(0.37, y))[1]
+        )
 
 
 def test_a_part_with_a_course_of_its_own_does_not_follow_the_temperature():
     ramp = {"shape": "ramp", "within": "1 s"}
-    way = history({"temperature": ramp | {"to": "45 degC"}, "inner_ring_temperature": ramp | {"to": "60 degC"}})
+    way = history(
+        {
+            "temperature": ramp | {"to": "45 degC"},
+            "inner_ring_temperature": ramp | {"to": "60 degC"},
+        }
+    )
     bearing = assemble(SCENE)
     moving = varying_motion(bearing, friction(), way, level="cage-set")
     now = {f"operation.{name}": f"{float(way.courses[name].at(0.6))!r} K" for name in way.given}
@@ -278,7 +322,10 @@ def test_a_part_with_a_course_of_its_own_does_not_follow_the_temperature():
     assert there.scene.operation.roller_temperature == there.scene.operation.temperature
     direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
     for y in states(direct):
-        assert np.abs(moving.system(0.6, y) - direct.system(0.6, y))[1] < 1e-3 * np.abs(direct.system(0.6, y))[1]
+        assert (
+            np.abs(moving.system(0.6, y) - direct.system(0.6, y))[1]
+            < 1e-3 * np.abs(direct.system(0.6, y))[1]
+        )
 
 
 @pytest.mark.quick
@@ -286,7 +333,9 @@ def test_tables_over_more_than_three_values_are_refused():
     ramp = {"shape": "ramp", "to": "45 degC", "within": "1 s"}
     parts = ("inner_ring_temperature", "roller_temperature", "outer_ring_temperature")
     way = history({"temperature": ramp} | dict.fromkeys(parts, ramp))
-    with pytest.raises(DomainError, match=r"inner ring temperature, .* are more than 3 at once; keep some of them"):
+    with pytest.raises(
+        DomainError, match=r"inner ring temperature, .* are more than 3 at once; keep some of them"
+    ):
         varying_motion(assemble(SCENE), friction(), way, level="cage-set")
 
 
@@ -298,7 +347,9 @@ def test_a_cubic_that_is_too_coarse_is_seen():
     low, high, middle = (stations.motion((value,)) for value in (303.15, 323.15, 313.15))
     straight = 0.5 * (rates_of(low, middle) + rates_of(high, middle))
     true = rates_of(middle, middle)
-    assert off(straight, true, sizes_of(true, 28), 28) > 0.02  # a viscosity that halves is no straight line
+    assert (
+        off(straight, true, sizes_of(true, 28), 28) > 0.02
+    )  # a viscosity that halves is no straight line
     assert off(true, true, sizes_of(true, 28), 28) == 0.0
 
 
@@ -356,7 +407,9 @@ def test_a_file_is_looked_for_beside_the_scene(tmp_path, monkeypatch):
     assert beside.courses["radial_load"].at([0.0, 30.0]).tolist() == [1000.0, 1500.0]
     assert beside.given == ("radial_load",)
     with pytest.raises(SceneError, match="cannot be read"):
-        history({"file": "stand.csv"})  # a shipped scene has no folder: the file is looked for where one works
+        history(
+            {"file": "stand.csv"}
+        )  # a shipped scene has no folder: the file is looked for where one works
 
 
 # What the compiled system makes of it ---------------------------------------------------------------------------------
@@ -368,7 +421,8 @@ BOTH = {"inner_speed": {"shape": "ramp", "to": "-3000 rpm", "within": "1 s"},
 def test_a_watched_slip_is_that_of_both_rings_whichever_way_they_turn():
     way = history(BOTH)
     moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set", limit=constant(0.3))
-    k, y = moving.assembly.kinematics, moving.initial(0.05, 0.05)
+    k = moving.assembly.kinematics
+    y = moving.initial(0.05, 0.05)
     cage = float(moving.split(y)["cage_speed"])
     for t in (0.1, 0.4, 0.9):
         inner, outer = (k.direction * float(way.courses[name].at(t)) for name in BOTH)
@@ -391,7 +445,9 @@ def test_between_nodes_outputs_are_those_of_a_bearing_put_together_there():
     way = history({"radial_load": {"shape": "ramp", "to": "600 N", "within": "1 s"}})
     moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
     load = float(way.courses["radial_load"].at(0.37))
-    there = assemble(rollslip.evolve(SCENE, {"operation.radial_load": f"{load!r} N"}), moving.assembly.resolution)
+    there = assemble(
+        rollslip.evolve(SCENE, {"operation.radial_load": f"{load!r} N"}), moving.assembly.resolution
+    )
     direct = carried_motion(there, moving.stations.friction, level="cage-set", each=True)
     y = direct.initial(0.05, 0.06)
     blended, true = (one.system.owner.outputs([0.37], [y]) for one in (moving, direct))
@@ -404,8 +460,16 @@ def test_between_nodes_outputs_are_those_of_a_bearing_put_together_there():
 
 def test_what_is_beyond_the_range_of_an_axis_is_held_at_its_end():
     one = carried_motion(assemble(SCENE), friction(), level="cage-set")
-    k, o = one.assembly.kinematics, SCENE.operation
-    values = (o.inner_speed, o.outer_speed, 0.0, o.radial_load, math.nan, 2.0)  # of an axis from 0 to 1
+    k = one.assembly.kinematics
+    o = SCENE.operation
+    values = (
+        o.inner_speed,
+        o.outer_speed,
+        0.0,
+        o.radial_load,
+        math.nan,
+        2.0,
+    )  # of an axis from 0 to 1
     system = Varying(
         [(c.begin, c.powers) for c in map(constant, values)], [(0.0, 1.0)],
         lambda place: ([[0.0, 0.3, 0.6, 1.0]], [one.system.owner] * 4), cage_speed=0,

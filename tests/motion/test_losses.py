@@ -15,12 +15,21 @@ from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance, effective_curves
 
 SHIPPED = evolve(load_scene("1032930-50C"), {"lubricant.density": "930 kg/m3"})
-DRAGS = ["petroff-land", "churning", "rolling-resistance", "hysteresis", "pocket-friction", "constant-torque"]
+DRAGS = [
+    "petroff-land",
+    "churning",
+    "rolling-resistance",
+    "hysteresis",
+    "pocket-friction",
+    "constant-torque",
+]
 
 
 def bearing(changes, slices=4):
     scene = evolve(SHIPPED, changes)
-    return assemble(scene, attrs.evolve(as_stated(scene), slices=slices, instants=2)).with_resistance()
+    return assemble(
+        scene, attrs.evolve(as_stated(scene), slices=slices, instants=2)
+    ).with_resistance()
 
 
 def balanced(assembly, **options):
@@ -38,7 +47,9 @@ def balanced(assembly, **options):
     guidance=st.sampled_from(["inner", "outer"]),
     inertia=st.booleans(),
 )
-def test_what_the_rings_put_in_is_lost_or_stored(slip, inner, outer, load, temperature, drags, guidance, inertia):
+def test_what_the_rings_put_in_is_lost_or_stored(
+    slip, inner, outer, load, temperature, drags, guidance, inertia
+):
     assembly = bearing(
         {
             "operation.inner_speed": inner,
@@ -52,14 +63,23 @@ def test_what_the_rings_put_in_is_lost_or_stored(slip, inner, outer, load, tempe
     balance = balanced(assembly, inertia=inertia)
     orbit = balance.orbit(slip)
     found = power_balance(balance, orbit)
-    sizes = sum(abs(loss.power) for loss in found.losses) + sum(map(abs, found.rings)) + abs(found.stored)
+    sizes = (
+        sum(abs(loss.power) for loss in found.losses)
+        + sum(map(abs, found.rings))
+        + abs(found.stored)
+    )
     assert abs(sum(found.rings) - found.total - found.stored) <= 1e-9 * sizes
     contacts = {f"{kind}, {ring} raceway" for kind in ("sliding", *drags & {"rolling-resistance", "hysteresis"})
                 for ring in ("inner", "outer")}  # fmt: skip
-    assert {loss.source for loss in found.losses} == contacts | drags - {"rolling-resistance", "hysteresis"}
+    assert {loss.source for loss in found.losses} == contacts | drags - {
+        "rolling-resistance",
+        "hysteresis",
+    }
     assert all(loss.power >= 0.0 for loss in found.losses)
     if not inertia:  # a roller without inertia stores nothing: what is left accelerates the cage
-        assert found.stored == pytest.approx(balance.excess(slip) * abs(balance.cage_speed(slip)), abs=1e-9 * sizes)
+        assert found.stored == pytest.approx(
+            balance.excess(slip) * abs(balance.cage_speed(slip)), abs=1e-9 * sizes
+        )
 
 
 @pytest.mark.parametrize(
@@ -94,7 +114,9 @@ def test_a_roller_without_drag_and_inertia_loses_what_friction_times_sliding_spe
     power = 0.0
     for contacts in balance.evaluated(orbit):
         s = contacts.slices
-        power += float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum()) / balance.instants
+        power += (
+            float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum()) / balance.instants
+        )
     assert power_balance(balance, orbit).total == pytest.approx(power, rel=1e-12)
 
 
@@ -102,7 +124,9 @@ def test_a_roller_without_drag_and_inertia_loses_what_friction_times_sliding_spe
 class Brush(DragModel):
     """A brush on the inner ring that drags the cage."""
 
-    name, equation, references = "brush", "T = k (w_i - w_c)", ()
+    name = "brush"
+    equation = "T = k (w_i - w_c)"
+    references = ()
     against = "inner"
 
     def torque(self, cage_speed, inner_speed, outer_speed):
@@ -115,7 +139,8 @@ def test_the_ring_that_bears_the_reaction_of_a_drag_pays_for_it():
     drags = attrs.evolve(assembly.cage.drags, torques=(Brush(),))
     balance = TorqueBalance(assembly, drags, instants=2)
     found = power_balance(balance, balance.orbit(0.1))
-    inner, cage = assembly.kinematics.inner_speed, balance.cage_speed(0.1)
+    inner = assembly.kinematics.inner_speed
+    cage = balance.cage_speed(0.1)
     assert found.losses[-1].place == "inner land"
     assert found.losses[-1].power == pytest.approx(1e-4 * (inner - cage) ** 2)
     assert found.rings[0] - alone.rings[0] == pytest.approx(1e-4 * (inner - cage) * inner)
@@ -128,21 +153,31 @@ def test_one_drag_named_twice_is_two_sources():
 
 
 def test_the_study_tells_losses_by_source_and_what_the_rings_put_in():
-    result = run(evolve(SHIPPED, {"accuracy.tolerance": 0.01, "study.steady-slip.points": 10}), "steady-slip")
-    total, rings = result.loss.sum("source"), result.ring_power.sum("ring")
+    result = run(
+        evolve(SHIPPED, {"accuracy.tolerance": 0.01, "study.steady-slip.points": 10}), "steady-slip"
+    )
+    total = result.loss.sum("source")
+    rings = result.ring_power.sum("ring")
     assert np.abs(rings - total - result.stored_power).max() < 1e-9 * total.max()
     # what the positions of the orbit leave
     assert np.abs(result.stored_power).max() < 1e-3 * total.max()
-    assert result.friction_torque.values == pytest.approx(total.values / SHIPPED.operation.inner_speed)
+    assert result.friction_torque.values == pytest.approx(
+        total.values / SHIPPED.operation.inner_speed
+    )
     said = account_of(result).topics(result)["losses"][0]
     assert said.startswith(
         "at a cage slip of 7.16 % the bearing turns 118 W into heat, a friction torque of 178 mN m, "
     )
-    assert account_of(result).record(result)["steady"][0]["losses"].keys() == set(result.source.values)
+    assert account_of(result).record(result)["steady"][0]["losses"].keys() == set(
+        result.source.values
+    )
 
 
 def test_where_the_cage_runs_away_no_loss_is_told():
-    beyond = {"cage.drag": [{"model": "constant-torque", "size": "1 N m"}], "accuracy.tolerance": 0.01}
+    beyond = {
+        "cage.drag": [{"model": "constant-torque", "size": "1 N m"}],
+        "accuracy.tolerance": 0.01,
+    }
     result = run(evolve(SHIPPED, beyond), "steady-slip")
     assert np.isnan(result.loss).all()
     assert "losses" not in account_of(result).topics(result)

@@ -35,7 +35,13 @@ from rollslip_plugins.drag.torques import PetroffLand
 from rollslip_studies.dynamics.history.settings import HistorySettings
 from rollslip_studies.dynamics.history.varying import varying_motion
 from rollslip_studies.dynamics.levels import planar as planar_module
-from rollslip_studies.dynamics.levels.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
+from rollslip_studies.dynamics.levels.planar import (
+    HEAD,
+    LEDGER,
+    ROLLER,
+    PlanarSettings,
+    planar_motion,
+)
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.motion.time_integration import InitialValueProblem, integrate
 from tabled import REFERENCES, numbers_of
@@ -46,13 +52,22 @@ CASES = {
         scene_of(
             6,
             drag=("pocket-friction",),
-            cage=(("pocket_contact", "film"), ("pocket_radial_clearance", 1e-4), ("unbalance", 2e-4)),
+            cage=(
+                ("pocket_contact", "film"),
+                ("pocket_radial_clearance", 1e-4),
+                ("unbalance", 2e-4),
+            ),
         ),
         {"gravity_direction": 2.0},
     ),
-    "effective, inner land": (scene_of(5, "inner", cage=(("unbalance", 2e-4),)), {"gravity_direction": 0.7}),
+    "effective, inner land": (
+        scene_of(5, "inner", cage=(("unbalance", 2e-4),)),
+        {"gravity_direction": 0.7},
+    ),
     "effective, outer land": (
-        scene_of(5, "outer", ("petroff-land", "constant-torque"), cage=(("pocket_contact", "film"),)),
+        scene_of(
+            5, "outer", ("petroff-land", "constant-torque"), cage=(("pocket_contact", "film"),)
+        ),
         {"contact_damping": 2.0},
     ),
     "conventional, resisting": (
@@ -111,7 +126,9 @@ def test_energy_and_angular_momentum_change_by_what_the_ledger_records(name, see
     rates = system.rates(0.3, y)
     head, rollers, ledger = planar.parts(rates)
     q, dq = lagrange.coordinates(y)
-    acceleration = np.concatenate((head[[2, 3, 6, 7, 8]], rollers[:, 1] - head[8], rollers[:, 2], rollers[:, 4]))
+    acceleration = np.concatenate(
+        (head[[2, 3, 6, 7, 8]], rollers[:, 1] - head[8], rollers[:, 2], rollers[:, 4])
+    )
     power = lagrange.energy(q + 1j * TINY * dq, dq + 1j * TINY * acceleration).imag / TINY
     # terms that cancel among themselves are as large as the power of one contact's force
     done = planar.planar.outputs([0.0], y[None])
@@ -123,18 +140,24 @@ def test_energy_and_angular_momentum_change_by_what_the_ledger_records(name, see
     still[-len(LEDGER) :] = 0.0
     ahead = planar.angular_momentum(still + 1e-30j * rates).imag / 1e-30
     arm = planar.assembly.kinematics.orbit_radius
-    assert planar.impulse(rates) == pytest.approx(ahead, abs=1e-12 * arm * done["normal_force"].max())
+    assert planar.impulse(rates) == pytest.approx(
+        ahead, abs=1e-12 * arm * done["normal_force"].max()
+    )
 
 
 def test_kinetic_energy_is_that_of_all_moving_masses():
     for name in CASES:
         planar, _, lagrange = case(name)
         y = random_state(planar, 7)
-        assert planar.energy(y) == pytest.approx(lagrange.energy(*lagrange.coordinates(y)), rel=1e-14)
+        assert planar.energy(y) == pytest.approx(
+            lagrange.energy(*lagrange.coordinates(y)), rel=1e-14
+        )
         assert np.all(planar.energy(np.stack((y, 2 * y)))[0] == planar.energy(y))
 
 
-@pytest.mark.parametrize("name", ["constant", "effective, inner land", "conventional, mirrored, clearance"])
+@pytest.mark.parametrize(
+    "name", ["constant", "effective, inner land", "conventional, mirrored, clearance"]
+)
 def test_nothing_but_head_and_own_block_moves_a_roller(name):
     planar, system, _ = case(name)
     y = random_state(planar, 5)
@@ -172,18 +195,24 @@ def test_it_starts_at_rest_in_the_equilibrium_of_the_bearing():
 def test_it_starts_in_the_equilibrium_of_the_laminae_that_it_has(quadrature):
     settings = PlanarSettings(inner_ring_mass=3.0, gravity=0.0, contact_damping=0.0)
     friction = FrictionSettings(name="constant", coefficient=0.0, transition=0.1)
-    planar = planar_motion(assemble(scene_of(), Resolution(slices=20, quadrature=quadrature)), settings, friction)
+    planar = planar_motion(
+        assemble(scene_of(), Resolution(slices=20, quadrature=quadrature)), settings, friction
+    )
     y = planar.initial()
     head, _, _ = planar.parts(y)
     held = planar.assembly.load_distribution(cage_speed=head[8])
     assert head[:2] == pytest.approx(held.displacement[0], rel=1e-12, abs=1e-18)
-    assert planar.planar.outputs([0.0], y[None])["normal_force"][0, 0] == pytest.approx(held.inner_force[0], abs=1e-9)
+    assert planar.planar.outputs([0.0], y[None])["normal_force"][0, 0] == pytest.approx(
+        held.inner_force[0], abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("speed", ["6371 rpm", "-6371 rpm"])
 def test_a_heavy_ring_pulls_the_start_out_of_the_line_of_load(speed):
     scene = scene_of(more=(("operation.inner_speed", speed),))
-    planar = motion(scene, coefficient=0.0, inner_ring_mass=40.0, gravity_direction=1.2, contact_damping=0.0)
+    planar = motion(
+        scene, coefficient=0.0, inner_ring_mass=40.0, gravity_direction=1.2, contact_damping=0.0
+    )
     y = planar.initial()
     moving, _, _ = planar.parts(planar.system.rates(0.0, y))
     assert np.all(np.abs(moving[2:4]) <= 1e-9)
@@ -195,7 +224,15 @@ def test_a_ring_that_was_pushed_away_settles_in_the_equilibrium():
     y = planar.initial(cage_slip=1.0, roller_slip=1.0)
     y[0] += 1e-6
     system = planar.system
-    found = solve_ivp(system, (0.0, 8e-3), y, method="LSODA", rtol=1e-9, atol=1e-9 * system.scale, jac=system.jacobian)
+    found = solve_ivp(
+        system,
+        (0.0, 8e-3),
+        y,
+        method="LSODA",
+        rtol=1e-9,
+        atol=1e-9 * system.scale,
+        jac=system.jacobian,
+    )
     head, rollers, _ = planar.parts(found.y[:, -1])
     psi = (
         2 * np.pi * np.arange(5) / 5 + rollers[:, 0] / planar.assembly.kinematics.orbit_radius
@@ -231,7 +268,9 @@ class Driven(Lagrange):
 
     def load(self, t):
         now = self.history.at(t)
-        return float(now["radial_load"]) * np.array([np.cos(now["load_direction"]), np.sin(now["load_direction"])])
+        return float(now["radial_load"]) * np.array(
+            [np.cos(now["load_direction"]), np.sin(now["load_direction"])]
+        )
 
     def rates(self, t, y):
         self.wi = float(self.history.at(t)["inner_speed"])
@@ -256,17 +295,26 @@ def test_at_every_moment_of_a_history_rates_are_those_of_lagranges_equations(t):
     expected, _ = lagrange.rates(t, y)
     found = moving.system.rates(t, y)
     works, distances = moving.of_each(found)
-    assert np.all(np.abs(found[: expected.size] - expected) <= 1e-12 * yardstick(moving.base, y, expected))
-    assert distances == pytest.approx(np.abs(lagrange.slips(*lagrange.coordinates(y))[[0, 2]]), rel=1e-9)
-    assert works.sum(axis=1) == pytest.approx([float(moving.split(found)[f"lost_{ring}"]) for ring in RINGS])
+    assert np.all(
+        np.abs(found[: expected.size] - expected) <= 1e-12 * yardstick(moving.base, y, expected)
+    )
+    assert distances == pytest.approx(
+        np.abs(lagrange.slips(*lagrange.coordinates(y))[[0, 2]]), rel=1e-9
+    )
+    assert works.sum(axis=1) == pytest.approx(
+        [float(moving.split(found)[f"lost_{ring}"]) for ring in RINGS]
+    )
 
 
 @pytest.mark.slow
 def test_speed_load_and_its_direction_over_time_move_it_as_lagranges_equations_do():
     """DOP853 of Lagrange's equations to 1e-11, ours to 1e-10; half a millisecond is ten swings of a roller."""
     end = 5e-4
-    moving, times = driven(end), np.linspace(0.0, end, 6)
-    lagrange, y, atol = Driven(moving), moving.initial(), 1e-10 * moving.system.scale
+    moving = driven(end)
+    times = np.linspace(0.0, end, 6)
+    lagrange = Driven(moving)
+    y = moving.initial()
+    atol = 1e-10 * moving.system.scale
     own = slice(-sum(part.size for part in moving.of_each(y)))  # without what each roller does
     theirs = solve_ivp(
         lambda t, y: lagrange.rates(t, y)[0],
@@ -281,19 +329,33 @@ def test_speed_load_and_its_direction_over_time_move_it_as_lagranges_equations_d
     ours = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-10)
     assert ours.outcome == "finished"
     assert np.all(np.abs(ours.y[:, own] - theirs.y.T) <= 1e-7 * moving.system.scale[own])
-    steady = solve_ivp(moving.base.system.rates, (0.0, end), y, "DOP853", rtol=1e-6, atol=1e3 * atol).y[:, -1]
-    assert np.abs(ours.y[-1] - steady)[:4].max() > 1e-2 * moving.system.scale[:4].max()  # a history it is
+    steady = solve_ivp(
+        moving.base.system.rates, (0.0, end), y, "DOP853", rtol=1e-6, atol=1e3 * atol
+    ).y[:, -1]
+    assert (
+        np.abs(ours.y[-1] - steady)[:4].max() > 1e-2 * moving.system.scale[:4].max()
+    )  # a history it is
 
 
 def test_the_ledger_has_the_work_of_a_load_that_moves():
-    moving, times = driven(5e-4), np.linspace(0.0, 5e-4, 51)
-    problem = InitialValueProblem(rates=moving.system, y=moving.initial(), atol=1e-9 * moving.system.scale)
+    moving = driven(5e-4)
+    times = np.linspace(0.0, 5e-4, 51)
+    problem = InitialValueProblem(
+        rates=moving.system, y=moving.initial(), atol=1e-9 * moving.system.scale
+    )
     run = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-9)
-    works, split = moving.works(run.y), moving.split(run.y)
-    assert np.abs(moving.energy_residual(run.y)).max() < 1e-7 * max(np.abs(work).max() for work in works.values())
-    assert np.abs(moving.momentum_residual(run.y)).max() < 1e-9 * np.abs(moving.angular_momentum(run.y)).max()
+    works = moving.works(run.y)
+    split = moving.split(run.y)
+    assert np.abs(moving.energy_residual(run.y)).max() < 1e-7 * max(
+        np.abs(work).max() for work in works.values()
+    )
+    assert (
+        np.abs(moving.momentum_residual(run.y)).max()
+        < 1e-9 * np.abs(moving.angular_momentum(run.y)).max()
+    )
     now = moving.history.at(times)
-    along, across = np.cos(now["load_direction"]), np.sin(now["load_direction"])
+    along = np.cos(now["load_direction"])
+    across = np.sin(now["load_direction"])
     power = now["radial_load"] * (split["inner_ring_vx"] * along + split["inner_ring_vy"] * across)
     assert works["work_load"][-1] == pytest.approx(np.trapezoid(power, times), rel=2e-3)
 
@@ -305,7 +367,8 @@ def test_a_load_in_another_direction_moves_the_bearing_turned_by_it(angle):
     turned = along_history(scene, 1.0, {"load_direction": step}, gravity=0.0)
     plain = motion(scene, gravity=0.0)
     y = random_state(plain, 3)
-    c, s = np.cos(angle), np.sin(angle)
+    c = np.cos(angle)
+    s = np.sin(angle)
 
     def rotated(y, turn):
         y = y.copy()
@@ -318,7 +381,9 @@ def test_a_load_in_another_direction_moves_the_bearing_turned_by_it(angle):
     behind = np.zeros(turned.system.n - y.size)  # what each roller does
     found = turned.system.rates(0.0, np.append(rotated(y, angle), behind))[: y.size]
     assert np.all(np.abs(found - expected) <= 1e-9 * yardstick(plain, y, expected))
-    assert turned.initial()[:2] == pytest.approx(rotated(plain.initial(), 0.0)[:2], rel=1e-9, abs=1e-15)
+    assert turned.initial()[:2] == pytest.approx(
+        rotated(plain.initial(), 0.0)[:2], rel=1e-9, abs=1e-15
+    )
 
 
 # Closed solutions ----------------------------------------------------------------------------------------------------
@@ -339,7 +404,8 @@ def impact(damping, speed):
     """Largest approach, duration and speed of parting of a roller thrown at the outer ring."""
     planar, system, y = rollers_alone(damping)
     at = len(HEAD) + 3
-    y[at], y[at + 1] = 0.0, speed
+    y[at] = 0.0
+    y[at + 1] = speed
 
     def parts(t, y):
         return y[at] if t > 0 else 1.0
@@ -353,20 +419,26 @@ def impact(damping, speed):
         events=(parts, deepest),
     )  # fmt: skip
     depth = found.y_events[1][0, at]
-    force = 1e9 * planar.assembly.deflect(np.array([1e-6]), "outer")[0][0] * planar.assembly.widths[0]
+    force = (
+        1e9 * planar.assembly.deflect(np.array([1e-6]), "outer")[0][0] * planar.assembly.widths[0]
+    )
     return depth, found.t_events[0][0], -found.y_events[0][0, at + 1], force / 1e9, planar, found
 
 
 def test_an_impact_takes_the_depth_and_the_time_of_its_closed_solution():
     # w = K d^n between straight parts: m v0^2/2 = K d^(n+1)/(n+1) and
     # T = 2 int_0^d dx/v = (2 d/v0) sqrt(pi) Gamma(1 + 1/(n+1))/Gamma(1/2 + 1/(n+1))      [Johnson 1985, eq. 11.23 ff.]
-    speed, n = 0.1, 10 / 9
+    speed = 0.1
+    n = 10 / 9
     depth, duration, rebound, at_a_micrometre, planar, _ = impact(0.0, speed)
-    m, K = planar.assembly.roller_mass, at_a_micrometre / 1e-6**n
+    m = planar.assembly.roller_mass
+    K = at_a_micrometre / 1e-6**n
     expected = ((n + 1) * m * speed**2 / (2 * K)) ** (1 / (n + 1))
     assert depth == pytest.approx(expected, rel=1e-9)
     p = 1 / (n + 1)
-    assert duration == pytest.approx(2 * expected / speed * np.sqrt(np.pi) * gamma(1 + p) / gamma(0.5 + p), rel=1e-9)
+    assert duration == pytest.approx(
+        2 * expected / speed * np.sqrt(np.pi) * gamma(1 + p) / gamma(0.5 + p), rel=1e-9
+    )
     assert rebound == pytest.approx(speed, rel=1e-9)
 
 
@@ -380,7 +452,9 @@ def test_an_impact_with_damping_parts_at_the_speed_of_its_closed_solution(dampin
     work = speed / c - np.log1p(c * speed) / c**2
     assert rebound**2 / 2 + c * rebound**3 / 3 == pytest.approx(work, rel=1e-8)
     lost = planar.parts(found.y_events[0][0])[2][list(LEDGER).index("lost_damping")]
-    assert lost == pytest.approx(planar.assembly.roller_mass / 2 * (speed**2 - rebound**2), rel=1e-8)
+    assert lost == pytest.approx(
+        planar.assembly.roller_mass / 2 * (speed**2 - rebound**2), rel=1e-8
+    )
     assert rebound < speed
 
 
@@ -388,13 +462,16 @@ def test_a_roller_thrown_round_slides_until_it_rolls():
     # The disc that is thrown without spin, on the inside of a ring: N = m a w^2, so w' = -mu w^2 and J s' = mu N r:
     # w = w0/(1 + mu w0 t), r s = 2 a (w0 - w). From t = 1/(2 mu w0) on it rolls, at w = 2/3 w0; a third of its energy
     # is gone.
-    mu, w0 = 0.1, 300.0
+    mu = 0.1
+    w0 = 300.0
     planar, system, y = rollers_alone(coefficient=mu, transition=1e-2)
-    k, m = planar.assembly.kinematics, planar.assembly.roller_mass
+    k = planar.assembly.kinematics
+    m = planar.assembly.roller_mass
     a = k.outer_radius - k.roller_radius
     rollers = planar.parts(y)[1]
     rollers[:, 1] = w0
-    force, approach = m * a * w0**2, np.geomspace(1e-9, 1e-4, 4001)
+    force = m * a * w0**2
+    approach = np.geomspace(1e-9, 1e-4, 4001)
     rollers[:, 3] = np.interp(
         force, planar.assembly.deflect(approach, "outer")[0] * planar.assembly.widths[0], approach
     )
@@ -417,7 +494,9 @@ def test_a_roller_thrown_round_slides_until_it_rolls():
     _, last, ledger = planar.parts(found.y[:, -1])
     assert last[:, 1] == pytest.approx(2 / 3 * w0, rel=1e-4)
     assert k.roller_radius * last[:, 2] == pytest.approx(a * last[:, 1], rel=1e-6)
-    assert ledger[list(LEDGER).index("lost_outer")] == pytest.approx(3 * m * a**2 * w0**2 / 6, rel=3e-4)
+    assert ledger[list(LEDGER).index("lost_outer")] == pytest.approx(
+        3 * m * a**2 * w0**2 / 6, rel=3e-4
+    )
 
 
 def test_three_rollers_move_as_in_an_independent_program():
@@ -432,10 +511,18 @@ def test_three_rollers_move_as_in_an_independent_program():
     y[9] = np.radians(0.5)
     t = expected["t"]
     found = solve_ivp(
-        planar.system, (0.0, t[-1]), y, method="DOP853", rtol=1e-9, atol=1e-10 * planar.system.scale, t_eval=t
+        planar.system,
+        (0.0, t[-1]),
+        y,
+        method="DOP853",
+        rtol=1e-9,
+        atol=1e-10 * planar.system.scale,
+        t_eval=t,
     )
     u = planar.split(found.y.T)
-    turned = u["cage_angle"][:, None] + u["pocket_position"] / planar.assembly.kinematics.orbit_radius
+    turned = (
+        u["cage_angle"][:, None] + u["pocket_position"] / planar.assembly.kinematics.orbit_radius
+    )
     ours = {"inner_ring_x": u["inner_ring_x"], "inner_ring_y": u["inner_ring_y"]}
     for j in range(3):
         ours[f"position_{j}"] = turned[:, j]
@@ -449,7 +536,10 @@ def test_three_rollers_move_as_in_an_independent_program():
     assert largest["radial"] > 4e-6
     for name, values in ours.items():
         scale = largest[name.split("_")[0]]
-        assert np.abs(values - expected[name]).max() <= (1e-3 if name == "radial_position_2" else 2e-4) * scale, name
+        assert (
+            np.abs(values - expected[name]).max()
+            <= (1e-3 if name == "radial_position_2" else 2e-4) * scale
+        ), name
 
 
 # The land ------------------------------------------------------------------------------------------------------------
@@ -471,7 +561,11 @@ def land(D, V, journal, bush, **changes):
 def test_a_centred_land_drags_as_petroff_says():
     n = LAND
     model = PetroffLand(
-        ring="outer", viscosity=n["eta"], radius=n["radius"], width=n["width"], clearance=n["clearance"]
+        ring="outer",
+        viscosity=n["eta"],
+        radius=n["radius"],
+        width=n["width"],
+        clearance=n["clearance"],
     )
     x, y, journal, bush, stored, lost = land((0.0, 0.0), (0.0, 0.0), 300.0, 50.0)
     assert (x, y, stored) == (0.0, 0.0, 0.0)
@@ -484,10 +578,21 @@ def test_a_centred_land_drags_as_petroff_says():
 def test_an_eccentric_land_carries_the_load_of_ocvirk(eps):
     # Ocvirk (1952) for a journal in a bush at rest; F along and across the line of centres, with
     # W = eta U L^3/(4 c^2) eps/(1 - eps^2)^2 sqrt(16 eps^2 + pi^2 (1 - eps^2)), tan(phi) = pi sqrt(1 - eps^2)/(4 eps)
-    n, w = LAND, 300.0
+    n = LAND
+    w = 300.0
     x, y, *_ = land((eps, 0.0), (0.0, 0.0), w, 0.0)
-    load = n["eta"] * w * n["radius"] * n["width"] ** 3 / (4 * n["clearance"] ** 2) * eps / (1 - eps**2) ** 2
-    assert np.hypot(x, y) == pytest.approx(load * np.sqrt(16 * eps**2 + np.pi**2 * (1 - eps**2)), rel=1e-12)
+    load = (
+        n["eta"]
+        * w
+        * n["radius"]
+        * n["width"] ** 3
+        / (4 * n["clearance"] ** 2)
+        * eps
+        / (1 - eps**2) ** 2
+    )
+    assert np.hypot(x, y) == pytest.approx(
+        load * np.sqrt(16 * eps**2 + np.pi**2 * (1 - eps**2)), rel=1e-12
+    )
     assert -y / x == pytest.approx(np.pi * np.sqrt(1 - eps**2) / (4 * eps), rel=1e-12)
     assert x < 0 < y  # back to the middle, and on in the sense of rotation
 
@@ -515,7 +620,9 @@ def test_a_centred_journal_is_damped_alike_in_every_direction():
     journal=st.floats(-700.0, 700.0),
     bush=st.floats(-700.0, 700.0),
 )
-def test_the_films_force_and_torques_are_those_of_its_pressure(eps, angle, speed, towards, journal, bush):
+def test_the_films_force_and_torques_are_those_of_its_pressure(
+    eps, angle, speed, towards, journal, bush
+):
     D = eps * np.array([np.cos(angle), np.sin(angle)])
     V = speed * np.array([np.cos(towards), np.sin(towards)])
     found = np.array(land(D, V, journal, bush))
@@ -541,10 +648,14 @@ def test_a_land_stays_finite_and_one_function_beyond_its_clearance():
 @pytest.mark.parametrize("seed", range(6))
 def test_a_land_that_rubs_is_that_of_the_written_law(seed):
     rng = np.random.default_rng(seed)
-    angle, over = rng.uniform(0, 6), rng.uniform(1.0, 1.05)
-    D, V = over * np.array([np.cos(angle), np.sin(angle)]), rng.normal(0, 0.2, 2)
+    angle = rng.uniform(0, 6)
+    over = rng.uniform(1.0, 1.05)
+    D = over * np.array([np.cos(angle), np.sin(angle)])
+    V = rng.normal(0, 0.2, 2)
     found = np.array(land(D, V, 300.0, -20.0))
-    expected = np.array(land_by_quadrature(D * LAND["clearance"], V, 300.0, -20.0, LAND | {"eta": 0.0}))
+    expected = np.array(
+        land_by_quadrature(D * LAND["clearance"], V, 300.0, -20.0, LAND | {"eta": 0.0})
+    )
     film = np.array(land(D, V, 300.0, -20.0, stiffness=1e-30))
     assert found - film == pytest.approx(expected, rel=1e-10, abs=1e-10 * np.abs(found).max())
 
@@ -557,35 +668,63 @@ def test_rolling_resistance_is_read_off_every_cell_and_beyond_along_the_last(mon
     nodes = np.array([0.0, 2.0, 3.0, 7.0, 5.0])
     states = np.array([random_state(case("constant")[0], seed) for seed in range(8)])
     for ring in range(2):
-        root = np.sqrt(case("constant")[0].planar.outputs(np.zeros(8), states)["normal_force"][:, ring])
-        step = 0.7 * root.max() / (nodes.size - 1)  # so that a part of the forces is beyond the table
-        monkeypatch.setattr(planar_module, "_resistances", lambda a, most, step=step: [(step, nodes)] * 2)
+        root = np.sqrt(
+            case("constant")[0].planar.outputs(np.zeros(8), states)["normal_force"][:, ring]
+        )
+        step = (
+            0.7 * root.max() / (nodes.size - 1)
+        )  # so that a part of the forces is beyond the table
+        monkeypatch.setattr(
+            planar_module, "_resistances", lambda a, most, step=step: [(step, nodes)] * 2
+        )
         found = motion(scene_of(5)).planar.outputs(np.zeros(8), states)
         assert np.sqrt(found["normal_force"][:, ring]) == pytest.approx(root, rel=1e-15)
         place = root / step
-        assert {*np.floor(place).astype(int).ravel()} >= set(range(nodes.size))  # each cell, and beyond
+        assert {*np.floor(place).astype(int).ravel()} >= set(
+            range(nodes.size)
+        )  # each cell, and beyond
         line = nodes[-1] + (place - (nodes.size - 1)) * (nodes[-1] - nodes[-2])
-        expected = np.where(place > nodes.size - 1, line, np.interp(place, np.arange(nodes.size), nodes))
+        expected = np.where(
+            place > nodes.size - 1, line, np.interp(place, np.arange(nodes.size), nodes)
+        )
         u = found["rolling_speed"][:, ring]
-        sign = u / np.hypot(u, 1e-3)  # which goes through zero within 1 mm/s, as that of all friction in motion
-        assert found["rolling_resistance"][:, ring] == pytest.approx(expected * sign, rel=1e-13, abs=1e-13)
+        sign = u / np.hypot(
+            u, 1e-3
+        )  # which goes through zero within 1 mm/s, as that of all friction in motion
+        assert found["rolling_resistance"][:, ring] == pytest.approx(
+            expected * sign, rel=1e-13, abs=1e-13
+        )
 
 
 # In motion -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["constant", "effective, inner land", "conventional, mirrored, clearance"])
+@pytest.mark.parametrize(
+    "name", ["constant", "effective, inner land", "conventional, mirrored, clearance"]
+)
 def test_the_ledger_closes_over_a_run(name):
     planar, system, _ = case(name)
     y = planar.initial(cage_slip=0.2)
     y[2:4] += 0.01
-    found = solve_ivp(system, (0.0, 4e-4), y, method="DOP853", rtol=1e-11, atol=1e-12 * system.scale, max_step=4e-6)
+    found = solve_ivp(
+        system,
+        (0.0, 4e-4),
+        y,
+        method="DOP853",
+        rtol=1e-11,
+        atol=1e-12 * system.scale,
+        max_step=4e-6,
+    )
     states = found.y.T
     gained = planar.energy(states) - planar.energy(y)
     turned = np.abs(planar.parts(states)[2]).max()
-    assert gained == pytest.approx(sum(planar.works(states).values()), abs=1e-9 * max(turned, planar.energy(y)))
+    assert gained == pytest.approx(
+        sum(planar.works(states).values()), abs=1e-9 * max(turned, planar.energy(y))
+    )
     momentum = planar.angular_momentum(states) - planar.angular_momentum(y)
-    assert momentum == pytest.approx(planar.impulse(states), abs=1e-9 * abs(planar.angular_momentum(y)))
+    assert momentum == pytest.approx(
+        planar.impulse(states), abs=1e-9 * abs(planar.angular_momentum(y))
+    )
     lost = planar.parts(states)[2][:, [name.startswith("lost") for name in LEDGER]]
     assert np.all(np.diff(lost, axis=0) >= -1e-12 * turned)
 
@@ -604,7 +743,8 @@ def test_rollers_hold_their_cage():
     # Three orbits from the middle of the play: it falls upon the rollers and goes round with them. A roller's place
     # along the radius is rho - x_c.e, so that one of two neighbours bounds |x_c| cos(pi/Z) by half the play, its own
     # deflection and the depth of the bar, which holds a weight of 4 N with 0.1 um, and its impacts with a few.
-    play, rollers = 1e-4, 10
+    play = 1e-4
+    rollers = 10
     scene = scene_of(
         rollers,
         drag=("constant-torque", "pocket-friction"),
@@ -613,7 +753,8 @@ def test_rollers_hold_their_cage():
     )
     planar = motion(scene)
     t, y, _ = stepped(planar, 0.062, count=4001)
-    u, done = planar.split(y), planar.outputs(t, y)
+    u = planar.split(y)
+    done = planar.outputs(t, y)
     assert u["cage_angle"][-1] > 2 * np.pi * 2.9
     away = np.hypot(u["cage_x"], u["cage_y"])
     assert away[0] == 0.0
@@ -627,7 +768,8 @@ def test_rollers_hold_their_cage():
 def test_motion_along_the_radius_is_as_exact_as_it_need_be():
     # the scale of it, 30 deflections: against a run held to 1e-9, and with the steps that one deflection would take
     planar = motion(scene_of(drag=("constant-torque",), more=(("accuracy.slices", 5),)))
-    fine, tight = planar.system.scale, planar.system.scale
+    fine = planar.system.scale
+    tight = planar.system.scale
     planar.parts(tight)[1][:, 3:] /= 30
     t, exact, _ = stepped(planar, 6e-3, 1e-9)
     runs = [stepped(planar, 6e-3, 1e-5, scale)[1:] for scale in (fine, tight)]
@@ -636,13 +778,17 @@ def test_motion_along_the_radius_is_as_exact_as_it_need_be():
     assert np.abs(planar.outputs(t, runs[0][0])["normal_force"] - force).max() <= 1e-3 * force.max()
     for name in ("cage_speed", "cage_x", "pocket_position", "roller_spin"):
         expected = planar.split(exact)[name]
-        assert np.abs(planar.split(runs[0][0])[name] - expected).max() <= 2e-3 * np.ptp(expected), name
+        assert np.abs(planar.split(runs[0][0])[name] - expected).max() <= 2e-3 * np.ptp(expected), (
+            name
+        )
 
 
 def test_a_mirrored_bearing_moves_as_its_image():
     """Both rings the other way, gravity mirrored: in the mirror's coordinates the same motion."""
     ways = [(("operation.inner_speed", speed),) for speed in ("6371 rpm", "-6371 rpm")]
-    scenes = [scene_of(5, "inner", ("constant-torque",), (("unbalance", 1e-3),), way) for way in ways]
+    scenes = [
+        scene_of(5, "inner", ("constant-torque",), (("unbalance", 1e-3),), way) for way in ways
+    ]
     found = []
     for scene, sign in zip(scenes, (1, -1), strict=True):
         planar = motion(scene, "conventional", gravity_direction=sign * 0.7)
@@ -660,14 +806,20 @@ def test_a_drag_of_the_land_is_its_film():
 
 # Tables in place of slices -------------------------------------------------------------------------------------------
 
-TABULATED = ("constant", "effective, inner land", "conventional, resisting", "conventional, mirrored, clearance")
+TABULATED = (
+    "constant",
+    "effective, inner land",
+    "conventional, resisting",
+    "conventional, mirrored, clearance",
+)
 
 
 @functools.cache
 def both(name, seed):
     """A state, the motion with tables and that of the slices, and the rates of both."""
     scene, more = CASES[name]
-    sliced, tabulated = case(name)[0], motion(scene, name.split(",")[0], tabulated=True, **more)
+    sliced = case(name)[0]
+    tabulated = motion(scene, name.split(",")[0], tabulated=True, **more)
     start = sliced.initial(0.05, 0.1)
     y = start + 0.15 * (random_state(sliced, seed) - start)  # within the tables, as motions are
     return y, tabulated, sliced, tabulated.system.rates(0.3, y), sliced.system.rates(0.3, y)
@@ -686,12 +838,16 @@ def test_rates_by_tables_are_those_of_the_slices_to_their_error(name, seed):
     torque = sliced.assembly.kinematics.outer_radius * np.abs(true["traction_force"]).sum()
     size[-4:] = np.maximum(size[-4:], torque)
     orbits = sliced.parts(size)[1][:, 1]
-    orbits[:] = np.maximum(orbits, torque / (sliced.assembly.roller_mass * sliced.assembly.kinematics.orbit_radius**2))
+    orbits[:] = np.maximum(
+        orbits, torque / (sliced.assembly.roller_mass * sliced.assembly.kinematics.orbit_radius**2)
+    )
     # the error is known half-way between nodes and at random contacts: elsewhere it may be some times that
     assert np.all(np.abs(found - expected) <= 3.0 * error * size)
     assert np.any(found != expected)
     light = max(table.light for table in tabulated.forces)
-    wrong = np.abs(done["normal_force"] - true["normal_force"]) / np.maximum(true["normal_force"], light)
+    wrong = np.abs(done["normal_force"] - true["normal_force"]) / np.maximum(
+        true["normal_force"], light
+    )
     assert wrong.max() <= 3.0 * max(table.error for table in tabulated.forces)
     assert np.array_equal(done["normal_force"] == 0.0, true["normal_force"] == 0.0)
 
@@ -701,7 +857,8 @@ def test_rates_by_tables_are_those_of_the_slices_to_their_error(name, seed):
 def test_the_error_of_a_table_of_forces_is_that_against_all_slices(ring):
     """At random gaps, evenly over the root of the deepest, by the deflection law itself."""
     planar = motion(scene_of(5), tabulated=True)
-    a, table = planar.assembly, planar.forces[RINGS.index(ring)]
+    a = planar.assembly
+    table = planar.forces[RINGS.index(ring)]
     gap = table.deepest * np.random.default_rng(4).uniform(size=20_000) ** 2
     true = a.deflect(gap[:, None] - (a.drop - a.drop.min()), ring)[0] @ a.widths
     cells = len(table.coefficients)
@@ -762,10 +919,12 @@ def test_all_rates_at_once_are_the_sums_of_their_parts(name):
     """The Jacobian by differences goes by the parts, with these increments, and all else by the rates at once."""
     planar, system, _ = case(name)
     y = random_state(planar, 2)
-    jacobian, rounding = system.jacobian(0.3, y), 1e-12 * yardstick(planar, y, system.rates(0.3, y))
+    jacobian = system.jacobian(0.3, y)
+    rounding = 1e-12 * yardstick(planar, y, system.rates(0.3, y))
     for k in range(len(HEAD) + 2 * len(ROLLER)):
         by = 2.0**-17 * max(abs(y[k]), system.scale[k])
-        ahead, behind = y.copy(), y.copy()
+        ahead = y.copy()
+        behind = y.copy()
         ahead[k] += by
         behind[k] -= by
         slope = (system.rates(0.3, ahead) - system.rates(0.3, behind)) / (ahead[k] - behind[k])
@@ -798,13 +957,16 @@ def test_settings_that_cannot_be_are_refused(given, message):
 
 def test_a_contact_that_its_law_refuses_says_which():
     planar = motion(scene_of(5, more=(("models.contact", "lundberg"),)))
-    system, y = planar.system, planar.initial()
+    system = planar.system
+    y = planar.initial()
     y[len(HEAD) + 3] = 1.0  # a metre deep
     with pytest.raises(ArithmeticError):
         system.rates(0.0, y)
     who, (what, stage, member, index) = planar.planar.refusal()
     assert (who, what, stage, member, index) == ("outer deflection", "status", 0, "", 0)
-    with pytest.raises(DomainError, match="lundberg-deflection: slice 0 is outside its domain") as caught:
+    with pytest.raises(
+        DomainError, match="lundberg-deflection: slice 0 is outside its domain"
+    ) as caught:
         planar.outputs(np.zeros(1), y[None])
     assert caught.value.__notes__ == ["in a contact with the outer ring"]
     with pytest.raises(DomainError, match="lundberg-deflection"):
@@ -813,7 +975,9 @@ def test_a_contact_that_its_law_refuses_says_which():
 
 @pytest.mark.parametrize(("body", "at"), [("inner ring", 0), ("cage", 4)])
 def test_what_is_no_small_displacement_is_refused(body, at):
-    scene = scene_of(5, cage=(("pocket_clearance", 1.0),), more=(("bearing.radial_clearance", "2 mm"),))
+    scene = scene_of(
+        5, cage=(("pocket_clearance", 1.0),), more=(("bearing.radial_clearance", "2 mm"),)
+    )
     planar = motion(scene, gravity=0.0)
     limit = planar.assembly.kinematics.roller_radius / 10
     y = np.zeros(planar.system.n)
@@ -852,7 +1016,10 @@ def test_the_play_along_the_radius_is_that_along_the_orbit_unless_given(table, e
             {"guidance": "outer", "pocket_radial_clearance": "0.1 mm"},
             "cage.pocket_radial_clearance: only read for guidance = 'roller', not for 'outer'",
         ),
-        ({"pocket_radial_clearance": "-0.1 mm"}, "cage.pocket_radial_clearance: must be at least 0, not -0.1 mm"),
+        (
+            {"pocket_radial_clearance": "-0.1 mm"},
+            "cage.pocket_radial_clearance: must be at least 0, not -0.1 mm",
+        ),
         ({"pocket_radial_clearance": "0.1"}, "cage.pocket_radial_clearance: '0.1' has no unit"),
     ],
 )
@@ -876,7 +1043,9 @@ def test_friction_that_is_refused_says_where():
 
 def test_an_approach_of_the_inner_ring_is_told_whichever_roller_carried_it_before():
     planar = motion(scene_of(6, more=(("bearing.radial_clearance", "40 um"),)))
-    b, rng, orbit = planar.assembly.scene.bearing, np.random.default_rng(8), planar.assembly.kinematics.orbit_radius
+    b = planar.assembly.scene.bearing
+    rng = np.random.default_rng(8)
+    orbit = planar.assembly.kinematics.orbit_radius
     signs = []
     for seed in range(40):
         y = random_state(planar, seed)

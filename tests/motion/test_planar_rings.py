@@ -83,40 +83,56 @@ class Bent(Lagrange):
 
     def __init__(self, planar, kind):
         super().__init__(planar, kind)
-        models, rings = self.assembly.scene.models, self.assembly.rings
+        models = self.assembly.scene.models
+        rings = self.assembly.rings
         self.shapes = []  # ring, n, phase, and of the model: mass, stiffness, damping, push
-        for at, choice, ring in ((0, models.inner_ring, rings.inner), (1, models.outer_ring, rings.outer)):
+        for at, choice, ring in (
+            (0, models.inner_ring, rings.inner),
+            (1, models.outer_ring, rings.outer),
+        ):
             if choice is None:
                 continue
             numbers = range(choice.parameters["harmonics"] + 1)
             seat = choice.name == "thin"
             waves = [
-                (n, phase) for n in numbers if seat or n != 1 for phase in ((0.0,) if n == 0 else (0.0, np.pi / 2))
+                (n, phase)
+                for n in numbers
+                if seat or n != 1
+                for phase in ((0.0,) if n == 0 else (0.0, np.pi / 2))
             ]
             zeta = choice.parameters.get("damping_ratio", 0.02)
-            for (n, phase), M, K, P in zip(waves, ring.mass, ring.stiffness, ring.pushes, strict=True):
+            for (n, phase), M, K, P in zip(
+                waves, ring.mass, ring.stiffness, ring.pushes, strict=True
+            ):
                 self.shapes.append((at, n, phase, M, K, 2 * zeta * np.sqrt(K * M), P))
         self.sense = self.k.direction
         speeds = np.array([self.wi, self.wo])
-        b, rings = self.b, (0, 1)
+        b = self.b
+        rings = (0, 1)
         forms = [() if of is None else of.form for of in (b.inner_raceway, b.outer_raceway)]
         self.forms = [(k, one.lobes, one.amplitude, one.angle) for k in rings for one in forms[k]]
         self.going = [k for k in rings if speeds[k] and forms[k]]
-        self.angles, self.speeds = len(self.going), speeds[self.going]
+        self.angles = len(self.going)
+        self.speeds = speeds[self.going]
 
     def coordinates(self, y):
         q, dq = super().coordinates(y)
-        head, m = self.planar.parts(y)[0], len(self.shapes)
+        head = self.planar.parts(y)[0]
+        m = len(self.shapes)
         q = np.concatenate((q, head[10 : 10 + m], head[10 + 2 * m :]))
         return q, np.concatenate((dq, head[10 + m : 10 + 2 * m], self.speeds))
 
     def energy(self, q, dq):
-        own = [M for _, _, _, M, *_ in self.shapes] + [1.0] * self.angles  # of these any mass will do
+        own = [M for _, _, _, M, *_ in self.shapes] + [
+            1.0
+        ] * self.angles  # of these any mass will do
         return super().energy(q, dq) + 0.5 * np.sum(own * dq[5 + 3 * self.Z :] ** 2)
 
     def heights(self, psi, of_rings):
         """How much gap the raceways take (2, Z): forms, and less what the rings yield."""
-        seen, found, m = self.sense * psi, [0 * psi, 0 * psi], len(self.shapes)
+        seen = self.sense * psi
+        found = [0 * psi, 0 * psi]
+        m = len(self.shapes)
         for (ring, n, phase, *_), q in zip(self.shapes, of_rings[:m], strict=True):
             found[ring] = found[ring] - q * np.cos(n * seen - phase)
         gone = dict(zip(self.going, of_rings[m:], strict=True))
@@ -131,7 +147,8 @@ class Bent(Lagrange):
         return np.array([found[0] + taken[0], found[1] + taken[1], found[2], found[3]])
 
     def of_rings(self, q, dq):
-        forces, lost = np.zeros(q.size), 0.0
+        forces = np.zeros(q.size)
+        lost = 0.0
         for k, (_, _, _, _, K, D, P) in enumerate(self.shapes, 5 + 3 * self.Z):
             forces[k] = P - K * q[k] - D * dq[k]
             lost += D * dq[k] ** 2
@@ -148,8 +165,10 @@ def case(name):
 
 def moved(planar, seed):
     """A random state whose rings have yielded by microns and yield on."""
-    y, rng = random_state(planar, seed), np.random.default_rng(seed)
-    head, m = planar.parts(y)[0], planar.bent.shapes
+    y = random_state(planar, seed)
+    rng = np.random.default_rng(seed)
+    head = planar.parts(y)[0]
+    m = planar.bent.shapes
     head[10 : 10 + m] += rng.normal(0.0, 3e-6, m)
     head[10 + m : 10 + 2 * m] = rng.normal(0.0, 0.02, m)
     head[10 + 2 * m :] = rng.uniform(-9.0, 9.0, head.size - 10 - 2 * m)
@@ -184,7 +203,9 @@ def test_energy_and_angular_momentum_change_by_what_the_ledger_records(name):
     power = (planar.energy(still + 1e-30j * rates) / 1e-30).imag
     assert sum(planar.works(rates).values()) == pytest.approx(power, abs=1e-12 * largest)
     turning = planar.angular_momentum(still + 1e-30j * rates).imag / 1e-30
-    assert planar.impulse(rates) == pytest.approx(turning, abs=1e-12 * planar.assembly.kinematics.orbit_radius * done)
+    assert planar.impulse(rates) == pytest.approx(
+        turning, abs=1e-12 * planar.assembly.kinematics.orbit_radius * done
+    )
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -192,13 +213,18 @@ def test_derivatives_are_those_of_all_rates(name):
     """By the shares of single rollers, which rates at once do without."""
     planar, system, _, _ = case(name)
     y = moved(planar, 1)
-    J, scale = system.jacobian(0.0, y, central=True), system.scale
+    J = system.jacobian(0.0, y, central=True)
+    scale = system.scale
     for k in range(len(planar.names[0]) + 5):
         d = np.zeros(y.size)
         d[k] = 1e-6 * scale[k]
         by_rates = (system.rates(0.0, y + d) - system.rates(0.0, y - d)) / 2e-6
         off = np.abs(J[:, k] * scale[k] - by_rates)
-        assert np.all(off <= 2e-4 * yardstick(planar, y, by_rates) + 1e-7 * yardstick(planar, y, system.rates(0.0, y)))
+        assert np.all(
+            off
+            <= 2e-4 * yardstick(planar, y, by_rates)
+            + 1e-7 * yardstick(planar, y, system.rates(0.0, y))
+        )
 
 
 # The equilibrium -----------------------------------------------------------------------------------------------------
@@ -213,14 +239,17 @@ def test_it_starts_at_rest_in_the_equilibrium_of_rings_that_yield(speed, heavy):
     given = {"inner_ring_mass": 40.0, "gravity_direction": 1.2} if heavy else {"gravity": 0.0}
     planar = motion(scene, coefficient=0.0, contact_damping=0.0, **given)
     y = planar.initial(cage_slip=1.0, roller_slip=1.0)
-    rates, m = planar.system.rates(0.0, y), planar.bent.shapes
+    rates = planar.system.rates(0.0, y)
+    m = planar.bent.shapes
     head, rollers, _ = planar.parts(rates)
     forces = planar.planar.outputs([0.0], y[None])["normal_force"]
     lightest = min(ring.mass.min() for ring in planar.bent.of_both)
     assert np.abs(head[2:4]).max() * planar.settings.inner_ring_mass < 1e-6 * forces.max()
     assert np.abs(head[10 + m :]).max() * lightest < 1e-6 * forces.max()
     spline = 1e-5 * forces.max() / planar.assembly.roller_mass
-    assert np.abs(rollers[:, 4]).max() < (spline if not heavy else spline + 20.0)  # weight of the rollers
+    assert np.abs(rollers[:, 4]).max() < (
+        spline if not heavy else spline + 20.0
+    )  # weight of the rollers
     if not heavy:
         held = planar.assembly.load_distribution(cage_speed=0.0)
         assert forces[0, 0] == pytest.approx(held.inner_force[0], abs=1e-5 * forces.max())
@@ -229,14 +258,26 @@ def test_it_starts_at_rest_in_the_equilibrium_of_rings_that_yield(speed, heavy):
 def test_a_motion_that_has_settled_is_the_equilibrium_of_the_same_rings():
     """From rigid and round rings, hard damped; rollers are where they have come to."""
     outer = {"model": "annulus", "outside": "230 mm", "harmonics": 4, "damping_ratio": 0.7}
-    scene = bent_scene(8, outer=outer, inner=INNER, more=(LOBES, ("bearing.radial_clearance", "-10 um")))
+    scene = bent_scene(
+        8, outer=outer, inner=INNER, more=(LOBES, ("bearing.radial_clearance", "-10 um"))
+    )
     planar = motion(scene, coefficient=0.0, gravity=0.0, contact_damping=30.0)
-    y, a = planar.initial(cage_slip=1.0, roller_slip=1.0), planar.assembly
+    y = planar.initial(cage_slip=1.0, roller_slip=1.0)
+    a = planar.assembly
     head, rollers, _ = planar.parts(y)
-    start, m = head.copy(), planar.bent.shapes
+    start = head.copy()
+    m = planar.bent.shapes
     head[10 : 10 + m] = 0.0
     system = planar.system
-    found = solve_ivp(system, (0.0, 6e-3), y, method="LSODA", rtol=1e-9, atol=1e-9 * system.scale, jac=system.jacobian)
+    found = solve_ivp(
+        system,
+        (0.0, 6e-3),
+        y,
+        method="LSODA",
+        rtol=1e-9,
+        atol=1e-9 * system.scale,
+        jac=system.jacobian,
+    )
     head, rollers, _ = planar.parts(found.y[:, -1])
     psi = head[9] + 2 * np.pi * np.arange(8) / 8 + rollers[:, 0] / a.kinematics.orbit_radius
     case = attrs.evolve(a.load_case(1), psi=psi[None])
@@ -247,7 +288,9 @@ def test_a_motion_that_has_settled_is_the_equilibrium_of_the_same_rings():
     # rollers creep out of the load, against which damping holds
     assert forces[0] == pytest.approx(held.inner_force[0], abs=2e-4 * largest)
     assert forces[1] == pytest.approx(held.outer_force[0], abs=2e-4 * largest)
-    assert head[10 : 10 + m] == pytest.approx(held.deflection[0], abs=2e-4 * np.abs(held.deflection).max())
+    assert head[10 : 10 + m] == pytest.approx(
+        held.deflection[0], abs=2e-4 * np.abs(held.deflection).max()
+    )
 
 
 def test_ever_stiffer_rings_come_to_the_rigid_motion_and_rigid_ones_are_it_to_the_bit():
@@ -255,8 +298,12 @@ def test_ever_stiffer_rings_come_to_the_rigid_motion_and_rigid_ones_are_it_to_th
         # a tolerance that leaves no shape out, however stiff
         scene = bent_scene(12, outer=outer, more=(("accuracy.tolerance", 1e-9),))
         planar = motion(scene, coefficient=0.02, **given)
-        problem = InitialValueProblem(rates=planar.system, y=planar.initial(0.01), atol=1e-9 * planar.system.scale)
-        found = integrate(problem, get_model("integrator", "rk45"), np.array([0.0, 2e-4]), rtol=1e-9)
+        problem = InitialValueProblem(
+            rates=planar.system, y=planar.initial(0.01), atol=1e-9 * planar.system.scale
+        )
+        found = integrate(
+            problem, get_model("integrator", "rk45"), np.array([0.0, 2e-4]), rtol=1e-9
+        )
         assert found.outcome == "finished"
         return planar.planar.outputs([0.0], found.y[-1:])["normal_force"][0], found.y[-1]
 
@@ -264,7 +311,12 @@ def test_ever_stiffer_rings_come_to_the_rigid_motion_and_rigid_ones_are_it_to_th
     assert np.array_equal(end("rigid")[1], state)
     off = []
     for stiffer in (1.0, 10.0, 100.0):  # of n = 0 and 2 alone, which then swing ten times faster
-        ring = {"model": "thin", "thickness": "10 mm", "harmonics": 2, "seat_stiffness": 1e12 * stiffer}
+        ring = {
+            "model": "thin",
+            "thickness": "10 mm",
+            "harmonics": 2,
+            "seat_stiffness": 1e12 * stiffer,
+        }
         off.append(np.abs(end(ring)[0] - rigid).max() / rigid.max())
     assert off[0] < 0.05
     assert off[1] < 0.2 * off[0]
@@ -274,8 +326,14 @@ def test_ever_stiffer_rings_come_to_the_rigid_motion_and_rigid_ones_are_it_to_th
 def test_a_matrix_with_a_mass_moves_as_the_ring_that_it_stands_for(tmp_path):
     thin = {"model": "thin", "seat_stiffness": "1e9 Pa", "harmonics": 3, "damping_ratio": 0.1}
     scene = bent_scene(12, outer=thin)
-    ring, psi = motion(scene).bent.rings.outer, 2 * np.pi * np.arange(36) / 36
-    np.savetxt(tmp_path / "C.csv", ring.at(psi) / ring.stiffness @ ring.at(psi).T, delimiter=",", fmt="%.17e")
+    ring = motion(scene).bent.rings.outer
+    psi = 2 * np.pi * np.arange(36) / 36
+    np.savetxt(
+        tmp_path / "C.csv",
+        ring.at(psi) / ring.stiffness @ ring.at(psi).T,
+        delimiter=",",
+        fmt="%.17e",
+    )
     file = {
         "model": "compliance",
         "file": str(tmp_path / "C.csv"),
@@ -288,7 +346,9 @@ def test_a_matrix_with_a_mass_moves_as_the_ring_that_it_stands_for(tmp_path):
         y = planar.initial(0.01)
         planar.parts(y)[1][:, 4] = 1e-2 * np.cos(np.arange(12))
         problem = InitialValueProblem(rates=planar.system, y=y, atol=1e-9 * planar.system.scale)
-        found = integrate(problem, get_model("integrator", "rk45"), np.linspace(0.0, 3e-4, 4), rtol=1e-9)
+        found = integrate(
+            problem, get_model("integrator", "rk45"), np.linspace(0.0, 3e-4, 4), rtol=1e-9
+        )
         forces.append(planar.planar.outputs(np.zeros(4), found.y)["normal_force"])
     assert np.abs(forces[0] - forces[0][0]).max() > 0.1 * forces[0].max()
     assert forces[1] == pytest.approx(forces[0], abs=1e-5 * forces[0].max())
@@ -336,12 +396,15 @@ def test_a_form_that_has_turned_is_one_that_begins_there():
     there = y.copy()
     planar.parts(there)[0][-2:] = 0.0
     expected = further.system.rates(0.0, there)
-    assert np.all(np.abs(planar.system.rates(0.0, y) - expected) <= 1e-9 * yardstick(planar, y, expected))
+    assert np.all(
+        np.abs(planar.system.rates(0.0, y) - expected) <= 1e-9 * yardstick(planar, y, expected)
+    )
 
 
 def test_a_bearing_turned_by_a_pitch_with_its_form_and_its_load_is_the_same_with_other_numbers_of_rollers():
     planar = motion(bent_scene(6, "inner", HOOP, more=(TURNING,)), gravity=0.0)
-    y, pitch = moved(planar, 2), 2 * np.pi / 6
+    y = moved(planar, 2)
+    pitch = 2 * np.pi / 6
     expected = planar.system.rates(0.0, y)
     turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
 
@@ -375,10 +438,19 @@ def test_a_form_that_turns_slowly_goes_through_the_equilibria_of_forms_that_stan
         more = LOBES, ("operation.inner_speed", 0.0), ("operation.outer_speed", speed)
         scene = bent_scene(8, outer=outer, more=(*more, ("bearing.radial_clearance", "-10 um")))
         planar = motion(scene, coefficient=0.0, gravity=0.0, contact_damping=30.0)
-        a, system = planar.assembly, planar.system
+        a = planar.assembly
+        system = planar.system
         y = planar.initial(cage_slip=1.0, roller_slip=1.0)
         there = (0.0, 0.1 / speed)
-        found = solve_ivp(system, there, y, method="LSODA", rtol=1e-9, atol=1e-9 * system.scale, jac=system.jacobian)
+        found = solve_ivp(
+            system,
+            there,
+            y,
+            method="LSODA",
+            rtol=1e-9,
+            atol=1e-9 * system.scale,
+            jac=system.jacobian,
+        )
         end = found.y[:, -1]
         head, rollers, _ = planar.parts(end)
         angle = float(head[-1])
@@ -402,17 +474,37 @@ def test_a_form_that_turns_slowly_goes_through_the_equilibria_of_forms_that_stan
 
 # Energy --------------------------------------------------------------------------------------------------------------
 
-FACTOR = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9)  # Palmgren's law, Q = FACTOR d^(10/9) of a roller of 15 mm
+FACTOR = (1e3 / 3.84e-5 * 15**0.8) ** (
+    1 / 0.9
+)  # Palmgren's law, Q = FACTOR d^(10/9) of a roller of 15 mm
 
 
 @functools.cache
 def plain(damped=True, rollers=7, lobes=True, turning=False):
     """Straight rollers that nothing rubs, between rings that yield, in pockets that they never reach."""
-    outer = {"model": "thin", "seat_stiffness": "5e8 Pa", "harmonics": 3, "damping_ratio": 0.05 if damped else 0.0}
-    more = ("bearing.profile", "none"), ("bearing.radial_clearance", "-20 um"), ("models.contact", "palmgren")
-    form = (("bearing.outer_raceway.form", [{"lobes": 2, "amplitude": "5 um", "angle": "40 deg"}]),) if lobes else ()
+    outer = {
+        "model": "thin",
+        "seat_stiffness": "5e8 Pa",
+        "harmonics": 3,
+        "damping_ratio": 0.05 if damped else 0.0,
+    }
+    more = (
+        ("bearing.profile", "none"),
+        ("bearing.radial_clearance", "-20 um"),
+        ("models.contact", "palmgren"),
+    )
+    form = (
+        (("bearing.outer_raceway.form", [{"lobes": 2, "amplitude": "5 um", "angle": "40 deg"}]),)
+        if lobes
+        else ()
+    )
     form += (TURNING,) if turning else ()
-    inner = {"model": "annulus", "bore": "20 mm", "harmonics": 2, "damping_ratio": 0.05 if damped else 0.0}
+    inner = {
+        "model": "annulus",
+        "bore": "20 mm",
+        "harmonics": 2,
+        "damping_ratio": 0.05 if damped else 0.0,
+    }
     cage = ("pocket_clearance", 0.01), ("pocket_radial_clearance", 0.01)
     scene = bent_scene(rollers, outer=outer, inner=inner, more=(*more, *form), cage=cage)
     return motion(scene, coefficient=0.0, gravity=0.0, contact_damping=1.0 if damped else 0.0)
@@ -422,38 +514,59 @@ class Plain:
     """The bearing of `plain` without its cage, once more: x, y, q of both rings, psi, rho; and their rates."""
 
     def __init__(self, planar):
-        b, k, a = planar.assembly.scene.bearing, planar.assembly.kinematics, planar.assembly
+        b = planar.assembly.scene.bearing
+        k = planar.assembly.kinematics
+        a = planar.assembly
         rings = a.rings
-        self.Z, self.R, self.m, self.half = b.rollers, k.orbit_radius, a.roller_mass, b.radial_clearance / 2
+        self.Z = b.rollers
+        self.R = k.orbit_radius
+        self.m = a.roller_mass
+        self.half = b.radial_clearance / 2
         outer = [(1, n, sine) for n in (1, 2, 3) for sine in (0, 1)]
         self.waves = [(0, 0, 0), (0, 2, 0), (0, 2, 1), (1, 0, 0), *outer]  # ring, n, sine
         self.mass = np.concatenate((rings.inner.mass, rings.outer.mass))
         self.K = np.concatenate((rings.inner.stiffness, rings.outer.stiffness))
-        ratio = np.concatenate([np.full(r.mass.size, r.damping_ratio) for r in (rings.inner, rings.outer)])
+        ratio = np.concatenate(
+            [np.full(r.mass.size, r.damping_ratio) for r in (rings.inner, rings.outer)]
+        )
         self.D = 2 * ratio * np.sqrt(self.mass * self.K)
-        self.c, self.M, self.F = planar.settings.contact_damping, planar.settings.inner_ring_mass, 1037.0
+        self.c = planar.settings.contact_damping
+        self.M = planar.settings.inner_ring_mass
+        self.F = 1037.0
         self.forms = [
-            [wave for wave, (_, of) in zip(rings.waves, rings.turns, strict=True) if of == ring] for ring in (1, 2)
+            [wave for wave, (_, of) in zip(rings.waves, rings.turns, strict=True) if of == ring]
+            for ring in (1, 2)
         ]
         self.speeds = k.inner_speed, 0.0
         self.n = 2 + self.K.size + 2 * self.Z
 
     def shapes(self, psi):
         """B and dB/dpsi of all shapes by ring, (2, shapes, Z)."""
-        B, slope = np.zeros((2, len(self.waves), self.Z)), np.zeros((2, len(self.waves), self.Z))
+        B = np.zeros((2, len(self.waves), self.Z))
+        slope = np.zeros((2, len(self.waves), self.Z))
         for k, (ring, n, sine) in enumerate(self.waves):
-            c, s = np.cos(n * psi), np.sin(n * psi)
+            c = np.cos(n * psi)
+            s = np.sin(n * psi)
             B[ring, k], slope[ring, k] = (s, n * c) if sine else (c, -n * s)
         return B, slope
 
     def contacts(self, t, u, v):
         """Approach and rate of both contacts, and what of it goes with psi."""
         m = self.K.size
-        x, q, psi, rho = u[:2], u[2 : 2 + m], u[2 + m : 2 + m + self.Z], u[2 + m + self.Z :]
-        vx, p, w, rise = v[:2], v[2 : 2 + m], v[2 + m : 2 + m + self.Z], v[2 + m + self.Z :]
-        c, s = np.cos(psi), np.sin(psi)
+        x = u[:2]
+        q = u[2 : 2 + m]
+        psi = u[2 + m : 2 + m + self.Z]
+        rho = u[2 + m + self.Z :]
+        vx = v[:2]
+        p = v[2 : 2 + m]
+        w = v[2 + m : 2 + m + self.Z]
+        rise = v[2 + m + self.Z :]
+        c = np.cos(psi)
+        s = np.sin(psi)
         B, dB = self.shapes(psi)
-        f, df, gone = np.zeros((2, self.Z)), np.zeros((2, self.Z)), np.zeros((2, self.Z))
+        f = np.zeros((2, self.Z))
+        df = np.zeros((2, self.Z))
+        gone = np.zeros((2, self.Z))
         for ring, (waves, speed) in enumerate(zip(self.forms, self.speeds, strict=True)):
             for n, amplitude, at in waves:
                 f[ring] += amplitude * np.cos(n * (psi - at - speed * t))
@@ -469,18 +582,26 @@ class Plain:
         return (inner, outer), rates, across, B, (c, s)
 
     def rates(self, t, z):
-        u, v = z[: self.n], z[self.n :]
+        u = z[: self.n]
+        v = z[self.n :]
         (inner, outer), rates, across, B, (c, s) = self.contacts(t, u, v)
         forces = []
         for d, rate in ((inner, rates[0]), (outer, rates[1])):
             zeta = self.c * rate
             forces.append(
-                FACTOR * np.maximum(d, 0) ** (10 / 9) * np.where(zeta > 0, 1 + zeta, 1 / (1 - np.minimum(zeta, 0)))
+                FACTOR
+                * np.maximum(d, 0) ** (10 / 9)
+                * np.where(zeta > 0, 1 + zeta, 1 / (1 - np.minimum(zeta, 0)))
             )
         Ni, No = forces
-        m, Z = self.K.size, self.Z
-        q, rho, p = u[2 : 2 + m], u[2 + m + Z :], v[2 : 2 + m]
-        w, rise, radius = v[2 + m : 2 + m + Z], v[2 + m + Z :], self.R + rho
+        m = self.K.size
+        Z = self.Z
+        q = u[2 : 2 + m]
+        rho = u[2 + m + Z :]
+        p = v[2 : 2 + m]
+        w = v[2 + m : 2 + m + Z]
+        rise = v[2 + m + Z :]
+        radius = self.R + rho
         a = np.concatenate(
             (
                 [(self.F - Ni @ c) / self.M, -(Ni @ s) / self.M],
@@ -493,12 +614,16 @@ class Plain:
 
     def energy(self, z):
         """Kinetic, elastic, and that of the load [J]."""
-        u, v = z[: self.n], z[self.n :]
+        u = z[: self.n]
+        v = z[self.n :]
         (inner, outer), *_ = self.contacts(0.0, u, v)
-        m, Z = self.K.size, self.Z
+        m = self.K.size
+        Z = self.Z
         radius = self.R + u[2 + m + Z :]
         moving = self.M * v[:2] @ v[:2] + self.mass @ v[2 : 2 + m] ** 2
-        moving += self.m * (((radius * v[2 + m : 2 + m + Z]) ** 2).sum() + (v[2 + m + Z :] ** 2).sum())
+        moving += self.m * (
+            ((radius * v[2 + m : 2 + m + Z]) ** 2).sum() + (v[2 + m + Z :] ** 2).sum()
+        )
         stored = sum((FACTOR * np.maximum(d, 0) ** (19 / 9) * 9 / 19).sum() for d in (inner, outer))
         return 0.5 * moving + stored + 0.5 * self.K @ u[2 : 2 + m] ** 2 - self.F * u[0]
 
@@ -515,13 +640,21 @@ class Plain:
 def test_it_moves_as_own_equations_do_under_scipy(turning):
     """A third way to write it down, integrated by DOP853; ours by our Dormand and Prince, and by leapfrog's steps."""
     planar = plain(turning=turning)
-    own, system, times = Plain(planar), planar.system, np.linspace(0.0, 6e-4, 7)
+    own = Plain(planar)
+    system = planar.system
+    times = np.linspace(0.0, 6e-4, 7)
     y = planar.initial(0.3)
     head, rollers, _ = planar.parts(y)
     head[10:14] += 2e-6
     rollers[:, 4] += 1e-2
     theirs = solve_ivp(
-        own.rates, (0.0, times[-1]), own.of(planar, y), "DOP853", t_eval=times, rtol=1e-10, atol=1e-13
+        own.rates,
+        (0.0, times[-1]),
+        own.of(planar, y),
+        "DOP853",
+        t_eval=times,
+        rtol=1e-10,
+        atol=1e-13,
     ).y.T
     size = np.abs(theirs - theirs[0]).max(axis=0)
     kinds = np.split(size, np.cumsum([2, 10, 7, 7, 2, 10, 7]))
@@ -544,7 +677,8 @@ def test_without_drive_energy_falls_and_without_damping_it_stays(seed, size):
     rng = np.random.default_rng(seed)
     for damped in (True, False):
         planar = plain(damped, lobes=False)
-        own, system = Plain(planar), planar.system
+        own = Plain(planar)
+        system = planar.system
         y = planar.initial(1.0, 1.0)
         head, rollers, _ = planar.parts(y)
         head[:4] += size * rng.normal(size=4) * [1e-6, 1e-6, 1e-2, 1e-2]
@@ -552,7 +686,9 @@ def test_without_drive_energy_falls_and_without_damping_it_stays(seed, size):
         rollers[:, 1] += size * rng.normal(size=7)
         rollers[:, 3:] += size * rng.normal(size=(7, 2)) * [1e-6, 1e-2]
         problem = InitialValueProblem(rates=system, y=y, atol=1e-10 * system.scale)
-        found = integrate(problem, get_model("integrator", "rk45"), np.linspace(0.0, 2e-4, 21), rtol=1e-10)
+        found = integrate(
+            problem, get_model("integrator", "rk45"), np.linspace(0.0, 2e-4, 21), rtol=1e-10
+        )
         energy = np.array([own.energy(own.of(planar, one)) for one in found.y])
         given_away = energy[0] - energy.min()
         swings = abs(energy[0]) + 0.5 * planar.settings.inner_ring_mass * 1e-4
@@ -584,13 +720,21 @@ def test_what_carries_the_inner_ring_is_told_of_rings_that_yield():
 def test_four_waves_take_few_more_steps_than_rigid_rings():
     evaluations = {}
     for name, outer in (("rigid", None), ("n <= 4", OUTER)):
-        scene = bent_scene(28, "outer", outer, cage=(("land_clearance", "0.3 mm"), ("land_width", "5 mm")))
+        scene = bent_scene(
+            28, "outer", outer, cage=(("land_clearance", "0.3 mm"), ("land_width", "5 mm"))
+        )
         planar = motion(scene, coefficient=0.02, tabulated=True)
-        problem = InitialValueProblem(rates=planar.system, y=planar.initial(0.01), atol=1e-5 * planar.system.scale)
-        found = integrate(problem, get_model("integrator", "leapfrog"), np.array([0.0, 1e-2]), rtol=1e-5)
+        problem = InitialValueProblem(
+            rates=planar.system, y=planar.initial(0.01), atol=1e-5 * planar.system.scale
+        )
+        found = integrate(
+            problem, get_model("integrator", "leapfrog"), np.array([0.0, 1e-2]), rtol=1e-5
+        )
         assert found.outcome == "finished"
         evaluations[name] = found.evaluations
-        print(f"{name}: {found.evaluations} evaluations, {1e-2 / found.processor_time:.2f} times real time")
+        print(
+            f"{name}: {found.evaluations} evaluations, {1e-2 / found.processor_time:.2f} times real time"
+        )
     assert evaluations["n <= 4"] < 1.25 * evaluations["rigid"]
 
 
@@ -608,7 +752,10 @@ def test_four_waves_take_few_more_steps_than_rigid_rings():
             {"inner": {"model": "thin", "harmonics": 3}},
             r"the inner ring turns through its own shapes at .* harmonics = 0",
         ),
-        ({"outer": OUTER, "more": (("operation.outer_speed", "9000 rpm"),)}, "the outer ring turns through its own"),
+        (
+            {"outer": OUTER, "more": (("operation.outer_speed", "9000 rpm"),)},
+            "the outer ring turns through its own",
+        ),
     ],
 )
 def test_rings_of_which_it_knows_nothing_are_refused_in_words(changes, said):
@@ -633,7 +780,9 @@ def test_a_ring_that_yields_by_more_than_is_small_ends_a_motion_in_words():
     with pytest.raises(RefusedError) as refused:
         system.watch(0.0, y)
     said = str(planar.error(refused.value.reason))
-    assert said.startswith("the shape of a ring is displaced by 0.00076 m, beyond what small displacements describe")
+    assert said.startswith(
+        "the shape of a ring is displaced by 0.00076 m, beyond what small displacements describe"
+    )
     y[11] = -0.74e-3
     assert np.isfinite(system.watch(0.0, y)[2])
 
@@ -645,7 +794,9 @@ def along(level="planar", history=(), friction="conventional", **changes):
     found = {"level": level, "duration": "2 ms", "points": 9, "friction": friction}
     found |= {"history": dict(history)} if history else {}
     found |= {"planar": {"inner_ring_mass": "5 kg"}} if level == "planar" else {}
-    scene = evolve(bent_scene(28, "outer", **changes), {"accuracy.slices": 5, "study.dynamics": found})
+    scene = evolve(
+        bent_scene(28, "outer", **changes), {"accuracy.slices": 5, "study.dynamics": found}
+    )
     return run(scene, "dynamics")
 
 
@@ -673,7 +824,9 @@ def test_what_stands_and_turns_at_some_time_is_refused(level, tmp_path):
         said = "the outer ring turns along the history, with the form of its raceway; choose level 'planar'"
         with pytest.raises(DomainError, match=said):
             along(level, TURNED, more=(LOBES,), cage=cage)
-        with pytest.raises(SceneError, match="a matrix stands in the line of load, but this ring turns"):
+        with pytest.raises(
+            SceneError, match="a matrix stands in the line of load, but this ring turns"
+        ):
             along(level, TURNED, outer=matrix, cage=cage)
         way = {"load_direction": {"shape": "ramp", "to": "90 deg", "within": "2 ms"}}
         with pytest.raises(DomainError, match="not alike all round stand; choose level 'planar'"):
@@ -687,11 +840,14 @@ def test_what_stands_and_turns_at_some_time_is_refused(level, tmp_path):
 
 def test_a_form_goes_round_with_the_speed_that_its_ring_has_along_a_history():
     cage = ("land_clearance", "0.3 mm"), ("land_width", "5 mm")
-    way = {"inner_speed": {"shape": "ramp", "from": "3000 rpm", "to": "-1000 rpm", "within": "1.5 ms"}}
+    way = {
+        "inner_speed": {"shape": "ramp", "from": "3000 rpm", "to": "-1000 rpm", "within": "1.5 ms"}
+    }
     result = along(history=way, friction="constant", more=(TURNING, LOBES), cage=cage)
     assert result.attrs["outcome"] == "finished"
     assert "a form turns with its ring" in result.attrs["runaway_status"]
-    t, rpm = result.time.values, 2 * np.pi / 60
+    t = result.time.values
+    rpm = 2 * np.pi / 60
     ramp = np.minimum(t, 1.5e-3)
     angle = rpm * (3000 * ramp - 4000 * ramp**2 / 2 / 1.5e-3 - 1000 * (t - ramp))
     assert result.form_angle[0].values == pytest.approx(angle, abs=1e-9)
@@ -707,7 +863,9 @@ def test_a_form_that_turns_is_planned_and_followed_and_leads_to_no_steady_slip(f
     assert "a form turns with its ring" in result.attrs["runaway_status"]
     assert "no estimates" not in result.attrs["plan"]
     assert "153 unknowns" in result.attrs["plan"]  # 150, two of the hoop, and the angle
-    assert result.form_angle[0].values == pytest.approx(6371 * 2 * np.pi / 60 * result.time.values, rel=1e-9)
+    assert result.form_angle[0].values == pytest.approx(
+        6371 * 2 * np.pi / 60 * result.time.values, rel=1e-9
+    )
     assert not answer(result).next
     standing = along(friction=friction, more=(LOBES,), outer=HOOP, cage=cage)
     assert "form_angle" not in standing
@@ -715,9 +873,13 @@ def test_a_form_that_turns_is_planned_and_followed_and_leads_to_no_steady_slip(f
 
 
 def test_forces_come_from_the_table_where_a_form_presses_rollers_beyond_their_share_of_the_load():
-    tight = ("bearing.outer_raceway.form", [{"lobes": 2, "amplitude": "20 um"}]), ("bearing.radial_clearance", "-20 um")
+    tight = (
+        ("bearing.outer_raceway.form", [{"lobes": 2, "amplitude": "20 um"}]),
+        ("bearing.radial_clearance", "-20 um"),
+    )
     planar = motion(bent_scene(28, more=tight), coefficient=0.02, tabulated=True)
-    y, before = planar.initial(), planar.planar.deflections_evaluated
+    y = planar.initial()
+    before = planar.planar.deflections_evaluated
     assert planar.planar.outputs([0.0], y[None])["normal_force"].max() > 20.0 * 1037.0 / 28
     planar.system.rates(0.0, y)
     assert planar.planar.deflections_evaluated == before == 0

@@ -18,7 +18,13 @@ from rollslip_studies.motion.time_integration import InitialValueProblem, integr
 
 SCENE = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2}
 FRICTION = FrictionSettings(name="constant", coefficient=0.01, transition=0.5)
-LEVELS = ["cage-set", "pocket", "planar", "planar, guided by its rollers", "planar, on the inner ring"]
+LEVELS = [
+    "cage-set",
+    "pocket",
+    "planar",
+    "planar, guided by its rollers",
+    "planar, on the inner ring",
+]
 
 
 @functools.cache
@@ -26,7 +32,13 @@ def motion(level, film="metal", mass=5.0, drag=None):
     guidance = "roller" if "rollers" in level else "inner" if "inner" in level else "outer"
     changes = {"cage.guidance": guidance, "cage.pocket_contact": film}
     if guidance == "roller":
-        held = {"mass": 0.4, "inertia": 3.3e-3, "guidance": guidance, "pocket_radial_clearance": 1e-4, "drag": []}
+        held = {
+            "mass": 0.4,
+            "inertia": 3.3e-3,
+            "guidance": guidance,
+            "pocket_radial_clearance": 1e-4,
+            "drag": [],
+        }
         changes = {"cage": held | {"pocket_contact": film}}
     if drag and guidance == "roller":
         changes["cage"]["drag"] = [drag]
@@ -40,10 +52,13 @@ def motion(level, film="metal", mass=5.0, drag=None):
 
 def moved(moving, seed=1, speed=0.02):
     """From its start, rollers with speeds in their pockets, cage and ring with some, too [m/s]."""
-    rng, y = np.random.default_rng(seed), moving.initial()
+    rng = np.random.default_rng(seed)
+    y = moving.initial()
     of = moving.split(y)
     if "orbital_speed" in of:
-        of["orbital_speed"][:] += rng.normal(0.0, speed, 28) / moving.assembly.kinematics.orbit_radius
+        of["orbital_speed"][:] += (
+            rng.normal(0.0, speed, 28) / moving.assembly.kinematics.orbit_radius
+        )
     for name in ("inner_ring_vx", "cage_vx", "cage_vy"):
         if name in of:
             of[name][...] = rng.normal(0.0, speed)
@@ -90,9 +105,12 @@ def test_the_frequency_between_the_rings_is_one_that_no_roller_passes(mass):
 @pytest.mark.parametrize("level", LEVELS)
 def test_places_are_what_speeds_alone_move(level):
     moving = motion(level)
-    places, names = moving.system.places, moving.units
+    places = moving.system.places
+    names = moving.units
     found = {name for name, at in moving.split(places).items() if np.all(at)}
-    assert found == {name for name in names if name in moving.split(places) and names[name] in ("m", "rad")}
+    assert found == {
+        name for name in names if name in moving.split(places) and names[name] in ("m", "rad")
+    }
     assert not any(np.any(at) for name, at in moving.split(places).items() if name not in found)
     y = moved(moving)
     rates = moving.system.rates(0.0, y)
@@ -104,14 +122,17 @@ def test_places_are_what_speeds_alone_move(level):
 @pytest.mark.parametrize("level", LEVELS[1:])
 def test_a_step_of_leapfrog_moves_places_by_the_speeds_at_both_ends(level):
     moving = motion(level)
-    y, places = moved(moving), moving.system.places
+    y = moved(moving)
+    places = moving.system.places
     solver = Leapfrog(moving.system.capsule, 0.0, y, 1.0, 1e-5)
     solver.step()
     before, after = (moving.system.rates(0.0, state)[places] for state in (y, solver.y))
     contact, swing = moving.system.frequencies
     h = 1.4 / swing if swing else 0.2 / contact
     assert solver.t == pytest.approx(h, rel=1e-15)
-    np.testing.assert_allclose((solver.y - y)[places], 0.5 * h * (before + after), rtol=1e-9, atol=1e-17)
+    np.testing.assert_allclose(
+        (solver.y - y)[places], 0.5 * h * (before + after), rtol=1e-9, atol=1e-17
+    )
 
 
 @pytest.mark.parametrize("level", LEVELS[1:])
@@ -119,10 +140,14 @@ def test_a_step_of_leapfrog_moves_places_by_the_speeds_at_both_ends(level):
 def test_the_time_to_the_next_contact_is_when_a_force_sets_in(level, seed):
     moving = motion(level)
     y = moved(moving, seed)
-    soonest, places = moving.system.until_contact(0.0, y), moving.system.places
+    soonest = moving.system.until_contact(0.0, y)
+    places = moving.system.places
     assert 1e-4 < soonest < 0.05
     moving.split(places)["cage_angle"][...] = False  # at the present angles, too
-    at = [y + np.where(places, part * soonest * moving.system.rates(0.0, y), 0.0) for part in (0.99, 1.01)]
+    at = [
+        y + np.where(places, part * soonest * moving.system.rates(0.0, y), 0.0)
+        for part in (0.99, 1.01)
+    ]
     touched = [np.count_nonzero(forces(moving, state)) for state in at]
     assert touched[0] == 0
     assert touched[1] > 0
@@ -131,7 +156,9 @@ def test_the_time_to_the_next_contact_is_when_a_force_sets_in(level, seed):
 
 def forces(moving, y):
     found = moving.outputs(np.zeros(1), y[None])
-    return np.concatenate([found[name].ravel() for name in ("pocket_force", "pocket_radial_force") if name in found])
+    return np.concatenate(
+        [found[name].ravel() for name in ("pocket_force", "pocket_radial_force") if name in found]
+    )
 
 
 def test_nothing_that_parts_is_waited_for():
@@ -168,7 +195,9 @@ def test_impacts_are_resolved_at_the_usual_tolerance(name):
 @pytest.mark.parametrize("level", LEVELS[2:])
 def test_impacts_in_parts_of_a_step_are_resolved_too(level):
     """Against the explicit method of order 5, whose steps shrink with the tolerance."""
-    assert impacts("leapfrog", 1e-5, level=level) == pytest.approx(impacts("rk45", 1e-9, level=level), rel=0.01)
+    assert impacts("leapfrog", 1e-5, level=level) == pytest.approx(
+        impacts("rk45", 1e-9, level=level), rel=0.01
+    )
 
 
 def test_an_explicit_method_that_is_told_of_no_contact_is_wrong_about_impacts():
@@ -179,13 +208,19 @@ def test_an_explicit_method_that_is_told_of_no_contact_is_wrong_about_impacts():
 def test_no_step_of_an_explicit_method_goes_on_over_a_contact():
     """Whatever the tolerance: up to it, and through it in eighths of its half swing."""
     moving = motion("pocket")
-    solver = DormandPrince(moving.system.capsule, 0.0, moved(moving, 3), 8e-3, 1e3, 1e3, first_step=1e-6)
-    resolved, within, free = 0.4 / moving.system.frequencies[0], 0, 0
+    solver = DormandPrince(
+        moving.system.capsule, 0.0, moved(moving, 3), 8e-3, 1e3, 1e3, first_step=1e-6
+    )
+    resolved = 0.4 / moving.system.frequencies[0]
+    within = 0
+    free = 0
     while solver.status == "running":
-        before, until = solver.t, moving.system.until_contact(solver.t, solver.y)
+        before = solver.t
+        until = moving.system.until_contact(solver.t, solver.y)
         solver.step()
         assert solver.t - before <= max(resolved, until) * (1.0 + 1e-9)
-        within, free = within + (until == 0.0), free + (solver.t - before > 2.0 * resolved)
+        within = within + (until == 0.0)
+        free = free + (solver.t - before > 2.0 * resolved)
     assert within > 30
     assert free > 10
 
@@ -207,13 +242,20 @@ def test_a_place_in_a_pocket_is_held_to_the_depth_of_its_contact():
 @pytest.mark.parametrize("name", ["leapfrog", "rk45"])
 @pytest.mark.parametrize("level", ["pocket", "planar"])
 def test_a_motion_with_impacts_goes_on_bit_by_bit_from_what_was_kept(level, name, monkeypatch):
-    moving, end = motion(level), 6e-3
+    moving = motion(level)
+    end = 6e-3
     absolute, relative = moving.tolerances
-    times, kept = np.linspace(0.0, end, 61), []
+    times = np.linspace(0.0, end, 61)
+    kept = []
 
     def run(y, t=0.0, done=0, **options):
         problem = InitialValueProblem(
-            rates=moving.system, y=y, t=t, atol=1e-5 * absolute, relative=relative, watch=moving.system.watch
+            rates=moving.system,
+            y=y,
+            t=t,
+            atol=1e-5 * absolute,
+            relative=relative,
+            watch=moving.system.watch,
         )
         return integrate(problem, get_model("integrator", name), times[done:], rtol=1e-5, **options)
 
@@ -232,8 +274,10 @@ def test_a_motion_with_impacts_goes_on_bit_by_bit_from_what_was_kept(level, name
 
 def rubbing(level, seed=2):
     """Bars are pressed along the orbit and, where rollers guide, along the radius; a land is met, all with speeds."""
-    moving, rng = motion(level, drag="pocket-friction"), np.random.default_rng(seed)
-    y, cage = moved(moving, seed, 0.1), moving.assembly.cage
+    moving = motion(level, drag="pocket-friction")
+    rng = np.random.default_rng(seed)
+    y = moved(moving, seed, 0.1)
+    cage = moving.assembly.cage
     of = moving.split(y)
     of["pocket_position"][[3, 11]] = cage.pocket_clearance / 2 + rng.uniform(2e-6, 4e-6, 2)
     of["pocket_position"][20] = -cage.pocket_clearance / 2 - 3e-6
@@ -248,9 +292,12 @@ def rubbing(level, seed=2):
 def test_what_touches_and_all_else_are_the_whole(level):
     """Kicks over a time in which nothing moves, and rates without what touches."""
     moving, y = rubbing(level)
-    h, speeds = 1e-10, ~moving.system.places
+    h = 1e-10
+    speeds = ~moving.system.places
     kicks = (moving.system.go(0.0, h, 1, y) - y)[speeds] / h
-    rest, whole = (moving.system.held(0.0, y, 0.0, y, apart=apart)[speeds] for apart in (True, False))
+    rest, whole = (
+        moving.system.held(0.0, y, 0.0, y, apart=apart)[speeds] for apart in (True, False)
+    )
     size = np.abs(whole).max()
     assert np.abs(kicks).max() > 1e-2 * size
     np.testing.assert_allclose(kicks + rest, whole, rtol=1e-4, atol=1e-6 * size)
@@ -282,7 +329,9 @@ def test_two_rates_are_given_up_where_damping_asks_for_shorter_steps():
     damped = attrs.evolve(motion("planar").settings, contact_damping=2.0)
     moving = planar_motion(motion("planar").assembly, damped, FRICTION)
     contact, swing = moving.system.frequencies
-    whole, first, rest = (Leapfrog(moving.system.capsule, 0.0, moved(moving), 1e-3, 1e-5) for _ in range(3))
+    whole, first, rest = (
+        Leapfrog(moving.system.capsule, 0.0, moved(moving), 1e-3, 1e-5) for _ in range(3)
+    )
     first.advance(max_steps=77)
     assert first.t == pytest.approx(77 * min(0.2 / contact, 0.8 / swing), rel=1e-12)
     assert 0.3 * swing / 1.4 < first.damping < 0.3 * contact / 0.2

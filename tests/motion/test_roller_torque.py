@@ -34,13 +34,19 @@ class FlangeTorque(ResistanceModel):
     N = N_0 exp(-b (T - T_0)), N torque [N m] at the temperature T of the operation [K], b its fall [1/K].
     """
 
-    name, equation, references = "flange-torque", "N = N_0 exp(-b (T - T_0))", ("An example. 2020, made for a test.",)
+    name = "flange-torque"
+    equation = "N = N_0 exp(-b (T - T_0))"
+    references = ("An example. 2020, made for a test.",)
     reads = frozenset({"load", "radius"})
     domain = MappingProxyType({"load": POSITIVE, "radius": POSITIVE})
 
-    size: float = parameter(default=SIZE, unit="N m", validator=non_negative, doc="torque at the reference")
+    size: float = parameter(
+        default=SIZE, unit="N m", validator=non_negative, doc="torque at the reference"
+    )
     reference: float = parameter(default=343.0, unit="K", validator=non_negative, doc="T_0")
-    fall: float = parameter(default=0.02, unit="1/K", validator=non_negative, doc="its fall with temperature")
+    fall: float = parameter(
+        default=0.02, unit="1/K", validator=non_negative, doc="its fall with temperature"
+    )
     temperature: float = from_scene("temperature", doc="temperature")
     length: float = from_scene("roller_length", doc="length of a roller")
     diameter: float = from_scene("roller_diameter", doc="diameter of a roller")
@@ -57,7 +63,11 @@ class FlangeTorque(ResistanceModel):
 #: Straight rollers of which both contacts are loaded all round.
 PRELOADED = evolve(
     load_scene("1032930-70C"),
-    {"bearing.profile": "none", "bearing.radial_clearance": "-40 um", "operation.radial_load": "500 N"},
+    {
+        "bearing.profile": "none",
+        "bearing.radial_clearance": "-40 um",
+        "operation.radial_load": "500 N",
+    },
 )
 
 
@@ -75,12 +85,17 @@ def scene(**changes):
 
 def test_it_brakes_the_spin_and_leaves_the_cage_alone():
     balance = rollers(assemble(scene()), 2)
-    k, orbit = balance.assembly.kinematics, balance.orbit(0.05)
+    k = balance.assembly.kinematics
+    orbit = balance.orbit(0.05)
     assert (orbit.force > 0.0).all()
     torque = SIZE * np.exp(-0.02 * 0.15)
     traction, (inner, outer), on_cage = balance.forces(orbit)
-    np.testing.assert_allclose(k.roller_radius * (inner + outer), torque, rtol=1e-6)  # u over that of the film
-    np.testing.assert_allclose(k.inner_radius * inner - k.outer_radius * outer, torque, rtol=1e-3)  # R_o - R_i is 2 r
+    np.testing.assert_allclose(
+        k.roller_radius * (inner + outer), torque, rtol=1e-6
+    )  # u over that of the film
+    np.testing.assert_allclose(
+        k.inner_radius * inner - k.outer_radius * outer, torque, rtol=1e-3
+    )  # R_o - R_i is 2 r
     only_tractions = k.orbit_radius * (traction[0] + traction[1])
     np.testing.assert_allclose(on_cage, only_tractions, atol=2e-3 * torque)
 
@@ -88,13 +103,21 @@ def test_it_brakes_the_spin_and_leaves_the_cage_alone():
 def test_the_rings_pay_for_it_what_its_reaction_takes():
     """N w_r for the spin, and the reaction of each ring at the speed at which it passes the rollers."""
     balance = rollers(assemble(scene()), 2)
-    k, orbit = balance.assembly.kinematics, balance.orbit(0.05)
-    found, torque = power_balance(balance, orbit), SIZE * np.exp(-0.02 * 0.15)
+    k = balance.assembly.kinematics
+    orbit = balance.orbit(0.05)
+    found = power_balance(balance, orbit)
+    torque = SIZE * np.exp(-0.02 * 0.15)
     lost = sum(loss.power for loss in found.losses if loss.source.startswith("flange-torque"))
-    spin, cage = k.surface_speeds(0.05, orbit.roller_slip).roller_speed.mean(), balance.cage_speed(0.05)
-    r, orbit_radius = k.roller_radius, k.orbit_radius
-    inner, outer = (torque * (orbit_radius + 2.0 * side * r) / (2.0 * r * orbit_radius) for side in (1.0, -1.0))
-    reaction = inner * k.inner_radius * (k.inner_speed - cage) + outer * k.outer_radius * (cage - k.outer_speed)
+    spin = k.surface_speeds(0.05, orbit.roller_slip).roller_speed.mean()
+    cage = balance.cage_speed(0.05)
+    r = k.roller_radius
+    orbit_radius = k.orbit_radius
+    inner, outer = (
+        torque * (orbit_radius + 2.0 * side * r) / (2.0 * r * orbit_radius) for side in (1.0, -1.0)
+    )
+    reaction = inner * k.inner_radius * (k.inner_speed - cage) + outer * k.outer_radius * (
+        cage - k.outer_speed
+    )
     assert lost == pytest.approx(28 * (torque * spin + reaction), rel=1e-6)
     rings = sum(found.rings)
     assert rings == pytest.approx(found.total + found.stored, rel=1e-9)

@@ -18,14 +18,23 @@ from rollslip.models import NO_LIMITS, TractionModel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion import torque_balance as module
-from rollslip_studies.motion.torque_balance import Runaway, near_running_away, reserve, rollers, runaway, running
+from rollslip_studies.motion.torque_balance import (
+    Runaway,
+    near_running_away,
+    reserve,
+    rollers,
+    runaway,
+    running,
+)
 from rollslip_studies.steady_slip.study import SteadySlip
 from tabled import REFERENCES, rows_of
 
 
 def bearing(name="1032930-50C", slices=15, instants=4, **changes):
     fine = assemble(evolve(load_scene(name), changes))
-    return fine.at(attrs.evolve(fine.resolution, slices=min(slices, fine.slices), instants=instants))
+    return fine.at(
+        attrs.evolve(fine.resolution, slices=min(slices, fine.slices), instants=instants)
+    )
 
 
 def found(assembly, largest=0.95, **options):
@@ -52,7 +61,12 @@ def test_the_motion_that_rollers_hold_does_not_depend_on_the_slips_on_the_way():
         "operation.inner_speed": "3823 rpm",
         "operation.temperature": "37.9 degC",
         "bearing.radial_clearance": "43 um",
-        "lubricant": {"name": "sae-30", "eyring_stress": "3.6 MPa", "shear_modulus": "0.3 GPa", "conductivity": 0.14},
+        "lubricant": {
+            "name": "sae-30",
+            "eyring_stress": "3.6 MPa",
+            "shear_modulus": "0.3 GPa",
+            "conductivity": 0.14,
+        },
         "models.traction": {"model": "greenwood-tripp", "hydrodynamic": "muraki"},
         "surface.inner_raceway_roughness": "0.1 um",
         "surface.roller_roughness": "0.1 um",
@@ -62,7 +76,9 @@ def test_the_motion_that_rollers_hold_does_not_depend_on_the_slips_on_the_way():
     for slip in slip_grid(0.9, 561)[1:]:
         small.torque(float(slip))
     slips = slip_grid(0.9, 29)[1:].tolist()
-    assert [large.torque(slip) for slip in slips] == pytest.approx([small.torque(slip) for slip in slips], rel=1e-9)
+    assert [large.torque(slip) for slip in slips] == pytest.approx(
+        [small.torque(slip) for slip in slips], rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -81,18 +97,28 @@ def test_it_is_the_fold_as_it_was_first_reported(name, profile, drag, slip):
     assert away.slip == pytest.approx(slip, abs=5e-3)
 
 
-@pytest.mark.parametrize("changes", [{}, {"operation.radial_load": "4 kN"}, {"bearing.profile": "none"}])
+@pytest.mark.parametrize(
+    "changes", [{}, {"operation.radial_load": "4 kN"}, {"bearing.profile": "none"}]
+)
 def test_rollers_without_inertia_balance_as_root_finding_on_the_plain_laws_has_it(changes):
     """Every roller for itself, by Brent's method on the NumPy forms of the laws."""
     assembly = bearing(slices=7, instants=2, **changes)
-    k, slips = assembly.kinematics, np.array([0.02, 0.2, 0.5])
-    models = [assembly.contact, assembly.film, assembly.lubricant.pressure_viscosity_law, assembly.traction]
+    k = assembly.kinematics
+    slips = np.array([0.02, 0.2, 0.5])
+    models = [
+        assembly.contact,
+        assembly.film,
+        assembly.lubricant.pressure_viscosity_law,
+        assembly.traction,
+    ]
 
     def pull(raceway, load, u, V):
         some = load > 0.0
         if not some.any():
             return 0.0
-        plain = Slices(int(some.sum()), raceway.conditions, load=load[some], rolling_speed=u, sliding_speed=V)
+        plain = Slices(
+            int(some.sum()), raceway.conditions, load=load[some], rolling_speed=u, sliding_speed=V
+        )
         for model in models:
             model.evaluate(plain)
         return float(plain.friction @ (load * assembly.widths)[some])
@@ -100,8 +126,11 @@ def test_rollers_without_inertia_balance_as_root_finding_on_the_plain_laws_has_i
     expected = []
     for slip in slips.tolist():
         loads = assembly.load_distribution(2, k.epicyclic_cage_speed * (1.0 - slip))
-        total, outer_rolling = 0.0, float(k.roller_slip_outer_rolling(slip))
-        for inner, outer in zip(loads.inner_load.reshape(56, -1), loads.outer_load.reshape(56, -1), strict=True):
+        total = 0.0
+        outer_rolling = float(k.roller_slip_outer_rolling(slip))
+        for inner, outer in zip(
+            loads.inner_load.reshape(56, -1), loads.outer_load.reshape(56, -1), strict=True
+        ):
 
             def pulls(roller_slip, slip=slip, inner=inner, outer=outer):
                 s = k.surface_speeds(slip, roller_slip)
@@ -113,17 +142,23 @@ def test_rollers_without_inertia_balance_as_root_finding_on_the_plain_laws_has_i
             ends = -outer_rolling * k.inner_radius / k.outer_radius, outer_rolling
             at = outer_rolling
             if inner.any():
-                at = brentq(lambda s, both=pulls: float(np.diff(both(s))[0]), *ends, xtol=1e-15, rtol=1e-14)
+                at = brentq(
+                    lambda s, both=pulls: float(np.diff(both(s))[0]), *ends, xtol=1e-15, rtol=1e-14
+                )
             one = pulls(at)
             total += k.inner_radius * one[0] + k.outer_radius * one[1]
         expected.append(total / 2.0)
     assert rollers(assembly, 2, inertia=False).torques(slips) == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("changes", [{}, {"operation.temperature": "70 degC", "operation.radial_load": "3415 N"}])
+@pytest.mark.parametrize(
+    "changes", [{}, {"operation.temperature": "70 degC", "operation.radial_load": "3415 N"}]
+)
 def test_the_short_way_finds_the_maximum_of_the_whole_curve(changes):
     assembly = bearing(**changes)
-    balance, slip = rollers(assembly, 16), slip_grid(0.95, 30)[1:]  # it looks at a maximum on four times the positions
+    # it looks at a maximum on four times the positions
+    balance = rollers(assembly, 16)
+    slip = slip_grid(0.95, 30)[1:]
     whole = locate(balance.torque, slip, balance.torques(slip), "")
     away = found(assembly)
     # as slices part one by one the torque is rough by 1e-6 and more between the slips that the short way looks at
@@ -163,8 +198,11 @@ class Refusing(TractionModel):
     """mu = V / 1000, with no value beyond a sliding speed."""
 
     most: float = 10.0
-    name, equation, references = "refusing", "mu = V / 1000", ()
-    reads, domain = frozenset({"sliding_speed"}), NO_LIMITS
+    name = "refusing"
+    equation = "mu = V / 1000"
+    references = ()
+    reads = frozenset({"sliding_speed"})
+    domain = NO_LIMITS
 
     def evaluate(self, slices):
         if np.any(np.abs(slices.sliding_speed) > self.most):
@@ -185,13 +223,17 @@ def _with(assembly, most):
 
     law = Refusing(most)
     chain = Chain(assembly.contact, assembly.film, assembly.lubricant.pressure_viscosity_law, law)
-    rings = {ring: attrs.evolve(getattr(assembly, ring), chain=chain) for ring in ("inner", "outer")}
+    rings = {
+        ring: attrs.evolve(getattr(assembly, ring), chain=chain) for ring in ("inner", "outer")
+    }
     return attrs.evolve(assembly, traction=law, **rings)
 
 
 def test_a_range_of_nothing_is_not_looked_at():
     assembly = bearing(slices=3)
-    result = EffectiveFriction(points=5, map_points=0, runaway_range=0.0, closure="epicyclic").at_instants(assembly, 1)
+    result = EffectiveFriction(
+        points=5, map_points=0, runaway_range=0.0, closure="epicyclic"
+    ).at_instants(assembly, 1)
     assert not [name for name in result if str(name).startswith("runaway")]
 
 
@@ -231,7 +273,11 @@ def test_what_drags_no_cage_leaves_it_without_slip():
 def test_a_scene_without_a_cage_runs_with_the_one_of_its_bearing():
     scene = attrs.evolve(load_scene("1032930-70C"), cage=None)
     at = [
-        running(rollers(assemble(one).at(attrs.evolve(assemble(one).resolution, slices=9, instants=4)), 4))
+        running(
+            rollers(
+                assemble(one).at(attrs.evolve(assemble(one).resolution, slices=9, instants=4)), 4
+            )
+        )
         for one in (scene, evolve(scene, {"cage": {"guidance": "roller"}}))
     ]
     assert at[0] == at[1]
@@ -241,7 +287,8 @@ def test_a_scene_without_a_cage_runs_with_the_one_of_its_bearing():
 
 def test_a_drag_that_is_more_than_the_rollers_carry_is_told_beside_it():
     assembly = bearing("1032930-50C", **{"cage.land_clearance": 5e-6})
-    at, away = runs(assembly), found(assembly)
+    at = runs(assembly)
+    away = found(assembly)
     drag = -rollers(assembly, 4).drag(away.slip)
     assert drag > away.drag
     assert math.isnan(at.slip)
@@ -253,7 +300,8 @@ def test_a_drag_that_is_more_than_the_rollers_carry_is_told_beside_it():
 
 def test_a_drag_that_falls_with_slip_may_be_carried_beyond_the_slip_of_running_away():
     assembly = bearing("1032930-50C", **{"cage.land_clearance": 5e-5})
-    away, at = found(assembly), runs(assembly)
+    away = found(assembly)
+    at = runs(assembly)
     assert -rollers(assembly, 4).drag(away.slip) > away.drag
     assert at.slip == pytest.approx(float(SteadySlip().run(assembly).steady_slip[0]), rel=1e-4)
     assert at.slip > away.slip
@@ -264,7 +312,8 @@ DRIVEN = {"cage.guidance": "inner", "cage.land_radius": "85.5 mm"}
 
 def test_a_cage_that_is_driven_runs_faster_than_its_epicyclic_speed():
     assembly = bearing("1032930-50C", **DRIVEN)
-    balance, at = rollers(assembly, 4), runs(assembly)
+    balance = rollers(assembly, 4)
+    at = runs(assembly)
     assert at.status == "found"
     assert at.slip == pytest.approx(brentq(balance.excess, -0.5, 0.0, xtol=1e-13), rel=1e-9)
     assert at.drag < 0.0  # the land drives, and the rollers hold the cage
@@ -275,7 +324,8 @@ def test_a_cage_that_runs_ahead_against_drags_carries_what_drags_it_without_slip
     """Rollers drive the cage ahead, where oil drags it more than they carry once it lags: it does not skid."""
     speeds = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "12000 rpm"}
     assembly = bearing("gearbox", **speeds, **{"operation.radial_load": "1 N"})
-    balance, at = rollers(assembly, 4), runs(assembly)
+    balance = rollers(assembly, 4)
+    at = runs(assembly)
     most = max(balance.torque(slip) for slip in np.geomspace(1e-3, 0.95, 200))
     assert (at.slip < -0.1, at.drag > most) == (True, True)
     factor = reserve(balance, runaway(balance, 0.95, ""), at).factor
@@ -292,7 +342,9 @@ def test_a_heavily_loaded_cage_of_little_drag_runs_at_its_epicyclic_speed_or_a_l
 
 def test_a_law_without_a_value_is_told_where_it_is_not_known_how_the_cage_runs():
     at = runs(_with(bearing("1032930-70C", slices=3), 1e-6))
-    assert at.status.startswith("it is not known at which slip the cage runs: refusing: slides faster than")
+    assert at.status.startswith(
+        "it is not known at which slip the cage runs: refusing: slides faster than"
+    )
 
 
 # Near the slip of running away ---------------------------------------------------------------------------------------
@@ -301,12 +353,18 @@ def test_a_law_without_a_value_is_told_where_it_is_not_known_how_the_cage_runs()
 @functools.cache
 def few():
     """The shipped bearing as choices are tried: few slices, one instant."""
-    return assemble(load_scene("1032930-50C"), Resolution(slices=12, quadrature="equal", table_tolerance=1e-3))
+    return assemble(
+        load_scene("1032930-50C"), Resolution(slices=12, quadrature="equal", table_tolerance=1e-3)
+    )
 
 
 def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
     asked = []
-    monkeypatch.setattr(module, "runaway", lambda *given, **named: asked.append(given) or Runaway(0.42, 0.72, "found"))
+    monkeypatch.setattr(
+        module,
+        "runaway",
+        lambda *given, **named: asked.append(given) or Runaway(0.42, 0.72, "found"),
+    )
     assert near_running_away(few(), 0.0) == ""
     assert near_running_away(few(), 0.05) == ""
     assert len(asked) == 2, "by conventional friction alone"
@@ -316,7 +374,8 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
     """Against the largest drag on the curve of study steady-slip, and that of effective friction."""
     assembly = few().at(attrs.evolve(few().resolution, instants=2))
     known = SteadySlip().run(assembly)
-    conventional, effective = float(known.largest_drag), found(assembly, effective=True).drag
+    conventional = float(known.largest_drag)
+    effective = found(assembly, effective=True).drag
     said = near_running_away(few(), 0.4)
     slip, off = re.fullmatch(
         r"with a cage slip of 40 % the cage is near skidding, which begins at (\S+) %, where effective friction is off "
@@ -328,7 +387,9 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
 
 
 def test_beyond_the_slip_of_running_away_is_near_it():
-    assert near_running_away(few(), 0.5).startswith("with a cage slip of 50 % the cage is near skidding")
+    assert near_running_away(few(), 0.5).startswith(
+        "with a cage slip of 50 % the cage is near skidding"
+    )
 
 
 @pytest.mark.parametrize(
@@ -345,5 +406,7 @@ def test_a_cage_that_runs_away_by_one_friction_only_is_near_it(exact, simple, sa
         return Runaway(slip, 0.72 if slip > 0.0 else math.nan, "as it is")
 
     monkeypatch.setattr(module, "runaway", found)
-    expected = said and f"with a cage slip of 40 % the cage is near skidding, which begins at 42 %{said}"
+    expected = (
+        said and f"with a cage slip of 40 % the cage is near skidding, which begins at 42 %{said}"
+    )
     assert near_running_away(few(), 0.4) == expected

@@ -8,9 +8,11 @@ from rollslip_kernels.motion.spin import Spin
 
 pytestmark = pytest.mark.quick
 RADII = INNER, OUTER, RADIUS, ORBIT = 0.08, 0.1, 0.01, 0.09
-ROLLING, POSITIONS = 30.0, 41
+ROLLING = 30.0
+POSITIONS = 41
 RNG = np.random.default_rng(3)
-RISES, AT = RNG.uniform(50.0, 300.0, POSITIONS), RNG.uniform(-0.02, 0.03, POSITIONS)
+RISES = RNG.uniform(50.0, 300.0, POSITIONS)
+AT = RNG.uniform(-0.02, 0.03, POSITIONS)
 
 
 def linear(slip):
@@ -26,11 +28,16 @@ def wavy(slip):
 
 
 def test_an_orbit_of_linear_torques_is_the_solution_of_its_linear_system():
-    inertia, slopes = 0.7, RADIUS * RISES
+    inertia = 0.7
+    slopes = RADIUS * RISES
     change = 1.5 * np.eye(POSITIONS) - 2.0 * np.eye(POSITIONS, k=-1) + 0.5 * np.eye(POSITIONS, k=-2)
-    change[0, -1], change[0, -2], change[1, -1] = -2.0, 0.5, 0.5
+    change[0, -1] = -2.0
+    change[0, -2] = 0.5
+    change[1, -1] = 0.5
     expected = np.linalg.solve(inertia * change + np.diag(slopes), slopes * AT)
-    slip, multiplier, left, ended = Spin(POSITIONS, linear, RADII, ROLLING).periodic(np.zeros(POSITIONS), inertia)
+    slip, multiplier, left, ended = Spin(POSITIONS, linear, RADII, ROLLING).periodic(
+        np.zeros(POSITIONS), inertia
+    )
     assert not ended
     # differences over 1e-7 leave 1e-8 of a slope, so that the last step ends at 1e-9 of the slips
     np.testing.assert_allclose(slip, expected, rtol=0, atol=1e-14)
@@ -44,20 +51,25 @@ def test_torques_balance_where_each_rises_through_zero():
     )
     assert not ended
     assert not lost.any()
-    torque, rise = wavy(place)[0][0], 0.6 - np.cos(8.0 * place)
+    torque = wavy(place)[0][0]
+    rise = 0.6 - np.cos(8.0 * place)
     np.testing.assert_allclose(torque, 0.0, atol=1e-14)
     assert np.all(rise > 0.0)
     k = 7
-    low, high = place[k] - 0.01, place[k] + 0.01
+    low = place[k] - 0.01
+    high = place[k] + 0.01
     at = brentq(lambda x: wavy(np.full(POSITIONS, x))[0][0][k], low, high, xtol=1e-15)
     assert place[k] == pytest.approx(at, abs=1e-13)
 
 
 def test_a_place_given_twice_is_kept_and_one_without_balance_is_told():
-    low, high = np.full(POSITIONS, 0.5), np.full(POSITIONS, 1.0)
+    low = np.full(POSITIONS, 0.5)
+    high = np.full(POSITIONS, 1.0)
     low[1:] = high[1:]
     unknown = np.full((2, POSITIONS), np.nan)
-    place, lost, ended = Spin(POSITIONS, lambda _: (unknown, unknown), RADII, ROLLING).balanced(low, high)
+    place, lost, ended = Spin(POSITIONS, lambda _: (unknown, unknown), RADII, ROLLING).balanced(
+        low, high
+    )
     assert ended == "lost"
     assert lost.tolist() == [True] + [False] * (POSITIONS - 1)
     np.testing.assert_array_equal(place[1:], 1.0)
@@ -88,11 +100,14 @@ def test_friction_of_a_pocket_is_against_the_spin():
     forces = np.full((2, POSITIONS), 100.0), np.zeros((2, POSITIONS))
     slip = np.zeros(POSITIONS)
     free, held = (
-        Spin(POSITIONS, lambda _: forces, RADII, ROLLING, 0.0, pocket).torques(slip)[0] for pocket in (0.0, 0.2)
+        Spin(POSITIONS, lambda _: forces, RADII, ROLLING, 0.0, pocket).torques(slip)[0]
+        for pocket in (0.0, 0.2)
     )
     along = INNER * 100.0 + OUTER * 100.0
     np.testing.assert_allclose(free, 0.0, atol=1e-15)
-    np.testing.assert_allclose(held, -0.2 * RADIUS / ORBIT * along * ROLLING / np.hypot(ROLLING, 1e-2), rtol=1e-14)
+    np.testing.assert_allclose(
+        held, -0.2 * RADIUS / ORBIT * along * ROLLING / np.hypot(ROLLING, 1e-2), rtol=1e-14
+    )
 
 
 def test_rows_that_do_not_exist_are_refused():

@@ -13,7 +13,12 @@ from rollslip.errors import DomainError
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import System, python_system
 from rollslip_studies.motion import time_integration
-from rollslip_studies.motion.time_integration import Event, InitialValueProblem, Trajectory, integrate
+from rollslip_studies.motion.time_integration import (
+    Event,
+    InitialValueProblem,
+    Trajectory,
+    integrate,
+)
 
 SCIPY = ("rk23", "rk45", "dop853", "radau", "bdf", "lsoda")
 #: Name of an integrator, and whether it is given a compiled system.
@@ -31,7 +36,9 @@ def problem(rates, y, compiled=False, watch=None, watched=0, tolerance=1e-8, **o
     if compiled:
         rates = System(python_system(rates, y.size, watch=watch, watched=watched))
         watch = rates.watch if watched else None
-    return InitialValueProblem(rates=rates, y=y, atol=np.full(y.size, tolerance), watch=watch, **options)
+    return InitialValueProblem(
+        rates=rates, y=y, atol=np.full(y.size, tolerance), watch=watch, **options
+    )
 
 
 def run(name, problem, times, tolerance=1e-8, **options):
@@ -92,7 +99,10 @@ def test_tolerance_governs_the_error(name, compiled):
     """A tolerance a thousand times smaller brings the error down at least twenty times."""
     times = np.linspace(0.0, 3.0, 11)
     errors = [
-        np.abs(run(name, problem(oscillator, START, compiled, tolerance=tol), times, tol).y - exact(times)).max()
+        np.abs(
+            run(name, problem(oscillator, START, compiled, tolerance=tol), times, tol).y
+            - exact(times)
+        ).max()
         for tol in (1e-5, 1e-8)
     ]
     assert errors[1] < errors[0] / 20.0
@@ -101,7 +111,8 @@ def test_tolerance_governs_the_error(name, compiled):
 def test_a_compiled_run_goes_on_bit_by_bit_from_any_state_it_has_kept(monkeypatch):
     monkeypatch.setattr(time_integration, "_MANY", 1)
     monkeypatch.setattr(time_integration, "_QUICK", 0.0)
-    times, breaks = np.linspace(0.0, 3.0, 23), (1.0, 1.9)
+    times = np.linspace(0.0, 3.0, 23)
+    breaks = (1.0, 1.9)
 
     def watch(t, y):
         return np.array([y[0], y[1] - 0.5])
@@ -135,7 +146,8 @@ def test_compiled_and_stepped_paths_agree():
     def given(compiled):
         return problem(oscillator, START, compiled, watch=watch, watched=1)
 
-    stepped, compiled = run("rodas5p", given(False), times), run("rodas5p", given(True), times)
+    stepped = run("rodas5p", given(False), times)
+    compiled = run("rodas5p", given(True), times)
     assert np.abs(stepped.y - compiled.y).max() < 1e-7  # their differences have other widths
     for one, other in zip(stepped.events, compiled.events, strict=True):
         assert (one.watched, one.rising) == (other.watched, other.rising)
@@ -154,7 +166,11 @@ def two_passages(t, y):
 
 @EVERY
 def test_events_are_located(name, compiled):
-    found = run(name, problem(oscillator, START, compiled, watch=two_passages, watched=2), np.linspace(0.0, 3.0, 4))
+    found = run(
+        name,
+        problem(oscillator, START, compiled, watch=two_passages, watched=2),
+        np.linspace(0.0, 3.0, 4),
+    )
     assert [(e.watched, e.rising) for e in found.events] == [passage[1:] for passage in PASSAGES]
     for event, (time, *_) in zip(found.events, PASSAGES, strict=True):
         assert event.time == pytest.approx(time, abs=ERROR.get(name, 10) * 1e-8)
@@ -162,10 +178,14 @@ def test_events_are_located(name, compiled):
 
 def test_a_run_bears_any_number_of_events():
     """Each ends the steps that a compiled solver takes at once; there were once 64 of them at most."""
-    given = problem(oscillator, START, True, watch=lambda t, y: [math.cos(20.0 * math.pi * t)], watched=1)
+    given = problem(
+        oscillator, START, True, watch=lambda t, y: [math.cos(20.0 * math.pi * t)], watched=1
+    )
     found = run("rodas5p", given, np.linspace(0.0, 5.001, 2), tolerance=1e-9)
     assert found.outcome == "finished", found.message
-    assert [event.time for event in found.events] == pytest.approx((np.arange(100) + 0.5) / 20.0, abs=1e-9)
+    assert [event.time for event in found.events] == pytest.approx(
+        (np.arange(100) + 0.5) / 20.0, abs=1e-9
+    )
 
 
 @EVERY
@@ -218,7 +238,9 @@ def test_neither_zero_nor_nan_is_a_side(name, compiled):
     def watch(t, y):
         return [math.sin(t) if t > 0.0 else 0.0, math.nan, abs(t - 1.0) if t < 1.5 else 1.0]
 
-    found = run(name, problem(oscillator, START, compiled, watch=watch, watched=3), np.linspace(0.0, 3.0, 4))
+    found = run(
+        name, problem(oscillator, START, compiled, watch=watch, watched=3), np.linspace(0.0, 3.0, 4)
+    )
     assert found.events == ()
 
 
@@ -228,7 +250,8 @@ def test_neither_zero_nor_nan_is_a_side(name, compiled):
 @EVERY
 def test_no_step_passes_over_a_break(name, compiled):
     """Rates that jump at 1 to another sign: each side is asked on its own, and the solution is exact to tolerance."""
-    asked, jumps = [], [0.0]
+    asked = []
+    jumps = [0.0]
 
     def rates(t, y):
         asked.append(t)
@@ -256,7 +279,9 @@ def test_breaks_and_events_belong_to_one_run(name, compiled):
     )
     found = run(name, given, np.linspace(0.0, 2.0, 3))
     assert [(e.watched, e.rising) for e in found.events] == [(0, True), (1, True), (0, False)]
-    assert [e.time for e in found.events] == [pytest.approx(time, abs=1e-6) for time in (0.5, 1.0, 1.5)]
+    assert [e.time for e in found.events] == [
+        pytest.approx(time, abs=1e-6) for time in (0.5, 1.0, 1.5)
+    ]
     assert found.steps >= 2
 
 
@@ -281,7 +306,9 @@ def raising_after(calls, error, rates=oscillator):
 def test_an_interrupted_run_goes_on_to_the_same_end(name, compiled):
     times = np.linspace(0.0, 3.0, 61)
     parts = []
-    given = problem(raising_after(60, KeyboardInterrupt()), START, compiled, watch=two_passages, watched=2)
+    given = problem(
+        raising_after(60, KeyboardInterrupt()), START, compiled, watch=two_passages, watched=2
+    )
     found = run(name, given, times, keep=lambda number, part: parts.append((number, part)))
     assert found.outcome == "interrupted"
     assert f"interrupted at t = {found.last_t:.6g} s" == found.message
@@ -291,7 +318,9 @@ def test_an_interrupted_run_goes_on_to_the_same_end(name, compiled):
     assert [number for number, _ in parts] == [0]
     assert np.array_equal(parts[0][1].y, found.y)
 
-    rest = problem(oscillator, found.last_y, compiled, watch=two_passages, watched=2, t=found.last_t)
+    rest = problem(
+        oscillator, found.last_y, compiled, watch=two_passages, watched=2, t=found.last_t
+    )
     whole = found.then(run(name, rest, times[found.t.size :], first_step=found.last_step))
     assert whole.outcome == "finished"
     assert np.array_equal(whole.t, times)
@@ -305,7 +334,13 @@ def test_parts_together_are_the_whole(name, compiled):
     """Kept after every pause, they hold every instant, event and step once."""
     parts = []
     given = problem(oscillator, START, compiled, watch=two_passages, watched=2)
-    found = run(name, given, np.linspace(0.0, 3.0, 61), keep=lambda n, part: parts.append((n, part)), every=0.0)
+    found = run(
+        name,
+        given,
+        np.linspace(0.0, 3.0, 61),
+        keep=lambda n, part: parts.append((n, part)),
+        every=0.0,
+    )
     assert found.outcome == "finished"
     assert [number for number, _ in parts] == list(range(len(parts)))
     assert len(parts) > 1
@@ -322,7 +357,8 @@ def test_parts_together_are_the_whole(name, compiled):
 @EVERY
 def test_what_an_interrupted_writer_left_is_written_again(name, compiled):
     """An interrupt while a part is written: the number comes again, with all that the part was to hold."""
-    calls, files = [], {}
+    calls = []
+    files = {}
 
     def keep(number, part):
         files[number] = part
@@ -368,11 +404,20 @@ def test_an_interrupt_loses_no_event(stop):
 @pytest.mark.parametrize("calls", range(2, 40))
 def test_an_interrupt_while_watching_loses_no_instant(calls):
     """Wherever it comes: all instants up to the last state are there, and right."""
-    given = problem(oscillator, START, True, watch=raising_after(calls, KeyboardInterrupt(), two_passages), watched=2)
+    given = problem(
+        oscillator,
+        START,
+        True,
+        watch=raising_after(calls, KeyboardInterrupt(), two_passages),
+        watched=2,
+    )
     found = run("rodas5p", given, np.linspace(0.0, 3.0, 301))
     assert found.outcome == "interrupted"
     assert found.t.size == 0 or np.abs(found.y - exact(found.t)).max() < 1e-6
-    assert found.t.size == np.searchsorted(np.linspace(0.0, 3.0, 301), found.last_t, side="right") or calls == 2
+    assert (
+        found.t.size == np.searchsorted(np.linspace(0.0, 3.0, 301), found.last_t, side="right")
+        or calls == 2
+    )
 
 
 # Failures -----------------------------------------------------------------------------------------------------------
@@ -392,13 +437,19 @@ def test_what_a_failing_model_left_is_kept(name, compiled):
 
 @EVERY
 def test_a_model_that_fails_at_once_leaves_the_start(name, compiled):
-    found = run(name, problem(raising_after(1, RuntimeError("no")), START, compiled), np.linspace(0.0, 1.0, 3))
+    found = run(
+        name,
+        problem(raising_after(1, RuntimeError("no")), START, compiled),
+        np.linspace(0.0, 1.0, 3),
+    )
     assert found.outcome == "failed"
     assert found.t.tolist() == [0.0]
     assert np.array_equal(found.last_y, START)
 
 
-@pytest.mark.filterwarnings("ignore::UserWarning", "ignore:overflow", "ignore:invalid", "ignore:divide")
+@pytest.mark.filterwarnings(
+    "ignore::UserWarning", "ignore:overflow", "ignore:invalid", "ignore:divide"
+)
 @EVERY
 def test_a_solution_that_becomes_infinite_ends_in_words(name, compiled):
     """y' = y^2 from 1 on has a pole at t = 1."""
@@ -443,7 +494,8 @@ class Wandering(OdeSolver):
 
     def _step_impl(self):
         t = min(self.t + 0.1, self.t_bound)
-        self.y, self.t = self.y * math.exp(self.t - t), t
+        self.y = self.y * math.exp(self.t - t)
+        self.t = t
         return True, None
 
     def _dense_output_impl(self):
@@ -481,16 +533,30 @@ def test_a_run_that_went_on_has_the_work_of_both_parts(rejected, both):
         for t, no in ((1.0, 1), (2.0, rejected))
     )  # fmt: skip
     whole = first.then(later)
-    assert (whole.steps, whole.rejected, whole.evaluations, whole.jacobians, whole.wall_time) == (6, both, 20, 8, 4.0)
+    assert (whole.steps, whole.rejected, whole.evaluations, whole.jacobians, whole.wall_time) == (
+        6,
+        both,
+        20,
+        8,
+        4.0,
+    )
     assert (whole.t.tolist(), whole.y.tolist(), whole.last_t) == ([1.0, 2.0], [[1.0], [2.0]], 2.0)
 
 
 def test_what_would_come_later_in_the_step_that_stops_is_no_event():
     problem = InitialValueProblem(
-        rates=lambda t, y: np.ones(1), y=np.zeros(1), atol=np.ones(1), watch=lambda t, y: y - np.array([0.2, 0.6])
+        rates=lambda t, y: np.ones(1),
+        y=np.zeros(1),
+        atol=np.ones(1),
+        watch=lambda t, y: y - np.array([0.2, 0.6]),
     )
     found = integrate(
-        problem, get_model("integrator", "rk45"), np.array([0.0, 1.0]), rtol=1e-3, stop=frozenset({0}), first_step=0.9
+        problem,
+        get_model("integrator", "rk45"),
+        np.array([0.0, 1.0]),
+        rtol=1e-3,
+        stop=frozenset({0}),
+        first_step=0.9,
     )
     assert [(event.watched, event.time) for event in found.events] == [(0, pytest.approx(0.2))]
     assert (found.outcome, found.t.tolist()) == ("stopped", [0.0, pytest.approx(0.2)])

@@ -29,24 +29,40 @@ def balance(drag, **way):
 
 
 def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
-    away, runs = Runaway(0.2, 3.0, "found"), Running(0.1, 1.5, FOUND)
+    away = Runaway(0.2, 3.0, "found")
+    runs = Running(0.1, 1.5, FOUND)
     assert reserve(balance(None), away, runs).factor == 2.0
     without = Runaway(math.nan, math.nan, "no skidding", most=3.0, most_slip=0.95)
-    for at_rest, factor in ((-2.0, 1.5), (-1.0, 3.0), (-6.0, 1.0)):  # drags that fall with slip do not count for more
-        found = reserve(balance(lambda _, of=at_rest: of, end=0.95), without, Running(0.1, 1.0, FOUND))
+    for at_rest, factor in (
+        (-2.0, 1.5),
+        (-1.0, 3.0),
+        (-6.0, 1.0),
+    ):  # drags that fall with slip do not count for more
+        found = reserve(
+            balance(lambda _, of=at_rest: of, end=0.95), without, Running(0.1, 1.0, FOUND)
+        )
         assert (found.factor, found.status.startswith(AT_LEAST)) == (factor, True)
 
 
 def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
     way = {"curve": ([0.1, 0.5, 0.9], [1.0, 2.0, -1.0])}
-    found = reserve(balance(lambda _: -4.0, **way), Runaway(math.nan, math.nan, ""), Running(math.nan, 0.0, NOWHERE))
+    found = reserve(
+        balance(lambda _: -4.0, **way),
+        Runaway(math.nan, math.nan, ""),
+        Running(math.nan, 0.0, NOWHERE),
+    )
     assert (found.factor, found.status.startswith(SKIDS)) == (0.5, True)
 
 
-@pytest.mark.parametrize(("end", "told"), [(0.95, "there it all but stands"), (0.9, "raise KEY to look further")])
+@pytest.mark.parametrize(
+    ("end", "told"), [(0.95, "there it all but stands"), (0.9, "raise KEY to look further")]
+)
 def test_a_cage_that_all_but_stands_is_not_looked_at_further(end, told):
     said = nowhere(SimpleNamespace(largest=(end, 1.5), end=end, refusal=""), "KEY")
-    assert said == f"no skidding up to a slip of {end:g}, where the rollers carry the largest drag, 1.5 N m; {told}"
+    assert (
+        said
+        == f"no skidding up to a slip of {end:g}, where the rollers carry the largest drag, 1.5 N m; {told}"
+    )
 
 
 def test_rollers_are_followed_on_56_to_512_positions():
@@ -56,7 +72,10 @@ def test_rollers_are_followed_on_56_to_512_positions():
 
 @pytest.mark.parametrize("driven", ["inner", "outer"])
 def test_tractions_are_positive_where_they_drive_whichever_ring_turns(driven):
-    speeds = {f"operation.{ring}_speed": "2000 rpm" if ring == driven else "0 rpm" for ring in ("inner", "outer")}
+    speeds = {
+        f"operation.{ring}_speed": "2000 rpm" if ring == driven else "0 rpm"
+        for ring in ("inner", "outer")
+    }
     one = rollers(assemble(evolve(load_scene("1032930-50C"), {"accuracy.slices": 4, **speeds})), 2)
     assert one.motions.sense == (1.0 if driven == "inner" else -1.0)
     orbit = one.orbit(0.1)
@@ -70,7 +89,9 @@ def test_contacts_are_evaluated_in_the_motion_and_counted_once():
     for contacts, traction in zip(one.evaluated(orbit), orbit.traction, strict=True):
         found = contacts.per_roller(contacts.slices.friction * contacts.force)
         assert one.motions.sense * found == pytest.approx(traction)
-    chain, spins = one.assembly.inner.chain.kernel, one.motions.spins(np.array([0.1]))  # it is that of both rings
+    # it is that of both rings
+    chain = one.assembly.inner.chain.kernel
+    spins = one.motions.spins(np.array([0.1]))
     before = chain.evaluated
     for _ in range(3):
         spins.kernel.torques(np.zeros(one.motions.positions))
@@ -83,17 +104,23 @@ def test_rollers_that_rub_at_neighbours_slip_without_the_cage():
     assert [Motions(assembly, 2, rubbing=rubs).resists for rubs in (0.0, 0.05)] == [False, True]
 
 
-@pytest.mark.parametrize(("effective", "speed"), [(False, "0.05 rpm"), (False, "1500 rpm"), (True, "1500 rpm")])
+@pytest.mark.parametrize(
+    ("effective", "speed"), [(False, "0.05 rpm"), (False, "1500 rpm"), (True, "1500 rpm")]
+)
 def test_resistance_to_rolling_is_that_of_python_also_where_hardly_anything_rolls(effective, speed):
     scene = evolve(load_scene("gearbox"), {"operation.inner_speed": speed})
     slow = rollers(assemble(scene), 2, inertia=False, effective=effective)
     assert slow.assembly.inner.chain.resists
     orbit = slow.orbit(0.1)
     count = slow.assembly.scene.bearing.rollers
-    assert orbit.torque == pytest.approx(count * slow.forces(orbit)[2].mean() * slow.motions.sense, rel=1e-6)
+    assert orbit.torque == pytest.approx(
+        count * slow.forces(orbit)[2].mean() * slow.motions.sense, rel=1e-6
+    )
 
 
 def test_effective_friction_is_held_beyond_its_table():
     x = np.linspace(-0.9, 0.9, 7)
     curve = EffectiveCurve(np.stack((x, np.full(7, 0.3)), axis=1), (-0.9, 0.9), 2.0)
-    assert curve(np.array([-1e9, -18.0, 2.0, 18.0, 1e9])) == pytest.approx([-0.9, -0.9, 0.5, 0.9, 0.9])
+    assert curve(np.array([-1e9, -18.0, 2.0, 18.0, 1e9])) == pytest.approx(
+        [-0.9, -0.9, 0.5, 0.9, 0.9]
+    )

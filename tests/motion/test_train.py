@@ -31,7 +31,9 @@ PAPER = load_scene("1032930-50C")
 def apart(scene, **separator):
     """Return a scene without a table of its cage, and what is between its rollers."""
     raw = {key: value for key, value in scene.raw.items() if key != "cage"}
-    return evolve(attrs.evolve(scene, raw=type(scene.raw)(raw), cage=None), {"models.separator": separator})
+    return evolve(
+        attrs.evolve(scene, raw=type(scene.raw)(raw), cage=None), {"models.separator": separator}
+    )
 
 
 #: With a roller of 15 mm on a pitch circle of 180 mm there is room for 37.
@@ -62,19 +64,25 @@ def test_a_train_is_in_balance_with_a_gap_and_knows_no_first_roller(torque):
     even = (of_phase - of_phase.mean(axis=1, keepdims=True)).reshape(2, 21)
     assert train.lever * (ahead - behind) == pytest.approx(even, abs=1e-10)
     assert behind.reshape(2, 7, 3).min(axis=1) == pytest.approx(0.0, abs=1e-10)
-    assert train.pushes(np.roll(torque, 3, axis=1))[0] == pytest.approx(np.roll(behind, 3, axis=1), abs=1e-10)
+    assert train.pushes(np.roll(torque, 3, axis=1))[0] == pytest.approx(
+        np.roll(behind, 3, axis=1), abs=1e-10
+    )
 
 
 def test_where_rubbing_takes_traction_forces_grow_as_in_a_belt():
     # c (a - b) = -y - f (a + b): towards the driven roller each force is (c + f)/(c - f) times the one ahead of it, and
     # y/(c - f) more
-    f, c = 0.05, 0.5
+    f = 0.05
+    c = 0.5
     torque = np.array([[6.0, -1.0, -1.0, -1.0, -1.0]])
     falls = np.array([[0.0, f, f, f, f]])
     behind, ahead = Train(5, 0.1, c, 0.1).pushes(torque, falls)
-    share = (c * (ahead - behind) + falls * (ahead + behind) - torque)[0]  # of what the set carries, of each roller
+    share = (c * (ahead - behind) + falls * (ahead + behind) - torque)[
+        0
+    ]  # of what the set carries, of each roller
     assert share == pytest.approx(share[0], abs=1e-12)
-    y, expected = 1.0 - share[0], 0.0
+    y = 1.0 - share[0]
+    expected = 0.0
     for k in (4, 3, 2, 1):
         assert ahead[0, k] == pytest.approx(expected, abs=1e-12)
         expected = ((c + f) * expected + y) / (c - f)
@@ -108,7 +116,9 @@ def test_brakes_are_those_of_the_pushes_of_the_motion_itself():
     train = Train.of(bearing.kinematics, bearing.scene.bearing.rollers, balance.motions.rubbing)
     _, _, on_cage = balance.forces(orbit)
     forces = sum(train.pushes(on_cage[None]))[0]
-    assert orbit.brakes == pytest.approx(train.coefficient * train.radius * forces, rel=2e-4, abs=1e-6 * forces.max())
+    assert orbit.brakes == pytest.approx(
+        train.coefficient * train.radius * forces, rel=2e-4, abs=1e-6 * forces.max()
+    )
 
 
 def test_more_friction_at_neighbours_lets_rollers_carry_less():
@@ -132,7 +142,10 @@ def test_what_is_stated_of_a_cage_that_is_not_there_is_refused():
 @pytest.mark.parametrize(
     ("separator", "told"),
     [
-        ({"model": "cage", "coefficient": 0.1}, r"coefficient: only read for model = 'none', not for 'cage'"),
+        (
+            {"model": "cage", "coefficient": 0.1},
+            r"coefficient: only read for model = 'none', not for 'cage'",
+        ),
         ({"model": "none", "coefficient": -0.1}, r"coefficient: must be at least 0, not -0\.1"),
         ({"model": "spring"}, r"models\.separator\.model: .*cage.*none.*not 'spring'"),
     ],
@@ -144,7 +157,9 @@ def test_neighbours_only_brake_and_only_where_no_cage_is_between_them(separator,
 
 @pytest.mark.parametrize("level", ["cage-set", "pocket", "planar"])
 def test_a_motion_in_time_without_a_cage_is_refused(level):
-    with pytest.raises(SceneError, match="need a cage; for a full complement take the study of steady slips"):
+    with pytest.raises(
+        SceneError, match="need a cage; for a full complement take the study of steady slips"
+    ):
         Dynamics(level=level).moving(assemble(NONE))
 
 
@@ -152,7 +167,12 @@ def test_a_motion_in_time_without_a_cage_is_refused(level):
 def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage():
     bare = apart(PAPER, model="none")
     bare = evolve(bare, {"models.separator": "none"})
-    assert assemble(evolve(bare, {"models.separator.coefficient": 0.05})).scene.models.neighbour_friction == 0.05
+    assert (
+        assemble(
+            evolve(bare, {"models.separator.coefficient": 0.05})
+        ).scene.models.neighbour_friction
+        == 0.05
+    )
     study = SteadySlip(acceptable_slip=None)
     assert study.only(assemble(bare), frozenset({"steady_slip"})) is not None
     assert math.isclose(assemble(bare).scene.models.neighbour_friction, 0.1)
@@ -163,10 +183,15 @@ def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage
 
 @pytest.mark.parametrize("angle", ["90 deg", "200 deg"])
 def test_neighbours_bear_what_a_carrier_pulls_along_the_orbit(angle):
-    scene = evolve(NONE, {"operation.carrier": {"speed": "300 rpm", "radius": "0.5 m", "direction": angle}})
-    a, mu = assemble(scene), 0.1
-    balance, (along, across) = rollers(a, 1), a.body_force
-    k, orbit = balance.assembly.kinematics, balance.orbit(0.01)
+    scene = evolve(
+        NONE, {"operation.carrier": {"speed": "300 rpm", "radius": "0.5 m", "direction": angle}}
+    )
+    a = assemble(scene)
+    mu = 0.1
+    balance = rollers(a, 1)
+    (along, across) = a.body_force
+    k = balance.assembly.kinematics
+    orbit = balance.orbit(0.01)
     psi = 2.0 * math.pi / 74 * np.arange(74)  # every other position is that of one instant
     pull = k.orbit_radius * (across * np.cos(psi) - along * np.sin(psi))
     given = (balance.forces(orbit)[2] + pull)[::2]
@@ -183,7 +208,8 @@ def test_slips_are_those_of_rollers_integrated_in_time():
     """Of tools/references/full_complement.py, led to rigid neighbours; the shares are those of the page."""
     without = {}
     for row in rows_of(REFERENCES / "full_complement.csv"):
-        (slip, unsure), steady = full_complement.stiff(row), float(row["steady"])
+        (slip, unsure) = full_complement.stiff(row)
+        steady = float(row["steady"])
         if float(row["play"]) > 0.0:
             assert abs(slip - steady - float(row["by_play"])) <= unsure + 0.07 * slip
             continue
@@ -195,7 +221,8 @@ def test_slips_are_those_of_rollers_integrated_in_time():
     assert {name for name, *_ in without} == {"NCF2210V", "NCF3010V"}
     for name, friction, torque in without:  # what friction adds
         if torque == 0.5 and friction > 0.0:
-            (slip, known), (least, bare) = without[name, friction, torque], without[name, 0.0, torque]
+            (slip, known) = without[name, friction, torque]
+            (least, bare) = without[name, 0.0, torque]
             assert slip - least == pytest.approx(known - bare, rel=5e-3)
 
 

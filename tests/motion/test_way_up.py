@@ -26,19 +26,32 @@ from without_bands import run
 
 def balance(name="1032930-50C", *, instants=2, inertia=True, effective=False, slices=6, **changes):
     made = assemble(evolve(load_scene(name), changes))
-    few = made.at(attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3))
+    few = made.at(
+        attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3)
+    )
     return rollers(few, instants, inertia=inertia, effective=effective)
 
 
 def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_boundary_friction():
     slips = np.array([0.744, 0.748, 0.752])
-    off, steps = [], []
+    off = []
+    steps = []
     for traction in ({}, {"models.traction": "muraki"}):
-        one = balance("1032930-70C", instants=1, inertia=False, **{"operation.temperature": "100 degC"}, **traction)
+        one = balance(
+            "1032930-70C",
+            instants=1,
+            inertia=False,
+            **{"operation.temperature": "100 degC"},
+            **traction,
+        )
         motions = [found[0] for found in one.motions.at(slips, np.zeros(3))]
-        off.append([float(at - one.roller_slip.flat[0]) for at, one in zip(slips, motions, strict=True)])
+        off.append(
+            [float(at - one.roller_slip.flat[0]) for at, one in zip(slips, motions, strict=True)]
+        )
         steps.append(np.diff([motion.torque for motion in motions]) / motions[0].torque)
-    assert off[0][2] < 2e-3 < 0.02 < off[0][1]  # rolling on the outer ring a roller slips as the cage
+    assert (
+        off[0][2] < 2e-3 < 0.02 < off[0][1]
+    )  # rolling on the outer ring a roller slips as the cage
     assert steps[0][1] > 2.0 * steps[0][0]
     assert off[1][2] > 0.1
     assert steps[1][1] == pytest.approx(steps[1][0], rel=0.05)
@@ -47,9 +60,12 @@ def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_
 @pytest.mark.parametrize("celsius", [70, 100])
 def test_balances_do_not_depend_on_the_slips_that_were_asked_for_before(celsius):
     """Where boundary friction has several balances at some positions, of which rollers leave one where it ends."""
-    one = balance("1032930-70C", instants=2, inertia=False, **{"operation.temperature": f"{celsius} degC"})
+    one = balance(
+        "1032930-70C", instants=2, inertia=False, **{"operation.temperature": f"{celsius} degC"}
+    )
     fine = np.geomspace(1e-3, 0.9, 121)
-    many, few = one.torques(fine), one.torques(fine[::20])
+    many = one.torques(fine)
+    few = one.torques(fine[::20])
     assert few == pytest.approx(many[::20], rel=1e-9)
 
 
@@ -57,7 +73,9 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     """At 20 N and 4810 rpm rollers that begin with rolling on a ring hardly leave it in eight orbits."""
     scene = scenes.wide(100_156)
     made = assemble(scene)
-    few = made.at(attrs.evolve(made.resolution, slices=40, quadrature="gauss", instants=3)).with_resistance()
+    few = made.at(
+        attrs.evolve(made.resolution, slices=40, quadrature="gauss", instants=3)
+    ).with_resistance()
     one = TorqueBalance(few, few.cage.drags, instants=3)
     assert not any(motion.sure for motion in one.motions.at(np.array([0.77]))[0])
     way = one.way()
@@ -65,14 +83,23 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     assert way.refusal == ""
     assert all(motion.sure and motion.linked for motion in way.path[1:])
     (jump,) = way.jumps
-    below = max((motion for motion in way.path if motion.slip < jump.slip), key=lambda motion: motion.slip)
+    below = max(
+        (motion for motion in way.path if motion.slip < jump.slip), key=lambda motion: motion.slip
+    )
     again = one.motions.at(np.array([jump.slip]), below.share[:1])[0][0]
     assert jump.error < 1e-3
-    assert again.torque == pytest.approx(jump.drag, rel=1.01 * jump.error)  # of more positions than these
-    slips, known = np.array([motion.slip for motion in way.path]), [motion.torque for motion in way.path]
-    assert any(len(each) == 1 and not each[0].sure for each in one.motions.at(slips))  # Newton's method leaves one
+    assert again.torque == pytest.approx(
+        jump.drag, rel=1.01 * jump.error
+    )  # of more positions than these
+    slips = np.array([motion.slip for motion in way.path])
+    known = [motion.torque for motion in way.path]
+    assert any(
+        len(each) == 1 and not each[0].sure for each in one.motions.at(slips)
+    )  # Newton's method leaves one
     assert one.torques(slips) == pytest.approx(known, rel=2e-3)  # one question, one answer
-    assert [one.torque(slip) for slip in slips[-14:].tolist()] == pytest.approx(known[-14:], rel=2e-3)
+    assert [one.torque(slip) for slip in slips[-14:].tolist()] == pytest.approx(
+        known[-14:], rel=2e-3
+    )
 
 
 def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypatch):
@@ -80,7 +107,10 @@ def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypa
     at = Motions.at
 
     def settled(self, slips, starts=None):
-        return [[attrs.evolve(one, sure=one.slip < 0.3) for one in each] for each in at(self, slips, starts)]
+        return [
+            [attrs.evolve(one, sure=one.slip < 0.3) for one in each]
+            for each in at(self, slips, starts)
+        ]
 
     monkeypatch.setattr(Motions, "at", settled)
     one = balance()
@@ -97,9 +127,13 @@ def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypa
 def marched(one, slip, start):
     """What one roller comes to by implicit Euler: each balance by steps of 1/400 of the bracket and Brent's method."""
     motions = one.motions
-    kernel, K = motions.spins(np.array([slip])).kernel, motions.positions
-    c, (low, high) = motions._inertia * (1.0 - slip), motions._bracket(np.array([slip]))[0]
-    at, orbit, step = start, np.empty(K), (high - low) / 400.0
+    kernel = motions.spins(np.array([slip])).kernel
+    K = motions.positions
+    c = motions._inertia * (1.0 - slip)
+    (low, high) = motions._bracket(np.array([slip]))[0]
+    at = start
+    orbit = np.empty(K)
+    step = (high - low) / 400.0
 
     def left(x, before, p):
         slips = np.full(K, before)
@@ -115,7 +149,9 @@ def marched(one, slip, start):
                 sense = -math.copysign(1.0, rest)
                 while left(at + sense * step, before, p) * rest > 0.0:
                     at += sense * step
-                at = brentq(left, *sorted((at, at + sense * step)), args=(before, p), xtol=1e-15, rtol=1e-13)
+                at = brentq(
+                    left, *sorted((at, at + sense * step)), args=(before, p), xtol=1e-15, rtol=1e-13
+                )
             orbit[p] = at
         if abs(at - begin) < 1e-3 * step:
             break
@@ -126,12 +162,15 @@ def marched(one, slip, start):
 @pytest.mark.parametrize("slip", [0.02, 0.6])
 def test_rollers_are_sent_round_as_by_a_plain_march(drags, slip):
     one = balance("1032930-30C", slices=1, **{"cage.drag": drags, "operation.radial_load": "20 kN"})
-    motions, slips = one.motions, np.array([slip])
+    motions = one.motions
+    slips = np.array([slip])
     ends = motions._ends(motions.spins(slips), slips)
     found, _, left = motions._came_to(slips, ends, motions.spins(slips))
     for walker in range(2):
         want = marched(one, slip, ends[0, walker])
-        np.testing.assert_allclose(found[0, walker], want, atol=2e-3 * float(motions.unit(slips)[0]))
+        np.testing.assert_allclose(
+            found[0, walker], want, atol=2e-3 * float(motions.unit(slips)[0])
+        )
     assert left.max() < 1e-3, "of rolling on either ring, which are 1.8 units apart"
 
 
@@ -141,16 +180,21 @@ def test_rows_are_sent_round_as_each_by_itself():
     together = motions.at(slips)
     for slip, here in zip(slips, together, strict=True):
         alone = motions.at(np.array([slip]))[0]
-        assert [one.torque for one in alone] == pytest.approx([one.torque for one in here], rel=1e-9)
+        assert [one.torque for one in alone] == pytest.approx(
+            [one.torque for one in here], rel=1e-9
+        )
 
 
 def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last_bit(monkeypatch):
     """Where all load is at one position, and a table has room for that of one roller alone; and none with less."""
-    one, slips = scenes.balance(scenes.catalogue(4), positions=1), np.array([0.01, 0.3])
+    one = scenes.balance(scenes.catalogue(4), positions=1)
+    slips = np.array([0.01, 0.3])
 
     def found():
         motions = one.motions.like(instants=1, few=0)
-        return motions.spins(slips), [(motion.torque, *motion.share) for here in motions.at(slips) for motion in here]
+        return motions.spins(slips), [
+            (motion.torque, *motion.share) for here in motions.at(slips) for motion in here
+        ]
 
     _, whole = found()
     monkeypatch.setattr(raceway, "_ROOM", 0)
@@ -168,13 +212,20 @@ def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last
 # Of any bearing ------------------------------------------------------------------------------------------------------
 
 
-@given(number=st.integers(0, 300), resists=st.booleans(), part=st.floats(0.0, 1.0), slip=st.floats(1e-3, 0.9))
+@given(
+    number=st.integers(0, 300),
+    resists=st.booleans(),
+    part=st.floats(0.0, 1.0),
+    slip=st.floats(1e-3, 0.9),
+)
 @settings(max_examples=8, deadline=None)
 def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, part, slip):
     one = scenes.balance(scenes.catalogue(number, resists=resists))
-    motions, slips = one.motions, np.array([slip])
+    motions = one.motions
+    slips = np.array([slip])
     found = motions.at(slips)[0]
-    high, low = found[0].share, found[-1].share
+    high = found[0].share
+    low = found[-1].share
     low_end, high_end = motions._ends(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
     between = motions.at(slips, np.array([low_end + part * (high_end - low_end)]))[0][0]
     nearest = min(motions.apart(between.share, one) for one in (high, low))
@@ -192,8 +243,12 @@ def test_the_order_of_questions_changes_no_bit(number, order):
         asked.torque(slip)
     ways = [one.way() for one in (asked, untouched)]
     assert [m.torque for m in ways[0].path] == [m.torque for m in ways[1].path]
-    assert [attrs.astuple(jump)[1:2] for jump in ways[0].jumps] == [attrs.astuple(jump)[1:2] for jump in ways[1].jumps]
-    assert [asked.torque(slip) for slip in sorted(order)] == [untouched.torque(slip) for slip in sorted(order)]
+    assert [attrs.astuple(jump)[1:2] for jump in ways[0].jumps] == [
+        attrs.astuple(jump)[1:2] for jump in ways[1].jumps
+    ]
+    assert [asked.torque(slip) for slip in sorted(order)] == [
+        untouched.torque(slip) for slip in sorted(order)
+    ]
 
 
 @given(number=st.integers(0, 10_000))
@@ -204,15 +259,20 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
     for jump in way.jumps:
         known = max(jump.error, 1e-3)
         less, more = (
-            way.steady(lambda _, drag=part * jump.drag: -drag) for part in (1.0 - 5.0 * known, 1.0 + 5.0 * known)
+            way.steady(lambda _, drag=part * jump.drag: -drag)
+            for part in (1.0 - 5.0 * known, 1.0 + 5.0 * known)
         )
         assert any(steady.slip < jump.slip and steady.slope > 0.0 for steady in less)
         beyond = jump.to if jump.to == jump.to else RANGE
-        assert not [steady for steady in more if steady.slip < 0.5 * (jump.around(1e-3)[1] + beyond)]
+        assert not [
+            steady for steady in more if steady.slip < 0.5 * (jump.around(1e-3)[1] + beyond)
+        ]
 
 
 @pytest.mark.parametrize("share", [1e-3, 1e-2, 5e-2])
-@pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 9)])
+@pytest.mark.parametrize(
+    ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 9)]
+)
 def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, share):
     way = scenes.balance(getattr(scenes, kind)(number)).way()
     assert way.jumps
@@ -235,10 +295,15 @@ def test_slips_around_a_parabola_go_with_its_place():
     assert found == pytest.approx([-1.2, -1.0], abs=1e-9)
 
 
-@pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 9), ("catalogue", 19)])
-def test_the_error_told_of_a_jump_holds_against_four_times_the_positions_and_tells_something(kind, number):
+@pytest.mark.parametrize(
+    ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 9), ("catalogue", 19)]
+)
+def test_the_error_told_of_a_jump_holds_against_four_times_the_positions_and_tells_something(
+    kind, number
+):
     one = scenes.balance(getattr(scenes, kind)(number))
-    jumps, dense = one.way().jumps, scenes.finer(one, 4).way().jumps
+    jumps = one.way().jumps
+    dense = scenes.finer(one, 4).way().jumps
     assert len(jumps) == len(dense), "what positions alone bend down is no jump"
     for jump, finer in zip(jumps, dense, strict=True):
         assert jump.drag == pytest.approx(finer.drag, rel=jump.error + finer.error + 1e-6)
@@ -255,10 +320,15 @@ def test_a_maximum_up_to_the_end_of_the_range_that_finer_positions_do_not_have_i
     assert way.largest_error < 0.05
 
 
-@pytest.mark.parametrize(("kind", "number"), [("free", 1), ("free", 7), ("catalogue", 3), ("catalogue", 12)])
-def test_the_error_told_of_the_most_that_is_carried_holds_against_four_times_the_positions(kind, number):
+@pytest.mark.parametrize(
+    ("kind", "number"), [("free", 1), ("free", 7), ("catalogue", 3), ("catalogue", 12)]
+)
+def test_the_error_told_of_the_most_that_is_carried_holds_against_four_times_the_positions(
+    kind, number
+):
     one = scenes.balance(getattr(scenes, kind)(number))
-    way, dense = one.way(), scenes.finer(one, 4).way()
+    way = one.way()
+    dense = scenes.finer(one, 4).way()
     assert way.largest[1] == pytest.approx(dense.largest[1], rel=way.largest_error + 1e-6)
     assert way.largest_error < 0.03
 
@@ -269,14 +339,19 @@ def test_a_bearing_that_turns_the_other_way_has_the_same_way(number):
     scene = scenes.free(number)
     mirrored = evolve(scene, {"operation.inner_speed": -scene.operation.inner_speed})
     ways = [scenes.balance(one).way() for one in (scene, mirrored)]
-    assert [m.torque for m in ways[0].path] == pytest.approx([m.torque for m in ways[1].path], rel=1e-9)
+    assert [m.torque for m in ways[0].path] == pytest.approx(
+        [m.torque for m in ways[1].path], rel=1e-9
+    )
 
 
 @given(number=st.integers(0, 10_000), resists=st.sampled_from([None, True, False]))
 @settings(max_examples=3, deadline=None)
 def test_finer_slips_change_nothing_beyond_the_error_that_is_told(number, resists):
-    one = scenes.balance(scenes.free(number) if resists is None else scenes.catalogue(number, resists=resists))
-    way, dense = one.way(), one.way(steps=250)
+    one = scenes.balance(
+        scenes.free(number) if resists is None else scenes.catalogue(number, resists=resists)
+    )
+    way = one.way()
+    dense = one.way(steps=250)
     assert (way.runs_away is None) == (dense.runs_away is None)
     if (away := way.runs_away) is not None:
         known = away.error + dense.runs_away.error + 1e-6  # exactness of a vertex
@@ -289,7 +364,8 @@ def test_finer_slips_change_nothing_beyond_the_error_that_is_told(number, resist
 @settings(max_examples=3, deadline=None)
 def test_units_in_which_a_bearing_is_given_change_nothing(number):
     scene = scenes.free(number)
-    o, b = scene.operation, scene.bearing
+    o = scene.operation
+    b = scene.bearing
     written = evolve(
         scene,
         {
@@ -302,15 +378,20 @@ def test_units_in_which_a_bearing_is_given_change_nothing(number):
         },
     )
     ways = [scenes.balance(one).way() for one in (scene, written)]
-    assert [m.torque for m in ways[0].path] == pytest.approx([m.torque for m in ways[1].path], rel=1e-7)
-    assert [jump.drag for jump in ways[0].jumps] == pytest.approx([jump.drag for jump in ways[1].jumps], rel=1e-7)
+    assert [m.torque for m in ways[0].path] == pytest.approx(
+        [m.torque for m in ways[1].path], rel=1e-7
+    )
+    assert [jump.drag for jump in ways[0].jumps] == pytest.approx(
+        [jump.drag for jump in ways[1].jumps], rel=1e-7
+    )
 
 
 @pytest.mark.parametrize("number", [10040, 10110])
 def test_whether_a_slip_doubles_is_told_as_by_many_slips(number):
     """It is 2.01 times as large in both; straight lines between the slips of the search told 1.97 and 1.99."""
     one = scenes.balance(scenes.free(number))
-    away, dense = one.way(0.95).runs_away, one.way(0.95, steps=250).runs_away
+    away = one.way(0.95).runs_away
+    dense = one.way(0.95, steps=250).runs_away
     assert away is not None
     assert away.drag == pytest.approx(dense.drag, rel=away.error + dense.error + 1e-6)
     assert away.to == pytest.approx(dense.to, rel=1e-2)
@@ -330,7 +411,11 @@ def test_a_default_bearing_has_a_steady_slip_and_a_largest_drag_or_a_reserve(num
 @pytest.mark.parametrize("load", ["0 N", "200 N", "5 kN"])
 @pytest.mark.parametrize("inertia", [True, False])
 def test_slow_and_fast_bearings_of_any_load_have_a_way(speed, load, inertia):
-    changes = {"operation.inner_speed": speed, "operation.radial_load": load, "bearing.radial_clearance": "-2 um"}
+    changes = {
+        "operation.inner_speed": speed,
+        "operation.radial_load": load,
+        "bearing.radial_clearance": "-2 um",
+    }
     way = balance(inertia=inertia, slices=1, **changes).way()
     assert way.end == RANGE
     assert all(motion.sure for motion in way.path)
@@ -339,9 +424,11 @@ def test_slow_and_fast_bearings_of_any_load_have_a_way(speed, load, inertia):
 @pytest.mark.parametrize("number", [76, 299, 704])
 def test_rollers_without_load_at_a_few_rpm_carry_next_to_nothing_or_it_is_not_known(number):
     one = scenes.balance(scenes.wide(number))
-    away, runs = runaway(one, RANGE, ""), running(one, RANGE)
+    away = runaway(one, RANGE, "")
+    runs = running(one, RANGE)
     assert (
-        away.most < 1e-15 or "the search for the motion of the rollers did not settle at any cage slip" in away.status
+        away.most < 1e-15
+        or "the search for the motion of the rollers did not settle at any cage slip" in away.status
     )
     assert math.isnan(runs.slip)
 
@@ -349,7 +436,8 @@ def test_rollers_without_load_at_a_few_rpm_carry_next_to_nothing_or_it_is_not_kn
 def test_pocket_friction_and_effective_friction_have_a_way_and_both_rings_may_turn():
     plain = balance().way()
     pockets = balance(
-        slices=1, **{"cage.drag": ["petroff-land", {"model": "pocket-friction", "coefficient": 0.1}]}
+        slices=1,
+        **{"cage.drag": ["petroff-land", {"model": "pocket-friction", "coefficient": 0.1}]},
     ).way()
     simple = balance(effective=True).way()
     assert pockets.at_rest <= 0.0
@@ -390,11 +478,15 @@ def test_the_bend_of_a_parabola_is_its_second_derivative_and_none_is_told_at_a_g
 def test_what_a_maximum_may_be_over_the_largest_value_is_by_the_slopes_beside_it():
     # 1 and 2 at both sides of it, one apart: by the slope of the left side on the right one 1, the other way 2, of 4
     assert _rise([0.0, 1.0, 2.0], [3.0, 4.0, 2.0]) == pytest.approx(0.5)
-    assert _rise([0.0, 1.0, 2.0], [1.0, 2.0, 4.0]) == pytest.approx(1.0)  # still rises by 2: as far again, 2 * 2
+    assert _rise([0.0, 1.0, 2.0], [1.0, 2.0, 4.0]) == pytest.approx(
+        1.0
+    )  # still rises by 2: as far again, 2 * 2
 
 
 def test_a_motion_stays_that_goes_on_either_way_and_a_single_one_between_gaps_does_not():
-    way = curve(1.0, 2.0, 3.0, 4.0, gaps=(1, 2))  # the second by itself, the third begins one that goes on
+    way = curve(
+        1.0, 2.0, 3.0, 4.0, gaps=(1, 2)
+    )  # the second by itself, the third begins one that goes on
     assert [one.torque for one in _trusted(way)] == [1.0, 3.0, 4.0]
 
 
@@ -422,22 +514,30 @@ def in_time(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("row", IN_TIME, ids=[f"{row['kind']} {row['number']}" for row in IN_TIME])
-def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time_or_at_none_if_it_does_not(row, in_time):
+def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time_or_at_none_if_it_does_not(
+    row, in_time
+):
     away = in_time.of(row["kind"], int(row["number"]), row["resists"]).way().runs_away
     if not row["interval"]:
         assert away is None
         return
     known = in_time.ABOVE + away.error
-    low, high = (1.0 - known) * float(row["held [N m]"]), (1.0 + known) * float(row["runs away [N m]"])
+    low = (1.0 - known) * float(row["held [N m]"])
+    high = (1.0 + known) * float(row["runs away [N m]"])
     assert (low <= away.drag <= high) == (row["agrees"] == "1")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "number"), [("catalogue", 1), ("wide", 1), ("wide", 12), ("wide", 35)])
-def test_a_drag_a_thousandth_above_runs_away_in_time_and_a_hundredth_below_does_not(kind, number, in_time):
+@pytest.mark.parametrize(
+    ("kind", "number"), [("catalogue", 1), ("wide", 1), ("wide", 12), ("wide", 35)]
+)
+def test_a_drag_a_thousandth_above_runs_away_in_time_and_a_hundredth_below_does_not(
+    kind, number, in_time
+):
     one = in_time.of(kind, number, 0)
     away = one.way().runs_away
-    told, beyond = in_time.InTime(one, (away.slip, away.drag)), in_time.beyond_of(away)
+    told = in_time.InTime(one, (away.slip, away.drag))
+    beyond = in_time.beyond_of(away)
     held, state, slip, _ = told.held(told.start(), in_time.BELOW * away.drag, beyond, begin=0.0)
     assert held
     assert slip < away.slip

@@ -36,7 +36,9 @@ HERE = Path(__file__).resolve().parent
 TREE = HERE.parents[1]
 TABLE = HERE / "faults.toml"
 NOBODY = "nobody"  # saw it
-LEFT_OUT = shutil.ignore_patterns(".git", ".venv", ".hypothesis", "build", "_build", "*_cache", "htmlcov")
+LEFT_OUT = shutil.ignore_patterns(
+    ".git", ".venv", ".hypothesis", "build", "_build", "*_cache", "htmlcov"
+)
 COMPILED = {".pyx", ".pxd", ".h"}
 MOST_SECONDS = 600.0  # a fault may make a test endless; a loaded machine makes all of them slow
 
@@ -47,7 +49,9 @@ class Fault:
     tests: tuple[str, ...]
     old: str
     new: str
-    seen_by: str = ""  # a test, what else ended the tests, or nobody; empty where it was not planted yet
+    seen_by: str = (
+        ""  # a test, what else ended the tests, or nobody; empty where it was not planted yet
+    )
     why: str = ""  # no test can see it
 
     @property
@@ -76,7 +80,8 @@ def line_of(fault: Fault, text: str) -> int:
 def note(planted: Fault, seen_by: str) -> None:
     """Write into the list what saw a fault: another process may have written in between."""
     with filelock.FileLock(Path(tempfile.gettempdir()) / "rollslip-mutants.lock"):
-        lines, file = TABLE.read_text(encoding="utf-8").splitlines(), ""
+        lines = TABLE.read_text(encoding="utf-8").splitlines()
+        file = ""
         for k, line in enumerate(lines):
             if line.startswith("file = "):
                 file = tomllib.loads(line)["file"]
@@ -90,7 +95,11 @@ def note(planted: Fault, seen_by: str) -> None:
 
 def quoted(text: str) -> str:
     """Return a text as TOML has it."""
-    return json.dumps(text, ensure_ascii=False) if "'" in text or not text.isprintable() else f"'{text}'"
+    return (
+        json.dumps(text, ensure_ascii=False)
+        if "'" in text or not text.isprintable()
+        else f"'{text}'"
+    )
 
 
 def _tested(tree: Path, tests: tuple[str, ...], log: Path) -> NoReturn:
@@ -104,10 +113,21 @@ def _tested(tree: Path, tests: tuple[str, ...], log: Path) -> NoReturn:
         os.dup2(out, 2)
         os.chdir(tree)
         roots = [str(tree / root) for root in ("framework", "plugins", "kernels", ".")]
-        sys.path[:0], os.environ["PYTHONPATH"] = roots, os.pathsep.join(roots)
-        sys.dont_write_bytecode, os.environ["PYTHONDONTWRITEBYTECODE"] = True, "planted"
-        options = ["-n0", "-x", "-q", "--tb=line", "-pno:cacheprovider", "--hypothesis-profile=planted"]
-        options += ["-Wignore::pytest.PytestAssertRewriteWarning"]  # of hypothesis, which is imported before
+        sys.path[:0] = roots
+        os.environ["PYTHONPATH"] = os.pathsep.join(roots)
+        sys.dont_write_bytecode = True
+        os.environ["PYTHONDONTWRITEBYTECODE"] = "planted"
+        options = [
+            "-n0",
+            "-x",
+            "-q",
+            "--tb=line",
+            "-pno:cacheprovider",
+            "--hypothesis-profile=planted",
+        ]
+        options += [
+            "-Wignore::pytest.PytestAssertRewriteWarning"
+        ]  # of hypothesis, which is imported before
         status = int(pytest.main([*options, "--hypothesis-seed=0", *tests]))
         sys.stdout.flush()
     except BaseException:
@@ -118,7 +138,8 @@ def _tested(tree: Path, tests: tuple[str, ...], log: Path) -> NoReturn:
 
 def outcome_of(tree: Path, tests: tuple[str, ...]) -> tuple[str, str, float]:
     """Run tests in a fork, to the first failure; return the outcome, the test that failed, the seconds it took."""
-    log, began = tree / "tests.log", time.monotonic()
+    log = tree / "tests.log"
+    began = time.monotonic()
     if (child := os.fork()) == 0:
         _tested(tree, tests, log)
     status = None
@@ -132,7 +153,8 @@ def outcome_of(tree: Path, tests: tuple[str, ...]) -> tuple[str, str, float]:
             os.killpg(child, signal.SIGKILL)
         if status is None:
             os.waitpid(child, 0)
-    seconds, said = time.monotonic() - began, log.read_text(encoding="utf-8", errors="replace")
+    seconds = time.monotonic() - began
+    said = log.read_text(encoding="utf-8", errors="replace")
     if status == 0:
         return "survived", "", seconds
     if status is None:
@@ -151,10 +173,13 @@ def copied(tree: Path) -> Path:
     for old in (tree, pristine):
         shutil.rmtree(old, ignore_errors=True)
     shutil.copytree(TREE, tree, ignore=LEFT_OUT, symlinks=True)
-    setup, times = tree / "setup.py", (TREE / "setup.py").stat()
+    setup = tree / "setup.py"
+    times = (TREE / "setup.py").stat()
     setup.write_text(setup.read_text(encoding="utf-8").replace('"-O3"', '"-O1"'), encoding="utf-8")
     os.utime(setup, ns=(times.st_atime_ns, times.st_mtime_ns))
-    for path in (tree / "kernels").rglob("*.*"):  # a checkout may have written sources later than what was built
+    for path in (tree / "kernels").rglob(
+        "*.*"
+    ):  # a checkout may have written sources later than what was built
         if path.suffix in (".c", ".so"):
             os.utime(path)
     shutil.copytree(tree, pristine, symlinks=True)
@@ -186,10 +211,18 @@ def planted(fault: Fault, tree: Path, pristine: Path) -> Iterator[bool]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("only", nargs="*", help="plant only faults of files whose path holds one of these words")
-    parser.add_argument("--again", choices=[NOBODY, "all"], help="plant again what nobody saw, or all")
-    parser.add_argument("--part", default="1/1", help="K/N: every N-th fault from the K-th on, for N processes")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "only", nargs="*", help="plant only faults of files whose path holds one of these words"
+    )
+    parser.add_argument(
+        "--again", choices=[NOBODY, "all"], help="plant again what nobody saw, or all"
+    )
+    parser.add_argument(
+        "--part", default="1/1", help="K/N: every N-th fault from the K-th on, for N processes"
+    )
     asked = parser.parse_args()
     part, parts = (int(number) for number in asked.part.split("/"))
     table = faults()
@@ -212,30 +245,50 @@ def main() -> None:
     )
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[variable] = "1"
-    for library in ("numpy", "scipy.optimize", "scipy.integrate", "scipy.stats", "xarray", "h5netcdf", "rich.console"):
+    for library in (
+        "numpy",
+        "scipy.optimize",
+        "scipy.integrate",
+        "scipy.stats",
+        "xarray",
+        "h5netcdf",
+        "rich.console",
+    ):
         __import__(library)
     with tempfile.TemporaryDirectory(prefix="rollslip-mutants-") as folder:
         tree = Path(folder) / "tree"
         pristine = copied(tree)
-        sound, failing = set[str](), set[str]()
+        sound = set[str]()
+        failing = set[str]()
         for fault in chosen:
             line = line_of(fault, (tree / fault.file).read_text(encoding="utf-8"))
             with planted(fault, tree, pristine) as built:
-                first = [fault.seen_by] if "::" in fault.seen_by else []  # the test that saw it before soon does again
+                first = (
+                    [fault.seen_by] if "::" in fault.seen_by else []
+                )  # the test that saw it before soon does again
                 outcome, test, took = (
-                    outcome_of(tree, (*first, *fault.tests)) if built else ("killed", "cannot be built", 0.0)
+                    outcome_of(tree, (*first, *fault.tests))
+                    if built
+                    else ("killed", "cannot be built", 0.0)
                 )
             if "::" in test and test not in sound | failing:
                 (sound if outcome_of(tree, (test,))[0] == "survived" else failing).add(test)
             if test in failing:
-                print(f"{test} fails without a fault, too; mend it, then see what finds {fault.new!r} in {fault.file}")
+                print(
+                    f"{test} fails without a fault, too; mend it, then see what finds {fault.new!r} in {fault.file}"
+                )
                 continue
             note(fault, test or NOBODY)
-            print(f"{outcome:8} {took:6.1f} s  {fault.file}:{line}  {fault.old!r} -> {fault.new!r}  {test}", flush=True)
+            print(
+                f"{outcome:8} {took:6.1f} s  {fault.file}:{line}  {fault.old!r} -> {fault.new!r}  {test}",
+                flush=True,
+            )
     tried = [one for one in faults() if one.seen_by]
     unseen = [one for one in tried if one.seen_by == NOBODY]
     left = [one for one in unseen if not one.why]
-    print(f"{len(tried) - len(unseen)} of {len(tried)} were seen; {len(left)} were not, without a reason in the list")
+    print(
+        f"{len(tried) - len(unseen)} of {len(tried)} were seen; {len(left)} were not, without a reason in the list"
+    )
     sys.exit(bool(left or failing))
 
 

@@ -31,23 +31,32 @@ DEAR = {
 def test_a_result_that_no_memory_holds_is_refused_before_anything_runs(study, setting):
     name, number = setting
     scene = evolve(load_scene("1032930-50C"), {f"study.{study}.{name}": number})
-    with pytest.raises(SceneError, match=rf"study\.{study}\.{name} = 1e\+1[01] asks for at least .* GB of memory"):
+    with pytest.raises(
+        SceneError, match=rf"study\.{study}\.{name} = 1e\+1[01] asks for at least .* GB of memory"
+    ):
         plan(scene, study)
 
 
 def test_of_map_and_curve_the_one_that_asks_for_most_is_named():
     """8 numbers of 8 bytes for each of 1e6 cage slips and 2e6 - 1 roller slips."""
     scene = evolve(load_scene(SCENE), {"study.effective-friction.map_points": 10**6})
-    with pytest.raises(SceneError, match=r"effective-friction\.map_points = 1e\+06 asks for at least 1\.3e\+05 GB"):
+    with pytest.raises(
+        SceneError, match=r"effective-friction\.map_points = 1e\+06 asks for at least 1\.3e\+05 GB"
+    ):
         plan(scene)
 
 
 def test_memory_is_counted_in_bytes_and_enough_of_it_is_no_fault():
     """10 numbers of 8 bytes for each of a thousand points of one curve."""
-    scene = evolve(load_scene(SCENE), {"study.friction-curve": {"points": 1000, "normal_force": ["300 N"]}})
-    studies, assembly = settings(scene, "friction-curve"), assemble(scene)
+    scene = evolve(
+        load_scene(SCENE), {"study.friction-curve": {"points": 1000, "normal_force": ["300 N"]}}
+    )
+    studies = settings(scene, "friction-curve")
+    assembly = assemble(scene)
     require_memory(studies, assembly, 80_000.0)
-    with pytest.raises(SceneError, match=r"asks for at least 8e-05 GB of memory, and this machine has 8e-05 GB"):
+    with pytest.raises(
+        SceneError, match=r"asks for at least 8e-05 GB of memory, and this machine has 8e-05 GB"
+    ):
         require_memory(studies, assembly, 79_999.0)
 
 
@@ -60,8 +69,14 @@ def test_nine_of_ten_runs_take_half_to_three_times_what_was_foreseen():
     """What `duration_range` says rests on the times of docs/scripts/plan_times.py."""
     rows = rows_of(TABLES / "plan_times.csv")
     assert len(rows) == 300
-    once = [float(row["spent [s]"]) / float(row["told [s]"]) for row in rows if row["run again"] == "no"]
-    again = [float(row["spent [s]"]) / float(row["told [s]"]) for row in rows if row["run again"] == "yes"]
+    once = [
+        float(row["spent [s]"]) / float(row["told [s]"]) for row in rows if row["run again"] == "no"
+    ]
+    again = [
+        float(row["spent [s]"]) / float(row["told [s]"])
+        for row in rows
+        if row["run again"] == "yes"
+    ]
     assert len(once) >= 180
     assert sum(0.5 <= ratio <= 3.0 for ratio in once) >= 0.9 * len(once)
     assert np.median(again) > np.median(once)  # "longer if the check of a result asks for more"
@@ -71,8 +86,12 @@ def test_what_takes_long_is_told_in_words():
     scene = load_scene(SCENE)
     assert foreseen(assemble(scene), {}, 0.5 * LONG, 0) == []
     (told,) = foreseen(assemble(scene), {}, 7200.0, 10**6)
-    assert told.startswith("this will take 1 h 0 min to 6 h 0 min; 1.0e+06 laminae to evaluate; Ctrl-C")
-    (by_slices,) = foreseen(assemble(scene), {}, 0.0, 10**11)  # 20 ns each, whatever was estimated from small parts
+    assert told.startswith(
+        "this will take 1 h 0 min to 6 h 0 min; 1.0e+06 laminae to evaluate; Ctrl-C"
+    )
+    (by_slices,) = foreseen(
+        assemble(scene), {}, 0.0, 10**11
+    )  # 20 ns each, whatever was estimated from small parts
     assert "this will take 16 min 40 s to 1 h 40 min;" in by_slices
 
 
@@ -88,15 +107,25 @@ def test_only_what_runs_again_may_take_longer_than_a_plan_tells():
 def test_a_tolerance_that_nothing_reaches_is_told():
     scene = evolve(load_scene(SCENE), {"accuracy.tolerance": 1e-12})
     (told,) = foreseen(assemble(scene), {}, 0.0, 0)
-    assert told.startswith("accuracy.tolerance = 1e-12 is less than the finest of everything leaves")
+    assert told.startswith(
+        "accuracy.tolerance = 1e-12 is less than the finest of everything leaves"
+    )
     assert foreseen(assemble(evolve(scene, {"accuracy.tolerance": "exact"})), {}, 0.0, 0) == []
-    said = CliRunner().invoke(cli, ["plan", SCENE, "--study", "friction-curve", "--set", "accuracy.tolerance=1e-12"])
+    said = CliRunner().invoke(
+        cli, ["plan", SCENE, "--study", "friction-curve", "--set", "accuracy.tolerance=1e-12"]
+    )
     assert f"note: {told}" in said.stderr
 
 
 @pytest.mark.parametrize(
     ("seconds", "text"),
-    [(0.3, "0.3 s"), (59.0, "59 s"), (200.0, "3 min 20 s"), (7500.0, "2 h 5 min"), (1e6, "11 days")],
+    [
+        (0.3, "0.3 s"),
+        (59.0, "59 s"),
+        (200.0, "3 min 20 s"),
+        (7500.0, "2 h 5 min"),
+        (1e6, "11 days"),
+    ],
 )
 def test_a_time_reads_as_somebody_would_say_it(seconds, text):
     assert duration(seconds) == text

@@ -10,7 +10,11 @@ from rollslip.planning.json_schema import json_schema
 from rollslip.planning.keys import keys
 from rollslip.planning.new_scene import ASSUMED, new_scene
 
-SCENES = sorted(one.name for one in resources.files("rollslip_plugins.scenes").iterdir() if one.name.endswith(".toml"))
+SCENES = sorted(
+    one.name
+    for one in resources.files("rollslip_plugins.scenes").iterdir()
+    if one.name.endswith(".toml")
+)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +54,9 @@ def test_every_key_has_a_place_with_its_meaning(checked):
         at = checked.schema
         for name in row.key.removesuffix(".*").removesuffix("*").split("."):
             tables = [at, *at.get("anyOf", ())]
-            at = next((of["properties"][name] for of in tables if name in of.get("properties", {})), None)
+            at = next(
+                (of["properties"][name] for of in tables if name in of.get("properties", {})), None
+            )
             if at is None:
                 break
         assert at is not None or row.key.startswith(("sweep.", "uncertainty.")), row.key

@@ -23,7 +23,9 @@ def test_every_value_that_can_vary_is_a_key():
     known = {row.key for row in keys(models=True)}
     # the models in a model are shown by `rollslip models NAME`
     missing = [
-        key for key in varied if key not in known and key.count(".") < 3 and not key.startswith("models.traction")
+        key
+        for key in varied
+        if key not in known and key.count(".") < 3 and not key.startswith("models.traction")
     ]
     assert missing == []
 
@@ -57,14 +59,18 @@ def test_a_word_finds_its_keys(word, first):
 
 
 def test_a_word_that_no_key_has_gets_the_nearest():
-    with pytest.raises(SceneError, match=r"no key of a scene is called 'radial_laod'; did you mean 'radial_load'"):
+    with pytest.raises(
+        SceneError, match=r"no key of a scene is called 'radial_laod'; did you mean 'radial_load'"
+    ):
         keys_of("radial_laod")
 
 
 def completed(*arguments, word):
     return [
         item.value
-        for item in BashComplete(cli, {}, "rollslip", "_ROLLSLIP_COMPLETE").get_completions([*arguments], word)
+        for item in BashComplete(cli, {}, "rollslip", "_ROLLSLIP_COMPLETE").get_completions(
+            [*arguments], word
+        )
     ]
 
 
@@ -72,8 +78,17 @@ def test_shells_complete_scenes_keys_and_names(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pump.toml").write_text("")
     (tmp_path / "notes.txt").write_text("")
-    assert completed("run", word="") == ["1032930-30C", "1032930-50C", "1032930-70C", "gearbox", "turbine", "pump.toml"]
-    assert completed("run", "pump.toml", "--set", word="operation.rad") == ["operation.radial_load="]
+    assert completed("run", word="") == [
+        "1032930-30C",
+        "1032930-50C",
+        "1032930-70C",
+        "gearbox",
+        "turbine",
+        "pump.toml",
+    ]
+    assert completed("run", "pump.toml", "--set", word="operation.rad") == [
+        "operation.radial_load="
+    ]
     assert completed("schema", word="cage.land_r") == ["cage.land_radius"]
     assert completed("new", "a.toml", "--bearing", word="NU2326") == ["NU2326E"]
     assert completed("new", "a.toml", "--oil", word="iso-vg-3") == ["iso-vg-32", "iso-vg-320"]

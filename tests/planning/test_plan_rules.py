@@ -18,7 +18,13 @@ from rollslip.errors import SceneError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import verify
-from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts
+from rollslip.studies.bounds import (
+    BoundaryFriction,
+    ExactLaw,
+    Extremes,
+    InletHeating,
+    LightContacts,
+)
 from rollslip.studies.error_estimate import Bound, difference
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
@@ -36,7 +42,9 @@ BASE = evolve(
     },
 )
 #: Films so thick that asperities do not touch.
-SMOOTH = {f"surface.{part}_roughness": "10 nm" for part in ("inner_raceway", "outer_raceway", "roller")}
+SMOOTH = {
+    f"surface.{part}_roughness": "10 nm" for part in ("inner_raceway", "outer_raceway", "roller")
+}
 #: Held against this where the tolerance is at least 1e-3: it errs by some 3e-5.
 FINE = Resolution(slices=301, instants=32)
 
@@ -47,7 +55,9 @@ def cheap(x):
     return x[12] < 1 / 3 and x[8] < 15 / 16 and "maxwell" not in traction
 
 
-@pytest.mark.parametrize("k", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 12))])
+@pytest.mark.parametrize(
+    "k", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 12))]
+)
 def test_a_plan_keeps_the_error_that_a_scene_states(k):
     x = [x for x in points(128) if cheap(x)][k]
     verdict = judge(scene(x), FINE)
@@ -66,7 +76,10 @@ def test_a_plan_keeps_its_word_against_the_finest(k):
 
 @pytest.mark.quick
 def test_a_smaller_tolerance_takes_more_slices_and_instants():
-    chosen = [plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).estimated[STUDY] for t in (1e-2, 1e-3, 1e-4)]
+    chosen = [
+        plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).estimated[STUDY]
+        for t in (1e-2, 1e-3, 1e-4)
+    ]
     for coarse, fine in itertools.pairwise(chosen):
         assert fine.resolution.slices > 2 * coarse.resolution.slices
         assert fine.resolution.instants > coarse.resolution.instants
@@ -95,7 +108,9 @@ def test_fixed_slices_stay():
     assert made.assemblies[STUDY].slices == 33
     (row,) = (part for part in made.parts if part.part == "slices")
     assert "accuracy.slices fixes" in row.reason
-    coarse = execute(plan(evolve(BASE, {"accuracy.slices": 5, "accuracy.tolerance": 1e-4}), STUDY), STUDY)
+    coarse = execute(
+        plan(evolve(BASE, {"accuracy.slices": 5, "accuracy.tolerance": 1e-4}), STUDY), STUDY
+    )
     assert "raise accuracy.slices" in " ".join(json.loads(coarse.attrs["warnings"]))
 
 
@@ -104,7 +119,9 @@ def test_one_slice_serves_where_the_load_is_even():
     straight = evolve(BASE, {"bearing.profile": "none"})
     study = EffectiveFriction(points=11, map_points=0)
     one = study.run(assemble(straight, Resolution(slices=9, instants=2)))
-    circular = evolve(BASE, {"bearing.profile": {"shape": "circular", "radius": 1e7}})  # a drop of 3e-12 m
+    circular = evolve(
+        BASE, {"bearing.profile": {"shape": "circular", "radius": 1e7}}
+    )  # a drop of 3e-12 m
     nine = study.run(assemble(circular, Resolution(slices=9, instants=2)))
     assert (one.attrs["slices"], nine.attrs["slices"]) == (1, 9)
     np.testing.assert_allclose(nine.effective_friction, one.effective_friction, rtol=1e-5)
@@ -122,7 +139,9 @@ def test_unloaded_contacts_take_no_part():
     force = (raceways.distribution.inner_load * assembly.widths).ravel()
     for k, found in enumerate(raceways.curve(slip)[0]):
         least = np.where(load > 0.0, load, load[load > 0.0].min())
-        friction = assembly.inner.evaluate(least, speeds.inner_rolling[k], speeds.inner_sliding[k]).friction
+        friction = assembly.inner.evaluate(
+            least, speeds.inner_rolling[k], speeds.inner_sliding[k]
+        ).friction
         assert found == pytest.approx(friction @ force / force.sum(), rel=1e-12)
 
 
@@ -145,8 +164,11 @@ def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
     assert honest.estimated[STUDY].resolution.boundary
     left_out = (BoundaryFriction(1.5),)
     chosen = attrs.evolve(honest.estimated[STUDY], left_out=left_out)
-    wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(STUDY, attrs.evolve(chosen.resolution, boundary=False))
-    result, unguarded = execute(wrong, STUDY), execute(honest, STUDY)
+    wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(
+        STUDY, attrs.evolve(chosen.resolution, boundary=False)
+    )
+    result = execute(wrong, STUDY)
+    unguarded = execute(honest, STUDY)
     assert np.array_equal(result.effective_friction, unguarded.effective_friction)
     (said,) = json.loads(result.attrs["taken_back"])
     assert "boundary friction was left out, but a film parameter of" in said
@@ -156,18 +178,29 @@ def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
 @pytest.mark.quick
 def test_a_closed_form_serves_only_within_its_bounds():
     traction = {"model": "maxwell-eyring"}
-    stiff = {"models.traction": traction, "lubricant.shear_modulus": "1 GPa", "lubricant.eyring_stress": "10 MPa"}
-    named = evolve(BASE, stiff | {"study.effective-friction.max_cage_slip": 1e-4, "accuracy.tolerance": 2e-2})
+    stiff = {
+        "models.traction": traction,
+        "lubricant.shear_modulus": "1 GPa",
+        "lubricant.eyring_stress": "10 MPa",
+    }
+    named = evolve(
+        BASE, stiff | {"study.effective-friction.max_cage_slip": 1e-4, "accuracy.tolerance": 2e-2}
+    )
     made = plan(named, STUDY)
     resolution = made.estimated[STUDY].resolution
     if resolution.traction == "named":
-        pytest.fail(f"the closed form should serve at this little slip: {made.estimated[STUDY].errors}")
+        pytest.fail(
+            f"the closed form should serve at this little slip: {made.estimated[STUDY].errors}"
+        )
     result = execute(made, STUDY)
     exact = execute(made.at(STUDY, attrs.evolve(resolution, traction="named")), STUDY)
     scale = np.abs(exact.effective_friction).max("cage_slip")
-    assert float((np.abs(result.effective_friction - exact.effective_friction) / scale).max()) <= 2e-3
+    assert (
+        float((np.abs(result.effective_friction - exact.effective_friction) / scale).max()) <= 2e-3
+    )
     assert plan(evolve(BASE, stiff), STUDY).estimated[STUDY].resolution.traction == "named"
-    law, most = get_model("traction", "maxwell-eyring"), {"strain_rate": 1e-9, "deborah": 1.0, "heating": 1e9}
+    law = get_model("traction", "maxwell-eyring")
+    most = {"strain_rate": 1e-9, "deborah": 1.0, "heating": 1e9}
     tight = attrs.evolve(made.estimated[STUDY], left_out=(ExactLaw(law, most),))
     again = execute(attrs.evolve(made, estimated={STUDY: tight}).at(STUDY, resolution), STUDY)
     assert np.array_equal(again.effective_friction, exact.effective_friction)
@@ -177,7 +210,9 @@ def test_a_closed_form_serves_only_within_its_bounds():
 @pytest.mark.parametrize("flash", [0.97, 1.001])
 def test_a_law_says_the_groups_in_which_its_closed_form_departs_from_it(flash):
     """sigma = 2.5, D = 0.02, Phi = 0.1 of round numbers by hand, but for the flash temperature of the surfaces."""
-    conditions = Conditions(eyring_stress=4e6, shear_modulus=5e5, effusivity=13000.0, conductivity=0.12, roughness=1e-7)
+    conditions = Conditions(
+        eyring_stress=4e6, shear_modulus=5e5, effusivity=13000.0, conductivity=0.12, roughness=1e-7
+    )
     slices = Slices(
         2,
         conditions,
@@ -192,11 +227,14 @@ def test_a_law_says_the_groups_in_which_its_closed_form_departs_from_it(flash):
     extremes = Extremes(law)
     extremes(slices)
     zeta = flash * math.sqrt(1e-4 / math.pi) / 13000.0 + 1e-6 / (12 * 0.12)
-    assert extremes.groups == pytest.approx({"strain_rate": 2.5, "deborah": 0.02, "heating": 0.04 * zeta * 1.6e7})
+    assert extremes.groups == pytest.approx(
+        {"strain_rate": 2.5, "deborah": 0.02, "heating": 0.04 * zeta * 1.6e7}
+    )
     assert Extremes(get_model("traction", "muraki")).groups == {}
     ExactLaw(law, extremes.groups)(slices)
     with pytest.raises(
-        BoundBrokenError, match=r"'maxwell-eyring' was left out, but a deborah of 0\.02 is above 0\.019"
+        BoundBrokenError,
+        match=r"'maxwell-eyring' was left out, but a deborah of 0\.02 is above 0\.019",
     ):
         ExactLaw(law, extremes.groups | {"deborah": 0.019})(slices)
 
@@ -217,11 +255,16 @@ def test_a_result_says_what_was_estimated_and_found():
     result = execute(made, STUDY)
     rows = {row["result"]: row for row in json.loads(result.attrs["accuracy"])}
     assert rows.keys() == {"friction", "critical_slip", "film parameter"}
-    assert all(row["how"] == "a posteriori" and row["found"] <= row["tolerance"] for row in rows.values())
+    assert all(
+        row["how"] == "a posteriori" and row["found"] <= row["tolerance"] for row in rows.values()
+    )
     verified = verify(made, STUDY, result)
     for row in json.loads(verified.attrs["accuracy"]):
         assert row["how"] == "against the finest"
-        assert row["result"] == "film parameter" or row["found"] <= row["estimated"] <= row["tolerance"]
+        assert (
+            row["result"] == "film parameter"
+            or row["found"] <= row["estimated"] <= row["tolerance"]
+        )
     assert verified.drop_attrs().identical(result.drop_attrs())
     assert set(json.loads(result.attrs["cost"])) == {"estimated", "actual"}
 
@@ -240,7 +283,9 @@ def test_a_critical_slip_that_only_one_of_both_results_has_is_a_broken_word():
     result = execute(made, STUDY)
     result["critical_cage_slip"][:] = np.nan
     (said, *_) = json.loads(verify(made, STUDY, result).attrs["warnings"])
-    assert said.startswith("critical slip has a value either here or in the finest result, but not in both")
+    assert said.startswith(
+        "critical slip has a value either here or in the finest result, but not in both"
+    )
 
 
 @pytest.mark.quick
@@ -265,9 +310,14 @@ def test_what_cannot_be_estimated_is_left_to_the_run():
 
 def test_a_bound_is_that_of_the_largest_error():
     bound = Bound.over((2, 4), [{"friction": 1e-2}, {"friction": 5e-3}], 8)
-    assert bound.constants["friction"] == pytest.approx(max(4e-2 / (1 - 1 / 16), 8e-2 / (1 - 1 / 4)))
-    assert bound.needed({"friction": 1e-4}) == pytest.approx((bound.constants["friction"] / 1e-4) ** 0.5)
-    one, two = (np.array([[1.0, 2.0]]), np.array([0.1])), (np.array([[1.0, 2.2]]), np.array([np.nan]))
+    assert bound.constants["friction"] == pytest.approx(
+        max(4e-2 / (1 - 1 / 16), 8e-2 / (1 - 1 / 4))
+    )
+    assert bound.needed({"friction": 1e-4}) == pytest.approx(
+        (bound.constants["friction"] / 1e-4) ** 0.5
+    )
+    one = (np.array([[1.0, 2.0]]), np.array([0.1]))
+    two = (np.array([[1.0, 2.2]]), np.array([np.nan]))
     assert difference(one, one) == {"friction": 0.0, "critical_slip": 0.0}
     assert difference(two, one) == {"friction": pytest.approx(0.1), "critical_slip": np.inf}
 
@@ -279,8 +329,15 @@ def test_a_followed_branch_is_watched_too():
         BASE,
         {
             "bearing.profile": "none",
-            "study.steady-slip": {"points": 6, "max_cage_slip": 0.3, "temperature": ["70 degC", "110 degC"]},
-            **{f"surface.{part}_roughness": "0.19 um" for part in ("inner_raceway", "outer_raceway", "roller")},
+            "study.steady-slip": {
+                "points": 6,
+                "max_cage_slip": 0.3,
+                "temperature": ["70 degC", "110 degC"],
+            },
+            **{
+                f"surface.{part}_roughness": "0.19 um"
+                for part in ("inner_raceway", "outer_raceway", "roller")
+            },
         },
     )
     made = plan(cool, "steady-slip")
@@ -304,7 +361,10 @@ HEAVY = evolve(
         "study.effective-friction.max_cage_slip": 0.5,
     },
 )
-PARTS = {"inlet_heating": ("thermal inlet shear", InletHeating), "light_contacts": ("pressure", LightContacts)}
+PARTS = {
+    "inlet_heating": ("thermal inlet shear", InletHeating),
+    "light_contacts": ("pressure", LightContacts),
+}
 
 
 def kept(made):
@@ -312,13 +372,22 @@ def kept(made):
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 3e-2])
-@pytest.mark.parametrize(("speed", "load"), [("40 rpm", "60 kN"), ("400 rpm", "20 kN"), ("4000 rpm", "3 kN")])
+@pytest.mark.parametrize(
+    ("speed", "load"), [("40 rpm", "60 kN"), ("400 rpm", "20 kN"), ("4000 rpm", "3 kN")]
+)
 def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, load, tolerance):
-    changes = {"accuracy.tolerance": tolerance, "operation.inner_speed": speed, "operation.radial_load": load}
+    changes = {
+        "accuracy.tolerance": tolerance,
+        "operation.inner_speed": speed,
+        "operation.radial_load": load,
+    }
     heavy = evolve(HEAVY, changes)
     made = plan(heavy, STUDY)
     result = execute(made, STUDY)
-    whole = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, inlet_heating=True, light_contacts=True))
+    whole = made.at(
+        STUDY,
+        attrs.evolve(made.estimated[STUDY].resolution, inlet_heating=True, light_contacts=True),
+    )
     for name, (part, bound) in PARTS.items():
         without = attrs.evolve(whole.estimated[STUDY].resolution, **{name: False})
         own = execute(whole, STUDY).effective_friction.to_numpy()
@@ -361,9 +430,21 @@ def test_models_that_are_compared_keep_all_their_parts():
 
 
 def test_mistakes_of_studies_oil_and_cage_are_told_at_once():
-    wrong = {"study.steady-slip.poins": 3, "study.dyn": {}, "lubricant": "nope", "cage.mas": 3, "models.film": "mos"}
+    wrong = {
+        "study.steady-slip.poins": 3,
+        "study.dyn": {},
+        "lubricant": "nope",
+        "cage.mas": 3,
+        "models.film": "mos",
+    }
     with pytest.raises(SceneError) as caught:
         plan(evolve(load_scene("gearbox"), wrong))
     told = " ".join(caught.value.problems)
-    parts = ("steady-slip.poins", "study.dyn:", "no lubricant is called 'nope'", "cage.mas", "no film is called 'mos'")
+    parts = (
+        "steady-slip.poins",
+        "study.dyn:",
+        "no lubricant is called 'nope'",
+        "cage.mas",
+        "no film is called 'mos'",
+    )
     assert [told.count(part) for part in parts] == [1] * len(parts)

@@ -40,7 +40,11 @@ JUMPS = evolve(
             "roller_roughness": "0.16 um",
         },
         "lubricant": {"name": "santotrac-50", "eyring_stress": "4 MPa"},
-        "operation": {"inner_speed": "5.3 rpm", "radial_load": "12.25 kN", "temperature": "137 degC"},
+        "operation": {
+            "inner_speed": "5.3 rpm",
+            "radial_load": "12.25 kN",
+            "temperature": "137 degC",
+        },
         "models.traction": {"model": "lambda-blend", "hydrodynamic": "muraki"},
         f"study.{STUDY}": {
             "closure": "free-roller",
@@ -64,7 +68,11 @@ def test_rollers_that_jump_between_two_balances_are_told_of():
     assert actual > 3.0 * row["tolerance"]
     assert row["estimated"] < row["tolerance"]
     assert row["found"] >= 0.5 * actual
-    (said,) = (text for text in json.loads(result.attrs["warnings"]) if text.startswith("friction is off by about"))
+    (said,) = (
+        text
+        for text in json.loads(result.attrs["warnings"])
+        if text.startswith("friction is off by about")
+    )
     assert f"about {row['found']:.1e}, more than the tolerance of 0.001" in said
     assert said.endswith("the positions; type --set accuracy.tolerance=exact")
 
@@ -79,13 +87,27 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     assert json.loads(result.attrs["resolution"])["instants"] == 128
     fine = finer(made.studies[STUDY], JUMPS, resolution, 8)
     planned = execute(made, STUDY, exactly=True)
-    before, after = (errors_between(made.studies[STUDY].judged, one, fine)["friction"] for one in (planned, result))
+    before, after = (
+        errors_between(made.studies[STUDY].judged, one, fine)["friction"]
+        for one in (planned, result)
+    )
     assert after < 0.5 * before
-    assert [text for text in json.loads(result.attrs["warnings"]) if text.startswith("friction is off by about")]
-    (line,) = (one for one in json.loads(result.attrs["plan"]) if one["part"] == "load distribution")
+    assert [
+        text
+        for text in json.loads(result.attrs["warnings"])
+        if text.startswith("friction is off by about")
+    ]
+    (line,) = (
+        one for one in json.loads(result.attrs["plan"]) if one["part"] == "load distribution"
+    )
     assert line["resolution"] == "7 rollers, 128 roller positions within a pitch"
-    assert re.search(r"96 instants were seen to leave friction off by \d\.\de-03, so it was run again$", line["reason"])
-    (line_before,) = (one for one in json.loads(planned.attrs["plan"]) if one["part"] == line["part"])
+    assert re.search(
+        r"96 instants were seen to leave friction off by \d\.\de-03, so it was run again$",
+        line["reason"],
+    )
+    (line_before,) = (
+        one for one in json.loads(planned.attrs["plan"]) if one["part"] == line["part"]
+    )
     assert line["seconds"] == pytest.approx(128 / 24 * line_before["seconds"])
 
 
@@ -102,29 +124,43 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
         return refined(made.studies[STUDY], assembly, estimated, error)
 
     held = attrs.evolve(epicyclic.scene, accuracy=attrs.evolve(epicyclic.scene.accuracy, slices=7))
-    fixed = assemble(held, attrs.evolve(epicyclic.estimated[STUDY].resolution, slices=7, instants=10))
-    study, of = epicyclic.studies[STUDY], attrs.evolve(epicyclic.estimated[STUDY], resolution=fixed.resolution)
-    for alone, made in ({"friction": 2e-3}, False), ({"friction": 5e-4}, True):  # of laminae that the scene fixes
+    fixed = assemble(
+        held, attrs.evolve(epicyclic.estimated[STUDY].resolution, slices=7, instants=10)
+    )
+    study = epicyclic.studies[STUDY]
+    of = attrs.evolve(epicyclic.estimated[STUDY], resolution=fixed.resolution)
+    for alone, made in (
+        ({"friction": 2e-3}, False),
+        ({"friction": 5e-4}, True),
+    ):  # of laminae that the scene fixes
         left = {"slices": {"friction": 5e-4}, "instants": {"friction": 2e-3}}
         seen = ErrorEstimate(
-            errors=left, at_once={"friction": 3e-3}, alone={"slices": alone, "instants": left["instants"]}
+            errors=left,
+            at_once={"friction": 3e-3},
+            alone={"slices": alone, "instants": left["instants"]},
         )
         assert (refined(study, fixed, of, seen) is not None) == made
     off = {"friction": 4e-3}
     assert then(epicyclic, {"friction": 9e-4}, {}) is None
     second = then(epicyclic, off, {"friction": 2.0})
     assert second.resolution.instants == math.ceil(10 * math.sqrt(4.0 / 0.35))
-    assert second.errors["instants"]["friction"] == pytest.approx(4e-3 * (10 / second.resolution.instants) ** 2)
+    assert second.errors["instants"]["friction"] == pytest.approx(
+        4e-3 * (10 / second.resolution.instants) ** 2
+    )
     assert then(epicyclic, off, {"friction": 1.0}).resolution.instants == 40  # four times at most
     assert then(epicyclic, off, {"friction": 0.1}).resolution.instants == 40  # few may err alike
-    assert then(free, off, {"friction": 0.1}).resolution.instants == 40  # jumps fall with the first order
+    assert (
+        then(free, off, {"friction": 0.1}).resolution.instants == 40
+    )  # jumps fall with the first order
     assert then(free, off, {"friction": 0.1}, seen="once").resolution.instants == 40
     orbit = JUMPS.bearing.rollers * epicyclic.estimated[STUDY].resolution.slices * 40
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
             patched.setattr("rollslip.studies.error_estimate._MAX_SLICES", most)
             assert (then(epicyclic, off, {"friction": 1.0}) is not None) == made
-    hidden = then(epicyclic, {"friction": 1e-4}, {}, {"friction": 2e-3})  # parts err against each other
+    hidden = then(
+        epicyclic, {"friction": 1e-4}, {}, {"friction": 2e-3}
+    )  # parts err against each other
     assert hidden.resolution.instants == math.ceil(10 * math.sqrt(2.0 / 0.7))
     assert then(epicyclic, {"friction": 1e-4}, {}, {"film parameter": 9e-4}) is None
     exact = plan(evolve(JUMPS, {"accuracy.tolerance": "exact"}), STUDY)
@@ -154,7 +190,8 @@ def test_no_number_of_an_answer_is_off_in_silence():
     assert [int(row["scene"]) for row in rows] == list(range(1000))
     for row in rows:
         if not (refused := row["verdict"] == "refused"):
-            off, may = float(row["off"]), max(float(row["tolerance"]), float(row["claimed"]))
+            off = float(row["off"])
+            may = max(float(row["tolerance"]), float(row["claimed"]))
             assert row["verdict"] == "told" or off <= 1.01 * may, row
         assert bool(row["number"]) != refused
     told = rows_of(TABLES / "accuracy_scenes.csv")
@@ -182,7 +219,9 @@ def test_what_few_slips_take_for_nothing_is_taken_back_where_it_moves_a_number(k
     off = abs(result["critical_cage_slip"] / fine["critical_cage_slip"] - 1.0)
     assert float(off.max()) < 1e-3
     planned = execute(plan(_hidden(k), STUDY), STUDY, exactly=True)
-    (found,) = (row["found"] for row in json.loads(planned.attrs["accuracy"]) if row["result"] == HIDDEN[k])
+    (found,) = (
+        row["found"] for row in json.loads(planned.attrs["accuracy"]) if row["result"] == HIDDEN[k]
+    )
     assert found > 1e-3
 
 
@@ -192,7 +231,10 @@ def test_laminae_that_hardly_touch_move_no_friction():
     assert result.attrs["slices"] < 100
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     assert rows["friction"] < 1e-3
-    assert errors_between({"friction": "effective_friction"}, result, _finer(141, result))["friction"] < 1e-3
+    assert (
+        errors_between({"friction": "effective_friction"}, result, _finer(141, result))["friction"]
+        < 1e-3
+    )
 
 
 def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
@@ -202,7 +244,8 @@ def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
     """
     result = execute(plan(_hidden(557), STUDY), STUDY)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
-    actual, bound = _film_off(result, _finer(557, result)), rows[f"film parameter{WHERE_JUMPED}"]
+    actual = _film_off(result, _finer(557, result))
+    bound = rows[f"film parameter{WHERE_JUMPED}"]
     assert actual > 1e-3
     assert actual < bound < 10.0 * actual
     said = f"film parameter, where rollers jump, is off by {bound:.1e} at most: it is that just"
@@ -213,7 +256,9 @@ def test_a_film_that_is_thin_at_the_minimum_load_takes_boundary_friction_back():
     """At 3.5 N the films are full; at the 0.3 kN of an acceptable slip they are not, and the load is 8 % less."""
     made = plan(way_up_scenes.wide(100_004), "steady-slip")
     (left,) = made.estimated["steady-slip"].left_out
-    with pytest.raises(BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."):
+    with pytest.raises(
+        BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."
+    ):
         made.studies["steady-slip"].only(made.assemblies["steady-slip"], frozenset({"least_load"}))
     assert left.what == "boundary friction"
 
@@ -224,7 +269,8 @@ def _hidden(k):
 
 def _finer(k, result):
     """Four times as many of all, with all models of a contact."""
-    slices, instants = int(result.attrs["slices"]), int(result.attrs["instants"])
+    slices = int(result.attrs["slices"])
+    instants = int(result.attrs["instants"])
     resolution = Resolution(slices=4 * slices + 1, quadrature="gauss", instants=4 * instants + 1)
     return plan(_hidden(k), STUDY).studies[STUDY].run(assemble(_hidden(k), resolution))
 
@@ -248,13 +294,21 @@ def test_too_few_slices_or_instants_are_seen(slices, instants):
     """The error found is that of the finest, from a third of it to three times as much."""
     one = evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic", "bearing.profile": "iso16281"})
     made = plan(one, STUDY)
-    coarse = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=slices, instants=instants))
+    coarse = made.at(
+        STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=slices, instants=instants)
+    )
     result = execute(coarse, STUDY, exactly=True)
-    rows, verified = (json.loads(d.attrs["accuracy"]) for d in (result, verify(coarse, STUDY, result)))
-    found, actual = ({row["result"]: row["found"] for row in of}["friction"] for of in (rows, verified))
+    rows, verified = (
+        json.loads(d.attrs["accuracy"]) for d in (result, verify(coarse, STUDY, result))
+    )
+    found, actual = (
+        {row["result"]: row["found"] for row in of}["friction"] for of in (rows, verified)
+    )
     assert actual > 5e-4
     assert 1.0 / 3.0 <= found / actual <= 3.0
-    assert any(text.startswith("friction is off by about") for text in json.loads(result.attrs["warnings"]))
+    assert any(
+        text.startswith("friction is off by about") for text in json.loads(result.attrs["warnings"])
+    )
 
 
 def test_a_kept_word_has_no_warning():
@@ -262,7 +316,8 @@ def test_a_kept_word_has_no_warning():
     result = execute(made, STUDY)
     assert all(row["found"] <= row["tolerance"] for row in json.loads(result.attrs["accuracy"]))
     assert not any(
-        "--set accuracy." in text or " is off by about" in text for text in json.loads(result.attrs["warnings"])
+        "--set accuracy." in text or " is off by about" in text
+        for text in json.loads(result.attrs["warnings"])
     )
 
 
@@ -271,20 +326,32 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
     errors = {"instants": {"friction": 1e-2}}
     for order, typed in ((2.0, "5e-05"), (1.0, "5e-06")):
-        (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": order}))
-        assert f"with the order {order:.1f} of the positions; type --set accuracy.friction={typed}" in said
+        (said,) = error_warnings(
+            made, STUDY, ErrorEstimate(errors=errors, orders={"friction": order})
+        )
+        assert (
+            f"with the order {order:.1f} of the positions; type --set accuracy.friction={typed}"
+            in said
+        )
     (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": 0.1}))
     assert "it does not fall with the positions; type --set accuracy.tolerance=exact" in said
     most = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, instants=128))
-    assert "raise accuracy.friction; this is the finest" in error_warnings(most, STUDY, ErrorEstimate(errors=errors))[0]
-    (said,) = error_warnings(made, STUDY, ErrorEstimate(errors={"instants": {"critical_slip": np.inf}}))
+    assert (
+        "raise accuracy.friction; this is the finest"
+        in error_warnings(most, STUDY, ErrorEstimate(errors=errors))[0]
+    )
+    (said,) = error_warnings(
+        made, STUDY, ErrorEstimate(errors={"instants": {"critical_slip": np.inf}})
+    )
     assert said.startswith("how far critical slip is off cannot be determined")
     assert error_warnings(made, STUDY, ErrorEstimate(errors={"instants": {"friction": 9e-4}})) == []
 
 
 def test_what_slices_and_instants_hide_from_each_other_is_told():
     made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
-    error = ErrorEstimate(errors={"instants": {"friction": 2e-4}}, at_once={"friction": 1.3e-3, "cage slip": 3e-3})
+    error = ErrorEstimate(
+        errors={"instants": {"friction": 2e-4}}, at_once={"friction": 1.3e-3, "cage slip": 3e-3}
+    )
     assert error.total == {"friction": 1.3e-3, "cage slip": 3e-3}
     friction, slip = error_warnings(made, STUDY, error)
     assert friction.startswith("friction is off by about 1.3e-03, more than the tolerance of 0.001")
@@ -296,7 +363,9 @@ def test_what_slices_and_instants_hide_from_each_other_is_told():
 def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
     """Of a tolerance of 1e-3 both aim at 0.7, less what the other leaves, but at 0.35 each at least."""
     made = plan(evolve("gearbox", {"accuracy.tolerance": 1e-3}), STUDY)
-    assembly = made.assembly.at(attrs.evolve(made.estimated[STUDY].resolution, slices=20, instants=10))
+    assembly = made.assembly.at(
+        attrs.evolve(made.estimated[STUDY].resolution, slices=20, instants=10)
+    )
     estimated = attrs.evolve(made.estimated[STUDY], resolution=assembly.resolution)
 
     def numbers(slices, instants):
@@ -308,16 +377,25 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
 
     assert numbers(2e-3, 1e-4) == (math.ceil(20 * math.sqrt(2.0 / 0.6)), 10)
     assert numbers(1e-4, 2e-3) == (20, math.ceil(10 * math.sqrt(2.0 / 0.6)))
-    assert numbers(1e-3, 1e-3) == (math.ceil(20 * math.sqrt(1.0 / 0.35)), math.ceil(10 * math.sqrt(1.0 / 0.35)))
+    assert numbers(1e-3, 1e-3) == (
+        math.ceil(20 * math.sqrt(1.0 / 0.35)),
+        math.ceil(10 * math.sqrt(1.0 / 0.35)),
+    )
     assert numbers(6e-2, 1e-4) == (80, 10)  # four times at most
 
 
 SEEN = {
     "friction torque": (100_100, "friction_torque"),
     "minimum load": (0, "least_load"),
-    "film parameter": (100_064, "film_parameter"),  # rollers all but stand, by a slip that is off by 1e-3 and less
+    "film parameter": (
+        100_064,
+        "film_parameter",
+    ),  # rollers all but stand, by a slip that is off by 1e-3 and less
     "largest drag": (100_086, "largest_drag"),
-    "reserve to slipping": (100_140, "acceptable_reserve"),  # below zero: the cage slips more than is acceptable
+    "reserve to slipping": (
+        100_140,
+        "acceptable_reserve",
+    ),  # below zero: the cage slips more than is acceptable
 }
 
 
@@ -339,15 +417,24 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
 
 @pytest.mark.parametrize(
     ("number", "slices", "instants", "name", "variable"),
-    [(100_296, 45, 6, "cage slip", "steady_slip"), (100_940, 18, 8, "film parameter", "film_parameter")],
+    [
+        (100_296, 45, 6, "cage slip", "steady_slip"),
+        (100_940, 18, 8, "film parameter", "film_parameter"),
+    ],
 )
-def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(number, slices, instants, name, variable):
+def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
+    number, slices, instants, name, variable
+):
     """There points of Gauss's rule lie farther apart than equal ones: twice as many would tell half of the error."""
     made = plan(way_up_scenes.wide(number), "steady-slip")
-    resolution = attrs.evolve(made.estimated["steady-slip"].resolution, slices=slices, instants=instants)
+    resolution = attrs.evolve(
+        made.estimated["steady-slip"].resolution, slices=slices, instants=instants
+    )
     assert resolution.quadrature == "equal"
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
-    finest = attrs.evolve(resolution, slices=8 * slices + 1, quadrature="gauss", instants=4 * instants + 1)
+    finest = attrs.evolve(
+        resolution, slices=8 * slices + 1, quadrature="gauss", instants=4 * instants + 1
+    )
     fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
     actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
     assert actual > made.scene.accuracy.tolerance
@@ -356,12 +443,24 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(nu
 
 
 def test_the_thinnest_film_of_a_curve_is_seen_too():
-    made = plan(evolve(load_scene("1032930-70C"), {"accuracy.slices": 7, f"study.{STUDY}.map_points": 0}), STUDY)
+    made = plan(
+        evolve(load_scene("1032930-70C"), {"accuracy.slices": 7, f"study.{STUDY}.map_points": 0}),
+        STUDY,
+    )
     result = execute(made, STUDY)
-    (found,) = (row["found"] for row in json.loads(result.attrs["accuracy"]) if row["result"] == "film parameter")
+    (found,) = (
+        row["found"]
+        for row in json.loads(result.attrs["accuracy"])
+        if row["result"] == "film parameter"
+    )
     finest = attrs.evolve(made.estimated[STUDY].resolution, slices=100, quadrature="gauss")
     fine = made.studies[STUDY].run(assemble(made.scene, finest))
-    actual = float(abs(result["film_parameter"].min("cage_slip") / fine["film_parameter"].min("cage_slip") - 1.0).max())
+    actual = float(
+        abs(
+            result["film_parameter"].min("cage_slip") / fine["film_parameter"].min("cage_slip")
+            - 1.0
+        ).max()
+    )
     assert actual > 5e-4
     assert 0.5 * actual <= found <= 5.0 * actual
 
@@ -371,7 +470,9 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
     made = plan(way_up_scenes.wide(100_076), "steady-slip")
     result = execute(made, "steady-slip", exactly=True)
     own = made.estimated["steady-slip"].resolution
-    finest = attrs.evolve(own, slices=4 * own.slices + 1, quadrature="gauss", instants=4 * own.instants + 1)
+    finest = attrs.evolve(
+        own, slices=4 * own.slices + 1, quadrature="gauss", instants=4 * own.instants + 1
+    )
     fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
     assert "skids" in str(fine.least_load_status.item())
     assert "skids" not in str(result.least_load_status.item())
@@ -385,5 +486,8 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
 def test_an_answer_stands_where_the_witness_of_its_error_finds_no_equilibrium():
     result = run(way_up_scenes.wide(100_000), "steady-slip")  # 1,376 laminae of a tilted roller
     assert 0.0 < float(result.steady_slip[0]) < 0.01
-    assert "could not be judged, as on more laminae or positions the bearing found no equil" in result.attrs["warnings"]
+    assert (
+        "could not be judged, as on more laminae or positions the bearing found no equil"
+        in result.attrs["warnings"]
+    )
     assert str(result.answer).startswith("OK ")

@@ -3,7 +3,7 @@
 import json
 import math
 import time
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import attrs
 import numpy as np
@@ -18,7 +18,15 @@ from rollslip.planning.verification import accuracy_rows, error_warnings
 from rollslip.scene.reading import from_raw
 from rollslip.studies.answers import Part
 from rollslip.studies.bounds import LightContacts
-from rollslip.studies.error_estimate import ErrorEstimate, _growth, _order, _Run, by_seen_order, error_fraction, refined
+from rollslip.studies.error_estimate import (
+    ErrorEstimate,
+    _growth,
+    _order,
+    _Run,
+    by_seen_order,
+    error_fraction,
+    refined,
+)
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick
@@ -28,16 +36,28 @@ STUDY = "friction-curve"
 
 @pytest.fixture(scope="module")
 def plan():
-    return planned(evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), "effective-friction")
+    return planned(
+        evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), "effective-friction"
+    )
 
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 2.0])
 def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p, monkeypatch):
     """Of a curve that is off by m^-p on m positions: four, and half as many, are compared with nine."""
-    monkeypatch.setattr(_Run, "solution", lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0)))
-    study, bearing, orders = SimpleNamespace(followed=False), SimpleNamespace(resolution=Resolution(instants=4)), {}
+    monkeypatch.setattr(
+        _Run, "solution", lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0))
+    )
+    study = SimpleNamespace(followed=False)
+    bearing = SimpleNamespace(resolution=Resolution(instants=4))
+    orders = {}
     run = _Run(
-        study=study, curved=study, assembly=bearing, few=bearing, dataset=None, accuracy=SCENE.accuracy, complete={}
+        study=study,
+        curved=study,
+        assembly=bearing,
+        few=bearing,
+        dataset=None,
+        accuracy=SCENE.accuracy,
+        complete={},
     )
     errors = run.of_instants(bearing, orders)
     order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
@@ -56,16 +76,22 @@ def test_the_order_of_laminae_is_that_seen_from_run_to_run():
     )
     found = by_seen_order(many, few).errors["slices"]["friction"]
     assert found == pytest.approx(2e-4 * (1 - 1 / 16) / (1 - 1 / 2))
-    assert by_seen_order(many, attrs.evolve(few, errors={"slices": {"friction": 3.2e-3}})) == many  # of order 2
+    assert (
+        by_seen_order(many, attrs.evolve(few, errors={"slices": {"friction": 3.2e-3}})) == many
+    )  # of order 2
     assert by_seen_order(many, attrs.evolve(few, slices=100)) is many
     assert by_seen_order(many, None) is many
 
 
 def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan):
-    study, estimated = plan.studies["effective-friction"], plan.estimated["effective-friction"]
-    left = attrs.evolve(estimated, left_out=(LightContacts(3.0),), errors={"slices": {}, "light_contacts": {}})
+    study = plan.studies["effective-friction"]
+    estimated = plan.estimated["effective-friction"]
+    left = attrs.evolve(
+        estimated, left_out=(LightContacts(3.0),), errors={"slices": {}, "light_contacts": {}}
+    )
     resolution = attrs.evolve(estimated.resolution, light_contacts=False)
-    left, assembly = attrs.evolve(left, resolution=resolution), plan.assembly.at(resolution)
+    left = attrs.evolve(left, resolution=resolution)
+    assembly = plan.assembly.at(resolution)
     for moved, back in ((2e-3, True), (1e-4, False)):
         alone = {"slices": {"friction": 2e-3}, "left out": {"friction": moved}}
         off = ErrorEstimate(errors={"slices": {}}, at_once={"friction": 3e-3}, alone=alone)
@@ -73,26 +99,36 @@ def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan
         assert made.resolution.light_contacts == back
         assert (made.left_out == ()) == back
         assert ("light_contacts" in made.errors) != back
-        assert ("what was left out of a contact was seen to leave friction off by 3.0e-03" in made.seen) == back
+        assert (
+            "what was left out of a contact was seen to leave friction off by 3.0e-03" in made.seen
+        ) == back
         assert (made.resolution.slices > resolution.slices) != back
 
 
 def test_what_both_move_at_once_counts_where_it_is_more():
     parts = {"slices": {"friction": 1e-3}, "instants": {"friction": 5e-4, "critical_slip": 1e-3}}
-    assert ErrorEstimate(errors=parts, at_once={"friction": 3e-3}).total == {"friction": 3e-3, "critical_slip": 1e-3}
-    assert ErrorEstimate(errors=parts, at_once={"friction": 1e-3}).total["friction"] == pytest.approx(1.5e-3)
+    assert ErrorEstimate(errors=parts, at_once={"friction": 3e-3}).total == {
+        "friction": 3e-3,
+        "critical_slip": 1e-3,
+    }
+    assert ErrorEstimate(errors=parts, at_once={"friction": 1e-3}).total[
+        "friction"
+    ] == pytest.approx(1.5e-3)
 
 
 def test_more_of_a_part_is_asked_for_by_what_the_others_leave_of_the_aim():
     """0.7 of the tolerance is aimed at for both: of 0.7e-3 less 0.1e-3 slices have 2e-3, that fall with the square."""
     alone = {"slices": {"friction": 2e-3}, "instants": {"friction": 1e-4}}
-    found = _growth(ErrorEstimate(errors={"slices": {}, "instants": {}}, alone=alone), {"friction": 1e-3})
+    found = _growth(
+        ErrorEstimate(errors={"slices": {}, "instants": {}}, alone=alone), {"friction": 1e-3}
+    )
     assert found["slices"] == pytest.approx(math.sqrt(2e-3 / 6e-4))
     assert found["instants"] < 1.0
 
 
 def test_a_run_that_is_off_is_made_again_finer(plan):
-    study, estimated = plan.studies["effective-friction"], plan.estimated["effective-friction"]
+    study = plan.studies["effective-friction"]
+    estimated = plan.estimated["effective-friction"]
     before = estimated.resolution.slices
     # 4 times 0.35 of the tolerance: twice as many slices, whose error falls with the square
     off = ErrorEstimate(errors={"slices": {"friction": 1.4e-3}, "instants": {"friction": 0.0}})
@@ -115,40 +151,53 @@ def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
 
 def test_slips_that_are_followed_are_to_be_more():
     [followed] = settings(
-        evolve(SCENE, {"study.effective-friction": {"points": 9, "closure": "free-roller"}}), "effective-friction"
+        evolve(SCENE, {"study.effective-friction": {"points": 9, "closure": "free-roller"}}),
+        "effective-friction",
     ).values()
     assert followed.followed
     fake = SimpleNamespace(
         scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), studies={"effective-friction": followed},
         estimated={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, instants=1))},
     )  # fmt: skip
-    (said,) = error_warnings(fake, "effective-friction", ErrorEstimate(errors={"slices": {"critical_slip": 4e-3}}))
+    (said,) = error_warnings(
+        fake, "effective-friction", ErrorEstimate(errors={"slices": {"critical_slip": 4e-3}})
+    )
     assert said.endswith(
         "or go along more slips by --set study.effective-friction.points=25"
     )  # between all two of 9, two
 
 
 def test_errors_that_were_found_stand_beside_those_that_were_foreseen(plan):
-    rows = {row["result"]: row for row in accuracy_rows(plan, "effective-friction", {"friction": 7e-3}, "here")}
+    rows = {
+        row["result"]: row
+        for row in accuracy_rows(plan, "effective-friction", {"friction": 7e-3}, "here")
+    }
     assert rows["friction"] == {"result": "friction", "tolerance": 1e-3, "found": 7e-3, "how": "here",
                                 "estimated": plan.estimated["effective-friction"].total["friction"]}  # fmt: skip
 
 
 def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monkeypatch):
     class Fine:
-        outputs, judged = {}, {}
+        outputs = MappingProxyType({})
+        judged = MappingProxyType({})
         without = at = lambda self, _: self
         run = finer = lambda self, *_: (None, "against the finest")
 
     found = {"friction": 2e-3, "critical_slip": math.inf}
     monkeypatch.setattr(verification, "errors_between", lambda *_: found)
     fake = SimpleNamespace(
-        scene=plan.scene, studies={"x": Fine()}, estimated={"x": plan.estimated["effective-friction"]}
+        scene=plan.scene,
+        studies={"x": Fine()},
+        estimated={"x": plan.estimated["effective-friction"]},
     )
     result = SimpleNamespace(attrs={"warnings": "[]"}, assign_attrs=lambda **given: given)
     one, other = json.loads(verification.verify(fake, "x", result)["warnings"])
-    assert one.startswith("friction is off by 2.0e-03 of the finest result, more than the tolerance of 0.001")
-    assert other.startswith("critical slip has a value either here or in the finest result, but not in both")
+    assert one.startswith(
+        "friction is off by 2.0e-03 of the finest result, more than the tolerance of 0.001"
+    )
+    assert other.startswith(
+        "critical slip has a value either here or in the finest result, but not in both"
+    )
 
 
 @pytest.mark.parametrize(("left", "warned"), [(3e-5, False), (3e-3, True)])
@@ -160,21 +209,30 @@ def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warn
     first, second = (execution.execute(made, STUDY, exactly=True) for _ in range(2))
     assert first.attrs["slices_error"] == left
     assert first.attrs["evaluations"] == second.attrs["evaluations"] > 0
-    doubled = attrs.evolve(made, make_parts=lambda _: tuple(attrs.evolve(one, seconds=1e6) for one in made.parts))
+    doubled = attrs.evolve(
+        made, make_parts=lambda _: tuple(attrs.evolve(one, seconds=1e6) for one in made.parts)
+    )
     cost = json.loads(execution.execute(doubled, STUDY, exactly=True).attrs["cost"])
     assert 0.0 < cost["actual"] < 60.0 < 1e6 <= cost["estimated"]
-    said = [one for one in json.loads(first.attrs["warnings"]) if one.startswith("4 laminae leave a relative error")]
+    said = [
+        one
+        for one in json.loads(first.attrs["warnings"])
+        if one.startswith("4 laminae leave a relative error")
+    ]
     assert bool(said) == warned
 
 
 def test_a_run_that_goes_on_finer_says_so_and_for_how_long(monkeypatch):
-    told, off = [], iter([2e-3, 1e-5])
+    told = []
+    off = iter([2e-3, 1e-5])
 
     def progress(text, share=math.nan, left=math.nan):
         told.append((text, left))
 
     monkeypatch.setattr(
-        execution, "estimate_error", lambda *_: ErrorEstimate(errors={"slices": {"friction": next(off)}})
+        execution,
+        "estimate_error",
+        lambda *_: ErrorEstimate(errors={"slices": {"friction": next(off)}}),
     )
     made = planned(evolve(SCENE, {"accuracy.slices": "auto"}), STUDY)
     result = execution.execute(made, STUDY, progress=progress)
@@ -222,12 +280,19 @@ def test_twice_as_many_slices_take_twice_the_time_that_was_foreseen(plan):
 
 def test_lines_tell_what_a_scene_names_and_what_it_asks_for():
     films = {"plain": "moes", "hot": {"model": "inlet-correction", "thermal": "murch-wilson"}}
-    plans = {name: planned(evolve(SCENE, {"models.film": film}), STUDY) for name, film in films.items()}
+    plans = {
+        name: planned(evolve(SCENE, {"models.film": film}), STUDY) for name, film in films.items()
+    }
     made = {name: {one.part: one for one in of.parts} for name, of in plans.items()}
-    assert [made[name]["thermal inlet shear"].included for name in ("plain", "hot")] == [False, True]
+    assert [made[name]["thermal inlet shear"].included for name in ("plain", "hot")] == [
+        False,
+        True,
+    ]
     assert made["plain"]["film"].reason == "the scene names it"
     models = {kind: one for kind, one in SCENE.raw["models"].items() if kind != "pressure"}
     unnamed = from_raw({**SCENE.raw, "models": models}, "s.toml")
     assert {one.part: one for one in planned(unnamed, STUDY).parts}["pressure"].reason == "default"
-    unknown = Part(part="x", choice="", reason="", errors={"friction": math.inf, "critical_slip": 1e-3})
+    unknown = Part(
+        part="x", choice="", reason="", errors={"friction": math.inf, "critical_slip": 1e-3}
+    )
     assert part_as_dict(unknown)["errors"] == {"friction": None, "critical_slip": 1e-3}

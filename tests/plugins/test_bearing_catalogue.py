@@ -26,7 +26,11 @@ def lines(name):
     """The lines of a text file beside this one, each in its parts."""
     text = Path(__file__).with_name(name).read_text(encoding="utf-8")
     rows = [line.split("|") for line in text.splitlines() if not line.startswith("#")]
-    return [[*(part.strip() for part in parts), one.strip()] for *parts, every in rows for one in every.split(";")]
+    return [
+        [*(part.strip() for part in parts), one.strip()]
+        for *parts, every in rows
+        for one in every.split(";")
+    ]
 
 
 def scene(bearing, load="2 kN"):
@@ -43,12 +47,23 @@ def test_every_name_is_a_bearing_in_all_groups_of_clearance():
         assert CATALOGUE.called(name) == name
         made = CATALOGUE[name]
         assert made.name == name
-        tighter, looser = (CATALOGUE[f"{name}-{group}"].bearing.radial_clearance for group in ("C2", "C3"))
-        assert tighter < made.bearing.radial_clearance < looser < CATALOGUE[f"{name}-C4"].bearing.radial_clearance
+        tighter, looser = (
+            CATALOGUE[f"{name}-{group}"].bearing.radial_clearance for group in ("C2", "C3")
+        )
+        assert (
+            tighter
+            < made.bearing.radial_clearance
+            < looser
+            < CATALOGUE[f"{name}-C4"].bearing.radial_clearance
+        )
         filled = made.bearing.rollers * made.bearing.roller_diameter
         assert (
             0.5
-            < filled / (1.5707963 * (made.bearing.inner_raceway_diameter + made.bearing.outer_raceway_diameter))
+            < filled
+            / (
+                1.5707963
+                * (made.bearing.inner_raceway_diameter + made.bearing.outer_raceway_diameter)
+            )
             < 0.9
         )
 
@@ -86,7 +101,8 @@ def test_designations_as_people_write_them_are_read_with_cage_and_class_of_clear
         assert find("bearing", written).name == name, written
         own = CATALOGUE.cage(written)
         assert (f"{own.make} {own.guidance}" if own.letters else "-") == cage, written
-        asked, said = CATALOGUE.clearance_class(name), CATALOGUE.clearance_class(written)
+        asked = CATALOGUE.clearance_class(name)
+        said = CATALOGUE.clearance_class(written)
         assert said == asked or (said == "CN" and asked is None), written
 
 
@@ -107,7 +123,9 @@ def test_a_full_complement_bearing_without_the_letter_of_one_is_asked_for():
 
 
 def test_the_list_of_models_tells_of_other_bearings_too():
-    with pytest.raises(UnknownNameError, match="nothing is called '6205': this is a deep groove ball bearing"):
+    with pytest.raises(
+        UnknownNameError, match="nothing is called '6205': this is a deep groove ball bearing"
+    ):
         kinds_of("6205")
     assert kinds_of("SKF NU 205 ECP") == ["bearing"]
 
@@ -128,7 +146,15 @@ def test_a_cage_that_no_letter_tells_is_the_one_that_makers_put_in():
 
 def test_classes_of_clearance_are_those_of_the_standard():
     # ISO 5753-1, bore over 24 to 30 mm, as makers print it: C2 0-25, CN 20-45, C3 35-60, C4 50-75
-    middle = {"C2": 12.5, "CN": 32.5, "C3": 47.5, "C4": 62.5, "CNL": 26.25, "CNH": 38.75, "CNM": 32.5}
+    middle = {
+        "C2": 12.5,
+        "CN": 32.5,
+        "C3": 47.5,
+        "C4": 62.5,
+        "CNL": 26.25,
+        "CNH": 38.75,
+        "CNM": 32.5,
+    }
     for group, value in middle.items():
         assert CATALOGUE[f"NU205E-{group}"].bearing.radial_clearance == pytest.approx(1e-6 * value)
     for group, width in {"CN": 25.0, "CNL": 12.5, "CNM": 12.5, "CNH": 12.5}.items():
@@ -140,7 +166,9 @@ def test_classes_of_clearance_are_those_of_the_standard():
 
 
 def test_clearances_are_those_of_a_second_list():
-    printed = Path(__file__).with_name("clearances.txt").read_text(encoding="utf-8").splitlines()[2:]
+    printed = (
+        Path(__file__).with_name("clearances.txt").read_text(encoding="utf-8").splitlines()[2:]
+    )
     assert len(printed) == 20
     for bore, *ends in (map(int, line.split()) for line in printed):
         found = [clearance(bore, group) for group in ("C2", "CN", "C3", "C4", "C5")]
@@ -192,7 +220,12 @@ def test_the_family_itself_is_no_bearing():
         ("NU406", 9, 14.0, 59.0),  # Huddersfield, recalled
         ("NU209-old", 14, 10.0, 65.0),  # the bearing 209 of Harris's book
         ("NU228", None, 28.0, 197.0),  # raceways of 169 and 225 mm in makers' catalogues
-        ("NU2220", 17, 22.0, 141.0),  # raceways of 119 and 163 mm in NSK's catalogue, number from its C0
+        (
+            "NU2220",
+            17,
+            22.0,
+            141.0,
+        ),  # raceways of 119 and 163 mm in NSK's catalogue, number from its C0
     ],
 )
 def test_insides_that_others_print_are_met_within_one_roller(name, rollers, diameter, pitch):
@@ -200,7 +233,9 @@ def test_insides_that_others_print_are_met_within_one_roller(name, rollers, diam
     assert rollers is None or abs(bearing.rollers - rollers) <= 1
     assert bearing.roller_diameter == pytest.approx(1e-3 * diameter, rel=0.06)
     middle = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 2
-    assert middle == pytest.approx(1e-3 * pitch, rel=0.02)  # of series 4 the worst is off by 3 %, of others by 1.4 %
+    assert middle == pytest.approx(
+        1e-3 * pitch, rel=0.02
+    )  # of series 4 the worst is off by 3 %, of others by 1.4 %
 
 
 def test_the_scatter_of_each_rule_is_that_of_the_table_of_errors():
@@ -209,7 +244,9 @@ def test_the_scatter_of_each_rule_is_that_of_the_table_of_errors():
     for series, rule in RULES.items():
         deviation = float(rows[series]["scatter, %"])
         assert 100 * rule.scatter == pytest.approx(deviation, abs=0.7)
-        assert int(rows[series]["names"]) == sum(CATALOGUE.series(name) == series for name in CATALOGUE.names)
+        assert int(rows[series]["names"]) == sum(
+            CATALOGUE.series(name) == series for name in CATALOGUE.names
+        )
 
 
 def test_a_scene_with_a_name_of_the_catalogue_is_planned_and_cites_the_standards():
@@ -234,9 +271,13 @@ def test_its_scatter_is_taken_where_the_scene_says_nothing_of_it():
     assert any(text.startswith("bearing.roller_length (D): ") for text in said)
     known, _ = with_scatter(scene("name = 'NU2210'\nmounting.initial_clearance = '40 um'"))
     seats = (0.8 * 50.0 / 59.5) * ((11.0**2 + 12.0**2) / 12.0) ** 0.5
-    assert known.uncertainty["bearing.mounting.clearance_deviation"]["deviation"] == f"{seats:.3g} um"
+    assert (
+        known.uncertainty["bearing.mounting.clearance_deviation"]["deviation"] == f"{seats:.3g} um"
+    )
     own, _ = with_scatter(scene("name = 'NU2210'\nradial_clearance = '20 um'"))
-    assert [key for key in own.uncertainty if key.startswith("bearing.")] == ["bearing.roller_length"]
+    assert [key for key in own.uncertainty if key.startswith("bearing.")] == [
+        "bearing.roller_length"
+    ]
 
 
 def test_less_than_the_least_load_of_skf_is_told():

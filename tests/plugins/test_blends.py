@@ -27,16 +27,31 @@ from strategies import NumpyForm, decades, evaluated, films, forms, law_of
 from tabled import REFERENCES, numbers_of
 
 WITH_INTEGRAL = numbers_of(REFERENCES / "greenwood_tripp.csv")
-NOT_YET = {"boundary": Constant(coefficient=1.0), "hydrodynamic": Constant(coefficient=5e-324)}  # friction is the share
-ONLY_FILM = {"boundary": Constant(coefficient=5e-324), "hydrodynamic": Constant(coefficient=1.0)}  # that of the film
+NOT_YET = {
+    "boundary": Constant(coefficient=1.0),
+    "hydrodynamic": Constant(coefficient=5e-324),
+}  # friction is the share
+ONLY_FILM = {
+    "boundary": Constant(coefficient=5e-324),
+    "hydrodynamic": Constant(coefficient=1.0),
+}  # that of the film
 
 BLENDS = [
     LinearBlend(),
-    LinearBlend(boundary_limit=0.0, hydrodynamic_limit=3.0, boundary=Constant(), hydrodynamic=MaxwellEyring()),
+    LinearBlend(
+        boundary_limit=0.0,
+        hydrodynamic_limit=3.0,
+        boundary=Constant(),
+        hydrodynamic=MaxwellEyring(),
+    ),
     ZhouHoeprich(),
     ZhouHoeprich(factor=2.32, exponent=0.97, hydrodynamic=Eyring()),
     GreenwoodTripp(),
-    GreenwoodTripp(roughness_parameter=0.03, slope_parameter=1e-2, hydrodynamic=ZhouHoeprich(boundary=Constant())),
+    GreenwoodTripp(
+        roughness_parameter=0.03,
+        slope_parameter=1e-2,
+        hydrodynamic=ZhouHoeprich(boundary=Constant()),
+    ),
 ]
 every_blend = pytest.mark.parametrize("model", forms(BLENDS))
 ROUNDING = 2e-13
@@ -47,7 +62,9 @@ def share_of(model, film_parameter, pressure=4e8, modulus=STEEL, children=NOT_YE
     """Share of boundary friction, through the chain: the friction of a boundary of 1 and a film of nothing."""
     bare = attrs.evolve(law_of(model), **children)
     form = bare if law_of(model) is model else NumpyForm(bare)
-    film_parameter, pressure = np.broadcast_arrays(np.atleast_1d(np.asarray(film_parameter, dtype=float)), pressure)
+    film_parameter, pressure = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(film_parameter, dtype=float)), pressure
+    )
     slices = Slices(
         film_parameter.size,
         Conditions(roughness=2.0**-22, modulus=modulus),  # a power of two: the quotient is exact
@@ -66,7 +83,9 @@ def share_of(model, film_parameter, pressure=4e8, modulus=STEEL, children=NOT_YE
 def test_the_asperity_integral_is_that_of_the_definition():
     """Forty digits of the parabolic cylinder function and of the integral itself, see tools/references."""
     x = np.array([row["separation"] for row in WITH_INTEGRAL])
-    np.testing.assert_allclose(asperity_integral(x), [row["integral"] for row in WITH_INTEGRAL], rtol=1e-14)
+    np.testing.assert_allclose(
+        asperity_integral(x), [row["integral"] for row in WITH_INTEGRAL], rtol=1e-14
+    )
 
 
 @given(x=st.floats(0.0, REACH, exclude_max=True))
@@ -74,15 +93,32 @@ def test_the_asperity_integral_anywhere(x):
     """F_5/2(x) = Gamma(7/2)/sqrt(2 pi) exp(-x^2/4) D_-7/2(x)."""
     with mpmath.workdps(30):
         x = mpmath.mpf(x)
-        expected = mpmath.gamma(3.5) / mpmath.sqrt(2 * mpmath.pi) * mpmath.exp(-x * x / 4) * mpmath.pcfd(-3.5, x)
+        expected = (
+            mpmath.gamma(3.5)
+            / mpmath.sqrt(2 * mpmath.pi)
+            * mpmath.exp(-x * x / 4)
+            * mpmath.pcfd(-3.5, x)
+        )
     # exp(-x^2/2) alone loses x^2/2 roundings
-    np.testing.assert_allclose(asperity_integral(float(x)), float(expected), rtol=2.5e-15 + 1.2e-16 * float(x) ** 2)
+    np.testing.assert_allclose(
+        asperity_integral(float(x)), float(expected), rtol=2.5e-15 + 1.2e-16 * float(x) ** 2
+    )
 
 
 def test_the_asperity_integral_is_the_table_of_greenwood_and_tripp():
     """Their table of F_5/2 has five decimals (0.61664 at 0, from recall; exactly it is 0.61663)."""
-    table = {0.0: 0.61664, 0.5: 0.24040, 1.0: 0.08056, 1.5: 0.02286, 2.0: 0.00542, 2.5: 0.00106, 3.0: 0.00017}
-    np.testing.assert_allclose(asperity_integral(np.array(list(table))), list(table.values()), rtol=0, atol=6e-6)
+    table = {
+        0.0: 0.61664,
+        0.5: 0.24040,
+        1.0: 0.08056,
+        1.5: 0.02286,
+        2.0: 0.00542,
+        2.5: 0.00106,
+        3.0: 0.00017,
+    }
+    np.testing.assert_allclose(
+        asperity_integral(np.array(list(table))), list(table.values()), rtol=0, atol=6e-6
+    )
 
 
 def test_the_asperity_integral_ends_where_it_is_half_a_unit_in_the_last_place():
@@ -106,9 +142,12 @@ def test_greenwood_and_tripps_pressure_is_the_sum_of_hertzian_tips(form):
     """Summed over distances and heights of the tips by quadrature, with 1/sum((1-nu^2)/E): half of our E'."""
     for row in WITH_INTEGRAL:
         model = GreenwoodTripp(
-            roughness_parameter=row["density"] * row["sigma"] * row["beta"], slope_parameter=row["sigma"] / row["beta"]
+            roughness_parameter=row["density"] * row["sigma"] * row["beta"],
+            slope_parameter=row["sigma"] / row["beta"],
         )
-        share = share_of(form(model), row["separation"] or 1e-300, pressure=1e9, modulus=2 * row["modulus"])
+        share = share_of(
+            form(model), row["separation"] or 1e-300, pressure=1e9, modulus=2 * row["modulus"]
+        )
         np.testing.assert_allclose(share * 1e9, row["pressure"], rtol=1e-13, err_msg=str(row))
 
 
@@ -131,17 +170,23 @@ def test_zhou_and_hoeprichs_share_is_as_printed(form, film_parameter, factor, ex
     if abs(float(power) - 53 * np.log(2)) > 1e-12:
         expected = expected if expected > 2.0**-53 else 0.0
         # the exponent is known to some roundings of its size
-        np.testing.assert_allclose(share, expected, rtol=1e-15 * (2 + 4 * float(power)), atol=1e-323)
+        np.testing.assert_allclose(
+            share, expected, rtol=1e-15 * (2 + 4 * float(power)), atol=1e-323
+        )
 
 
 @pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
 @given(thickness=decades(-18, 0), factor=decades(-1, 1), exponent=st.floats(0.3, 3.0))
-def test_what_zhou_and_hoeprich_leave_to_a_thin_film_keeps_its_digits(form, thickness, factor, exponent):
+def test_what_zhou_and_hoeprich_leave_to_a_thin_film_keeps_its_digits(
+    form, thickness, factor, exponent
+):
     """1 - exp(-B Lambda^C) in sixty digits: the coefficient of the film may be far above that of the boundary."""
     with mpmath.workdps(60):
         power = mpmath.mpf(factor) * mpmath.mpf(thickness) ** mpmath.mpf(exponent)
         expected = float(-mpmath.expm1(-power))
-    film = share_of(form(ZhouHoeprich(factor=factor, exponent=exponent)), thickness, children=ONLY_FILM)[0]
+    film = share_of(
+        form(ZhouHoeprich(factor=factor, exponent=exponent)), thickness, children=ONLY_FILM
+    )[0]
     np.testing.assert_allclose(film, expected, rtol=2e-15, atol=1e-323)
 
 
@@ -162,7 +207,9 @@ def test_what_a_power_leaves_to_the_film_keeps_its_digits(form, exponent, limits
     np.testing.assert_allclose(film, expected, rtol=2e-15 + 5e-17 * exponent, atol=1e-323)
 
 
-@pytest.mark.parametrize("model", [LinearBlend(), LambdaBlend(exponent=0.03), LambdaBlend(exponent=7.0)])
+@pytest.mark.parametrize(
+    "model", [LinearBlend(), LambdaBlend(exponent=0.03), LambdaBlend(exponent=7.0)]
+)
 @given(limit=st.sampled_from([0.01, 1.5]), ulps=st.integers(-9, 9), roughness=decades(-8, -5))
 def test_both_forms_are_on_one_side_of_a_limit(model, limit, ulps, roughness):
     """A share may rise without bound at its limit: one rounding of the film parameter more is another share."""
@@ -202,7 +249,8 @@ def test_the_kit_sees_what_a_difference_of_children_loses(cls):
 
 def test_zhou_and_hoeprichs_share_has_the_published_numbers():
     """Aihara: for Lambda over 2 almost all of the load is on the film. Wingertszahn et al.: B 2.32, C 0.97."""
-    default, raceway = ZhouHoeprich(), get_model("traction", "zhou-hoeprich", factor=2.32, exponent=0.97)
+    default = ZhouHoeprich()
+    raceway = get_model("traction", "zhou-hoeprich", factor=2.32, exponent=0.97)
     assert share_of(default, 2.0) == pytest.approx(0.016, abs=5e-4)
     assert share_of(raceway, 1.0) == pytest.approx(np.exp(-2.32))
     assert default.full_film_from == pytest.approx(12.35, abs=0.01)
@@ -210,7 +258,10 @@ def test_zhou_and_hoeprichs_share_has_the_published_numbers():
 
 @pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
 def test_a_linear_blend_is_a_straight_line(form):
-    share = share_of(form(LinearBlend(boundary_limit=0.5, hydrodynamic_limit=2.5)), [1e-9, 0.5, 1.0, 2.0, 2.5, 9.0])
+    share = share_of(
+        form(LinearBlend(boundary_limit=0.5, hydrodynamic_limit=2.5)),
+        [1e-9, 0.5, 1.0, 2.0, 2.5, 9.0],
+    )
     np.testing.assert_allclose(share, [1.0, 1.0, 0.75, 0.25, 0.0, 0.0], rtol=1e-15, atol=1e-323)
 
 
@@ -255,7 +306,8 @@ def test_a_blend_is_its_children_by_their_shares(model, film, ratio):
     film = film.with_(roughness=film.columns["film_thickness"] / ratio, modulus=STEEL)
     speed = np.concatenate([film.speed(np.logspace(-6, 6, 13)), [0.0]])
     children = [
-        film.friction(child if model is law else NumpyForm(child), speed) for child in (law.boundary, law.hydrodynamic)
+        film.friction(child if model is law else NumpyForm(child), speed)
+        for child in (law.boundary, law.hydrodynamic)
     ]
     friction = film.friction(model, speed)
     slices = film.slices(law, speed)
@@ -269,7 +321,9 @@ def test_a_blend_is_its_children_by_their_shares(model, film, ratio):
     assert np.all(friction <= larger * (1 + ROUNDING) + 1e-300)
     if ratio >= law.full_film_from * (1 + 1e-12):
         assert np.all(share == 0)
-        np.testing.assert_allclose(friction, children[1], rtol=0 if model is law else ROUNDING, atol=1e-300)
+        np.testing.assert_allclose(
+            friction, children[1], rtol=0 if model is law else ROUNDING, atol=1e-300
+        )
     if ratio <= law.full_film_from * (1 - 1e-12):
         assert np.all(share > 0)
 
@@ -288,9 +342,16 @@ def test_a_child_is_evaluated_only_where_it_is_needed(form, n):
         return Stage(evaluate)
 
     kinds = np.arange(n) % 3
-    slices = Slices(n, Conditions(roughness=1e-7, modulus=STEEL), load=np.arange(n), pressure=np.where(kinds, 4e8, 1e4))
+    slices = Slices(
+        n,
+        Conditions(roughness=1e-7, modulus=STEEL),
+        load=np.arange(n),
+        pressure=np.where(kinds, 4e8, 1e4),
+    )
     slices.film_thickness[:] = 1e-7 * np.array([1e-3, 1.0, 8.0])[kinds]
-    Chain(form(GreenwoodTripp(boundary=child("boundary"), hydrodynamic=child("hydrodynamic"))))(slices)
+    Chain(form(GreenwoodTripp(boundary=child("boundary"), hydrodynamic=child("hydrodynamic"))))(
+        slices
+    )
     assert seen["boundary"] == np.flatnonzero(kinds < 2).tolist()
     assert seen["hydrodynamic"] == np.flatnonzero(kinds > 0).tolist()
 
@@ -338,7 +399,9 @@ def test_extreme_constants_keep_a_film_parameter():
 
 @pytest.mark.parametrize("name", ["linear-blend", "zhou-hoeprich", "greenwood-tripp"])
 def test_a_scene_takes_each_blend(name):
-    scene = evolve(load_scene("1032930-70C"), {"models.traction": {"model": name, "hydrodynamic": "eyring"}})
+    scene = evolve(
+        load_scene("1032930-70C"), {"models.traction": {"model": name, "hydrodynamic": "eyring"}}
+    )
     rows = {part.part: part for part in plan(scene, "friction-curve").parts}
     assert rows["traction"].choice.startswith(name)
     assert rows["boundary friction"].included == (name != "linear-blend")

@@ -27,7 +27,9 @@ STEEL = 2.2857e11
 
 
 def deflected(model, approach, length=0.015, radius=0.006875, modulus=STEEL):
-    return evaluated(model, Conditions(length=length, radius=radius, modulus=modulus), approach=approach)
+    return evaluated(
+        model, Conditions(length=length, radius=radius, modulus=modulus), approach=approach
+    )
 
 
 # Hertz ---------------------------------------------------------------------------------------------------------------
@@ -41,7 +43,8 @@ def test_hertz_line_contact(model, load, radius, modulus):
     Its maximum is 2 w/(pi b), its mean w/(2 b) = pi/4 of that. Curvature: p_max = E' b/(4 R).
     """
     slices = evaluated(model, Conditions(radius=radius, modulus=modulus), load=load)
-    b, mean = slices.half_width[0], slices.pressure[0]
+    b = slices.half_width[0]
+    mean = slices.pressure[0]
     with mpmath.workdps(40):
         expected = float(mpmath.sqrt(8 * mpmath.mpf(load) * radius / (mpmath.pi * modulus)))
     assert b == pytest.approx(expected, rel=ROUNDING)
@@ -49,7 +52,8 @@ def test_hertz_line_contact(model, load, radius, modulus):
     assert mean == pytest.approx(np.pi / 4 * highest, rel=ROUNDING)
     assert highest == pytest.approx(modulus * b / (4 * radius), rel=ROUNDING)
     # Gauss-Chebyshev quadrature of the second kind is exact for the semi-ellipse
-    at, weight = np.cos(np.pi * np.arange(1, 10) / 10), np.pi / 10 * np.sin(np.pi * np.arange(1, 10) / 10)
+    at = np.cos(np.pi * np.arange(1, 10) / 10)
+    weight = np.pi / 10 * np.sin(np.pi * np.arange(1, 10) / 10)
     carried = b * np.sum(weight * highest * np.sqrt(1 - at**2))
     assert carried == pytest.approx(load, rel=10 * ROUNDING)
     assert carried / (2 * b) == pytest.approx(mean, rel=10 * ROUNDING)
@@ -117,7 +121,9 @@ def test_lundberg_inverts_its_explicit_equation(model, load, length, radius):
     """delta = 4 w/(pi E') [1/2 + ln(2 l/b)], b = sqrt(8 w R/(pi E')), in forty digits, from w to delta and back."""
     with mpmath.workdps(40):
         compliance = 4 / (mpmath.pi * STEEL)
-        bracket = mpmath.mpf(1) / 2 + mpmath.log(2 * length / mpmath.sqrt(2 * compliance * load * radius))
+        bracket = mpmath.mpf(1) / 2 + mpmath.log(
+            2 * length / mpmath.sqrt(2 * compliance * load * radius)
+        )
         approach = float(compliance * load * bracket)
         slope = compliance * (bracket - mpmath.mpf(1) / 2)  # d(delta)/dw
         # the approach is rounded to a double, which the load takes over times dlnw/dlndelta = g/(g - 1/2)
@@ -132,7 +138,9 @@ def test_lundberg_inverts_its_explicit_equation(model, load, length, radius):
 @lundberg
 def test_lundberg_ends_where_the_contact_is_twice_as_wide_as_long(model):
     """The bracket 1/2 + ln(2 l/b) falls to 1/2 at b = 2 l: there ddelta/dw = 0, and no load fits more approach."""
-    length, radius, modulus = 1e-3, 0.01, 1e8
+    length = 1e-3
+    radius = 0.01
+    modulus = 1e8
     compliance = 4 / (np.pi * modulus)
     end = compliance * 0.5 * (2 * length) ** 2 / (2 * compliance * radius)  # delta of w at b = 2 l
     slices = deflected(model, [0.999 * end], length, radius, modulus)
@@ -167,7 +175,8 @@ def test_lundberg_is_the_half_space_under_a_long_strip(model, slenderness):
     asinh(1/z) = ln(2/z) + z^2/4 - 3 z^4/32 + ..., z = 2 x/l, alternating; the mean of x^2 over a semi-ellipse is
     b^2/4, that of x^4 b^4/8. So Lundberg's bracket is low by b^2/(4 l^2), less at most 3/16 (b/l)^4.
     """
-    length, radius = 0.015, 0.006875
+    length = 0.015
+    radius = 0.006875
     b = length / slenderness
     load = np.pi * STEEL * b**2 / (8 * radius)
     approach = 2 * load / (np.pi * STEEL) * displacement(b, length)
@@ -175,15 +184,21 @@ def test_lundberg_is_the_half_space_under_a_long_strip(model, slenderness):
     low = (b / length) ** 2 / 4
     # quadrature gives 1e-12 of the bracket
     assert bracket - (0.5 + np.log(4) + np.log(length / (2 * b))) <= low + 1e-11
-    assert bracket - (0.5 + np.log(4) + np.log(length / (2 * b))) >= low - 3 / 16 * (b / length) ** 4 - 1e-11
+    assert (
+        bracket - (0.5 + np.log(4) + np.log(length / (2 * b)))
+        >= low - 3 / 16 * (b / length) ** 4 - 1e-11
+    )
     # the code, at the approach of the half space: the load is high by the error of the bracket, through g/(g - 1/2)
     expected = load * (1 + low / (bracket - 0.5))
-    assert deflected(model, approach, length, radius).load[0] == pytest.approx(expected, rel=(b / length) ** 4 + 1e-10)
+    assert deflected(model, approach, length, radius).load[0] == pytest.approx(
+        expected, rel=(b / length) ** 4 + 1e-10
+    )
 
 
 def test_the_potential_along_the_strip_is_its_double_integral():
     """The inner integral above, 2 asinh(l/(2 x)), is not taken on trust: a plain double quadrature of 1/r."""
-    b, length = 1.0, 6.0
+    b = 1.0
+    length = 6.0
     quarter = dblquad(
         lambda y, angle: np.cos(angle) ** 2 / np.hypot(b * np.sin(angle), y),
         0,
@@ -200,7 +215,9 @@ def test_the_potential_along_the_strip_is_its_double_integral():
 def test_deflection_leads_into_hertz(model):
     """The stages of a contact model fit together: approach, load, half width, pressure."""
     law = law_of(model)
-    slices = Slices(2, Conditions(length=0.015, radius=0.006875, modulus=STEEL), approach=[1e-6, 5e-6])
+    slices = Slices(
+        2, Conditions(length=0.015, radius=0.006875, modulus=STEEL), approach=[1e-6, 5e-6]
+    )
     form = NumpyForm if model is not law else lambda each: each
     Chain(form(law.deflection()), model)(slices)
     np.testing.assert_allclose(slices.pressure * 2 * slices.half_width, slices.load, rtol=ROUNDING)

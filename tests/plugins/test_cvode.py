@@ -14,7 +14,9 @@ from rollslip.testing import conformance, format_findings
 def test_without_its_package_it_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "sksundae", None)
     monkeypatch.setitem(sys.modules, "sksundae.cvode", None)
-    with pytest.raises(PluginError, match=r"needs scikit-sundae, .* pip install 'rollslip\[sundials\]', or take"):
+    with pytest.raises(
+        PluginError, match=r"needs scikit-sundae, .* pip install 'rollslip\[sundials\]', or take"
+    ):
         get_model("integrator", "cvode").solver()
 
 
@@ -30,7 +32,8 @@ def test_it_passes_the_conformance_kit(method):
 
 
 def robertson(t, y):
-    fast, slow = 1e4 * y[1] * y[2], 3e7 * y[1] ** 2
+    fast = 1e4 * y[1] * y[2]
+    slow = 3e7 * y[1] ** 2
     return np.array([-0.04 * y[0] + fast, 0.04 * y[0] - fast - slow, slow])
 
 
@@ -47,7 +50,15 @@ def robertson_jacobian(t, y):
 @pytest.mark.parametrize("jac", [None, robertson_jacobian])
 def test_robertsons_kinetics_come_out_as_of_radau(method, jac):
     """y(40) = 0.7158, 9.186e-6, 0.2842 to four digits, as the examples of LSODE and CVODE print it."""
-    ours = solve_ivp(robertson, (0, 40), [1.0, 0, 0], method=method, rtol=1e-8, atol=[1e-10, 1e-14, 1e-10], jac=jac)
+    ours = solve_ivp(
+        robertson,
+        (0, 40),
+        [1.0, 0, 0],
+        method=method,
+        rtol=1e-8,
+        atol=[1e-10, 1e-14, 1e-10],
+        jac=jac,
+    )
     theirs = solve_ivp(robertson, (0, 40), [1.0, 0, 0], method="Radau", rtol=1e-10, atol=1e-14)
     np.testing.assert_allclose(ours.y[:, -1], theirs.y[:, -1], rtol=1e-6)
     np.testing.assert_allclose(ours.y[:, -1], [0.7158, 9.186e-6, 0.2842], rtol=2e-4)
@@ -57,10 +68,17 @@ def test_robertsons_kinetics_come_out_as_of_radau(method, jac):
 def test_reading_between_the_steps_does_not_change_them(method):
     def run(dense):
         return solve_ivp(
-            lambda t, y: [y[1], -y[0]], (0.0, 5.0), [0.0, 1.0], method=method, rtol=1e-9, atol=1e-9, dense_output=dense
+            lambda t, y: [y[1], -y[0]],
+            (0.0, 5.0),
+            [0.0, 1.0],
+            method=method,
+            rtol=1e-9,
+            atol=1e-9,
+            dense_output=dense,
         )
 
-    plain, read = run(False), run(True)
+    plain = run(False)
+    read = run(True)
     assert np.array_equal(plain.t, read.t)
     assert np.array_equal(plain.y, read.y)
     times = np.linspace(0.0, 5.0, 301)

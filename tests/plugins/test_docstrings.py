@@ -25,7 +25,12 @@ pytestmark = pytest.mark.quick
 
 KINDS = ("contact", "film", "traction", "drag", "integrator")
 LAWS = [
-    *(get_class(kind, name) for kind in KINDS for name, by in available(kind).items() if by.package == "rollslip"),
+    *(
+        get_class(kind, name)
+        for kind in KINDS
+        for name, by in available(kind).items()
+        if by.package == "rollslip"
+    ),
     PowerDeflection,
     LundbergDeflection,
 ]
@@ -65,7 +70,9 @@ def faults(law, text, *, equation=None):
     if not issubclass(law, IntegratorModel):
         listed = symbols(prose)
         for name in sorted(named(equation or law.equation)):
-            if not {name, re.sub(r"^d2?|2$", "", name)} & listed.keys():  # of dtau, d2theta and dz2 the variable
+            if (
+                not {name, re.sub(r"^d2?|2$", "", name)} & listed.keys()
+            ):  # of dtau, d2theta and dz2 the variable
                 found.append(f"symbol {name}")
         for name, unit in listed.items():
             try:
@@ -75,7 +82,9 @@ def faults(law, text, *, equation=None):
     examples = doctest.DocTestParser().get_examples(text)
     if "\nExamples\n--------\n" not in text or not any(example.want for example in examples):
         found.append("example")
-    if law.name not in NO_LAW and not any(re.search(r"\b(1[89]|20)\d\d\b|:20\d\d", str(one)) for one in law.references):
+    if law.name not in NO_LAW and not any(
+        re.search(r"\b(1[89]|20)\d\d\b|:20\d\d", str(one)) for one in law.references
+    ):
         found.append("source")
     return found
 

@@ -16,7 +16,14 @@ from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
 from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, parameter, positive
-from rollslip.models import POSITIVE, SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, from_scene
+from rollslip.models import (
+    POSITIVE,
+    SCENE_VALUES,
+    DragModel,
+    PocketFriction,
+    ResistanceModel,
+    from_scene,
+)
 from rollslip.testing import conformance, samples
 from rollslip.units import check_unit
 from rollslip_kernels.stages import drag as compiled
@@ -70,7 +77,8 @@ def test_the_land_has_the_torque_of_a_thin_annulus():
     """Couette's flow between cylinders is known for any gap, T = 4 pi eta W w R1^2 R2^2/(R2^2 - R1^2)."""
     for c, allowed in ((1e-3, 1.6e-2), (1e-4, 1.6e-3), (1e-5, 1.6e-4)):
         drag = PetroffLand(**LAND | {"clearance": c})
-        inner, outer = 0.1, 0.1 + c
+        inner = 0.1
+        outer = 0.1 + c
         exact = 4 * math.pi * 0.01 * 0.01 * 300.0 * (inner * outer) ** 2 / (outer**2 - inner**2)
         assert drag.torque(300.0, 667.0, 0.0) == pytest.approx(-exact, rel=allowed)
     assert PetroffLand(**LAND).torque(300.0, 667.0, 300.0) == 0.0
@@ -87,12 +95,20 @@ def test_churning_by_hand():
 
 
 @pytest.mark.parametrize(
-    "drag", [ConstantTorque(), PetroffLand(**LAND), PetroffLand(**LAND | {"ring": "inner"}), Churning(**ROLLERS)]
+    "drag",
+    [
+        ConstantTorque(),
+        PetroffLand(**LAND),
+        PetroffLand(**LAND | {"ring": "inner"}),
+        Churning(**ROLLERS),
+    ],
 )
 def test_torques_are_the_same_compiled(drag):
     capsule = torque_capsule(drag)
     for speeds in ((300.0, 667.0, 0.0), (-3.0, 0.0, 500.0), (0.0, 0.0, 0.0), (1e-9, 1.0, -1.0)):
-        assert compiled.torque(capsule, *speeds) == pytest.approx(drag.torque(*speeds), rel=1e-15, abs=0.0)
+        assert compiled.torque(capsule, *speeds) == pytest.approx(
+            drag.torque(*speeds), rel=1e-15, abs=0.0
+        )
 
 
 # Resistance of the oil -----------------------------------------------------------------------------------------------
@@ -103,24 +119,33 @@ def test_the_rigid_limit_is_that_of_the_half_open_gap():
     rigid = next(row for row in FILMS if row["M"] == 0)
     assert pytest.approx(math.sqrt(2) * rigid["force"], rel=1e-10) == RIGID
     thin = attrs.evolve(STEEL, pressure_viscosity=0.0)
-    u, w = np.array([0.01, 1.0, 30.0]), np.array([10.0, 1e3, 5e4])
+    u = np.array([0.01, 1.0, 30.0])
+    w = np.array([10.0, 1e3, 5e4])
     expected = math.sqrt(2) * rigid["force"] * np.sqrt(STEEL.viscosity * u * w)
-    np.testing.assert_allclose(resistance(COLD, thin, load=w, rolling_speed=u), expected, rtol=1e-10)
+    np.testing.assert_allclose(
+        resistance(COLD, thin, load=w, rolling_speed=u), expected, rtol=1e-10
+    )
 
 
 def test_the_elastic_limit_is_goksem_and_hargreavess():
-    G, w, u = STEEL.pressure_viscosity * STEEL.modulus, 1e9, 0.5
-    U, W = STEEL.viscosity * u / (STEEL.modulus * STEEL.radius), w / (STEEL.modulus * STEEL.radius)
+    G = STEEL.pressure_viscosity * STEEL.modulus
+    w = 1e9
+    u = 0.5
+    U = STEEL.viscosity * u / (STEEL.modulus * STEEL.radius)
+    W = w / (STEEL.modulus * STEEL.radius)
     expected = 4.318 * STEEL.radius / STEEL.pressure_viscosity * (G * U) ** 0.658 * W**0.0126
     assert resistance(COLD, load=w, rolling_speed=u)[0] == pytest.approx(expected, rel=1e-6)
 
 
 def test_between_the_limits_is_their_norm_of_power_minus_five():
-    w, u = np.array([1e3, 1e4, 1e5]), 25.0
-    thin, heavy = attrs.evolve(STEEL, pressure_viscosity=0.0), STEEL
+    w = np.array([1e3, 1e4, 1e5])
+    u = 25.0
+    thin = attrs.evolve(STEEL, pressure_viscosity=0.0)
+    heavy = STEEL
     a = resistance(COLD, thin, load=w, rolling_speed=u)
     G = STEEL.pressure_viscosity * STEEL.modulus
-    U, W = STEEL.viscosity * u / (STEEL.modulus * STEEL.radius), w / (STEEL.modulus * STEEL.radius)
+    U = STEEL.viscosity * u / (STEEL.modulus * STEEL.radius)
+    W = w / (STEEL.modulus * STEEL.radius)
     b = ELASTIC * STEEL.radius / STEEL.pressure_viscosity * (G * U) ** 0.658 * W**0.0126
     found = resistance(COLD, heavy, load=w, rolling_speed=u)
     np.testing.assert_allclose(found, (a**-5 + b**-5) ** -0.2, rtol=1e-13)
@@ -129,7 +154,9 @@ def test_between_the_limits_is_their_norm_of_power_minus_five():
 def solved(M, L, accuracy=1e-3):
     """int H dP/2 of a solved contact over the whole film and over its inlet, less the film in the middle there."""
     s = solve_line_contact(M, L, accuracy=accuracy)
-    elements = np.arange(0, s.nodes - 1, 4)[:, None] + np.arange(5)  # of degree 4, with the same places in each
+    elements = np.arange(0, s.nodes - 1, 4)[:, None] + np.arange(
+        5
+    )  # of degree 4, with the same places in each
     x, P, H = (values[elements] for values in (s.x, s.pressure, s.film))
     at = (x[0] - x[0, 0]) / np.ptp(x[0])
     basis = [Polynomial.fit(at, row, 4) for row in np.eye(5)]
@@ -138,7 +165,9 @@ def solved(M, L, accuracy=1e-3):
     whole = np.einsum("ki,ij,kj->", H, product, P) / 2 + tail
     before = x[:, -1] <= 0
     # the element that holds the middle is left out: film less that of the middle is nothing there
-    inlet = np.einsum("ki,ij,kj->", H[before] - s.thickness["central"], product, P[before]) / 2 + tail
+    inlet = (
+        np.einsum("ki,ij,kj->", H[before] - s.thickness["central"], product, P[before]) / 2 + tail
+    )
     return whole, inlet
 
 
@@ -148,7 +177,9 @@ def integral(polynomial):
     return primitive(1.0) - primitive(0.0)
 
 
-@pytest.mark.parametrize("row", [row for row in FILMS if row["M"]], ids=lambda row: f"{row['M']:g}-{row['L']:g}")
+@pytest.mark.parametrize(
+    "row", [row for row in FILMS if row["M"]], ids=lambda row: f"{row['M']:g}-{row['L']:g}"
+)
 def test_a_solved_film_resists_as_finite_volumes_say(row):
     whole, _ = solved(row["M"], row["L"], 1e-5)
     assert whole == pytest.approx(row["force"], rel=max(1e-5, 2 * row["uncertainty"]))
@@ -156,10 +187,15 @@ def test_a_solved_film_resists_as_finite_volumes_say(row):
 
 def errors(points, model=COLD):
     """Relative error of the formula at points (M, L): of the whole film and of its inlet, each (points,)."""
-    Us, modulus, radius = 3e-11, STEEL.modulus, STEEL.radius
+    Us = 3e-11
+    modulus = STEEL.modulus
+    radius = STEEL.radius
     found = []
     for M, L in points:
-        oil = {"viscosity": Us * modulus * radius / 2, "pressure_viscosity": L / (modulus * Us**0.25)}
+        oil = {
+            "viscosity": Us * modulus * radius / 2,
+            "pressure_viscosity": L / (modulus * Us**0.25),
+        }
         load = M * math.sqrt(Us) * modulus * radius
         force = resistance(model, attrs.evolve(STEEL, **oil), load=load, rolling_speed=1.0)[0]
         found.append(force / (radius * modulus * Us**0.75) / np.array(solved(M, L)) - 1)
@@ -181,7 +217,11 @@ def test_the_whole_film_resists_as_solved_ones_do():
 
 @pytest.mark.slow
 def test_the_errors_of_the_whole_film_are_within_those_stated():
-    points = [(M, L) for L in (3.5, 5.0, 8.0, 10.0, 12.0, 15.0, 20.0) for M in (0.05, 0.3, 1.0, 3.0, 5.0, 20.0)]
+    points = [
+        (M, L)
+        for L in (3.5, 5.0, 8.0, 10.0, 12.0, 15.0, 20.0)
+        for M in (0.05, 0.3, 1.0, 3.0, 5.0, 20.0)
+    ]
     whole, _ = errors(points, WHOLE)
     assert min(whole) > -0.02
     assert max(whole) < 0.07
@@ -191,7 +231,9 @@ def test_heat_and_want_of_oil_thin_the_inlet_that_resists():
     """Murch and Wilson's factor, by hand: at Lt = 1 it is 3.94/4.94, at nothing 1."""
     u = math.sqrt(STEEL.conductivity / (STEEL.viscosity * STEEL.thermoviscosity))
     speed = np.array([u, 1e-6 * u])
-    hot, cold = (resistance(model, load=1e4, rolling_speed=speed) for model in (RollingResistance(), COLD))
+    hot, cold = (
+        resistance(model, load=1e4, rolling_speed=speed) for model in (RollingResistance(), COLD)
+    )
     np.testing.assert_allclose(hot / cold, [3.94 / 4.94, 1.0], rtol=1e-7)
     starved = resistance(RollingResistance(starvation=0.7), load=1e4, rolling_speed=speed)
     np.testing.assert_allclose(starved, 0.7 * hot, rtol=1e-14)
@@ -205,7 +247,9 @@ def test_an_inlet_that_is_not_heated_reads_nothing_of_heat():
 
 @pytest.mark.slow
 def test_the_errors_of_the_formula_are_within_those_stated():
-    points = [(M, L) for L in (5.0, 8.0, 10.0, 15.0) for M in (0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)]
+    points = [
+        (M, L) for L in (5.0, 8.0, 10.0, 15.0) for M in (0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
+    ]
     whole, inlet = errors(points)
     light = [error for error, (M, L) in zip(whole, points, strict=True) if M <= 1 and L <= 10]
     assert min(whole) > -0.36
@@ -219,12 +263,20 @@ def test_the_errors_of_the_formula_are_within_those_stated():
 
 
 def test_hysteresis_is_a_share_of_the_work_of_the_front_half():
-    w, R, loss = 3e4, STEEL.radius, 0.02
+    w = 3e4
+    R = STEEL.radius
+    loss = 0.02
     slices = Slices(1, STEEL, load=w)
     Chain(get_model("contact", "palmgren"))(slices)
     b = slices.half_width[0]
     # the surfaces close with dx/R as the contact moves on by dx; the pressure is Hertz's
-    work, _ = quad(lambda x: 2 * w / (math.pi * b) * math.sqrt(1 - (x / b) ** 2) * x / R, 0, b, epsabs=0, epsrel=1e-12)
+    work, _ = quad(
+        lambda x: 2 * w / (math.pi * b) * math.sqrt(1 - (x / b) ** 2) * x / R,
+        0,
+        b,
+        epsabs=0,
+        epsrel=1e-12,
+    )
     found = resistance(Hysteresis(loss=loss), load=w, half_width=b)[0]
     assert 2 * found == pytest.approx(loss * work, rel=1e-10)
 
@@ -236,24 +288,29 @@ def test_what_is_left_to_a_scene_is_refused_outside_of_one():
     for drag in (PetroffLand(), Churning(density=900.0)):
         for use in (lambda drag=drag: drag.torque(1.0, 2.0, 0.0), drag.kernel):
             with pytest.raises(
-                DomainError, match=rf"drag '{drag.name}' takes .* from a scene; outside of one give them"
+                DomainError,
+                match=rf"drag '{drag.name}' takes .* from a scene; outside of one give them",
             ):
                 use()
     with pytest.raises(
-        DomainError, match="takes oil_fraction, rollers, roller_diameter, roller_length, orbit_radius from"
+        DomainError,
+        match="takes oil_fraction, rollers, roller_diameter, roller_length, orbit_radius from",
     ):
         Churning(density=900.0).kernel()
 
 
 def test_drags_that_leave_the_same_to_a_scene_are_equal():
-    one, other = PetroffLand(viscosity=float("nan")), pickle.loads(pickle.dumps(PetroffLand()))
+    one = PetroffLand(viscosity=float("nan"))
+    other = pickle.loads(pickle.dumps(PetroffLand()))
     assert one == other
     assert hash(one) == hash(other)
     assert one != PetroffLand(viscosity=0.01)
 
 
 def test_what_is_given_is_checked():
-    with pytest.raises(FieldError, match=r"viscosity: must be from 0.01 mPa s to 1e\+06 Pa s, not -0.01 Pa s"):
+    with pytest.raises(
+        FieldError, match=r"viscosity: must be from 0.01 mPa s to 1e\+06 Pa s, not -0.01 Pa s"
+    ):
         PetroffLand(viscosity=-0.01)
     with pytest.raises(FieldError, match="ring: must be one of 'inner', 'outer', not 'roller'"):
         PetroffLand(ring="roller")
@@ -336,7 +393,8 @@ def test_a_torque_in_python_is_called_from_compiled_code():
         compiled.torque(capsule, 2e3, 0.0, 0.0)
     assert "raised by torque() of drag 'stribeck'" in caught.value.__notes__[0]
     with pytest.raises(
-        DomainError, match="drag 'stribeck' gives a torque of nan at cage, inner and outer speed 950, 1,"
+        DomainError,
+        match="drag 'stribeck' gives a torque of nan at cage, inner and outer speed 950, 1,",
     ):
         compiled.torque(capsule, 950.0, 1.0, 2.0)
 
@@ -352,7 +410,9 @@ def test_a_capsule_keeps_its_function_alive():
     assert [compiled.torque(capsule, *np.eye(3)[k]) for k in range(3)] == [1.0, 10.0, 100.0]
 
 
-TORQUE = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
+TORQUE = ctypes.CFUNCTYPE(
+    ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_void_p
+)
 _ALIVE = []
 
 
@@ -378,16 +438,25 @@ class Foreign(Stribeck):
 
 
 def test_a_strangers_torque_is_taken():
-    capsule = torque_capsule(Foreign(capsule=stranger(lambda cage, inner, outer, _: cage - 2 * outer)))
+    capsule = torque_capsule(
+        Foreign(capsule=stranger(lambda cage, inner, outer, _: cage - 2 * outer))
+    )
     assert compiled.torque(capsule, 5.0, 7.0, 1.0) == 3.0
-    assert math.isnan(compiled.torque(torque_capsule(Foreign(capsule=stranger(lambda *_: math.nan))), 1.0, 2.0, 3.0))
+    assert math.isnan(
+        compiled.torque(
+            torque_capsule(Foreign(capsule=stranger(lambda *_: math.nan))), 1.0, 2.0, 3.0
+        )
+    )
 
 
 @pytest.mark.parametrize(
     ("capsule", "sentence"),
     [
         (42, "must return None or a capsule named 'rollslip.drag.v1', got 42"),
-        (stranger(name=b"rollslip.slice_model.v1"), "must return None or a capsule named 'rollslip.drag.v1'"),
+        (
+            stranger(name=b"rollslip.slice_model.v1"),
+            "must return None or a capsule named 'rollslip.drag.v1'",
+        ),
         (stranger(lambda *_: 0.0, abi=7), "was built for ABI 7 of rollslip.h, this is 1"),
         (stranger(lambda *_: 0.0, size=8), "has 8 bytes of rs_drag, this rollslip reads 24"),
         (stranger(), "gave a table whose torque is NULL"),
@@ -406,7 +475,8 @@ def test_a_kernel_that_breaks_the_contract_is_refused(capsule, sentence):
 
 
 def test_drags_add_up():
-    none, some = Drags(), Drags(torques=(ConstantTorque(), PetroffLand(**LAND), Stribeck()))
+    none = Drags()
+    some = Drags(torques=(ConstantTorque(), PetroffLand(**LAND), Stribeck()))
     assert not none
     assert none.torque(300.0, 667.0, 0.0) == 0.0
     assert none.capsules() == ()
@@ -438,14 +508,20 @@ TERMS = (RollingResistance(), Hysteresis(), InPython())
 
 def test_resistances_add_up_in_one_column():
     n = 700  # more than one block, and a rest
-    columns = {"load": np.linspace(1e3, 1e5, n), "rolling_speed": 20.0, "half_width": np.linspace(1e-5, 1e-4, n)}
+    columns = {
+        "load": np.linspace(1e3, 1e5, n),
+        "rolling_speed": 20.0,
+        "half_width": np.linspace(1e-5, 1e-4, n),
+    }
     expected = sum(resistance(term, **columns) for term in TERMS)
     total = TotalResistance(terms=TERMS)
     np.testing.assert_allclose(resistance(total, **columns), expected, rtol=1e-14)
     slices = Slices(n, STEEL, **columns)
     Chain(total, block=0)(slices)
     np.testing.assert_allclose(slices.resistance, expected, rtol=1e-14)
-    assert total.reads == RollingResistance().reads  # steel and InPython ask for no more; Hertz's b is of the load
+    assert (
+        total.reads == RollingResistance().reads
+    )  # steel and InPython ask for no more; Hertz's b is of the load
     assert total.domain["load"] == (POSITIVE[0], 1e6)
 
 
@@ -453,7 +529,9 @@ def test_a_term_that_fails_is_heard():
     total = TotalResistance(terms=TERMS)
     with pytest.raises(RuntimeError, match="not that load"):
         resistance(total, load=666.0, rolling_speed=1.0, half_width=1e-5)
-    with pytest.raises(DomainError, match=r"total-resistance: load = 1e\+07 N/m at slice 0 is outside its domain"):
+    with pytest.raises(
+        DomainError, match=r"total-resistance: load = 1e\+07 N/m at slice 0 is outside its domain"
+    ):
         resistance(total, load=1e7, rolling_speed=1.0, half_width=1e-5)
     with pytest.raises(ValueError, match="at most 8 can be added, got 9"):
         compiled.total_resistance([Hysteresis().kernel()] * 9)

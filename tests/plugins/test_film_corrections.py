@@ -24,9 +24,12 @@ from tabled import REFERENCES, numbers_of
 
 INLET = numbers_of(REFERENCES / "film_corrections.csv")
 
-MURCH_WILSON, GUPTA = InletCorrection(), InletCorrection(thermal="gupta")
+MURCH_WILSON = InletCorrection()
+GUPTA = InletCorrection(thermal="gupta")
 every_law = pytest.mark.parametrize("model", forms([MURCH_WILSON, GUPTA]))
-both_forms = pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+both_forms = pytest.mark.parametrize(
+    "form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"]
+)
 STEEL = 2.286e11
 #: What is said of a slice without a film: the compiled form knows which, the readable one why.
 NO_FILM = {
@@ -37,17 +40,27 @@ NO_FILM = {
 
 def table(thermal_load, slide=0.0, pressure=1e-3):
     """Slices whose thermal load, slide-roll ratio and mean pressure are given; the speed follows."""
-    thermal_load, slide, pressure = np.broadcast_arrays(np.atleast_1d(np.asarray(thermal_load, float)), slide, pressure)
+    thermal_load, slide, pressure = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(thermal_load, float)), slide, pressure
+    )
     conditions = Conditions(
-        radius=0.006875, modulus=STEEL, viscosity=0.01, pressure_viscosity=1e-8, thermoviscosity=0.03, conductivity=0.14
+        radius=0.006875,
+        modulus=STEEL,
+        viscosity=0.01,
+        pressure_viscosity=1e-8,
+        thermoviscosity=0.03,
+        conductivity=0.14,
     )
     u = np.sqrt(thermal_load * 0.14 / (0.01 * 0.03))
-    return Slices(u.size, conditions, load=2e4, rolling_speed=u, sliding_speed=slide * u, pressure=pressure)
+    return Slices(
+        u.size, conditions, load=2e4, rolling_speed=u, sliding_speed=slide * u, pressure=pressure
+    )
 
 
 def factor(model, slices):
     """Film of a correction over the film inside it."""
-    bare, corrected = slices, Slices(len(slices), slices.conditions)
+    bare = slices
+    corrected = Slices(len(slices), slices.conditions)
     for name in ("load", "rolling_speed", "sliding_speed", "pressure"):
         getattr(corrected, name)[:] = getattr(slices, name)
     film = law_of(model).film
@@ -62,7 +75,10 @@ def factor(model, slices):
 
 @every_law
 @given(
-    load=or_zero(decades(-8, 3)), slide=or_zero(decades(-6, 1)), pressure=decades(5, 9.5), sign=st.sampled_from([1, -1])
+    load=or_zero(decades(-8, 3)),
+    slide=or_zero(decades(-6, 1)),
+    pressure=decades(5, 9.5),
+    sign=st.sampled_from([1, -1]),
 )
 def test_the_factors_are_the_printed_ones(model, load, slide, pressure, sign):
     """In thirty digits: Murch and Wilson as Wilson and Sheu print it, Gupta's as Zhou and Hoeprich do, p_H = 4 p/pi."""
@@ -70,18 +86,24 @@ def test_the_factors_are_the_printed_ones(model, load, slide, pressure, sign):
     c = slices.conditions
     with mpmath.workdps(30):
         u = mpmath.mpf(float(slices.rolling_speed[0]))
-        Lt = mpmath.mpf(c.viscosity) * mpmath.mpf(c.thermoviscosity) * u**2 / mpmath.mpf(c.conductivity)
+        Lt = (
+            mpmath.mpf(c.viscosity)
+            * mpmath.mpf(c.thermoviscosity)
+            * u**2
+            / mpmath.mpf(c.conductivity)
+        )
         S = abs(mpmath.mpf(float(slices.sliding_speed[0]))) / u
         if law_of(model).thermal == "gupta":
-            expected = 1 - mpmath.mpf("13.2") * (4 / mpmath.pi * pressure / mpmath.mpf(STEEL)) * Lt ** mpmath.mpf(
-                "0.42"
-            )
+            expected = 1 - mpmath.mpf("13.2") * (
+                4 / mpmath.pi * pressure / mpmath.mpf(STEEL)
+            ) * Lt ** mpmath.mpf("0.42")
             lost = 1 / abs(float(expected))
-            expected /= 1 + mpmath.mpf("0.213") * (1 + mpmath.mpf("2.23") * S ** mpmath.mpf("0.83")) * Lt ** mpmath.mpf(
-                "0.64"
-            )
+            expected /= 1 + mpmath.mpf("0.213") * (
+                1 + mpmath.mpf("2.23") * S ** mpmath.mpf("0.83")
+            ) * Lt ** mpmath.mpf("0.64")
         else:
-            expected, lost = mpmath.mpf("3.94") / (mpmath.mpf("3.94") + Lt ** mpmath.mpf("0.62")), 1.0
+            expected = mpmath.mpf("3.94") / (mpmath.mpf("3.94") + Lt ** mpmath.mpf("0.62"))
+            lost = 1.0
     assume(lost < 100)
     if expected > 0:
         # the film, the factor and their product: some roundings, as many more as the numerator loses by cancelling
@@ -94,7 +116,9 @@ def test_the_factors_are_the_printed_ones(model, load, slide, pressure, sign):
 def test_murch_and_wilsons_factor_is_close_to_wilson_and_sheus():
     """Another analysis, C = 1/(1 + 0.241 L^0.64) in pure rolling, "close to" it by their word: -1.1 to 3.4 %."""
     load = np.logspace(-1, 2, 50)
-    np.testing.assert_allclose(factor(MURCH_WILSON, table(load)), 1 / (1 + 0.241 * load**0.64), rtol=0.034)
+    np.testing.assert_allclose(
+        factor(MURCH_WILSON, table(load)), 1 / (1 + 0.241 * load**0.64), rtol=0.034
+    )
 
 
 @pytest.mark.parametrize("thermal", ["murch-wilson", "gupta"])
@@ -116,9 +140,15 @@ def test_below_a_tenth_heating_does_not_matter(thermal):
 )
 def test_the_factors_against_a_numerical_inlet(thermal, slide, upto, low, high):
     """Grubin's inlet with the thermal Reynolds equation of Aggarwal and Wilson, thin films and thick, no pressure."""
-    rows = [row for row in INLET if row["slide_roll_ratio"] == slide and row["thermal_load"] <= upto]
+    rows = [
+        row for row in INLET if row["slide_roll_ratio"] == slide and row["thermal_load"] <= upto
+    ]
     loads = np.array([row["thermal_load"] for row in rows])
-    error = factor(InletCorrection(thermal=thermal), table(loads, slide)) / [row["factor"] for row in rows] - 1
+    error = (
+        factor(InletCorrection(thermal=thermal), table(loads, slide))
+        / [row["factor"] for row in rows]
+        - 1
+    )
     assert low <= error.min()
     assert error.max() <= high
     # the docstring's numbers are not idle: each bound of more than a few percent is nearly reached
@@ -146,7 +176,12 @@ def test_murch_and_wilsons_factor_is_a_share_that_falls_with_speed(form, load, f
 
 
 @both_forms
-@given(load=decades(-3, 1), slide=or_zero(decades(-3, 0)), pressure=decades(7, 9.2), more=decades(-3, 0.5))
+@given(
+    load=decades(-3, 1),
+    slide=or_zero(decades(-3, 0)),
+    pressure=decades(7, 9.2),
+    more=decades(-3, 0.5),
+)
 def test_guptas_factor_falls_with_speed_slip_and_pressure(form, load, slide, pressure, more):
     assume(13.2 * 1.28 * pressure * (1 + more) / STEEL * (load * (1 + more)) ** 0.42 < 0.99)
     base, *others = (
@@ -192,7 +227,8 @@ def test_starvation_is_a_factor_of_its_own(form, thermal, starvation):
 def test_guptas_factor_is_refused_where_it_is_negative(form, block, at):
     """1 - 13.2 (p_H/E') Lt^0.42 at a mean pressure of 4 GPa and Lt = 30 is -0.2: no film, and never a negative one."""
     slices = table(np.full(600, 1.0), 0.0, 4e8)
-    slices.rolling_speed[at], slices.pressure[at] = table(30.0).rolling_speed[0], 4e9
+    slices.rolling_speed[at] = table(30.0).rolling_speed[0]
+    slices.pressure[at] = 4e9
     says = NO_FILM[form(GUPTA) is GUPTA].replace("slice 0", f"slice {at}")
     with pytest.raises(DomainError, match=says):
         Chain(form(GUPTA), block=block)(slices)
@@ -202,16 +238,21 @@ def layered(model, film):
     """Film of a correction with a layer of oil, over the one of its other factors, by definition."""
     with mpmath.workdps(30):
         g = mpmath.mpf(model.layer_exponent)
-        h, oil = mpmath.mpf(film), mpmath.mpf(model.oil_layer)
+        h = mpmath.mpf(film)
+        oil = mpmath.mpf(model.oil_layer)
         return float(h * oil / (h**g + oil**g) ** (1 / g))
 
 
 @both_forms
 @pytest.mark.parametrize("thermal", ["none", "murch-wilson", "gupta"])
 def test_a_layer_of_oil_thins_the_film_as_printed(form, thermal):
-    for exponent, oil in itertools.product((1.0, 2.0, 5.0, 10.0), (1e-30, 1e-9, 5e-8, 3e-7, 1e-3, 1.0)):
+    for exponent, oil in itertools.product(
+        (1.0, 2.0, 5.0, 10.0), (1e-30, 1e-9, 5e-8, 3e-7, 1e-3, 1.0)
+    ):
         slices, flooded = (table(np.geomspace(1e-3, 5.0, 9), 0.1, 3e8) for _ in range(2))
-        model = InletCorrection(thermal=thermal, starvation=0.8, oil_layer=oil, layer_exponent=exponent)
+        model = InletCorrection(
+            thermal=thermal, starvation=0.8, oil_layer=oil, layer_exponent=exponent
+        )
         Chain(form(model))(slices)
         Chain(form(attrs.evolve(model, oil_layer=None)))(flooded)
         expected = [layered(model, film) for film in flooded.film_thickness]
@@ -220,13 +261,20 @@ def test_a_layer_of_oil_thins_the_film_as_printed(form, thermal):
 
 @both_forms
 @given(oil=decades(-12, 0), exponent=st.floats(1.0, 10.0), load=decades(-4, 1))
-def test_no_more_oil_leaves_than_comes_and_no_more_than_a_flooded_inlet_takes(form, oil, exponent, load):
+def test_no_more_oil_leaves_than_comes_and_no_more_than_a_flooded_inlet_takes(
+    form, oil, exponent, load
+):
     """Mass is conserved: without flow to the sides the film is the smaller of both, and flow to them only thins it."""
-    slices, flooded = table(load), table(load)
+    slices = table(load)
+    flooded = table(load)
     Chain(form(InletCorrection(thermal="none", oil_layer=oil, layer_exponent=exponent)))(slices)
     Chain(Moes())(flooded)
     least = min(oil, flooded.film_thickness[0])
-    assert least * 2 ** (-1 / exponent) * (1 - 1e-14) <= slices.film_thickness[0] <= least * (1 + 1e-14)
+    assert (
+        least * 2 ** (-1 / exponent) * (1 - 1e-14)
+        <= slices.film_thickness[0]
+        <= least * (1 + 1e-14)
+    )
 
 
 def test_a_layer_starves_a_fast_contact_and_floods_a_slow_one():
@@ -245,14 +293,19 @@ def test_a_layer_starves_a_fast_contact_and_floods_a_slow_one():
 
 
 @both_forms
-@pytest.mark.parametrize("film", [Moes(), Regime(), PanHamrock(thickness="central"), NumpyForm(Moes())])
+@pytest.mark.parametrize(
+    "film", [Moes(), Regime(), PanHamrock(thickness="central"), NumpyForm(Moes())]
+)
 def test_any_film_is_thinned_and_what_else_it_says_is_kept(form, film):
-    slices, bare = table([0.5, 2.0]), table([0.5, 2.0])
+    slices = table([0.5, 2.0])
+    bare = table([0.5, 2.0])
     model = InletCorrection(film=film, starvation=0.9)
     Chain(film)(bare)
     Chain(form(model))(slices)
     np.testing.assert_allclose(
-        slices.film_thickness / bare.film_thickness, 0.9 * 3.94 / (3.94 + np.array([0.5, 2.0]) ** 0.62), rtol=1e-14
+        slices.film_thickness / bare.film_thickness,
+        0.9 * 3.94 / (3.94 + np.array([0.5, 2.0]) ** 0.62),
+        rtol=1e-14,
     )
     np.testing.assert_array_equal(slices.regime, bare.regime)
     assert (model.writes, model.location, model.regime) == (film.writes, film.location, film.regime)
@@ -297,7 +350,10 @@ def test_what_the_film_refuses_is_refused_here(block):
 @pytest.mark.parametrize(
     ("parameters", "says"),
     [
-        ({"thermal": "cheng"}, "thermal: must be one of 'none', 'murch-wilson', 'gupta', not 'cheng'"),
+        (
+            {"thermal": "cheng"},
+            "thermal: must be one of 'none', 'murch-wilson', 'gupta', not 'cheng'",
+        ),
         ({"starvation": 0.0}, "starvation: must be above 0"),
         ({"starvation": 1.1}, "starvation: must be from 0 to 1"),
         ({"oil_layer": 0.0}, "oil_layer: must be above 0"),
@@ -316,7 +372,10 @@ def test_wrong_parameters_are_refused(parameters, says):
 
 def test_a_scene_with_two_corrections_is_refused_at_its_place():
     nested = {"model": "inlet-correction", "film": "inlet-correction"}
-    with pytest.raises(SceneError, match=r"models\.film\.film: the inlet of 'inlet-correction' is corrected already"):
+    with pytest.raises(
+        SceneError,
+        match=r"models\.film\.film: the inlet of 'inlet-correction' is corrected already",
+    ):
         plan(evolve(load_scene("1032930-70C"), {"models.film": nested}))
 
 
@@ -338,7 +397,12 @@ def test_a_scene_with_two_corrections_is_refused_at_its_place():
             "thins the film by a factor of 0.8",
         ),
         (
-            {"model": "inlet-correction", "thermal": "none", "starvation": 0.8, "oil_layer": "0.5 um"},
+            {
+                "model": "inlet-correction",
+                "thermal": "none",
+                "starvation": 0.8,
+                "oil_layer": "0.5 um",
+            },
             False,
             "isothermal inlet, starved by a factor of 0.8 and an oil layer of 0.5 um",
             "thins the film by a factor of 0.8 and an oil layer of 0.5 um",
@@ -347,11 +411,21 @@ def test_a_scene_with_two_corrections_is_refused_at_its_place():
     ],
 )
 def test_plan_and_result_say_what_the_scene_asks_for(film, included, choice, stated):
-    scene = evolve(load_scene("1032930-70C"), {"models.film": film, "study.friction-curve.points": 5})
-    part = next(part for part in plan(scene, "friction-curve").parts if part.part == "thermal inlet shear")
+    scene = evolve(
+        load_scene("1032930-70C"), {"models.film": film, "study.friction-curve.points": 5}
+    )
+    part = next(
+        part for part in plan(scene, "friction-curve").parts if part.part == "thermal inlet shear"
+    )
     assert (part.included, part.choice) == (included, choice)
-    assert part.reason == (f"film model '{film['model']}' asks for it" if included else "the scene does not ask for it")
-    said = [text for text in json.loads(run(scene, "friction-curve").attrs["warnings"]) if "thins the film" in text]
+    assert part.reason == (
+        f"film model '{film['model']}' asks for it" if included else "the scene does not ask for it"
+    )
+    said = [
+        text
+        for text in json.loads(run(scene, "friction-curve").attrs["warnings"])
+        if "thins the film" in text
+    ]
     assert [stated in text for text in said] == ([] if stated is None else [True])
 
 
@@ -368,7 +442,9 @@ def test_film_thickness_takes_what_the_correction_reads():
     assert hot.shape == (2, 2)
     assert np.all(np.diff(hot, axis=0) < 0)
     assert InletCorrection(thermal="none").film_thickness(*usual).shape == (2,)
-    with pytest.raises(DomainError, match=r"missing or too many are conductivity, thermoviscosity$"):
+    with pytest.raises(
+        DomainError, match=r"missing or too many are conductivity, thermoviscosity$"
+    ):
         MURCH_WILSON.film_thickness(*usual)
     with pytest.raises(DomainError, match=r"missing or too many are pressure$"):
         MURCH_WILSON.film_thickness(*usual, **heat, pressure=1e9)

@@ -46,7 +46,9 @@ ROUNDING = 1e-14
 
 @every_model
 @given(contact=contacts(), factor=decades(0, 2))
-def test_film_is_positive_falls_with_load_and_rises_with_speed_and_viscosity(model, contact, factor):
+def test_film_is_positive_falls_with_load_and_rises_with_speed_and_viscosity(
+    model, contact, factor
+):
     """Rigid-piezoviscous films do not feel the load; the composite does not rise with it either, over the range."""
 
     def film(**changes):
@@ -60,7 +62,9 @@ def test_film_is_positive_falls_with_load_and_rises_with_speed_and_viscosity(mod
     assert film(pressure_viscosity=contact.pressure_viscosity * factor) >= h * (1 - ROUNDING)
 
 
-by_name = pytest.mark.parametrize("model", [pytest.param(m, id=f"{i}-{m.name}") for i, m in enumerate(MODELS)])
+by_name = pytest.mark.parametrize(
+    "model", [pytest.param(m, id=f"{i}-{m.name}") for i, m in enumerate(MODELS)]
+)
 any_oil = contacts(pressure_viscosity=or_zero(decades(-10, -7)))
 
 
@@ -80,12 +84,15 @@ def hhat(law, contact):
     """
     with mpmath.workdps(40):
         U, G, W = (mpmath.mpf(group) for group in contact.groups)
-        gV, gE = W ** mpmath.mpf(1.5) * G / mpmath.sqrt(U), W / mpmath.sqrt(U)
+        gV = W ** mpmath.mpf(1.5) * G / mpmath.sqrt(U)
+        gE = W / mpmath.sqrt(U)
         forms = {
             "martin": lambda: mpmath.mpf("4.89497"),
             "blok": lambda: mpmath.mpf("1.66630") * gV ** (mpmath.mpf(2) / 3),
             "herrebrugh": lambda: mpmath.mpf("3.10") * gE ** mpmath.mpf("0.8"),
-            "dowson-1968": lambda: mpmath.mpf("2.65") * gV ** mpmath.mpf("0.54") * gE ** mpmath.mpf("0.06"),
+            "dowson-1968": lambda: (
+                mpmath.mpf("2.65") * gV ** mpmath.mpf("0.54") * gE ** mpmath.mpf("0.06")
+            ),
         }
         return float(forms[law.name]() * U / W)
 
@@ -115,17 +122,25 @@ def test_elastic_piezoviscous_films_are_the_printed_power_laws(model, contact):
     terms = np.array(powers) * np.log(contact.groups)
     expected = contact.radius * c * np.exp(np.sum(terms))
     # the sum of logarithms has an absolute error of eps times its terms, up to 60
-    np.testing.assert_allclose(contact.film(model), expected, rtol=2e-16 * np.sum(np.abs(terms)) + ROUNDING)
+    np.testing.assert_allclose(
+        contact.film(model), expected, rtol=2e-16 * np.sum(np.abs(terms)) + ROUNDING
+    )
 
 
 def moes(contact):
     """h/R after Moes as printed, in M, L and H of the sum of speeds, in forty digits; and its four asymptotes."""
     with mpmath.workdps(40):
         number = mpmath.mpf
-        speeds = 2 * number(contact.viscosity) * contact.rolling_speed / (number(contact.modulus) * contact.radius)
+        speeds = (
+            2
+            * number(contact.viscosity)
+            * contact.rolling_speed
+            / (number(contact.modulus) * contact.radius)
+        )
         M = number(contact.load) / (number(contact.modulus) * contact.radius) / mpmath.sqrt(speeds)
         L = number(contact.pressure_viscosity) * contact.modulus * speeds ** number("0.25")
-        ri, ei = 3 / M, number("2.621") * M ** number("-0.2")
+        ri = 3 / M
+        ei = number("2.621") * M ** number("-0.2")
         rp = number("1.287") * L ** (number(2) / 3)
         ep = number("1.311") * M ** number("-0.125") * L ** number("0.75")
         s = (7 + 8 * mpmath.exp(-2 * ei / ri)) / 5
@@ -133,7 +148,9 @@ def moes(contact):
         piezoviscous = (rp ** number(-3.5) + ep ** number(-3.5)) ** (-2 * s / 7) if L else 0
         scale = mpmath.sqrt(speeds) * contact.radius
         film = (isoviscous + piezoviscous) ** (1 / s)
-        return float(film * scale), {k: float(v * scale) for k, v in {"IR": ri, "VR": rp, "IE": ei, "VE": ep}.items()}
+        return float(film * scale), {
+            k: float(v * scale) for k, v in {"IR": ri, "VR": rp, "IE": ei, "VE": ep}.items()
+        }
 
 
 MOES = forms([Moes()])
@@ -147,7 +164,10 @@ def test_moes_agrees_with_its_printed_form_in_forty_digits(model, contact):
 
 def contact_of(M, L):
     """A contact with Moes's load and lubricant parameter."""
-    modulus, radius, speed, viscosity = 2.2857e11, 0.006875, 10.0, 0.01
+    modulus = 2.2857e11
+    radius = 0.006875
+    speed = 10.0
+    viscosity = 0.01
     speeds = 2 * viscosity * speed / (modulus * radius)
     return Contact(
         load=M * np.sqrt(speeds) * modulus * radius,
@@ -173,7 +193,9 @@ def test_moes_tends_to_each_asymptote(model, regime, M, L):
 
 @pytest.mark.parametrize("model", MOES)
 @pytest.mark.parametrize(
-    ("isoviscous", "M"), [("IR", 1e-6), ("IR", 1e-3), ("IE", 1e3), ("IE", 1e9)], ids=lambda value: str(value)
+    ("isoviscous", "M"),
+    [("IR", 1e-6), ("IR", 1e-3), ("IE", 1e3), ("IE", 1e9)],
+    ids=lambda value: str(value),
 )
 def test_moes_without_pressure_viscosity_is_isoviscous(model, isoviscous, M):
     """At alpha = 0 the piezoviscous films vanish: what stays is the 7/3 mean of the rigid and the elastic one."""
@@ -200,7 +222,9 @@ EDGES = {  # from, to: coefficient and exponent of g_V = c g_E^e as printed, and
 
 def contact_in(gV, gE, speed=10.0):
     """A contact with Johnson's groups."""
-    modulus, radius, viscosity = 2.2857e11, 0.006875, 0.01
+    modulus = 2.2857e11
+    radius = 0.006875
+    viscosity = 0.01
     U = viscosity * speed / (modulus * radius)
     W = gE * np.sqrt(U)
     return Contact(
@@ -238,12 +262,16 @@ def test_regimes_meet_at_the_published_numbers(model, names):
     digit = 0.5 * 10.0 ** -len(printed.partition(".")[2])
     for gE in along:
         near = float(printed) * gE**power
-        low, high, below, above = edge(model, lambda gV, gE=gE: contact_in(gV, gE), 0.98 * near, 1.02 * near)
+        low, high, below, above = edge(
+            model, lambda gV, gE=gE: contact_in(gV, gE), 0.98 * near, 1.02 * near
+        )
         assert (below, above) == names
         rounded = abs(np.log(gE)) * 5e-5 * float(printed) if power not in (0.0, 1.2) else 0.0
         assert high / gE**power == pytest.approx(float(printed), abs=digit + rounded)
         # continuous: at the switch the two formulas are equal, so a last bit of g_V moves h by last bits only
-        np.testing.assert_allclose(contact_in(low, gE).film(model), contact_in(high, gE).film(model), rtol=4 * ROUNDING)
+        np.testing.assert_allclose(
+            contact_in(low, gE).film(model), contact_in(high, gE).film(model), rtol=4 * ROUNDING
+        )
 
 
 @pytest.mark.parametrize("model", REGIME)
@@ -252,7 +280,9 @@ def test_rigid_meets_elastic_isoviscous_at_the_published_number(model, gV):
     low, high, below, above = edge(model, lambda gE: contact_in(gV, gE), 1.7, 1.85)
     assert (below, above) == ("IR", "IE")
     assert round(high, 3) == 1.770
-    np.testing.assert_allclose(contact_in(gV, low).film(model), contact_in(gV, high).film(model), rtol=4 * ROUNDING)
+    np.testing.assert_allclose(
+        contact_in(gV, low).film(model), contact_in(gV, high).film(model), rtol=4 * ROUNDING
+    )
 
 
 @pytest.mark.parametrize("model", REGIME)
@@ -306,7 +336,10 @@ def test_film_thickness_is_the_chains(model, contact):
 
 @by_name
 def test_film_thickness_broadcasts_conditions_too(model):
-    load, speed, radius, modulus = np.full((2, 1, 1), 1e4), [[1.0], [3.0], [10.0]], [0.007, 0.01], 2.3e11
+    load = np.full((2, 1, 1), 1e4)
+    speed = [[1.0], [3.0], [10.0]]
+    radius = [0.007, 0.01]
+    modulus = 2.3e11
     film = model.film_thickness(load, speed, radius, modulus, [0.01, 0.02], 1e-8)
     assert film.shape == (2, 3, 2)
     one = model.film_thickness(1e4, 3.0, 0.01, modulus, 0.02, 1e-8)

@@ -25,7 +25,13 @@ Us = 2 * 0.01 * SPEED / (2e11 * 0.01)
 def filled(M, L, name="light-contact", compiled=True, film=1.0):
     """Slices at Moes's M, all with one L."""
     oil = Conditions(**STEEL, pressure_viscosity=L / Us**0.25 / 2e11)
-    slices = Slices(len(M), oil, load=np.asarray(M) * np.sqrt(Us) * 2e9, rolling_speed=SPEED, film_thickness=film)
+    slices = Slices(
+        len(M),
+        oil,
+        load=np.asarray(M) * np.sqrt(Us) * 2e9,
+        rolling_speed=SPEED,
+        film_thickness=film,
+    )
     model = get_model("pressure", name)
     Chain(model)(slices) if compiled else model.evaluate(slices)
     np.testing.assert_allclose(moes_groups(slices)[0], M, rtol=1e-12)
@@ -48,11 +54,15 @@ def test_the_ratio_is_that_of_finite_volumes():
         assert ratio([row["M"]], row["L"])[0] == pytest.approx(row["ratio"], rel=0.04), row
 
 
-@pytest.mark.parametrize(("M", "L"), [(0.05, 10.0), (0.9, 11.0), (0.6, 13.0), (1.2, 13.0), (0.85, 16.5), (1.5, 20.0)])
+@pytest.mark.parametrize(
+    ("M", "L"), [(0.05, 10.0), (0.9, 11.0), (0.6, 13.0), (1.2, 13.0), (0.85, 16.5), (1.5, 20.0)]
+)
 def test_between_the_values_of_the_table_it_is_that_of_a_solution(M, L):
     contact = solve_line_contact(M, L)
     mean = np.trapezoid(contact.pressure**2, contact.x) / np.trapezoid(contact.pressure, contact.x)
-    expected = min(mean / (8 / (3 * np.pi) * np.sqrt(M / (2 * np.pi))), 1.0)  # above it is Barus's spike
+    expected = min(
+        mean / (8 / (3 * np.pi) * np.sqrt(M / (2 * np.pi))), 1.0
+    )  # above it is Barus's spike
     assert ratio([M], L)[0] == pytest.approx(expected, rel=0.035)
 
 
@@ -73,9 +83,11 @@ def test_it_ends_in_a_rigid_contact_and_in_hertz(L):
 @pytest.mark.parametrize("compiled", [True, False])
 def test_no_film_carries_beyond_where_the_gap_is_ten_times_as_wide(compiled):
     """The gap is h + x^2/(2 R) at x beyond the flat, 10 h at 3 sqrt(2 R h)."""
-    M, film = np.geomspace(1e-9, 10.0, 41), 2e-7
+    M = np.geomspace(1e-9, 10.0, 41)
+    film = 2e-7
     for L in (0.0, 15.0):
-        slices, free = filled(M, L, compiled=compiled, film=film), filled(M, L)
+        slices = filled(M, L, compiled=compiled, film=film)
+        free = filled(M, L)
         flat = np.sqrt(8 * slices.load * STEEL["radius"] / (np.pi * STEEL["modulus"]))
         gap = film + np.maximum(slices.half_width - flat, 0.0) ** 2 / (2 * STEEL["radius"])
         np.testing.assert_allclose(gap[:25], 10 * film, rtol=1e-12)
@@ -102,14 +114,17 @@ def test_it_rises_with_the_load_and_has_no_jump(exponent, L, step):
     before, after = ratio([M, M * (1 + step)], L)
     assert 0.0 < before <= after <= 1.0
     assert after / before <= (1 + step) ** 2, "steeper than the table"
-    here, there = ratio([M], L)[0], ratio([M], L * (1 + 1e-9))[0]
+    here = ratio([M], L)[0]
+    there = ratio([M], L * (1 + 1e-9))[0]
     assert there == pytest.approx(here, rel=1e-6)
 
 
 def test_slices_of_different_speed_are_as_those_of_one():
     """Where all have one speed the kernel takes its logarithm once."""
-    oil, model = Conditions(**STEEL, pressure_viscosity=2e-8), get_model("pressure", "light-contact")
-    load, speed = np.geomspace(1e3, 1e6, 300), np.linspace(1.0, 60.0, 300)
+    oil = Conditions(**STEEL, pressure_viscosity=2e-8)
+    model = get_model("pressure", "light-contact")
+    load = np.geomspace(1e3, 1e6, 300)
+    speed = np.linspace(1.0, 60.0, 300)
     together = Slices(300, oil, load=load, rolling_speed=speed, film_thickness=1e-6)
     Chain(model)(together)
     for k in (0, 7, 150, 299):
@@ -128,7 +143,9 @@ def names(assembly):
 
 def test_hertz_is_no_stage_and_a_light_contact_stands_between_film_and_viscosity():
     scene = load_scene("1032930-70C")
-    hertz, light = (assemble(evolve(scene, {"models.pressure": name})) for name in ("hertz", "light-contact"))
+    hertz, light = (
+        assemble(evolve(scene, {"models.pressure": name})) for name in ("hertz", "light-contact")
+    )
     assert names(hertz) == ["palmgren", "moes", "barus", "lambda-blend"]
     assert names(light) == ["palmgren", "moes", "light-contact", "barus", "lambda-blend"]
     assert isinstance(hertz.pressure, PressureModel)
@@ -141,7 +158,9 @@ def test_hertz_is_no_stage_and_a_light_contact_stands_between_film_and_viscosity
 
 
 def test_the_shipped_scenes_state_the_pressure_of_the_paper_and_new_ones_the_film_s():
-    assert {load_scene(f"1032930-{name}").models.pressure.name for name in ("30C", "50C", "70C")} == {"hertz"}
+    assert {
+        load_scene(f"1032930-{name}").models.pressure.name for name in ("30C", "50C", "70C")
+    } == {"hertz"}
     assert parse_scene(scene_with(), "scene.toml").models.pressure.name == "light-contact"
 
 
@@ -149,6 +168,8 @@ def test_hysteresis_rests_on_the_width_of_the_dry_contact():
     scene = load_scene("1032930-70C")
     found = []
     for name, chosen in itertools.product(("hertz", "light-contact"), ("hysteresis",)):
-        there = assemble(evolve(scene, {"models.pressure": name, "cage.drag": [chosen]})).with_resistance()
+        there = assemble(
+            evolve(scene, {"models.pressure": name, "cage.drag": [chosen]})
+        ).with_resistance()
         found.append(there.inner.evaluate(np.array([1e3, 1e4]), 25.0, 0.5).resistance)
     np.testing.assert_array_equal(*found)

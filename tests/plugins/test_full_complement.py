@@ -49,7 +49,9 @@ def test_designations_of_makers_are_understood(written, name):
     assert CATALOGUE.cage(written).make == ""
 
 
-@pytest.mark.parametrize("written", ["NCF 2299 V", "SL045010", "NCF2210", "NNCF5010V", "SL182210-XYZ"])
+@pytest.mark.parametrize(
+    "written", ["NCF 2299 V", "SL045010", "NCF2210", "NNCF5010V", "SL182210-XYZ"]
+)
 def test_others_are_refused(written):
     assert CATALOGUE.called(written) is None
     with pytest.raises(UnknownNameError):
@@ -61,7 +63,9 @@ def test_static_ratings_that_lengths_were_made_of_come_out(name, rating):
     """ISO 76: C0 = 44 (1 - D/d_m) Z L D, in N and mm."""
     b = CATALOGUE[name].bearing
     pitch = 0.5 * (b.inner_raceway_diameter + b.outer_raceway_diameter)
-    found = 44e6 * (1.0 - b.roller_diameter / pitch) * b.rollers * b.roller_length * b.roller_diameter
+    found = (
+        44e6 * (1.0 - b.roller_diameter / pitch) * b.rollers * b.roller_length * b.roller_diameter
+    )
     assert math.isclose(found, rating, rel_tol=0.05)
 
 
@@ -75,9 +79,15 @@ def test_a_new_scene_of_one_has_no_cage_and_its_friction_may_be_set():
 
 
 def test_another_name_brings_a_cage_and_takes_it_away():
-    caged, without = new("NU2210E"), new("NCF2210V")
-    assert assemble(evolve(caged, {"bearing.name": "NCF2210V"})).scene.models.neighbour_friction == 0.1
-    assert assemble(evolve(without, {"bearing.name": "NU2210E"})).scene.models.neighbour_friction is None
+    caged = new("NU2210E")
+    without = new("NCF2210V")
+    assert (
+        assemble(evolve(caged, {"bearing.name": "NCF2210V"})).scene.models.neighbour_friction == 0.1
+    )
+    assert (
+        assemble(evolve(without, {"bearing.name": "NU2210E"})).scene.models.neighbour_friction
+        is None
+    )
 
 
 def test_with_a_roller_missing_the_play_is_told():

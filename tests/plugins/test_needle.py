@@ -43,12 +43,16 @@ def test_others_are_refused_by_what_they_are(written):
         find("bearing", written)
 
 
-@pytest.mark.parametrize(("name", "rating"), [("NK20/16", 25.5e3), ("NK40/20", 57e3), ("HK2016", 20.1e3)])
+@pytest.mark.parametrize(
+    ("name", "rating"), [("NK20/16", 25.5e3), ("NK40/20", 57e3), ("HK2016", 20.1e3)]
+)
 def test_static_ratings_that_shares_were_made_of_come_out(name, rating):
     """ISO 76: C0 = 44 (1 - D/d_m) Z L D, in N and mm."""
     b = CATALOGUE[name].bearing
     pitch = 0.5 * (b.inner_raceway_diameter + b.outer_raceway_diameter)
-    found = 44e6 * (1.0 - b.roller_diameter / pitch) * b.rollers * b.roller_length * b.roller_diameter
+    found = (
+        44e6 * (1.0 - b.roller_diameter / pitch) * b.rollers * b.roller_length * b.roller_diameter
+    )
     assert found == pytest.approx(rating, rel=0.1)
 
 
@@ -60,12 +64,15 @@ def test_a_shaft_h5_leaves_a_machined_ring_its_clearance():
 
 def test_a_new_scene_runs_on_its_shaft_and_refuses_a_fit_there():
     scene = new("NK 20/16", speed="3000 rpm", load="500 N")
-    assert scene.bearing.mounted.clearance == pytest.approx(31e-6 - 12e-6 * 5.0 * (20e-3 + 2 * 2.5e-3), abs=3e-8)
+    assert scene.bearing.mounted.clearance == pytest.approx(
+        31e-6 - 12e-6 * 5.0 * (20e-3 + 2 * 2.5e-3), abs=3e-8
+    )
     assert implausible(scene) == []
     assert "# shaft_fit" in scene.text
     rough = {"surface.name": "ground", "surface.inner_raceway_roughness": "0.4 um",
              "bearing.inner_raceway.material.elastic_modulus": "120 GPa", "models.contact": "lundberg"}  # fmt: skip
-    soft, hard = assemble(evolve(scene, rough)), assemble(scene)
+    soft = assemble(evolve(scene, rough))
+    hard = assemble(scene)
     assert soft.inner.conditions.modulus < 0.8 * hard.inner.conditions.modulus
     assert soft.inner.conditions.roughness > 1.5 * hard.inner.conditions.roughness
     assert soft.outer.conditions == hard.outer.conditions
@@ -75,7 +82,9 @@ def test_a_new_scene_runs_on_its_shaft_and_refuses_a_fit_there():
     assert cup.bearing.mounted.clearance < cup.bearing.mounting.initial_clearance
 
 
-@pytest.mark.parametrize(("law", "warned"), [("palmgren", True), ("iso16281", True), ("lundberg", False)])
+@pytest.mark.parametrize(
+    ("law", "warned"), [("palmgren", True), ("iso16281", True), ("lundberg", False)]
+)
 def test_deflections_of_steel_are_told_where_the_shaft_is_none(law, warned):
     few = {"study.effective-friction.points": 5, "study.effective-friction.map_points": 0,
            "study.effective-friction.runaway_range": 0.0, "models.contact": law}  # fmt: skip

@@ -41,8 +41,15 @@ def slope(oil):
 
 def so_klaus(oil, celsius):
     """alpha [1/GPa] after So and Klaus (1980), with the density in g/cm3."""
-    log, m, rho = math.log10(kinematic(oil, celsius)), slope(oil), 1e-3 * oil.density(celsius + 273.15)
-    terms = (1.216, 4.143 * log**3.0627, 2.848e-4 * m**5.1903 * log**1.5976, -3.999 * log**3.0975 * rho**0.1162)
+    log = math.log10(kinematic(oil, celsius))
+    m = slope(oil)
+    rho = 1e-3 * oil.density(celsius + 273.15)
+    terms = (
+        1.216,
+        4.143 * log**3.0627,
+        2.848e-4 * m**5.1903 * log**1.5976,
+        -3.999 * log**3.0975 * rho**0.1162,
+    )
     return 10.0 * sum(terms)
 
 
@@ -87,7 +94,14 @@ def test_every_oil_runs_every_traction_and_film_and_the_drags(oil, law):
 @pytest.mark.quick
 @every_oil
 def test_every_oil_grades_what_it_gives_and_says_how_uncertain_it_is(oil):
-    given = {"viscosity", "pressure_viscosity", "conductivity", "density", "eyring_stress", "shear_modulus"}
+    given = {
+        "viscosity",
+        "pressure_viscosity",
+        "conductivity",
+        "density",
+        "eyring_stress",
+        "shear_modulus",
+    }
     given |= {"pressure_viscosity_kind"}
     assert oil.grades.keys() == given
     assert set(oil.grades.values()) <= GRADES.keys()
@@ -108,16 +122,29 @@ def test_alpha_lies_between_the_formulas_as_far_as_its_scatter_says(oil, celsius
     if oil.name == "santotrac-50":
         pytest.skip("a traction fluid belongs to none of the families of the formulas")
     alpha = 1e9 * oil.at(celsius + 273.15).pressure_viscosity
-    (spread,) = (one.parameters["scatter"] for one in oil.scatter if one.quantity == "pressure_viscosity_factor")
-    lowest, highest = gold(oil, celsius), so_klaus(oil, celsius)
-    wide = 1.05 * (1.0 + max(spread, 0.25))  # esters: the formulas are 5 % further apart than the scatter
+    (spread,) = (
+        one.parameters["scatter"]
+        for one in oil.scatter
+        if one.quantity == "pressure_viscosity_factor"
+    )
+    lowest = gold(oil, celsius)
+    highest = so_klaus(oil, celsius)
+    wide = 1.05 * (
+        1.0 + max(spread, 0.25)
+    )  # esters: the formulas are 5 % further apart than the scatter
     assert lowest / wide < alpha < highest * wide
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("oil", [*industrial_oils.iso_vg, industrial_oils.pao_68], ids=lambda oil: oil.name)
+@pytest.mark.parametrize(
+    "oil", [*industrial_oils.iso_vg, industrial_oils.pao_68], ids=lambda oil: oil.name
+)
 def test_the_scatter_of_correlated_oils_covers_the_other_formulas(oil):
-    (spread,) = (one.parameters["scatter"] for one in oil.scatter if one.quantity == "pressure_viscosity_factor")
+    (spread,) = (
+        one.parameters["scatter"]
+        for one in oil.scatter
+        if one.quantity == "pressure_viscosity_factor"
+    )
     for celsius in (40.0, 100.0):
         alpha = 1e9 * oil.at(celsius + 273.15).pressure_viscosity
         for other in (gold(oil, celsius), so_klaus(oil, celsius)):
@@ -139,9 +166,15 @@ def test_the_formulas_against_fva_3_as_measured():
     oil = OILS["fva-3"]
     measured = [1e9 * oil.at(celsius + 273.15).pressure_viscosity for celsius in (40.0, 100.0)]
     assert measured == pytest.approx([22.4, 16.0], abs=0.05)
-    ratios = [round(of(oil, c) / m, 2) for of in (gold, so_klaus) for c, m in zip((40.0, 100.0), measured, strict=True)]
+    ratios = [
+        round(of(oil, c) / m, 2)
+        for of in (gold, so_klaus)
+        for c, m in zip((40.0, 100.0), measured, strict=True)
+    ]
     assert ratios == [0.84, 0.87, 1.17, 1.04]
-    wu = [10.0 * slope(oil) * (0.1657 + 0.2332 * math.log10(kinematic(oil, c))) for c in (40.0, 100.0)]
+    wu = [
+        10.0 * slope(oil) * (0.1657 + 0.2332 * math.log10(kinematic(oil, c))) for c in (40.0, 100.0)
+    ]
     assert [round(a / m, 2) for a, m in zip(wu, measured, strict=True)] == [0.96, 0.88]
 
 
@@ -171,7 +204,12 @@ def test_the_turbine_oil_keeps_its_specification():
 # Points of a chart of The Lee Company, read apart from the laws: degF, mm2/s, relative difference.
 CHART = {
     "mil-prf-7808": ((72.06, 26.32, 0.15),),
-    "mil-prf-23699": ((47.1, 124.6, 0.18), (100.35, 28.48, 0.15), (161.36, 9.634, 0.15), (294.38, 2.521, 0.15)),
+    "mil-prf-23699": (
+        (47.1, 124.6, 0.18),
+        (100.35, 28.48, 0.15),
+        (161.36, 9.634, 0.15),
+        (294.38, 2.521, 0.15),
+    ),
 }
 
 

@@ -24,19 +24,31 @@ from tabled import REFERENCES, rows_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 TABLES = DOCS / "tables"
-RADIUS, MODULUS, SPEED, VISCOSITY = 0.006875, 2.2857e11, 25.0, 0.01
+RADIUS = 0.006875
+MODULUS = 2.2857e11
+SPEED = 25.0
+VISCOSITY = 0.01
 US = 2 * VISCOSITY * SPEED / (MODULUS * RADIUS)
 
 
 def dimensional(M, L):
     """Load, speed, radius, modulus, viscosity and pressure viscosity of a contact with Moes's groups."""
-    return M * math.sqrt(US) * MODULUS * RADIUS, SPEED, RADIUS, MODULUS, VISCOSITY, L / US**0.25 / MODULUS
+    return (
+        M * math.sqrt(US) * MODULUS * RADIUS,
+        SPEED,
+        RADIUS,
+        MODULUS,
+        VISCOSITY,
+        L / US**0.25 / MODULUS,
+    )
 
 
 # Against other solutions ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("row", rows_of(REFERENCES / "reynolds_line.csv"), ids=lambda row: f"{row['M']}-{row['L']}")
+@pytest.mark.parametrize(
+    "row", rows_of(REFERENCES / "reynolds_line.csv"), ids=lambda row: f"{row['M']}-{row['L']}"
+)
 def test_films_are_those_of_finite_volumes(row):
     """tools/references/reynolds_line.py: fixed grid, complementarity, constant pressure in each cell."""
     contact = solve_line_contact(float(row["M"]), float(row["L"]), accuracy=2e-5)
@@ -47,15 +59,21 @@ def test_films_are_those_of_finite_volumes(row):
 
 
 @pytest.mark.parametrize(
-    "row", rows_of(REFERENCES / "reynolds_line_rigid.csv")[:-1], ids=lambda row: row["share_of_limit"]
+    "row",
+    rows_of(REFERENCES / "reynolds_line_rigid.csv")[:-1],
+    ids=lambda row: row["share_of_limit"],
 )
 def test_a_light_load_makes_it_a_rigid_contact(row):
     """Elasticity is worth M^2 here, 1e-8, as long as the pressure is away from its logarithmic peak."""
     M = 1e-4
     contact = solve_line_contact(M, float(row["gV"]) / math.sqrt(2) / M**1.5, accuracy=1e-6)
     allowed = 2e-6 if float(row["share_of_limit"]) < 0.98 else 2e-5
-    assert 2 * M * contact.thickness["minimum"] == pytest.approx(float(row["hhat_minimum"]), rel=allowed)
-    assert 2 * M * contact.thickness["dp/dx = 0"] == pytest.approx(float(row["hhat_zero_gradient"]), rel=allowed)
+    assert 2 * M * contact.thickness["minimum"] == pytest.approx(
+        float(row["hhat_minimum"]), rel=allowed
+    )
+    assert 2 * M * contact.thickness["dp/dx = 0"] == pytest.approx(
+        float(row["hhat_zero_gradient"]), rel=allowed
+    )
 
 
 def test_the_rigid_limits_are_those_of_martin_and_blok():
@@ -63,7 +81,9 @@ def test_the_rigid_limits_are_those_of_martin_and_blok():
     first, *_, last = rows_of(REFERENCES / "reynolds_line_rigid.csv")
     assert float(first["hhat_minimum"]) == pytest.approx(4.89497, abs=5e-6)
     assert float(first["hhat_zero_gradient"]) / 2 == pytest.approx(3.0, abs=1e-8)
-    assert float(last["hhat_minimum"]) / float(last["gV"]) ** (2 / 3) == pytest.approx(1.66630, abs=5e-6)
+    assert float(last["hhat_minimum"]) / float(last["gV"]) ** (2 / 3) == pytest.approx(
+        1.66630, abs=5e-6
+    )
     contact = solve_line_contact(1e-6, 0.0, accuracy=1e-6)
     assert 2e-6 * contact.thickness["minimum"] == pytest.approx(4.89497, abs=5e-6)
 
@@ -73,7 +93,8 @@ def test_a_heavy_load_makes_it_a_dry_contact(L):
     """P = P_H sqrt(1 - (x/b)^2) but at the ends: P_H = sqrt(M/(2 pi)), b = sqrt(8 M/pi)."""
     M = 200.0
     contact = solve_line_contact(M, L)
-    hertz, half_width = math.sqrt(M / (2 * math.pi)), math.sqrt(8 * M / math.pi)
+    hertz = math.sqrt(M / (2 * math.pi))
+    half_width = math.sqrt(8 * M / math.pi)
     inside = np.abs(contact.x) < 0.5 * half_width
     dry = hertz * np.sqrt(1 - (contact.x[inside] / half_width) ** 2)
     np.testing.assert_allclose(contact.pressure[inside], dry, rtol=2e-3)
@@ -83,7 +104,9 @@ def test_a_heavy_load_makes_it_a_dry_contact(L):
 def test_published_fits_agree_where_they_were_made(name):
     """To what a fit by hand of the Sixties is worth, and to 5 % for the composite of 1992."""
     model = get_model("film", name)
-    for M, L in [(10.0, 0.0), (50.0, 0.0)] if name == "herrebrugh" else [(10.0, 10.0), (50.0, 10.0)]:
+    for M, L in (
+        [(10.0, 0.0), (50.0, 0.0)] if name == "herrebrugh" else [(10.0, 10.0), (50.0, 10.0)]
+    ):
         film = solve_line_contact(M, L).thickness[model.location] * RADIUS * math.sqrt(US)
         assert film == pytest.approx(
             float(model.film_thickness(*dimensional(M, L))), rel=0.05 if name == "moes" else 0.13
@@ -94,7 +117,10 @@ def test_published_fits_agree_where_they_were_made(name):
 
 LAWS = {  # pressures of order one
     "barus": (lambda P: 8.0 * P, None),
-    "saturating, compressible": (lambda P: 12.0 * P / (1 + 0.5 * P), lambda P: 1 + 0.3 * P / (1 + P)),
+    "saturating, compressible": (
+        lambda P: 12.0 * P / (1 + 0.5 * P),
+        lambda P: 1 + 0.3 * P / (1 + P),
+    ),
 }
 
 
@@ -103,15 +129,20 @@ def test_mass_load_and_half_space_hold_between_the_nodes(law):
     """Splines through the result, differentiated and integrated by SciPy."""
     log_viscosity, density = LAWS[law]
     M = 2.0
-    contact = solve_line_contact(M, 8.0, accuracy=1e-6, log_viscosity=log_viscosity, density=density)
+    contact = solve_line_contact(
+        M, 8.0, accuracy=1e-6, log_viscosity=log_viscosity, density=density
+    )
     density = density or (lambda P: 1.0)
-    pressure, film = CubicSpline(contact.x, contact.pressure), CubicSpline(contact.x, contact.film)
+    pressure = CubicSpline(contact.x, contact.pressure)
+    film = CubicSpline(contact.x, contact.film)
     flux = contact.thickness["dp/dx = 0"]
     for x in np.linspace(-3.0, 0.98 * contact.x[-1], 23) + 0.0123:
-        P, H = float(pressure(x)), float(film(x))
+        P = float(pressure(x))
+        H = float(film(x))
         flow = density(P) * (H - math.exp(-log_viscosity(P)) * H**3 * float(pressure(x, 1)) / 6)
         assert flow == pytest.approx(flux, rel=2e-4)
-    inlet, exit_at = contact.x[0], contact.x[-1]
+    inlet = contact.x[0]
+    exit_at = contact.x[-1]
     assert pressure.integrate(inlet, exit_at) + 4 / inlet**2 == pytest.approx(M, rel=1e-5)
 
     def deformation(x):
@@ -135,7 +166,9 @@ def test_the_exit_is_reynoldss(M, L):
     slope = np.diff(contact.pressure) / np.diff(contact.x)
     assert abs(slope[-1]) < 2e-2 * np.max(np.abs(slope))
     assert np.all(np.diff(contact.film[-8:]) > 0)
-    assert contact.film[-1] == pytest.approx(contact.thickness["dp/dx = 0"], rel=contact.error["dp/dx = 0"])
+    assert contact.film[-1] == pytest.approx(
+        contact.thickness["dp/dx = 0"], rel=contact.error["dp/dx = 0"]
+    )
     assert contact.residual < 1e-10
     assert np.all(np.diff(contact.x) > 0)
     assert contact.nodes == len(contact.pressure) == len(contact.film)
@@ -144,7 +177,9 @@ def test_the_exit_is_reynoldss(M, L):
 @pytest.mark.parametrize(("M", "L"), [(0.5, 0.0), (2.0, 8.0)])
 def test_halving_the_elements_divides_the_change_by_sixteen_and_more(M, L):
     """Degree 4 at Radau points; measured are factors of 13 to 230, see docs/tables/reynolds_line_halving.csv."""
-    problem = line_contact._Problem(M, (lambda P: L * P) if L else None, None, share=1.0, floor=1e-5)
+    problem = line_contact._Problem(
+        M, (lambda P: L * P) if L else None, None, share=1.0, floor=1e-5
+    )
     state = line_contact._along_the_path(problem, 16)
     films = []
     for _ in range(4):
@@ -167,15 +202,20 @@ def test_halving_the_elements_divides_the_change_by_sixteen_and_more(M, L):
 )
 def test_the_stated_error_is_not_too_small(M, L):
     """Against the solution to 3e-6."""
-    contact, fine = solve_line_contact(M, L), solve_line_contact(M, L, accuracy=3e-6)
+    contact = solve_line_contact(M, L)
+    fine = solve_line_contact(M, L, accuracy=3e-6)
     for place in LOCATIONS:
         assert contact.error[place] <= 1e-3
-        assert abs(contact.thickness[place] / fine.thickness[place] - 1) <= contact.error[place] + 3e-6
+        assert (
+            abs(contact.thickness[place] / fine.thickness[place] - 1) <= contact.error[place] + 3e-6
+        )
 
 
 def test_the_film_does_not_mind_a_pressure_spike_without_limit():
     """At M = 2 a Barus oil has a finite spike up to L = 9.3 only; the film stands still as the floor is lowered."""
-    below, above = ([solve_line_contact(2.0, L, accuracy=a) for a in (2e-3, 2e-4, 2e-5)] for L in (8.0, 10.0))
+    below, above = (
+        [solve_line_contact(2.0, L, accuracy=a) for a in (2e-3, 2e-4, 2e-5)] for L in (8.0, 10.0)
+    )
     spikes = [[np.max(contact.pressure) for contact in contacts] for contacts in (below, above)]
     np.testing.assert_allclose(spikes[0], spikes[0][-1], rtol=1e-2)
     assert spikes[1][0] < 0.8 * spikes[1][1] < 0.64 * spikes[1][2]
@@ -185,7 +225,9 @@ def test_the_film_does_not_mind_a_pressure_spike_without_limit():
                 contacts[2].thickness[name], rel=contacts[0].error[name] + 2e-5
             )
         assert contacts[0].fluidity_floor == pytest.approx(1e-4)
-        assert contacts[0].thickness["minimum"] == pytest.approx(contacts[2].thickness["minimum"], rel=5e-5)
+        assert contacts[0].thickness["minimum"] == pytest.approx(
+            contacts[2].thickness["minimum"], rel=5e-5
+        )
 
 
 def test_the_inlet_is_far_enough(monkeypatch):
@@ -201,23 +243,31 @@ def test_the_inlet_is_far_enough(monkeypatch):
 
 @pytest.mark.parametrize("M", [0.0, -1.0, 1e-7, 201.0, math.nan, math.inf])
 def test_loads_outside_the_domain_are_refused(M):
-    with pytest.raises(DomainError, match=r"^reynolds-line: M = .* is outside its domain \(>= 1e-06 and <= 200\)$"):
+    with pytest.raises(
+        DomainError, match=r"^reynolds-line: M = .* is outside its domain \(>= 1e-06 and <= 200\)$"
+    ):
         solve_line_contact(M, 1.0)
 
 
 def test_other_bad_arguments_are_refused():
     for L in (-1.0, math.nan, math.inf):
-        with pytest.raises(DomainError, match=r"^reynolds-line: L = .* is outside its domain \(>= 0\)$"):
+        with pytest.raises(
+            DomainError, match=r"^reynolds-line: L = .* is outside its domain \(>= 0\)$"
+        ):
             solve_line_contact(1.0, L)
     with pytest.raises(DomainError, match="accuracy = 0 is outside its domain"):
         solve_line_contact(1.0, 1.0, accuracy=0.0)
-    with pytest.raises(DomainError, match="location = 'middle'; there are minimum, central, dp/dx = 0"):
+    with pytest.raises(
+        DomainError, match="location = 'middle'; there are minimum, central, dp/dx = 0"
+    ):
         solve_line_contact(1.0, 1.0, location="middle")
 
 
 def test_no_solution_is_no_number():
     """A law that jumps has none that a path could lead to."""
-    with pytest.raises(ConvergenceError, match=r"^reynolds-line: no solution at M = 2, L = 5: .* residual of "):
+    with pytest.raises(
+        ConvergenceError, match=r"^reynolds-line: no solution at M = 2, L = 5: .* residual of "
+    ):
         solve_line_contact(2.0, 5.0, log_viscosity=lambda P: np.where(P > 0.3, 40.0, 0.0))
 
 
@@ -225,7 +275,9 @@ def test_a_film_under_the_spike_is_refused_only_where_it_is_asked_for(monkeypatc
     """At M = 2, L = 25 the spike sits at X = 0.07, so that its height moves the central film."""
     monkeypatch.setattr(line_contact, "_ELEMENTS", (24,))
     monkeypatch.setattr(line_contact, "_MOST_ELEMENTS", 100)
-    with pytest.raises(ConvergenceError, match=r"the film \(central\) is uncertain by 0.00\d on \d+ elements"):
+    with pytest.raises(
+        ConvergenceError, match=r"the film \(central\) is uncertain by 0.00\d on \d+ elements"
+    ):
         solve_line_contact(2.0, 25.0, location="central")
     contact = solve_line_contact(2.0, 25.0, location="minimum")
     assert contact.error["minimum"] <= 1e-3 < contact.error["central"]
@@ -257,7 +309,9 @@ def test_a_state_is_solved_once(monkeypatch):
     assert films[0].tolist() == films[1].tolist()
     again = evaluated(
         model,
-        reynolds_line.Conditions(radius=RADIUS, modulus=MODULUS, viscosity=VISCOSITY, pressure_viscosity=rest[-1]),
+        reynolds_line.Conditions(
+            radius=RADIUS, modulus=MODULUS, viscosity=VISCOSITY, pressure_viscosity=rest[-1]
+        ),
         load=[2 * load, load, load],
         rolling_speed=SPEED,
     )
@@ -270,7 +324,9 @@ def test_bits_do_not_depend_on_the_units_nor_on_threads():
     model = ReynoldsLine(accuracy=1e-2, law=Barus())
     contact = np.array(dimensional(2.0, 6.0))
     # powers of two for metre, kilogram and second: no rounding
-    metre, kilogram, second = 2.0**3, 2.0**-5, 2.0**2
+    metre = 2.0**3
+    kilogram = 2.0**-5
+    second = 2.0**2
     units = [kilogram / second**2, metre / second, metre]
     units += [kilogram / metre / second**2, kilogram / metre / second, metre * second**2 / kilogram]
     films = []
@@ -292,9 +348,12 @@ def test_the_law_is_that_of_the_oil():
     """Roelands against its formula by hand; an oil that does not thicken against the isoviscous contact."""
     given = dimensional(2.0, 8.0)
     unit = MODULUS * US**0.25
-    k, pole = math.log(VISCOSITY) + 9.67, 1 / 5.1e-9
+    k = math.log(VISCOSITY) + 9.67
+    pole = 1 / 5.1e-9
     solved = solve_line_contact(
-        2.0, 8.0, log_viscosity=lambda P: k * np.expm1(given[-1] * pole / k * np.log1p(P * unit / pole))
+        2.0,
+        8.0,
+        log_viscosity=lambda P: k * np.expm1(given[-1] * pole / k * np.log1p(P * unit / pole)),
     )
     film = float(ReynoldsLine(law=Roelands()).film_thickness(*given))
     assert film == pytest.approx(RADIUS * math.sqrt(US) * solved.thickness["minimum"], rel=1e-9)
@@ -323,7 +382,9 @@ def test_a_compressible_film_is_thinner_where_the_oil_is_denser():
     unit = MODULUS * US**0.25
     p = math.sqrt(20.0 / (2 * math.pi)) * unit * 1e-9
     central, ambient = (
-        float(ReynoldsLine(thickness=place, compressible=True, law=Roelands()).film_thickness(*given))
+        float(
+            ReynoldsLine(thickness=place, compressible=True, law=Roelands()).film_thickness(*given)
+        )
         for place in ("central", "dp/dx = 0")
     )
     assert central == pytest.approx(ambient / (1 + 0.6 * p / (1 + 1.7 * p)), rel=3e-3)
@@ -337,12 +398,22 @@ def test_a_law_of_the_local_pressure_and_temperature_is_read():
     assert model.reads == ReynoldsLine().reads | {"temperature"}
     assert set(model.domain) == model.reads
     load, speed, radius, modulus, viscosity, _ = dimensional(1.0, 8.0)
-    oil = {"radius": radius, "modulus": modulus, "viscosity": viscosity, "temperature": 320.0, "thermoviscosity": 0.03}
+    oil = {
+        "radius": radius,
+        "modulus": modulus,
+        "viscosity": viscosity,
+        "temperature": 320.0,
+        "thermoviscosity": 0.03,
+    }
     oil["pressure_viscosity"] = YASUTOMI.coefficient(320.0)
     conditions = reynolds_line.Conditions(**oil)
     film = evaluated(model, conditions, load=load, rolling_speed=speed).film_thickness[0]
-    isoviscous = ReynoldsLine(law=Barus()).film_thickness(load, speed, radius, modulus, viscosity, 0.0)
-    barus = ReynoldsLine(law=Barus()).film_thickness(load, speed, radius, modulus, viscosity, oil["pressure_viscosity"])
+    isoviscous = ReynoldsLine(law=Barus()).film_thickness(
+        load, speed, radius, modulus, viscosity, 0.0
+    )
+    barus = ReynoldsLine(law=Barus()).film_thickness(
+        load, speed, radius, modulus, viscosity, oil["pressure_viscosity"]
+    )
     assert isoviscous < film < 1.05 * barus
     with pytest.raises(DomainError, match="reynolds-line: needs temperature"):
         model.film_thickness(load, speed, radius, modulus, viscosity, 1e-8)
@@ -352,10 +423,15 @@ def test_a_contact_in_the_glass_is_refused_with_the_laws_words():
     model = ReynoldsLine(law=attrs.evolve(YASUTOMI, glass_temperature=318.0))
     load, speed, radius, modulus, viscosity, alpha = dimensional(5.0, 8.0)
     conditions = reynolds_line.Conditions(
-        radius=radius, modulus=modulus, viscosity=viscosity, temperature=320.0, pressure_viscosity=alpha
+        radius=radius,
+        modulus=modulus,
+        viscosity=viscosity,
+        temperature=320.0,
+        pressure_viscosity=alpha,
     )
     with pytest.raises(
-        DomainError, match=r"(?s)reynolds-line: no solution at M = 5, L = 8: .*; yasutomi: .* is a glass"
+        DomainError,
+        match=r"(?s)reynolds-line: no solution at M = 5, L = 8: .*; yasutomi: .* is a glass",
     ):
         evaluated(model, conditions, load=load, rolling_speed=speed)
 
@@ -364,7 +440,9 @@ def test_a_refused_slice_is_named_by_its_groups():
     load, *rest = dimensional(1.0, 5.0)
     with pytest.raises(DomainError, match="reynolds-line: M = 1000 is outside its domain"):
         ReynoldsLine(accuracy=1e-2, law=Barus()).film_thickness([load, 1000 * load], *rest)
-    with pytest.raises(FieldError, match="thickness: must be one of 'minimum', 'central', 'dp/dx = 0'"):
+    with pytest.raises(
+        FieldError, match="thickness: must be one of 'minimum', 'central', 'dp/dx = 0'"
+    ):
         ReynoldsLine(thickness="mean")
     with pytest.raises(FieldError, match=r"accuracy: must be from 1e-06 to 0\.01"):
         ReynoldsLine(accuracy=0.1)
@@ -383,9 +461,19 @@ CELLS = [(0.5, 15.0), (2.0, 10.0), (20.0, 0.0)]
 
 @pytest.mark.parametrize(("M", "L"), CELLS)
 def test_the_error_map_is_what_the_models_give(M, L):
-    row = next(row for row in rows_of(TABLES / "film_error.csv") if (float(row["M"]), float(row["L"])) == (M, L))
+    row = next(
+        row
+        for row in rows_of(TABLES / "film_error.csv")
+        if (float(row["M"]), float(row["L"])) == (M, L)
+    )
     speeds = (L / (10.74e-9 * MODULUS)) ** 4 if L else 1e-11
-    given = [M * math.sqrt(speeds) * MODULUS * RADIUS, speeds / 2 * MODULUS * RADIUS / 0.01, RADIUS, MODULUS, 0.01]
+    given = [
+        M * math.sqrt(speeds) * MODULUS * RADIUS,
+        speeds / 2 * MODULUS * RADIUS / 0.01,
+        RADIUS,
+        MODULUS,
+        0.01,
+    ]
     given.append(10.74e-9 if L else 0.0)
     films = solve_line_contact(M, L).thickness
     for name in ("martin", "regime", "dowson-1968", "dowson-toyoda", "moes"):
@@ -394,7 +482,9 @@ def test_the_error_map_is_what_the_models_give(M, L):
             continue
         model = get_model("film", name)
         film = films[model.location] * RADIUS * math.sqrt(speeds)
-        assert 100 * (float(model.film_thickness(*given)) / film - 1) == pytest.approx(float(row[name]), abs=0.15)
+        assert 100 * (float(model.film_thickness(*given)) / film - 1) == pytest.approx(
+            float(row[name]), abs=0.15
+        )
 
 
 def test_the_page_quotes_its_tables():

@@ -38,8 +38,12 @@ from rollslip_studies.effective_friction.ring_figures import ring_figure
 from without_bands import run
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
-R, WIDTH, H, E = 0.10125, 0.028, 0.0075, 208e9
-AREA, INERTIA = WIDTH * H, WIDTH * H**3 / 12
+R = 0.10125
+WIDTH = 0.028
+H = 0.0075
+E = 208e9
+AREA = WIDTH * H
+INERTIA = WIDTH * H**3 / 12
 LIST = {"bore": 0.15, "outside_diameter": 0.21, "width": 0.028}
 RIGID = RingShapes()
 
@@ -56,12 +60,18 @@ def law(length=0.015):
 
 
 def case(rings, Z=28, instants=4, **changes):
-    values = {"radial_clearance": 0.0, "radial_load": 1037.0, "psi": angular_positions(Z, instants)} | changes
+    values = {
+        "radial_clearance": 0.0,
+        "radial_load": 1037.0,
+        "psi": angular_positions(Z, instants),
+    } | changes
     return LoadCase(roller_length=0.015, drop=[0.0], rings=rings, **values)
 
 
 def scene(**changes):
-    return evolve(load_scene("1032930-50C"), {"accuracy.slices": 5, "bearing.catalogue": LIST} | changes)
+    return evolve(
+        load_scene("1032930-50C"), {"accuracy.slices": 5, "bearing.catalogue": LIST} | changes
+    )
 
 
 def loads(instants=4, **changes):
@@ -86,8 +96,14 @@ def frame(n, seat, loads=None):
     Under unit radial forces, or ``loads``: radial, along the ring, moment at each node in turn.
     """
     L = 2 * R * np.sin(np.pi / n)
-    a, b, K, T = E * AREA / L, E * INERTIA, np.zeros((3 * n, 3 * n)), np.zeros((6, 6))
-    own = [np.array([[a, 0, 0], [0, 12 * b / L**3, s * b / L**2], [0, s * b / L**2, 4 * b / L]]) for s in (6, -6)]
+    a = E * AREA / L
+    b = E * INERTIA
+    K = np.zeros((3 * n, 3 * n))
+    T = np.zeros((6, 6))
+    own = [
+        np.array([[a, 0, 0], [0, 12 * b / L**3, s * b / L**2], [0, s * b / L**2, 4 * b / L]])
+        for s in (6, -6)
+    ]
     link = np.array([[-a, 0, 0], [0, -12 * b / L**3, 6 * b / L**2], [0, -6 * b / L**2, 2 * b / L]])
     for k, x in ((0, np.pi / 2 + np.pi / n), (3, np.pi / 2 - np.pi / n)):
         T[k : k + 3, k : k + 3] = [[np.cos(x), np.sin(x), 0], [-np.sin(x), np.cos(x), 0], [0, 0, 1]]
@@ -101,9 +117,13 @@ def frame(n, seat, loads=None):
 @pytest.mark.parametrize(("seat", "error"), [(1e8, 1e-3), (1e9, 2e-3)])
 def test_a_thin_ring_on_a_seat_yields_as_a_frame_of_beams_does(seat, error):
     # 360 elements leave some 1/N^2; both stretch (k_0 and the bracket), the frame does not shear
-    n, s = 360, INERTIA / (AREA * R**2)
-    free = {0: E * AREA / R**2, 1: 0.0} | {k: E * INERTIA * (k * k - 1) ** 2 / R**4 / (1.0 - s) for k in range(2, 61)}
-    ring, C = modal(R, {k: stiff + seat for k, stiff in free.items()}), frame(n, seat)[:, 0]
+    n = 360
+    s = INERTIA / (AREA * R**2)
+    free = {0: E * AREA / R**2, 1: 0.0} | {
+        k: E * INERTIA * (k * k - 1) ** 2 / R**4 / (1.0 - s) for k in range(2, 61)
+    }
+    ring = modal(R, {k: stiff + seat for k, stiff in free.items()})
+    C = frame(n, seat)[:, 0]
     found = ring.at(2 * np.pi * np.arange(n) / n) @ (ring.at(np.zeros(1))[0] / ring.stiffness)
     assert np.abs(found - C).max() < error * C.max()
 
@@ -111,23 +131,32 @@ def test_a_thin_ring_on_a_seat_yields_as_a_frame_of_beams_does(seat, error):
 @pytest.mark.parametrize("acts", ["radial", "tangential", "arm"])
 def test_forces_of_teeth_move_a_rim_as_a_frame_of_beams_does(acts):
     # two teeth opposite each other, tangential ones against each other so that nothing turns the rim as a whole
-    n, seat, size, arm = 360, 3e8, 5e3, 0.012 if acts == "arm" else 0.0
-    loads, forces = np.zeros(3 * n), []
+    n = 360
+    seat = 3e8
+    size = 5e3
+    arm = 0.012 if acts == "arm" else 0.0
+    loads = np.zeros(3 * n)
+    forces = []
     for node, sign in ((25, 1.0), (25 + n // 2, -1.0)):
         W, T = (size, 0.0) if acts == "radial" else (0.0, sign * size)
         loads[3 * node : 3 * node + 3] = W, T, T * arm
         forces.append(ToothForce(angle=2 * np.pi * node / n, radial=W, tangential=T, arm=arm))
     thin = Thin(width=WIDTH, thickness=H, harmonics=30, seat_stiffness=seat, forces=tuple(forces))
-    ring, true = thin.shapes(scene().bearing, "outer", False), frame(n, seat, loads)
+    ring = thin.shapes(scene().bearing, "outer", False)
+    true = frame(n, seat, loads)
     found = ring.at(2 * np.pi * np.arange(n) / n) @ (ring.pushes / ring.stiffness)
     assert np.abs(found - true).max() < 0.05 * np.abs(true).max()  # the frame does not shear
 
 
-@pytest.mark.parametrize(("n", "share", "off"), [*((n, 0.02, 0.01) for n in (0, 2, 3, 6)), (2, 0.1, 0.0025)])
+@pytest.mark.parametrize(
+    ("n", "share", "off"), [*((n, 0.02, 0.01) for n in (0, 2, 3, 6)), (2, 0.1, 0.0025)]
+)
 def test_a_thin_annulus_is_a_beam(n, share, off):
     h = share * R
     annulus = compliance_of_annulus(n, ((R - h / 2, R + h / 2, E, 0.3),), WIDTH) / (R - h / 2) * R
-    assert annulus * beam_stiffness(n, R, WIDTH * h, WIDTH * h**3 / 12, E, 0.3) == pytest.approx(1.0, abs=off)
+    assert annulus * beam_stiffness(n, R, WIDTH * h, WIDTH * h**3 / 12, E, 0.3) == pytest.approx(
+        1.0, abs=off
+    )
 
 
 def frequencies(shapes):
@@ -138,20 +167,29 @@ def frequencies(shapes):
 
 def test_a_thin_free_ring_has_the_frequencies_of_the_books():
     # in bending w^2 = E I/(rho A R^4) n^2 (n^2 - 1)^2/(n^2 + 1), breathing w = sqrt(E/rho)/R (Love; Timoshenko)
-    h, bearing = 2e-4, scene().bearing
-    R, E, rho = bearing.outer_raceway_diameter / 2 + h / 2, bearing.material.elastic_modulus, bearing.material.density
+    h = 2e-4
+    bearing = scene().bearing
+    R = bearing.outer_raceway_diameter / 2 + h / 2
+    E = bearing.material.elastic_modulus
+    rho = bearing.material.density
     found = frequencies(Thin(width=WIDTH, thickness=h, harmonics=6).shapes(bearing, "outer", False))
     assert set(found) == {0, 2, 3, 4, 5, 6}
     assert found[0] == pytest.approx(np.sqrt(E / rho) / R, rel=1e-12)
     for n in range(2, 7):
         closed = np.sqrt(E * h**2 / 12 / (rho * R**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1))
-        assert found[n] == pytest.approx(closed, rel=1e-4)  # but for shear, I/(A R^2) of 3e-7 times some 100
+        assert found[n] == pytest.approx(
+            closed, rel=1e-4
+        )  # but for shear, I/(A R^2) of 3e-7 times some 100
 
 
 def test_a_ring_on_a_seat_moves_as_a_whole_with_its_mass():
     bearing = scene().bearing
-    shapes = Thin(width=WIDTH, thickness=H, harmonics=4, seat_stiffness=1e9).shapes(bearing, "outer", False)
-    whole = bearing.material.density * 2 * np.pi * (bearing.outer_raceway_diameter / 2 + H / 2) * AREA
+    shapes = Thin(width=WIDTH, thickness=H, harmonics=4, seat_stiffness=1e9).shapes(
+        bearing, "outer", False
+    )
+    whole = (
+        bearing.material.density * 2 * np.pi * (bearing.outer_raceway_diameter / 2 + H / 2) * AREA
+    )
     assert shapes.mass[:3] == pytest.approx(whole)  # breathing, and both ways across
 
 
@@ -159,13 +197,19 @@ def test_a_ring_on_a_seat_moves_as_a_whole_with_its_mass():
 def test_a_thin_annulus_weighs_what_a_beam_does(n):
     for h, off in ((0.02 * R, 0.03), (0.002 * R, 0.003)):
         mass = mass_of_annulus(n, ((R - h / 2, R + h / 2, E, 0.3),), WIDTH, (7800.0,))
-        assert mass == pytest.approx(np.pi * 7800 * R * WIDTH * h * (1 + 1 / n**2 if n else 2), rel=off)
+        assert mass == pytest.approx(
+            np.pi * 7800 * R * WIDTH * h * (1 + 1 / n**2 if n else 2), rel=off
+        )
 
 
 def test_the_hoop_of_a_thick_annulus_weighs_what_lame_says():
     # E u = (1 - nu) A r - (1 + nu) B/r, stress A + B/r^2 none outside; int u^2 r dr in closed form
-    a, b, nu, rho = 0.05, 0.09, 0.3, 7800.0
-    x, y = 1 - nu, (1 + nu) * b * b
+    a = 0.05
+    b = 0.09
+    nu = 0.3
+    rho = 7800.0
+    x = 1 - nu
+    y = (1 + nu) * b * b
     square = x**2 * (b**4 - a**4) / 4 + x * y * (b**2 - a**2) + y**2 * np.log(b / a)
     closed = 2 * np.pi * WIDTH * rho * square / (x * a + y / a) ** 2
     assert mass_of_annulus(0, ((a, b, E, nu),), WIDTH, (rho,)) == pytest.approx(closed, rel=1e-12)
@@ -203,13 +247,21 @@ def test_masses_that_do_not_fit_are_refused(mass):
 def test_a_ring_and_a_seat_of_its_own_steel_are_one_annulus(n, radii):
     raceway, seat, beyond = radii
     two = compliance_of_annulus(n, ((raceway, seat, E, 0.3), (seat, beyond, E, 0.3)), WIDTH)
-    assert two == pytest.approx(compliance_of_annulus(n, ((raceway, beyond, E, 0.3),), WIDTH), rel=1e-10)
+    assert two == pytest.approx(
+        compliance_of_annulus(n, ((raceway, beyond, E, 0.3),), WIDTH), rel=1e-10
+    )
     soft = compliance_of_annulus(n, ((raceway, seat, E, 0.3), (seat, beyond, 1.0, 0.3)), WIDTH)
-    assert soft == pytest.approx(compliance_of_annulus(n, ((raceway, seat, E, 0.3),), WIDTH), rel=1e-7)
+    assert soft == pytest.approx(
+        compliance_of_annulus(n, ((raceway, seat, E, 0.3),), WIDTH), rel=1e-7
+    )
 
 
-@pytest.mark.parametrize("other", [Material(), Material(elastic_modulus=70e9, poisson_ratio=0.33)], ids=["steel", "al"])
-@pytest.mark.parametrize(("raceway", "seat", "beyond"), [(0.165, 0.15, 0.12), (0.165, 0.15, 0.0), (0.195, 0.21, 0.25)])
+@pytest.mark.parametrize(
+    "other", [Material(), Material(elastic_modulus=70e9, poisson_ratio=0.33)], ids=["steel", "al"]
+)
+@pytest.mark.parametrize(
+    ("raceway", "seat", "beyond"), [(0.165, 0.15, 0.12), (0.165, 0.15, 0.0), (0.195, 0.21, 0.25)]
+)
 def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, seat, beyond, other):
     # by Maxwell: a seat held to the ring takes share^2 F of the compliance of the free ring, F that of both at the seat
     where = {"shaft_bore": beyond, "shaft_material": other}
@@ -231,29 +283,50 @@ def test_what_a_fit_leaves_of_the_clearance_agrees_with_the_annulus(raceway, sea
 
 def test_an_outer_ring_widens_by_the_centrifugal_force_of_its_rollers():
     # Z F_c round a bare ring (Lame), no roller on the inner one
-    free = {"bearing.radial_clearance": "200 um", "operation.radial_load": "0 N", "operation.inner_speed": "10000 rpm"}
-    given = scene(**free, **{"models.outer_ring": {"model": "annulus", "outside": "0.21 m", "harmonics": 0}})
-    r, s, steel = 0.0975, 0.105, given.bearing.material
+    free = {
+        "bearing.radial_clearance": "200 um",
+        "operation.radial_load": "0 N",
+        "operation.inner_speed": "10000 rpm",
+    }
+    given = scene(
+        **free, **{"models.outer_ring": {"model": "annulus", "outside": "0.21 m", "harmonics": 0}}
+    )
+    r = 0.0975
+    s = 0.105
+    steel = given.bearing.material
     load = 28 * assemble(given).centrifugal_force / (2 * np.pi * r * WIDTH)
     wide = load * r / steel.elastic_modulus * ((s**2 + r**2) / (s**2 - r**2) + steel.poisson_ratio)
-    assert load_distribution(given).raceway_shape.sel(ring="outer").to_numpy() == pytest.approx(wide, rel=1e-9)
+    assert load_distribution(given).raceway_shape.sel(ring="outer").to_numpy() == pytest.approx(
+        wide, rel=1e-9
+    )
     assert 2 * wide == pytest.approx(8.9e-6, rel=0.05)  # of the clearance, by the prototype
 
 
 def test_shapes_go_to_half_the_rollers_and_forces_and_play_are_those_of_the_ring():
     few = SimpleNamespace(rollers=10, inner_raceway=None, outer_raceway=None)
     assert (numbers(few, None), numbers(few, 7)) == ([0, 2, 3, 4, 5], [0, 2, 3, 4, 5, 6, 7])
-    bearing, tooth = scene().bearing, ToothForce(angle=0.0, radial=2.0)
-    pushes = {ring: Thin(forces=(tooth,)).shapes(bearing, ring, False).pushes[0] for ring in ("inner", "outer")}
-    assert pushes == {"inner": -2.0, "outer": 2.0}  # outwards is towards the rollers, or away from them
-    assert Thin(seat_stiffness=1e9, fit_clearance=1e-4).shapes(bearing, "outer", False).stops.gap == 5e-5
+    bearing = scene().bearing
+    tooth = ToothForce(angle=0.0, radial=2.0)
+    pushes = {
+        ring: Thin(forces=(tooth,)).shapes(bearing, ring, False).pushes[0]
+        for ring in ("inner", "outer")
+    }
+    assert pushes == {
+        "inner": -2.0,
+        "outer": 2.0,
+    }  # outwards is towards the rollers, or away from them
+    assert (
+        Thin(seat_stiffness=1e9, fit_clearance=1e-4).shapes(bearing, "outer", False).stops.gap
+        == 5e-5
+    )
 
 
 def test_a_ring_without_a_housing_is_one_layer_and_a_matrix_is_made_symmetric(tmp_path):
     assert len(Annulus(outside=0.21).layers(scene().bearing, "outer")) == 1
     assert len(Annulus(outside=0.25).layers(scene().bearing, "outer")) == 2
     C = 1e-9 * np.eye(8)
-    C[0, 1], path = 5e-13, tmp_path / "C.csv"
+    C[0, 1] = 5e-13
+    path = tmp_path / "C.csv"
     np.savetxt(path, C, delimiter=",")
     found = Compliance(file=str(path)).matrix()
     assert found[0, 1] == found[1, 0] == pytest.approx(2.5e-13)
@@ -282,7 +355,9 @@ def test_rings_without_shapes_are_rigid_to_the_bit():
     for name in ("inner_load", "outer_load", "displacement", "roller_shift"):
         assert np.array_equal(getattr(one, name), getattr(other, name))
     assert other.deflection.shape == (4, 0)
-    assert loads(**{"models.outer_ring": "rigid"}).inner_load.tobytes() == loads().inner_load.tobytes()
+    assert (
+        loads(**{"models.outer_ring": "rigid"}).inner_load.tobytes() == loads().inner_load.tobytes()
+    )
 
 
 def test_ever_stiffer_rings_come_to_the_rigid_loads():
@@ -291,7 +366,10 @@ def test_ever_stiffer_rings_come_to_the_rigid_loads():
     off = []
     for stiffer in (1e4, 1e6, 1e8):
         ring = attrs.evolve(shapes, stiffness=stiffer * shapes.stiffness)
-        off.append(np.abs(solve_pitch(case(Rings(RIGID, ring)), law()).inner_force - rigid).max() / rigid.max())
+        off.append(
+            np.abs(solve_pitch(case(Rings(RIGID, ring)), law()).inner_force - rigid).max()
+            / rigid.max()
+        )
     assert off[1] < 0.02 * off[0]
     assert off[2] < 0.02 * off[1]
 
@@ -313,23 +391,32 @@ def test_a_ring_that_is_soft_in_bending_spreads_the_load_evenly():
     for softer in (1.0, 1e-2):
         rings = Rings(RIGID, attrs.evolve(stiff, stiffness=softer * stiff.stiffness))
         q = solve_equilibrium(case(rings, radial_clearance=-1e-5), law()).inner_force
-        off.append(np.abs(q - q.mean() - 1037.0 / 14 * np.cos(angular_positions(28, 4))).max() / (1037.0 / 14))
+        off.append(
+            np.abs(q - q.mean() - 1037.0 / 14 * np.cos(angular_positions(28, 4))).max()
+            / (1037.0 / 14)
+        )
     assert off[0] < 0.05
     assert off[1] < 0.02 * off[0]
 
 
 def energy(case, q, at, shift):
     """Potential of a bearing with straight rollers under Palmgren's law [J]."""
-    psi, rings = case.psi[0], case.rings
-    factor, p = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9), 1 / 0.9
+    psi = case.psi[0]
+    rings = case.rings
+    factor = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9)
+    p = 1 / 0.9
     # displacement of rollers in space: that of their raceway, and their shift from it
     gap = at @ np.array([np.cos(psi), np.sin(psi)]) - case.radial_clearance / 2 + rings.form(psi)
     m = rings.inner.stiffness.size
     gap = gap - rings.inner.at(psi) @ q[:m] - rings.outer.at(psi) @ q[m:]
     outward = shift + rings.outer.at(psi) @ q[m:]
-    stored = sum(factor * np.maximum(d, 0.0) ** (p + 1) / (p + 1) for d in (gap - shift, shift)).sum()
+    stored = sum(
+        factor * np.maximum(d, 0.0) ** (p + 1) / (p + 1) for d in (gap - shift, shift)
+    ).sum()
     stiffness = np.concatenate((rings.inner.stiffness, rings.outer.stiffness))
-    stored += 0.5 * stiffness @ q**2 - case.radial_load * at[0] - case.centrifugal_force * outward.sum()
+    stored += (
+        0.5 * stiffness @ q**2 - case.radial_load * at[0] - case.centrifugal_force * outward.sum()
+    )
     for ring, part in ((rings.inner, q[:m]), (rings.outer, q[m:])):
         stored -= ring.pushes @ part
         if ring.stops is not None:
@@ -355,18 +442,24 @@ def test_at_rest_the_potential_is_least(rings):
     c = case(rings, instants=1, centrifugal_force=174.0)
     s = solve_equilibrium(c, law())
     rest = s.deflection[0], s.displacement[0], s.roller_shift[0]
-    least, rng = energy(c, *rest), np.random.default_rng(1)
+    least = energy(c, *rest)
+    rng = np.random.default_rng(1)
     for _ in range(400):
         size = 10.0 ** rng.uniform(-6, -3)
         away = [rng.normal(size=part.shape) * size for part in rest]
-        way = [energy(c, *(a + share * b for a, b in zip(rest, away, strict=True))) for share in (1.0, 0.5, 0.1)]
+        way = [
+            energy(c, *(a + share * b for a, b in zip(rest, away, strict=True)))
+            for share in (1.0, 0.5, 0.1)
+        ]
         assert way[0] > way[1] > way[2] > least
 
 
 def test_a_ring_with_play_bends_until_its_seat_stops_it():
     # 20 um of play in a stiff bore: half as many rollers carry, and the most loaded one twice as much
     tight = Rings(RIGID, bending(range(1, 9), seat=1e10))
-    loose = Rings(RIGID, bending(range(1, 9), stops=attrs.evolve(LOOSE, stiffness=1e10 * R * 2 * np.pi / 72)))
+    loose = Rings(
+        RIGID, bending(range(1, 9), stops=attrs.evolve(LOOSE, stiffness=1e10 * R * 2 * np.pi / 72))
+    )
     found = {}
     for name, rings in (("tight", tight), ("loose", loose)):
         c = case(rings, centrifugal_force=174.0)
@@ -391,11 +484,15 @@ def test_a_compliance_matrix_of_a_ring_stands_for_it(tmp_path):
     assert np.abs(one.inner_force - other.inner_force).max() < 1e-8 * one.inner_force.max()
 
 
-def test_a_compliance_matrix_with_a_mass_has_the_frequencies_of_the_ring_that_it_stands_for(tmp_path):
-    ring, rng = Thin(width=WIDTH, thickness=H, harmonics=6, seat_stiffness=3e8), np.random.default_rng(2)
+def test_a_compliance_matrix_with_a_mass_has_the_frequencies_of_the_ring_that_it_stands_for(
+    tmp_path,
+):
+    ring = Thin(width=WIDTH, thickness=H, harmonics=6, seat_stiffness=3e8)
+    rng = np.random.default_rng(2)
     shapes = ring.shapes(scene().bearing, "outer", False)
     psi = 2 * np.pi * np.arange(72) / 72
-    whole, file = shapes.mass[0], tmp_path / "ring.csv"
+    whole = shapes.mass[0]
+    file = tmp_path / "ring.csv"
 
     def found(C):
         np.savetxt(file, C, delimiter=",", fmt="%.17e")
@@ -413,7 +510,9 @@ def test_a_compliance_matrix_with_a_mass_has_the_frequencies_of_the_ring_that_it
     made, plain = found(mixed @ mixed.T)
     for one in (made, plain):
         at = one.at(psi)
-        assert at / one.stiffness @ at.T == pytest.approx(mixed @ mixed.T, abs=1e-5 * np.abs(mixed @ mixed.T).max())
+        assert at / one.stiffness @ at.T == pytest.approx(
+            mixed @ mixed.T, abs=1e-5 * np.abs(mixed @ mixed.T).max()
+        )
     n = np.arange(made.harmonics.shape[1])
     terms = whole * np.where(n == 0, 1.0, 0.5 + 0.5 / np.maximum(n, 1) ** 2)
     M = np.real(made.harmonics * terms @ made.harmonics.conj().T)
@@ -423,17 +522,26 @@ def test_a_compliance_matrix_with_a_mass_has_the_frequencies_of_the_ring_that_it
 
 # What symmetry says ---------------------------------------------------------------------------------------------------
 
-lobed = st.lists(st.tuples(st.integers(2, 6), st.floats(0.0, 4e-5), st.floats(-3.0, 3.0)), min_size=1, max_size=3)
+lobed = st.lists(
+    st.tuples(st.integers(2, 6), st.floats(0.0, 4e-5), st.floats(-3.0, 3.0)), min_size=1, max_size=3
+)
 
 
 @settings(max_examples=25, deadline=None)
 @given(waves=lobed, clearance=st.floats(-3e-5, 6e-5), speed=st.floats(0.0, 500.0))
 def test_a_bearing_mirrors_its_loads_with_its_forms(waves, clearance, speed):
     ring = bending(range(2, 7), seat=1e8)
-    c = case(Rings(RIGID, ring, tuple(waves)), radial_clearance=clearance, centrifugal_force=speed, instants=2)
+    c = case(
+        Rings(RIGID, ring, tuple(waves)),
+        radial_clearance=clearance,
+        centrifugal_force=speed,
+        instants=2,
+    )
     mirrored = tuple((n, a, -angle) for n, a, angle in waves)
     one = solve_equilibrium(c, law())
-    other = solve_equilibrium(attrs.evolve(c, psi=-c.psi, rings=Rings(RIGID, ring, mirrored)), law())
+    other = solve_equilibrium(
+        attrs.evolve(c, psi=-c.psi, rings=Rings(RIGID, ring, mirrored)), law()
+    )
     scale = max(one.outer_force.max(), 1037.0)
     assert np.abs(one.inner_force - other.inner_force).max() < 1e-7 * scale
     assert (one.inner_force * np.cos(c.psi)).sum(axis=1) == pytest.approx(1037.0, abs=1e-9 * scale)
@@ -448,7 +556,10 @@ def test_without_load_a_form_that_is_turned_by_a_pitch_turns_its_loads(waves, cl
     found = [
         solve_equilibrium(
             case(
-                Rings(RIGID, bending(range(2, 7), seat=1e8), w), radial_clearance=clearance, radial_load=0.0, instants=1
+                Rings(RIGID, bending(range(2, 7), seat=1e8), w),
+                radial_clearance=clearance,
+                radial_load=0.0,
+                instants=1,
             ),
             law(),
         ).inner_force
@@ -462,9 +573,11 @@ def test_half_a_pitch_tells_of_the_other_only_where_forms_mirror_themselves():
         rings = Rings(RIGID, bending(range(2, 7), seat=1e8), waves=((2, 2e-5, angle),))
         c = case(rings, instants=6)
         assert c.mirrored == mirrored
-        pitch, every = solve_pitch(c, law()), solve_equilibrium(c, law())
+        pitch = solve_pitch(c, law())
+        every = solve_equilibrium(c, law())
         for name in ("inner_force", "deflection"):
-            found, want = getattr(pitch, name), getattr(every, name)
+            found = getattr(pitch, name)
+            want = getattr(every, name)
             assert np.abs(found - want).max() < 1e-7 * np.abs(want).max()
 
 
@@ -474,7 +587,9 @@ def test_friction_counts_all_rollers_of_forms_that_do_not_mirror_themselves():
         result = run(scene(**{"bearing.outer_raceway.form": form}), "effective-friction")
         return float(result.runaway_slip), float(result.runaway_drag)
 
-    straight, turned, other = slip(0.0), slip(1e-7), slip(-0.4)
+    straight = slip(0.0)
+    turned = slip(1e-7)
+    other = slip(-0.4)
     assert turned == pytest.approx(straight, rel=1e-3)
     assert slip(0.4) == pytest.approx(other, rel=1e-3)
 
@@ -492,8 +607,22 @@ def mean_friction(scene, instants, slip=0.01):
     ("form", "angles"),
     [
         ([{"lobes": 2, "amplitude": "15 um"}], 48),
-        ([{"lobes": 4, "amplitude": "6 um", "angle": "20 deg"}, {"lobes": 6, "amplitude": "4 um"}], 96),
-        ([{"angles": ["0 deg", "40 deg", "90 deg", "200 deg"], "heights": ["0 um", "9 um", "2 um", "5 um"]}], 48),
+        (
+            [
+                {"lobes": 4, "amplitude": "6 um", "angle": "20 deg"},
+                {"lobes": 6, "amplitude": "4 um"},
+            ],
+            96,
+        ),
+        (
+            [
+                {
+                    "angles": ["0 deg", "40 deg", "90 deg", "200 deg"],
+                    "heights": ["0 um", "9 um", "2 um", "5 um"],
+                }
+            ],
+            48,
+        ),
     ],
 )
 def test_friction_of_a_form_that_turns_is_the_mean_over_all_turns_and_instants(form, angles):
@@ -502,32 +631,44 @@ def test_friction_of_a_form_that_turns_is_the_mean_over_all_turns_and_instants(f
     found = mean_friction(scene(**base, **{"bearing.inner_raceway.form": form}), 256)
 
     def turned(k):
-        turn, parts = 360.0 * k / angles, []
+        turn = 360.0 * k / angles
+        parts = []
         for part in form:
             if "lobes" in part:
-                parts.append({**part, "angle": f"{float(part.get('angle', '0').split()[0]) + turn} deg"})
+                parts.append(
+                    {**part, "angle": f"{float(part.get('angle', '0').split()[0]) + turn} deg"}
+                )
             else:  # a table begins anywhere in its turn
                 places = sorted((float(at.split()[0]) + turn) % 360.0 for at in part["angles"])
                 given = {
                     (float(at.split()[0]) + turn) % 360.0: h
                     for at, h in zip(part["angles"], part["heights"], strict=True)
                 }
-                parts.append({"angles": [f"{at} deg" for at in places], "heights": [given[at] for at in places]})
+                parts.append(
+                    {
+                        "angles": [f"{at} deg" for at in places],
+                        "heights": [given[at] for at in places],
+                    }
+                )
         return mean_friction(scene(**base, **{"bearing.outer_raceway.form": parts}), 8)
 
     want = np.mean([turned(k) for k in range(angles)], axis=0)
     assert found[0] / found[1] == pytest.approx(want[0] / want[1], rel=3e-4)
     assert found[1] == pytest.approx(want[1], rel=3e-4)
     standing = turned(0)
-    assert abs(standing[0] / standing[1] / (want[0] / want[1]) - 1.0).max() > 5e-3  # so that the mean says something
+    assert (
+        abs(standing[0] / standing[1] / (want[0] / want[1]) - 1.0).max() > 5e-3
+    )  # so that the mean says something
 
 
 @pytest.mark.parametrize(
-    ("instants", "rollers", "periods", "least"), [(64, 28, 1, 30), (64, 14, 2, 20), (128, 28, 2, 45)]
+    ("instants", "rollers", "periods", "least"),
+    [(64, 28, 1, 30), (64, 14, 2, 20), (128, 28, 2, 45)],
 )
 def test_instants_take_no_long_wave_for_a_constant(instants, rollers, periods, least):
     """Waves n of the pitch and s of the form's period against the load, summed over the instants."""
-    phase, turned = np.arange(instants) / instants, _lattice(instants, rollers, periods, 1) * periods / (2.0 * np.pi)
+    phase = np.arange(instants) / instants
+    turned = _lattice(instants, rollers, periods, 1) * periods / (2.0 * np.pi)
     for n in range(least // 10 + 1):
         for s in range(-least, least + 1):
             if 0 < 10 * n + abs(s) < least:
@@ -536,7 +677,8 @@ def test_instants_take_no_long_wave_for_a_constant(instants, rollers, periods, l
 
 
 def test_forms_of_both_rings_that_turn_meet_in_all_ways():
-    inner, outer = {"lobes": 2, "amplitude": "9 um"}, {"lobes": 3, "amplitude": "7 um"}
+    inner = {"lobes": 2, "amplitude": "9 um"}
+    outer = {"lobes": 3, "amplitude": "7 um"}
     base = {"operation.radial_load": "6 kN", "bearing.radial_clearance": "5 um"}
     forms = {"bearing.inner_raceway.form": [inner], "bearing.outer_raceway.form": [outer]}
     found = mean_friction(scene(**base, **forms, **{"operation.outer_speed": "1 rpm"}), 512)
@@ -561,7 +703,9 @@ def test_a_form_that_turns_moves_the_friction_that_is_told_and_converges():
     assert result.attrs["instants"] >= 4
     round_one = {key: value for key, value in changes.items() if "form" not in key}
     other = run(scene(**round_one), "effective-friction")
-    assert abs(float(result.effective_friction[0, -1] / other.effective_friction[0, -1]) - 1.0) > 0.01
+    assert (
+        abs(float(result.effective_friction[0, -1] / other.effective_friction[0, -1]) - 1.0) > 0.01
+    )
 
 
 @pytest.mark.parametrize("ring", ["inner", "outer"])
@@ -570,7 +714,8 @@ def test_orbits_that_do_not_repeat_are_refused_in_words(ring):
                     "operation.outer_speed": "-100 rpm"})  # fmt: skip
     for study in ("steady-slip", "effective-friction"):
         with pytest.raises(
-            SceneError, match=f"bearing.{ring}_raceway.form: turns with its ring.*a mean over its turns"
+            SceneError,
+            match=f"bearing.{ring}_raceway.form: turns with its ring.*a mean over its turns",
         ):
             run(made, study)
     for level in ("cage-set", "pocket"):
@@ -580,16 +725,23 @@ def test_orbits_that_do_not_repeat_are_refused_in_words(ring):
 
 SEATED = {"model": "thin", "seat_stiffness": "1e9 Pa", "harmonics": 4}
 TEETH = {"forces": [{"angle": "30 deg", "radial": "2 kN", "tangential": "1 kN", "arm": "10 mm"}]}
-DENT = {"angles": ["0 deg", "40 deg", "90 deg", "200 deg"], "heights": ["9 um", "0 um", "2 um", "0 um"]}
+DENT = {
+    "angles": ["0 deg", "40 deg", "90 deg", "200 deg"],
+    "heights": ["9 um", "0 um", "2 um", "0 um"],
+}
 
 
-@pytest.mark.parametrize(("ring", "form"), [(TEETH, []), ({}, [DENT])], ids=["forces on teeth", "a table"])
+@pytest.mark.parametrize(
+    ("ring", "form"), [(TEETH, []), ({}, [DENT])], ids=["forces on teeth", "a table"]
+)
 def test_a_bearing_that_runs_backwards_meets_its_rings_from_the_other_side(ring, form):
     changes = {"models.outer_ring": {**SEATED, **ring}, "bearing.outer_raceway.form": form}
     forwards, backwards = (
-        assemble(scene(**changes, **{"operation.inner_speed": speed})) for speed in ("3000 rpm", "-3000 rpm")
+        assemble(scene(**changes, **{"operation.inner_speed": speed}))
+        for speed in ("3000 rpm", "-3000 rpm")
     )
-    ahead, back = forwards.load_distribution(2), backwards.load_distribution(2)
+    ahead = forwards.load_distribution(2)
+    back = backwards.load_distribution(2)
     # where it meets them at an angle along its orbit, the other one does at the opposite angle
     opposite = -np.arange(ahead.psi.size) % ahead.psi.size
     in_order = [one.inner_force.T.ravel() for one in (ahead, back)]
@@ -615,9 +767,12 @@ def test_a_mirrored_form_under_a_mirrored_rotation_gives_the_same_slip(study):
             },
         })  # fmt: skip
         result = run(made, "steady-slip" if study == "steady-slip" else "dynamics")
-        return float(result.steady_slip[0] if study == "steady-slip" else abs(result.roller_slip[-1]).mean())
+        return float(
+            result.steady_slip[0] if study == "steady-slip" else abs(result.roller_slip[-1]).mean()
+        )
 
-    ahead, back = slip("6371 rpm", "20 deg"), slip("-6371 rpm", "-20 deg")
+    ahead = slip("6371 rpm", "20 deg")
+    back = slip("-6371 rpm", "-20 deg")
     assert back == pytest.approx(ahead, rel=1e-9)
     assert abs(slip("-6371 rpm", "20 deg") - ahead) > 1e-5 * ahead
 
@@ -635,11 +790,19 @@ def test_single_rollers_of_forms_that_do_not_mirror_themselves_are_told_apart():
 
 def test_a_sleeve_lets_little_of_a_preload_through():
     # 46.4 um tight: 1256 MPa rigid, 662 to 758 MPa in sleeves of 5 to 15 mm, hollow shaft; force as pressure squared
-    tight = {"bearing.radial_clearance": -46.4e-6, "operation.inner_speed": 1047.2, "operation.radial_load": 1037.0}
+    tight = {
+        "bearing.radial_clearance": -46.4e-6,
+        "operation.inner_speed": 1047.2,
+        "operation.radial_load": 1037.0,
+    }
     rigid = loads(**tight).inner_force.max()
     for thick, ratio in ((5, 662 / 1256), (15, 758 / 1256)):
         held = {
-            "models.outer_ring": {"model": "annulus", "outside": 0.21 + 2e-3 * thick, "harmonics": 0},
+            "models.outer_ring": {
+                "model": "annulus",
+                "outside": 0.21 + 2e-3 * thick,
+                "harmonics": 0,
+            },
             "models.inner_ring": {"model": "annulus", "bore": 0.12, "harmonics": 0},
         }
         found = math.sqrt(loads(**tight, **held).inner_force.max() / rigid)
@@ -652,7 +815,9 @@ def test_a_table_of_a_form_is_the_wave_it_was_taken_of(tmp_path):
     file = tmp_path / "form.csv"
     rows = "\n".join(f"{a}, {h}" for a, h in zip(angles, heights, strict=True))
     file.write_text(f"# measured\nangle [deg], height [um]\n{rows}\n")
-    wave = loads(**{"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "20 um", "angle": "10 deg"}]})
+    wave = loads(
+        **{"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "20 um", "angle": "10 deg"}]}
+    )
     for form in (
         {"file": str(file)},
         {"angles": [f"{a} deg" for a in angles], "heights": [f"{h} um" for h in heights]},
@@ -664,14 +829,32 @@ def test_a_table_of_a_form_is_the_wave_it_was_taken_of(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"models.outer_ring": {"model": "annulus", "bore": "0.1 m"}}, "models.outer_ring.bore: is that of a shaft"),
-        ({"models.outer_ring": {"model": "annulus", "outside": "0.2 m"}}, "must be at least the ring's own"),
-        ({"models.outer_ring": {"model": "thin", "fit_clearance": "20 um"}}, "seat_stiffness: must be above 0"),
-        ({"models.outer_ring": {"model": "thin", "thickness": "0.5 m"}, "models.inner_ring": "annulus"}, None),
+        (
+            {"models.outer_ring": {"model": "annulus", "bore": "0.1 m"}},
+            "models.outer_ring.bore: is that of a shaft",
+        ),
+        (
+            {"models.outer_ring": {"model": "annulus", "outside": "0.2 m"}},
+            "must be at least the ring's own",
+        ),
+        (
+            {"models.outer_ring": {"model": "thin", "fit_clearance": "20 um"}},
+            "seat_stiffness: must be above 0",
+        ),
+        (
+            {
+                "models.outer_ring": {"model": "thin", "thickness": "0.5 m"},
+                "models.inner_ring": "annulus",
+            },
+            None,
+        ),
         ({"models.inner_ring": {"model": "thin", "thickness": "0.2 m"}}, "leaves no bore"),
         ({"bearing.outer_raceway.form": [{"lobes": 1, "amplitude": "20 um"}]}, "lobes"),
         ({"bearing.outer_raceway.form": [{"amplitude": "20 um"}]}, "give one of lobes"),
-        ({"bearing.outer_raceway.form": [{"angles": ["0 deg", "9 deg"], "heights": ["1 um"]}]}, "4 places"),
+        (
+            {"bearing.outer_raceway.form": [{"angles": ["0 deg", "9 deg"], "heights": ["1 um"]}]},
+            "4 places",
+        ),
         ({"bearing.outer_raceway.form": [{"file": "/no/such.csv"}]}, "cannot be read"),
         ({"models.outer_ring": {"model": "compliance", "file": "ring.csv"}}, "must be a full path"),
     ],
@@ -710,7 +893,10 @@ def test_a_shape_that_nothing_holds_is_refused():
 def test_a_ring_pressed_oval_until_no_roller_is_loaded_is_found():
     push = np.zeros(15)
     push[0] = 4e3  # twice pi R k_2 of that is 1 mm
-    rings = Rings(RIGID, attrs.evolve(modal(R, {0: 1e9} | dict.fromkeys(range(2, 9), 100000000.0)), pushes=push))
+    rings = Rings(
+        RIGID,
+        attrs.evolve(modal(R, {0: 1e9} | dict.fromkeys(range(2, 9), 100000000.0)), pushes=push),
+    )
     s = solve_pitch(case(rings, radial_load=0.0, radial_clearance=5e-5), law())
     assert not s.inner_force.any()
     assert s.deflection[:, 0] == pytest.approx(4e3 / (2 * np.pi * R * 1e9), rel=1e-9)
@@ -744,8 +930,13 @@ def test_a_plan_says_how_much_of_a_preload_reaches_the_rollers(thick, lobes):
 
 
 def test_a_plan_names_rings_that_yield():
-    (part,) = [p for p in plan(scene(**{"models.outer_ring": "annulus"})).parts if p.part == "rings"]
-    assert (part.choice, part.resolution) == ("inner rigid, outer annulus", "11 shapes that yield, 0 parts of forms")
+    (part,) = [
+        p for p in plan(scene(**{"models.outer_ring": "annulus"})).parts if p.part == "rings"
+    ]
+    assert (part.choice, part.resolution) == (
+        "inner rigid, outer annulus",
+        "11 shapes that yield, 0 parts of forms",
+    )
     assert not [p for p in plan(scene()).parts if p.part == "rings"]
 
 
@@ -753,19 +944,31 @@ def test_slip_follows_lobes_and_the_housing_that_holds_them():
     # 50 um on two lobes in a housing of 10 mm: 2.14 % and 2.0 N m by the prototype with 12 n and slices of its own
     form = {"bearing.outer_raceway.form": [{"lobes": 2, "amplitude": "25 um", "angle": "90 deg"}]}
     housing = {"models.outer_ring": {"model": "annulus", "outside": "0.23 m"}}
-    result = run(scene(**form, **housing, **{"accuracy.slices": 15, "accuracy.tolerance": 5e-3}), "steady-slip")
+    result = run(
+        scene(**form, **housing, **{"accuracy.slices": 15, "accuracy.tolerance": 5e-3}),
+        "steady-slip",
+    )
     assert 100 * float(result.steady_slip[0]) == pytest.approx(2.14, rel=0.02)
     assert float(result.largest_drag.max()) == pytest.approx(2.0, rel=0.02)
 
 
 def test_plane_motion_tells_how_its_rings_yield():
-    dynamics = {"level": "planar", "duration": "1 ms", "points": 5, "planar": {"inner_ring_mass": "5 kg"}}
+    dynamics = {
+        "level": "planar",
+        "duration": "1 ms",
+        "points": 5,
+        "planar": {"inner_ring_mass": "5 kg"},
+    }
     ring = {"model": "annulus", "outside": "230 mm", "harmonics": 2}
     given = scene(**{"study.dynamics": dynamics, "models.outer_ring": ring})
     (study,) = [part for part in plan(given).parts if part.part == "motion"]
     assert "156 unknowns" in study.resolution  # 150 and two of each shape
     result = run(given, "dynamics")
-    assert list(result["shape"].values) == ["outer_ring_cos_0", "outer_ring_cos_2", "outer_ring_sin_2"]
+    assert list(result["shape"].values) == [
+        "outer_ring_cos_0",
+        "outer_ring_cos_2",
+        "outer_ring_sin_2",
+    ]
     assert result.ring_deflection.dims == ("shape", "time")
     found = loads(1, **{"models.outer_ring": ring}).deflection[0]
     assert result.ring_deflection[:, 0].values == pytest.approx(found, rel=0.1, abs=0.1e-6)
@@ -773,7 +976,10 @@ def test_plane_motion_tells_how_its_rings_yield():
 
 
 WAVE = {"lobes": 2, "amplitude": "6 um"}
-OVAL = {"angles": ["0 deg", "90 deg", "180 deg", "270 deg"], "heights": ["11 um", "0 um", "11 um", "0 um"]}
+OVAL = {
+    "angles": ["0 deg", "90 deg", "180 deg", "270 deg"],
+    "heights": ["11 um", "0 um", "11 um", "0 um"],
+}
 
 
 @pytest.mark.parametrize(
@@ -792,7 +998,8 @@ def test_parts_of_a_form_preload_a_play_of_20_um_together(form, preloaded):
 
 
 def test_a_uniform_preload_and_one_by_a_form_are_told_together_each_with_its_share():
-    tight, form = {"bearing.radial_clearance": "-20 um"}, {"bearing.outer_raceway.form": [WAVE]}
+    tight = {"bearing.radial_clearance": "-20 um"}
+    form = {"bearing.outer_raceway.form": [WAVE]}
     (said,), (alone,) = (implausible(scene(**tight, **more)) for more in (form, {}))
     bare, held = (100.0 * one.share(2) for one in yielding(scene().bearing))
     assert "of 20 um about" in said
@@ -801,10 +1008,14 @@ def test_a_uniform_preload_and_one_by_a_form_are_told_together_each_with_its_sha
 
 
 def test_a_preload_with_one_rigid_ring_is_told_with_what_the_other_leaves():
-    tight = {"bearing.radial_clearance": "-20 um", "models.outer_ring": {"model": "annulus", "outside": "0.23 m"}}
+    tight = {
+        "bearing.radial_clearance": "-20 um",
+        "models.outer_ring": {"model": "annulus", "outside": "0.23 m"},
+    }
     (said,) = implausible(scene(**tight))
     bare, held = yielding(
-        scene().bearing, stated={"outer": Annulus(outside=0.23).shapes(scene().bearing, "outer", False)}
+        scene().bearing,
+        stated={"outer": Annulus(outside=0.23).shapes(scene().bearing, "outer", False)},
     )
     assert "the inner ring is rigid here" in said
     assert f"about {100 * bare.share():.0f} % (bare rings) to {100 * held.share():.0f} %" in said
@@ -830,7 +1041,9 @@ def test_a_plan_tells_by_how_much_loads_of_round_rings_change(outside, clearance
     # on the rings alone: 0.42 F/K of an oval, over Palmgren's approach of the most loaded roller of 28
     approach = 7.68e-8 * (4.5 * (1037.0 if force == "1037 N" else 20e3) / 28) ** 0.9 / 15**0.8
     soft = sum(
-        compliance_of_annulus(2, Annulus(outside=outside if ring == "outer" else None).layers(bearing, ring), WIDTH)
+        compliance_of_annulus(
+            2, Annulus(outside=outside if ring == "outer" else None).layers(bearing, ring), WIDTH
+        )
         / (np.pi * radius)
         for ring, radius in (("outer", 0.0975), ("inner", 0.0825))
     )
@@ -860,8 +1073,12 @@ def test_as_many_shapes_are_taken_as_the_tolerance_needs(state, outside):
     many = []
     for tolerance in (1e-2, 1e-3):
         chosen = assemble(scene(**state, **ring, **{"accuracy.tolerance": tolerance})).rings
-        ring["models.outer_ring"]["harmonics"] = (chosen.outer.stiffness.size + 1) // 2  # 0, and twice 2 to n
-        assert drag(**state, **ring, **{"accuracy.tolerance": 1e-5}) == pytest.approx(every, rel=tolerance)
+        ring["models.outer_ring"]["harmonics"] = (
+            chosen.outer.stiffness.size + 1
+        ) // 2  # 0, and twice 2 to n
+        assert drag(**state, **ring, **{"accuracy.tolerance": 1e-5}) == pytest.approx(
+            every, rel=tolerance
+        )
         del ring["models.outer_ring"]["harmonics"]
         many.append(chosen.outer.stiffness.size)
         assert chosen.left < tolerance
@@ -872,10 +1089,14 @@ def test_as_many_shapes_are_taken_as_the_tolerance_needs(state, outside):
 
 def test_rings_that_yield_by_less_than_the_tolerance_stay_rigid():
     stiff = {"models.outer_ring": {"model": "thin", "thickness": "90 mm", "width": "99 m"}}
-    one, other = assemble(scene(**stiff)), assemble(scene())
+    one = assemble(scene(**stiff))
+    other = assemble(scene())
     assert one.rings.parity.size == 0
     assert 0.0 < one.rings.left < 1e-3
-    assert one.load_distribution(4).inner_load.tobytes() == other.load_distribution(4).inner_load.tobytes()
+    assert (
+        one.load_distribution(4).inner_load.tobytes()
+        == other.load_distribution(4).inner_load.tobytes()
+    )
 
 
 def test_a_plan_tells_what_rings_count_for():
@@ -883,16 +1104,21 @@ def test_a_plan_tells_what_rings_count_for():
     out = named["rings that yield"]
     bare, held = yielding(scene().bearing, 1037.0)
     assert not out.included
-    assert f"{100 * held.change:.2g} % of the loads of rollers in their seats ({held})" in out.reason
+    assert (
+        f"{100 * held.change:.2g} % of the loads of rollers in their seats ({held})" in out.reason
+    )
     assert f"{100 * bare.change:.2g} % bare ({bare})" in out.reason
     both = scene(**{"models.outer_ring": "annulus", "models.inner_ring": "annulus"})
     part = next(part for part in plan(both, "effective-friction").parts if part.part == "rings")
-    assert f"count for about {100 * held.change:.2g} % of the loads of rollers ({held})" in part.reason
+    assert (
+        f"count for about {100 * held.change:.2g} % of the loads of rollers ({held})" in part.reason
+    )
     assert part.errors["friction"] < 2e-3
 
 
 def test_what_stands_in_a_file_of_a_form_or_a_ring_is_in_the_hash_of_its_scene(tmp_path):
-    form, matrix = tmp_path / "form.csv", tmp_path / "ring.csv"
+    form = tmp_path / "form.csv"
+    matrix = tmp_path / "ring.csv"
     heights = {0: 20, 90: 0, 180: 20, 270: 0}
 
     def write(height):
@@ -907,7 +1133,8 @@ def test_what_stands_in_a_file_of_a_form_or_a_ring_is_in_the_hash_of_its_scene(t
             "models.outer_ring": {"model": "compliance", "file": str(matrix)},
         }
     )
-    known, found = SceneHashes(given), [scene_hash(given)]
+    known = SceneHashes(given)
+    found = [scene_hash(given)]
     assert known.of(evolve(given, {"operation.radial_load": 1e3})) != found[0]
     write(21)
     found.append(scene_hash(given))
@@ -926,7 +1153,9 @@ def test_the_shape_of_a_raceway_is_its_form_and_how_it_yields():
     wave = {"bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "20 um", "angle": "10 deg"}]}
     found = load_distribution(scene(**wave))["raceway_shape"]
     angle = found.orbit_angle.to_numpy()
-    assert found.sel(ring="outer")[0].to_numpy() == pytest.approx(-20e-6 * np.cos(3 * (angle - np.radians(10.0))))
+    assert found.sel(ring="outer")[0].to_numpy() == pytest.approx(
+        -20e-6 * np.cos(3 * (angle - np.radians(10.0)))
+    )
     assert not found.sel(ring="inner").any()
     # each ring has its own, also one that turns
     both = wave | {"bearing.inner_raceway.form": [{"lobes": 2, "amplitude": "5 um"}]}
@@ -934,11 +1163,17 @@ def test_the_shape_of_a_raceway_is_its_form_and_how_it_yields():
     assert formed.sel(ring="outer").to_numpy() == pytest.approx(found.sel(ring="outer").to_numpy())
     assert formed.sel(ring="inner")[0].to_numpy() == pytest.approx(5e-6 * np.cos(2 * angle))
     # a hoop widens by the sum of the forces over 2 pi of its stiffness, Lame's of a thick one; the inner ring narrows
-    hoop = {f"models.{ring}_ring": {"model": "annulus", "harmonics": 0} for ring in ("inner", "outer")}
+    hoop = {
+        f"models.{ring}_ring": {"model": "annulus", "harmonics": 0} for ring in ("inner", "outer")
+    }
     tight = scene(**hoop, **{"bearing.radial_clearance": "-20 um"})
     loaded = load_distribution(tight, 3)
-    E, nu = tight.bearing.material.elastic_modulus, tight.bearing.material.poisson_ratio
-    for ring, stiff in (("outer", 2 * np.pi * E * WIDTH / (1 + nu)), ("inner", -2 * np.pi * E * WIDTH / (1 - nu))):
+    E = tight.bearing.material.elastic_modulus
+    nu = tight.bearing.material.poisson_ratio
+    for ring, stiff in (
+        ("outer", 2 * np.pi * E * WIDTH / (1 + nu)),
+        ("inner", -2 * np.pi * E * WIDTH / (1 - nu)),
+    ):
         wide = loaded.normal_force.sel(ring=ring).sum("roller") / stiff
         assert loaded.raceway_shape.sel(ring=ring).to_numpy() == pytest.approx(
             np.repeat(wide.to_numpy()[:, None], 361, axis=1), rel=1e-4
@@ -955,7 +1190,9 @@ def test_a_result_of_rings_that_yield_has_their_figure_and_one_of_rigid_ones_has
     times = float(re.search(r"([0-9]+) times", caption)[1])
     assert times == pytest.approx(0.5 * 15e-3 / np.abs(shape).max(), rel=0.05)
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert f"outer raceway, {1e6 * shape.min():.3g} to {1e6 * shape.max():.3g} µm" in keys[1].replace("\n", " ")
+    assert f"outer raceway, {1e6 * shape.min():.3g} to {1e6 * shape.max():.3g} µm" in keys[
+        1
+    ].replace("\n", " ")
     assert f"{float(loaded.normal_force.sel(ring='outer', instant=0).max()):.3g} N" in keys[1]
     assert name in [name for name, _, _ in figures(result)]
     assert not list(ring_figure(run(scene(), "effective-friction")))
@@ -966,10 +1203,15 @@ def newton(c, starts):
 
     Palmgren's law of straight rollers; energy as in `energy`, all starts at once.
     """
-    psi, rings, Z = c.psi[0], c.rings, c.psi.shape[1]
-    D, form = rings.directions(psi), rings.form(psi)
-    n, m = D.shape[1], rings.inner.stiffness.size
-    factor, p = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9), 1 / 0.9
+    psi = c.psi[0]
+    rings = c.rings
+    Z = c.psi.shape[1]
+    D = rings.directions(psi)
+    form = rings.form(psi)
+    n = D.shape[1]
+    m = rings.inner.stiffness.size
+    factor = (1e3 / 3.84e-5 * 15**0.8) ** (1 / 0.9)
+    p = 1 / 0.9
     K = np.concatenate(([0.0, 0.0], rings.inner.stiffness, rings.outer.stiffness))
     given = np.concatenate(([c.radial_load, 0.0], rings.inner.pushes, rings.outer.pushes))
     given[2 + m :] += c.centrifugal_force * rings.outer.at(psi).sum(axis=0)
@@ -983,7 +1225,9 @@ def newton(c, starts):
 
     def potential(u):
         deep, held = parts(u)
-        stored = factor * (deep ** (p + 1)).sum(axis=(0, 2)) / (p + 1) + 0.5 * (K * u[:, :n] ** 2).sum(axis=1)
+        stored = factor * (deep ** (p + 1)).sum(axis=(0, 2)) / (p + 1) + 0.5 * (
+            K * u[:, :n] ** 2
+        ).sum(axis=1)
         return (
             stored
             + 0.5 * (stops[:, n] * held**2).sum(axis=1)
@@ -994,23 +1238,32 @@ def newton(c, starts):
     u = starts.copy()
     for _ in range(300):
         deep, held = parts(u)
-        Q, k = factor * deep**p, factor * p * deep ** (p - 1) * (deep > 0.0)
-        slope = np.concatenate((Q[0] @ D + K * u[:, :n] - given, Q[1] - Q[0] - c.centrifugal_force), axis=1)
+        Q = factor * deep**p
+        k = factor * p * deep ** (p - 1) * (deep > 0.0)
+        slope = np.concatenate(
+            (Q[0] @ D + K * u[:, :n] - given, Q[1] - Q[0] - c.centrifugal_force), axis=1
+        )
         slope[:, :n] += (stops[:, n] * held) @ stops[:, :n]
         if np.abs(slope).max() < 1e-7 * c.radial_load:
             break
         H = np.zeros((len(u), n + Z, n + Z))
         H[:, :n, :n] = np.einsum("sj,ja,jb->sab", k[0], D, D) + np.diag(K)
-        H[:, :n, :n] += np.einsum("si,i,ia,ib->sab", 1.0 * (held > 0.0), stops[:, n], stops[:, :n], stops[:, :n])
+        H[:, :n, :n] += np.einsum(
+            "si,i,ia,ib->sab", 1.0 * (held > 0.0), stops[:, n], stops[:, :n], stops[:, :n]
+        )
         H[:, :n, n:] = -np.einsum("sj,ja->saj", k[0], D)
         H[:, n:, :n] = H[:, :n, n:].transpose(0, 2, 1)
         H[:, range(n, n + Z), range(n, n + Z)] = k.sum(axis=0)
         H += 100.0 * np.eye(n + Z)
         step = -np.linalg.solve(H, slope[..., None])[..., 0]
         step *= np.minimum(1.0, 2e-4 / np.abs(step).max(axis=1))[:, None]
-        share, before, down = np.ones(len(u)), potential(u), (slope * step).sum(axis=1)
+        share = np.ones(len(u))
+        before = potential(u)
+        down = (slope * step).sum(axis=1)
         for _ in range(30):
-            worse = potential(u + share[:, None] * step) > before + 1e-4 * share * down + 1e-12 * np.abs(before)
+            worse = potential(
+                u + share[:, None] * step
+            ) > before + 1e-4 * share * down + 1e-12 * np.abs(before)
             share[worse] *= 0.5
         u = u + share[:, None] * step
     return Q[0]
@@ -1028,7 +1281,8 @@ def newton(c, starts):
 )
 def test_400_random_starts_end_in_one_equilibrium(rings):
     c = case(rings, instants=1, centrifugal_force=174.0)
-    rest, rng = solve_equilibrium(c, law()), np.random.default_rng(2)
+    rest = solve_equilibrium(c, law())
+    rng = np.random.default_rng(2)
     size = 10.0 ** rng.uniform(-6, -3, size=(400, 1))
     found = newton(c, size * rng.normal(size=(400, 2 + rings.parity.size + 28)))
     assert np.abs(found - rest.inner_force[0]).max() < 1e-6 * rest.inner_force.max()
@@ -1038,31 +1292,47 @@ def test_a_planet_is_loaded_most_at_its_teeth_where_its_rim_is_thin():
     # R = 55 mm, 30 x 10 mm, 16 rollers, 20 kN, forces of both meshes; by the prototype in NumPy, which a frame of beams
     # without shear has to 1.3 %
     teeth = tuple(
-        ToothForce(angle=s * np.pi / 2, radial=-1e4 * np.tan(np.pi / 9), tangential=s * 1e4, arm=0.009) for s in (1, -1)
+        ToothForce(
+            angle=s * np.pi / 2, radial=-1e4 * np.tan(np.pi / 9), tangential=s * 1e4, arm=0.009
+        )
+        for s in (1, -1)
     )
     given = scene().bearing
     bearing = SimpleNamespace(
         boundaries=(0.04, 0.12), outer_raceway_diameter=0.1, inner_raceway_diameter=0.05, rollers=16,
         material_of=lambda ring: attrs.evolve(given.material, elastic_modulus=208e9, poisson_ratio=0.3),
     )  # fmt: skip
-    rim = Thin(width=0.03, thickness=0.01, harmonics=16, forces=teeth).shapes(bearing, "outer", False)
+    rim = Thin(width=0.03, thickness=0.01, harmonics=16, forces=teeth).shapes(
+        bearing, "outer", False
+    )
     wanted = {None: (6430, 5391, 2552, 0, 0), Rings(RIGID, rim): (4140, 4127, 3945, 3470, 4847)}
     for rings, forces in wanted.items():
-        c = LoadCase(angular_positions(16, 1), 0.024, [0.0], radial_clearance=3e-5, radial_load=2e4, rings=rings)
+        c = LoadCase(
+            angular_positions(16, 1),
+            0.024,
+            [0.0],
+            radial_clearance=3e-5,
+            radial_load=2e4,
+            rings=rings,
+        )
         q = solve_equilibrium(c, law(0.024)).inner_force[0]
         assert q[:5] == pytest.approx(forces, abs=1.0)
 
 
 @pytest.mark.parametrize("clearance", [0.0, -2e-5, 5e-5])
 @pytest.mark.parametrize(
-    "waves", [(), ((2, 25e-6, np.pi / 2),), ((3, 25e-6, np.pi / 3),)], ids=["round", "oval", "three"]
+    "waves",
+    [(), ((2, 25e-6, np.pi / 2),), ((3, 25e-6, np.pi / 3),)],
+    ids=["round", "oval", "three"],
 )
 def test_rings_that_yield_cost_a_few_more_evaluations(clearance, waves):
     # an evaluation of the contacts is what an equilibrium costs; 5 shapes of each ring
     shapes = modal(0.0975, {0: 9e9, 2: 2e8, 3: 1.4e9})
     c = case(Rings(RIGID, shapes, waves), radial_clearance=clearance, centrifugal_force=174.0)
     rigid = case(Rings(RIGID, RIGID, waves), radial_clearance=clearance, centrifugal_force=174.0)
-    assert solve_equilibrium(c, law()).iterations <= 2.2 * solve_equilibrium(rigid, law()).iterations
+    assert (
+        solve_equilibrium(c, law()).iterations <= 2.2 * solve_equilibrium(rigid, law()).iterations
+    )
 
 
 @pytest.mark.parametrize("seat", [0.0, 1e7, 1e11])
@@ -1071,7 +1341,9 @@ def test_a_ring_with_50_um_of_play_in_its_seat_is_found_or_refused(seat, clearan
     loose = {"model": "thin", "fit_clearance": "50 um", "seat_stiffness": f"{seat} Pa"}
     state = {"models.outer_ring": loose, "bearing.radial_clearance": clearance}
     if seat == 0.0:
-        with pytest.raises(SceneError, match="seat_stiffness: must be above 0 with a fit_clearance"):
+        with pytest.raises(
+            SceneError, match="seat_stiffness: must be above 0 with a fit_clearance"
+        ):
             assemble(scene(**state))
         return
     found = loads(**state)
@@ -1099,10 +1371,15 @@ def test_a_free_ring_pressed_oval_by_teeth_is_found_with_few_rollers_or_none():
         teeth = [{"angle": f"{at} deg", "radial": "-2 kN"} for at in (90, 270)]
         ring = {"model": "thin", "forces": teeth}
         return loads(
-            **{"models.outer_ring": ring, "operation.radial_load": load, "bearing.radial_clearance": clearance}
+            **{
+                "models.outer_ring": ring,
+                "operation.radial_load": load,
+                "bearing.radial_clearance": clearance,
+            }
         )
 
-    some, none = pressed("1 kN", "50 um"), pressed("0 N", "4 mm")
+    some = pressed("1 kN", "50 um")
+    none = pressed("0 N", "4 mm")
     assert some.force_residual < 1e-10
     across = np.abs(np.abs(some.psi - np.pi) - np.pi / 2) < 0.3
     assert some.inner_force[across].max() > 2.0 * some.inner_force[~across].max()

@@ -48,7 +48,12 @@ class TestOtherParameters(Conformance):
 
 # Against arithmetic in many digits -----------------------------------------------------------------------------------
 
-ETA, H, P, U, B, BETA = 2.0, 4e-7, 5e8, 20.0, 1e-4, 0.05
+ETA = 2.0
+H = 4e-7
+P = 5e8
+U = 20.0
+B = 1e-4
+BETA = 0.05
 
 ROWS = rows_of(REFERENCES / "rivals.csv")
 
@@ -73,8 +78,18 @@ def film_of(row):
         eyring_stress=4e6,
         shear_modulus=ETA * U / (B * (number["deborah"] or 1.0)),
     )
-    columns = {"pressure": P, "half_width": B, "film_thickness": H, "rolling_speed": U, "film_viscosity": ETA}
-    return model, Slices(1, conditions, **columns, film_thermoviscosity=BETA, sliding_speed=speed), number["share"]
+    columns = {
+        "pressure": P,
+        "half_width": B,
+        "film_thickness": H,
+        "rolling_speed": U,
+        "film_viscosity": ETA,
+    }
+    return (
+        model,
+        Slices(1, conditions, **columns, film_thermoviscosity=BETA, sliding_speed=speed),
+        number["share"],
+    )
 
 
 @pytest.mark.parametrize("law", ["carreau", "limiting-shear", "couette"])
@@ -94,13 +109,21 @@ def test_laws_are_exact(law):
 
 
 @pytest.mark.parametrize("eyring_stress", [4e6, 1e12])
-@pytest.mark.parametrize(("viscosity", "speed"), [(0.05, 0.3), (0.5, 5.0), (3.0, 0.5), (3.0, 8.0), (30.0, 2.0)])
+@pytest.mark.parametrize(
+    ("viscosity", "speed"), [(0.05, 0.3), (0.5, 5.0), (3.0, 0.5), (3.0, 8.0), (30.0, 2.0)]
+)
 def test_thermal_films_solve_the_energy_equation(viscosity, speed, eyring_stress):
     """K_f T'' = -tau dv/dz, dv/dz = (tau0/eta) sinh(tau/tau0) exp(beta T), T at both surfaces the flash temperature.
 
     By collocation over the film with the stress as an unknown; all scaled.
     """
-    beta, conductivity, effusivity, u, b, h, p = 0.06, 0.14, 1.3e4, 25.0, 8e-5, 4e-7, 5e8
+    beta = 0.06
+    conductivity = 0.14
+    effusivity = 1.3e4
+    u = 25.0
+    b = 8e-5
+    h = 4e-7
+    p = 5e8
     flash = 0.97 * np.sqrt(b / (np.pi * u)) / effusivity
 
     def right(z, y, parameters):
@@ -112,14 +135,24 @@ def test_thermal_films_solve_the_energy_equation(viscosity, speed, eyring_stress
         surface = beta * flash * np.exp(parameters[0]) * speed
         return np.array([left[0] - surface, right[0] - surface, left[2], right[2] - 1])
 
-    members = {"pressure": p, "half_width": b, "film_thickness": h, "rolling_speed": u, "sliding_speed": speed}
+    members = {
+        "pressure": p,
+        "half_width": b,
+        "film_thickness": h,
+        "rolling_speed": u,
+        "sliding_speed": speed,
+    }
     members |= {"film_viscosity": viscosity, "film_thermoviscosity": beta}
-    conditions = Conditions(effusivity=effusivity, conductivity=conductivity, eyring_stress=eyring_stress)
+    conditions = Conditions(
+        effusivity=effusivity, conductivity=conductivity, eyring_stress=eyring_stress
+    )
     friction = evaluated(EyringThermal(), conditions, **members).friction[0]
 
     z = np.linspace(-0.5, 0.5, 41)
     guess = np.vstack([1 - 4 * z**2, -8 * z, z + 0.5])
-    solved = solve_bvp(right, ends, z, guess, p=[np.log(0.7 * friction * p)], tol=1e-9, max_nodes=20000)
+    solved = solve_bvp(
+        right, ends, z, guess, p=[np.log(0.7 * friction * p)], tol=1e-9, max_nodes=20000
+    )
     assert solved.success, solved.message
     assert friction * p == pytest.approx(np.exp(solved.p[0]), rel=1e-8)
     if eyring_stress == 1e12:
@@ -131,9 +164,20 @@ def test_thermal_films_solve_the_energy_equation(viscosity, speed, eyring_stress
 @pytest.mark.parametrize(("viscosity", "speed"), [(0.5, 0.05), (5.0, 0.5), (5.0, 5.0), (60.0, 1.0)])
 def test_limiting_shear_solves_bair_and_winers_equation(viscosity, speed, modulus):
     """Their flow law through the contact, at the temperature that the mean stress found causes, gives that mean."""
-    beta, u, b, h, p, limit = 0.06, 25.0, 8e-5, 4e-7, 5e8, 0.07
+    beta = 0.06
+    u = 25.0
+    b = 8e-5
+    h = 4e-7
+    p = 5e8
+    limit = 0.07
     conditions = Conditions(effusivity=1.3e4, conductivity=0.14, shear_modulus=modulus)
-    members = {"pressure": p, "half_width": b, "film_thickness": h, "rolling_speed": u, "sliding_speed": speed}
+    members = {
+        "pressure": p,
+        "half_width": b,
+        "film_thickness": h,
+        "rolling_speed": u,
+        "sliding_speed": speed,
+    }
     members |= {"film_viscosity": viscosity, "film_thermoviscosity": beta}
     stress = p * evaluated(LimitingShear(limit=limit), conditions, **members).friction[0]
 
@@ -146,7 +190,9 @@ def test_limiting_shear_solves_bair_and_winers_equation(viscosity, speed, modulu
         return [modulus * (speed / h + plastic / warm * np.log1p(-share)), y[0]]
 
     transit = 2 * b / u
-    solved = solve_ivp(right, (0, transit), [0.0, 0.0], method="Radau", rtol=1e-10, atol=[1e-6, 1e-16])
+    solved = solve_ivp(
+        right, (0, transit), [0.0, 0.0], method="Radau", rtol=1e-10, atol=[1e-6, 1e-16]
+    )
     assert solved.success
     assert np.max(solved.y[0]) < plastic * (1 - 1e-14)
     assert stress == pytest.approx(solved.y[1, -1] / transit, rel=1e-7)
@@ -159,7 +205,9 @@ def test_limiting_shear_solves_bair_and_winers_equation(viscosity, speed, modulu
 @few
 @given(film=films())
 def test_friction_is_below_newtons_and_the_limit_of_the_law(model, film):
-    speed = np.concatenate([film.speed(np.logspace(-8, 8, 33)), np.logspace(-9, 2, 12), [5e-324, 1e-310, 1e-160]])
+    speed = np.concatenate(
+        [film.speed(np.logspace(-8, 8, 33)), np.logspace(-9, 2, 12), [5e-324, 1e-310, 1e-160]]
+    )
     friction = film.friction(model, speed)
     newtonian = film.eta * speed / (film.columns["film_thickness"] * film.columns["pressure"])
     assert np.all(friction <= newtonian * (1 + ROUNDING) + 1e-300)
@@ -175,15 +223,28 @@ def test_friction_is_below_newtons_and_the_limit_of_the_law(model, film):
 @given(film=films(heating=decades(-4, 3)), sigma=decades(-4, 6), factor=decades(0, 1))
 def test_friction_follows_each_member_the_way_theory_demands(model, film, sigma, factor):
     """Viscosity and all that cools raise the stress; softening and a longer way for the heat lower it."""
-    law, speed = law_of(model), film.speed(sigma)
+    law = law_of(model)
+    speed = film.speed(sigma)
     friction = film.friction(model, speed)
-    rises = {"film_viscosity", "effusivity", "conductivity", "shear_modulus", "eyring_stress"} & law.reads
+    rises = {
+        "film_viscosity",
+        "effusivity",
+        "conductivity",
+        "shear_modulus",
+        "eyring_stress",
+    } & law.reads
     slack = 1 + ROUNDING
     for name in rises:
-        value = getattr(film.conditions, name) if hasattr(film.conditions, name) else film.columns[name]
-        assert np.all(film.with_(**{name: value * factor}).friction(model, speed) * slack >= friction), name
+        value = (
+            getattr(film.conditions, name) if hasattr(film.conditions, name) else film.columns[name]
+        )
+        assert np.all(
+            film.with_(**{name: value * factor}).friction(model, speed) * slack >= friction
+        ), name
     for name in (
-        ("film_thermoviscosity", "half_width") if not isinstance(law, LimitingShear) else ("film_thermoviscosity",)
+        ("film_thermoviscosity", "half_width")
+        if not isinstance(law, LimitingShear)
+        else ("film_thermoviscosity",)
     ):
         other = film.with_(**{name: film.columns[name] * factor})
         assert np.all(other.friction(model, speed) <= friction * slack), name
@@ -197,7 +258,9 @@ def test_cold_friction_rises_with_sliding(model, film):
     assert np.all(np.diff(friction) >= -ROUNDING * friction[1:])
 
 
-@pytest.mark.parametrize("model", forms([NewtonianThermal(), EyringThermal(), Carreau(exponent=1.0)]))
+@pytest.mark.parametrize(
+    "model", forms([NewtonianThermal(), EyringThermal(), Carreau(exponent=1.0)])
+)
 @few
 @given(film=films(heating=decades(-2, 3)))
 def test_friction_of_films_without_elasticity_turns_at_most_once(model, film):
@@ -213,8 +276,16 @@ def test_friction_of_films_without_elasticity_turns_at_most_once(model, film):
 def contact(model, speed, *, viscosity=2.0, beta=BETA, **conditions):
     """Return mu of a film; cold unless the conditions say otherwise."""
     given = {"eyring_stress": 4e6, "shear_modulus": 1e30, **NO_HEAT, **conditions}
-    columns = {"pressure": P, "half_width": B, "film_thickness": H, "rolling_speed": U, "film_viscosity": viscosity}
-    filled = evaluated(model, Conditions(**given), **columns, film_thermoviscosity=beta, sliding_speed=speed)
+    columns = {
+        "pressure": P,
+        "half_width": B,
+        "film_thickness": H,
+        "rolling_speed": U,
+        "film_viscosity": viscosity,
+    }
+    filled = evaluated(
+        model, Conditions(**given), **columns, film_thermoviscosity=beta, sliding_speed=speed
+    )
     return filled.friction
 
 
@@ -237,7 +308,9 @@ def test_the_largest_stress_of_a_conducting_film_is_frank_kamenetskiis_critical_
     )
     number = BETA * (-found.fun * P * H) ** 2 / (4 * 2.0 * conductivity)
     assert number == pytest.approx(0.878458, abs=1e-6)
-    assert np.exp(found.x) * np.sqrt(BETA * 2.0 / (8 * conductivity)) == pytest.approx(1.50888, rel=1e-4)
+    assert np.exp(found.x) * np.sqrt(BETA * 2.0 / (8 * conductivity)) == pytest.approx(
+        1.50888, rel=1e-4
+    )
 
 
 @BOTH
@@ -300,7 +373,9 @@ def test_the_flash_factor_scales_the_flash_temperature(cls):
     warm = {"conductivity": 0.14, "shear_modulus": 3e8}
     for form in (cls(flash=0.5), NumpyForm(cls(flash=0.5))):
         by_effusivity = contact(cls(), SPEEDS, effusivity=1.3e4 * 0.97 / 0.5, **warm)
-        np.testing.assert_allclose(contact(form, SPEEDS, effusivity=1.3e4, **warm), by_effusivity, rtol=ROUNDING)
+        np.testing.assert_allclose(
+            contact(form, SPEEDS, effusivity=1.3e4, **warm), by_effusivity, rtol=ROUNDING
+        )
 
 
 def test_an_exponent_above_one_is_refused():
@@ -313,7 +388,9 @@ def test_the_model_names_what_the_oil_lacks():
         contact(LimitingShear(), 1.0, shear_modulus=np.nan)
 
 
-@pytest.mark.parametrize("name", ["carreau", "limiting-shear", "newtonian-thermal", "eyring-thermal", "gupta"])
+@pytest.mark.parametrize(
+    "name", ["carreau", "limiting-shear", "newtonian-thermal", "eyring-thermal", "gupta"]
+)
 def test_a_scene_runs_with_them(name):
     scene = evolve(load_scene("1032930-50C"), {"models.traction.hydrodynamic": name})
     friction = run(scene, "friction-curve")["friction"].to_numpy()
@@ -337,8 +414,12 @@ GUPTAS = [
 @given(ratio=signed(or_zero(decades(-12, 3))), speed=decades(-3, 2))
 def test_gupta_follows_its_formula_beyond_its_ramp(model, ratio, speed):
     law = law_of(model)
-    friction = evaluated(model, Conditions(), rolling_speed=speed, sliding_speed=ratio * speed).friction[0]
-    mirrored = evaluated(model, Conditions(), rolling_speed=speed, sliding_speed=-ratio * speed).friction[0]
+    friction = evaluated(
+        model, Conditions(), rolling_speed=speed, sliding_speed=ratio * speed
+    ).friction[0]
+    mirrored = evaluated(
+        model, Conditions(), rolling_speed=speed, sliding_speed=-ratio * speed
+    ).friction[0]
     assert mirrored == -friction
     assert friction * ratio >= 0
     s = abs(ratio)
@@ -363,24 +444,38 @@ def test_gupta_has_its_extreme_where_the_docstring_says():
 
 
 def test_a_curve_that_would_drive_the_sliding_is_refused():
-    with pytest.raises(FieldError, match=r"a: a \+ d, the friction at zero slip, must not be negative, not -0.05"):
+    with pytest.raises(
+        FieldError, match=r"a: a \+ d, the friction at zero slip, must not be negative, not -0.05"
+    ):
         Gupta(a=-0.1, d=0.05)
-    with pytest.raises(FieldError, match=r"b: the minimum of the friction, at s = 0.12, must not be negative"):
+    with pytest.raises(
+        FieldError, match=r"b: the minimum of the friction, at s = 0.12, must not be negative"
+    ):
         Gupta(a=0.02, b=-1.0, c=10.0, d=0.0)
-    with pytest.raises(FieldError, match=r"transition: must be at most 0\.1, or the ramp would fall somewhere"):
+    with pytest.raises(
+        FieldError, match=r"transition: must be at most 0\.1, or the ramp would fall somewhere"
+    ):
         Gupta(a=0.02, b=0.0, c=10.0, d=0.0, transition=0.11)
     with pytest.raises(FieldError, match="d: must be at least 0"):
         Gupta(d=-0.01)
 
 
 @few
-@given(a=st.floats(-0.2, 0.2), b=st.floats(-20, 20), c=decades(0, 3), d=st.floats(0, 0.2), transition=decades(-4, 0))
+@given(
+    a=st.floats(-0.2, 0.2),
+    b=st.floats(-20, 20),
+    c=decades(0, 3),
+    d=st.floats(0, 0.2),
+    transition=decades(-4, 0),
+)
 def test_no_curve_that_is_taken_drives_the_sliding(a, b, c, d, transition):
     try:
         law = Gupta(a=a, b=b, c=c, d=d, transition=transition)
     except FieldError:
         return
-    assert np.all(law.friction(np.concatenate([np.logspace(-8, 2, 400), np.linspace(0, 3, 400)])) >= -1e-16)
+    assert np.all(
+        law.friction(np.concatenate([np.logspace(-8, 2, 400), np.linspace(0, 3, 400)])) >= -1e-16
+    )
 
 
 # Tables --------------------------------------------------------------------------------------------------------------
@@ -412,7 +507,10 @@ def full(tmp_path):
         "# a rig of nobody",
         "temperature [degC], rolling_speed [m/s], max_pressure [GPa], slide_roll_ratio [%], friction [1]",
     ]
-    lines += [f"{T:g}, {u:g}, {p!r}, {s:g}, {mu!r}" for T, u, p, s, mu in map(tuple, np.array(rows).tolist())]
+    lines += [
+        f"{T:g}, {u:g}, {p!r}, {s:g}, {mu!r}"
+        for T, u, p, s, mu in map(tuple, np.array(rows).tolist())
+    ]
     return Tabulated(file=written(tmp_path, "\n\n".join(lines)))
 
 
@@ -424,11 +522,15 @@ def test_a_table_is_interpolated_in_what_it_varies(full):
     assert full.domain["rolling_speed"] == (1.0, 30.0)
     random = np.random.default_rng(2)
     n = 50
-    s, p, u = random.uniform(-0.1, 0.1, n), random.uniform(low, high, n), random.uniform(1, 30, n)
+    s = random.uniform(-0.1, 0.1, n)
+    p = random.uniform(low, high, n)
+    u = random.uniform(1, 30, n)
     for T in (30.0, 55.0, 100.0):
         conditions = Conditions(temperature=T + 273.15)
         filled = evaluated(full, conditions, sliding_speed=s * u, rolling_speed=u, pressure=p)
-        np.testing.assert_allclose(filled.friction, bilinear(s, p / 1e9, u, T), rtol=1e-11, atol=1e-16)
+        np.testing.assert_allclose(
+            filled.friction, bilinear(s, p / 1e9, u, T), rtol=1e-11, atol=1e-16
+        )
 
 
 @pytest.mark.parametrize(
@@ -437,15 +539,26 @@ def test_a_table_is_interpolated_in_what_it_varies(full):
         ("pressure", 1.3e9, "pressure = 1.3e\\+09 Pa at slice 0 is outside its domain"),
         ("rolling_speed", 40.0, "rolling_speed = 40 m/s at slice 0 is outside its domain"),
         ("temperature", 293.15, "temperature = 293.15 K is outside its domain"),
-        ("sliding_speed", 2.5, r"slide_roll_ratio = 0.125 is outside the table '.*table.csv', which holds 0 to 0.1"),
+        (
+            "sliding_speed",
+            2.5,
+            r"slide_roll_ratio = 0.125 is outside the table '.*table.csv', which holds 0 to 0.1",
+        ),
     ],
 )
 def test_nothing_is_extrapolated(full, member, value, message):
-    inside = {"pressure": 6e8, "rolling_speed": 20.0, "sliding_speed": 0.5, "temperature": 323.15} | {member: value}
+    inside = {
+        "pressure": 6e8,
+        "rolling_speed": 20.0,
+        "sliding_speed": 0.5,
+        "temperature": 323.15,
+    } | {member: value}
     conditions = Conditions(temperature=inside.pop("temperature"))
     with pytest.raises(DomainError, match=message):
         evaluated(full, conditions, **inside)
-    with pytest.raises(DomainError, match=f"tabulated: {message.partition(' ')[0]} = .* is outside the table"):
+    with pytest.raises(
+        DomainError, match=f"tabulated: {message.partition(' ')[0]} = .* is outside the table"
+    ):
         full.evaluate(Slices(1, conditions, **inside))
 
 
@@ -480,25 +593,49 @@ def test_a_table_serves_as_either_part_of_the_blend():
             "slide_roll_ratio, friction [1]\n0.1, 0.2",
             r":1: slide_roll_ratio: has no unit, write 'slide_roll_ratio \[1\]'",
         ),
-        ("slip [1], friction [1]\n0.1, 0.2", ":1: 'slip': unknown column; known are slide_roll_ratio, mean_pressure"),
+        (
+            "slip [1], friction [1]\n0.1, 0.2",
+            ":1: 'slip': unknown column; known are slide_roll_ratio, mean_pressure",
+        ),
         (
             "# x\nslide_roll_ratio [m], friction [1]\n0.1, 0.2",
             ":2: slide_roll_ratio: '1 m' is a length, here a plain number is expected",
         ),
         ("slide_roll_ratio [1], friction [1], friction [1]\n", ":1: friction: stands there twice"),
         ("slide_roll_ratio [1]\n0.1", ":1: friction: missing, but required"),
-        ("slide_roll_ratio [1], friction [1], mean_pressure [GPa], max_pressure [GPa]\n", "say the same; give one"),
-        ("slide_roll_ratio [1], friction [1]\n0,1, 0,05", ":2: 4 values under 2 columns; a decimal comma is not read"),
+        (
+            "slide_roll_ratio [1], friction [1], mean_pressure [GPa], max_pressure [GPa]\n",
+            "say the same; give one",
+        ),
+        (
+            "slide_roll_ratio [1], friction [1]\n0,1, 0,05",
+            ":2: 4 values under 2 columns; a decimal comma is not read",
+        ),
         ("slide_roll_ratio [1], friction [1]\n0.1, high", ":2: friction: 'high' is not a number"),
         (
             "slide_roll_ratio [1], friction [1]\n0.1, 0.05 %",
             ":2: friction: '0.05 %' is not a number alone",
         ),
-        ("slide_roll_ratio [1], friction [1]\n0.1, nan", ":2: friction: 'nan' is not a number with a unit"),
-        ("slide_roll_ratio [1], friction [1]\n-0.1, 0.05", ":2: slide_roll_ratio: must be at least 0, not -0.1"),
-        ("slide_roll_ratio [1], friction [1]\n0.1, -0.05", ":2: friction: must be at least 0, not -0.05"),
-        ("slide_roll_ratio [1], friction [1]\n0.1, 0.05\n0, 0.01", ":3: friction 0.01 at zero slip; there it is 0"),
-        ("slide_roll_ratio [1], friction [1]\n0.1, 0.05\n\n0.1, 0.06", ":4: the same point as in line 2"),
+        (
+            "slide_roll_ratio [1], friction [1]\n0.1, nan",
+            ":2: friction: 'nan' is not a number with a unit",
+        ),
+        (
+            "slide_roll_ratio [1], friction [1]\n-0.1, 0.05",
+            ":2: slide_roll_ratio: must be at least 0, not -0.1",
+        ),
+        (
+            "slide_roll_ratio [1], friction [1]\n0.1, -0.05",
+            ":2: friction: must be at least 0, not -0.05",
+        ),
+        (
+            "slide_roll_ratio [1], friction [1]\n0.1, 0.05\n0, 0.01",
+            ":3: friction 0.01 at zero slip; there it is 0",
+        ),
+        (
+            "slide_roll_ratio [1], friction [1]\n0.1, 0.05\n\n0.1, 0.06",
+            ":4: the same point as in line 2",
+        ),
         ("slide_roll_ratio [1], friction [1]\n0, 0", "slide_roll_ratio has one value only"),
         (
             "slide_roll_ratio [1], friction [1], temperature [degC]\n0.1, 0.05, 70\n0.2, 0.06, 70",
@@ -519,10 +656,13 @@ def test_a_file_that_is_no_table_is_refused_in_one_sentence(tmp_path, text, mess
 
 def test_a_path_is_full_and_leads_to_a_file(tmp_path):
     with pytest.raises(
-        FieldError, match=r"file: must be a full path, not 'mine\.csv', which from this folder would be '/"
+        FieldError,
+        match=r"file: must be a full path, not 'mine\.csv', which from this folder would be '/",
     ):
         Tabulated(file="mine.csv")
-    with pytest.raises(FieldError, match=r"nothing\.csv: cannot be read: No such file or directory"):
+    with pytest.raises(
+        FieldError, match=r"nothing\.csv: cannot be read: No such file or directory"
+    ):
         Tabulated(file=str(tmp_path / "nothing.csv"))
     (tmp_path / "latin.csv").write_bytes(b"# \xb0C\n")
     with pytest.raises(FieldError, match="not UTF-8 text"):
@@ -532,7 +672,8 @@ def test_a_path_is_full_and_leads_to_a_file(tmp_path):
 def test_monotone_interpolation_asks_for_four_values(tmp_path):
     file = written(tmp_path, "slide_roll_ratio [1], friction [1]\n0.1, 0.05\n0.2, 0.06")
     with pytest.raises(
-        FieldError, match="interpolation: 'pchip' needs four values of slide_roll_ratio; choose 'linear'"
+        FieldError,
+        match="interpolation: 'pchip' needs four values of slide_roll_ratio; choose 'linear'",
     ):
         Tabulated(file=file, interpolation="pchip")
 
@@ -544,9 +685,15 @@ def test_a_scene_takes_a_table_and_reports_its_faults_with_their_place(tmp_path)
     friction = run(evolve(scene, table), "friction-curve")["friction"]
     assert 0.03 < float(friction.max()) < 0.12
     Path(file).write_text("slide_roll_ratio [%], friction [1]\n1, x", encoding="utf-8")
-    with pytest.raises(SceneError, match=r"models.traction.hydrodynamic.file: .*table.csv:2: friction: 'x' is not"):
+    with pytest.raises(
+        SceneError, match=r"models.traction.hydrodynamic.file: .*table.csv:2: friction: 'x' is not"
+    ):
         run(evolve(scene, table), "friction-curve")
 
 
 def test_equal_files_make_equal_models():
-    assert get_model("traction", "tabulated") == Tabulated(file=KRAGELSKY) != Tabulated(interpolation="pchip")
+    assert (
+        get_model("traction", "tabulated")
+        == Tabulated(file=KRAGELSKY)
+        != Tabulated(interpolation="pchip")
+    )

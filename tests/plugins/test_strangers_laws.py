@@ -33,7 +33,9 @@ PAGE = Path(__file__).parents[2] / "docs" / "reference" / "plugins.rst"
 def checked(*models, **expected):
     """Hold models against the kit: nothing fails but what a law gives a reason for, and no warning."""
     found = [finding for model in models for finding in conformance(model, expected)]
-    assert {finding.status for finding in found} <= {"ok", "skipped", "expected"}, format_findings(found)
+    assert {finding.status for finding in found} <= {"ok", "skipped", "expected"}, format_findings(
+        found
+    )
 
 
 QUICK = {
@@ -52,7 +54,9 @@ def alone():
 
 
 def curve(changes, oil=None):
-    scene = evolve(load_scene("1032930-70C"), changes | QUICK | ({"lubricant.models": oil} if oil else {}))
+    scene = evolve(
+        load_scene("1032930-70C"), changes | QUICK | ({"lubricant.models": oil} if oil else {})
+    )
     return run(scene, "friction-curve").isel(normal_force=0)
 
 
@@ -70,7 +74,9 @@ def test_a_limiting_stress_eyring_fluid_compiled():
     limit = 0.03 * 6e8
     below = np.abs(stress) < limit * (1 - 1e-9)
     assert 0 < below.sum() < SPEEDS.size
-    assert np.allclose(5e6 * np.sinh(stress / 5e6)[below], (180.0 * SPEEDS / 4e-7)[below], rtol=1e-13)
+    assert np.allclose(
+        5e6 * np.sinh(stress / 5e6)[below], (180.0 * SPEEDS / 4e-7)[below], rtol=1e-13
+    )
     assert np.allclose(stress[~below], np.sign(SPEEDS[~below]) * limit, rtol=1e-15)
     register(LimitedEyring)
     found = curve({"models.traction": {"model": "limited-eyring", "limit": 0.002}})
@@ -79,8 +85,16 @@ def test_a_limiting_stress_eyring_fluid_compiled():
 
 def test_a_rough_film():
     checked(RoughFilm(), RoughFilm(hardness=2e9))
-    given = {"load_per_length": 1e5, "rolling_speed": 10.0, "radius": 5e-3, "modulus": 2.3e11, "viscosity": 0.01}
-    between = Conditions(radius=5e-3, modulus=2.3e11, viscosity=0.01, pressure_viscosity=2e-8, roughness=0.0)
+    given = {
+        "load_per_length": 1e5,
+        "rolling_speed": 10.0,
+        "radius": 5e-3,
+        "modulus": 2.3e11,
+        "viscosity": 0.01,
+    }
+    between = Conditions(
+        radius=5e-3, modulus=2.3e11, viscosity=0.01, pressure_viscosity=2e-8, roughness=0.0
+    )
     slices = Slices(1, between, load=1e5, rolling_speed=10.0)
     Chain(RoughFilm())(slices)
     # without roughness it is near Pan and Hamrock's, who solved the same equations
@@ -89,16 +103,24 @@ def test_a_rough_film():
     )
     assert float(slices.film_thickness[0]) == pytest.approx(float(smooth), rel=0.1)
     register(RoughFilm)
-    smooth, rough = (curve({"models.film": "rough-film", "surface.roller_roughness": r}) for r in ("0.01 um", "1 um"))
+    smooth, rough = (
+        curve({"models.film": "rough-film", "surface.roller_roughness": r})
+        for r in ("0.01 um", "1 um")
+    )
     assert float(rough.film_thickness.min()) > 1.05 * float(smooth.film_thickness.max())
 
 
 def test_load_sharing_whose_film_and_traction_have_one_hardness():
-    checked(LoadSharing(hydrodynamic=LimitedEyring()), LoadSharing(hardness=2e9, hydrodynamic=LimitedEyring()))
+    checked(
+        LoadSharing(hydrodynamic=LimitedEyring()),
+        LoadSharing(hardness=2e9, hydrodynamic=LimitedEyring()),
+    )
     register(RoughFilm)
     register(LoadSharing)
     soft, hard = (
-        curve({"models.film": "rough-film", "models.traction": "load-sharing"}, oil={"hardness": size})
+        curve(
+            {"models.film": "rough-film", "models.traction": "load-sharing"}, oil={"hardness": size}
+        )
         for size in ("2 GPa", "9 GPa")
     )
     for found in (soft, hard):
@@ -111,7 +133,9 @@ def test_a_flange_drag_that_knows_the_load():
     checked(FlangeDrag(load=5e3, orbit=0.09))
     register(FlangeDrag)
     few, many = (
-        evolve(load_scene("1032930-70C"), {"cage.drag": ["flange-drag"], "operation.radial_load": load})
+        evolve(
+            load_scene("1032930-70C"), {"cage.drag": ["flange-drag"], "operation.radial_load": load}
+        )
         for load in ("2 kN", "6 kN")
     )
     torques = [assemble(scene).cage.drags.torques[0].torque(1e3, 2e3, 0.0) for scene in (few, many)]
@@ -132,8 +156,14 @@ def test_an_elastic_contact_in_series():
     register(Seated)
     paper = load_scene("1032930-70C")
     stiff, rigid, soft = (
-        rollslip.load_distribution(evolve(paper, {"models.contact": contact})).displacement.to_numpy().max()
-        for contact in ("palmgren", {"model": "seated", "seat": 1e17}, {"model": "seated", "seat": "2 GPa"})
+        rollslip.load_distribution(evolve(paper, {"models.contact": contact}))
+        .displacement.to_numpy()
+        .max()
+        for contact in (
+            "palmgren",
+            {"model": "seated", "seat": 1e17},
+            {"model": "seated", "seat": "2 GPa"},
+        )
     )
     assert rigid == pytest.approx(stiff, rel=1e-3)  # k0 is rounded to three digits
     assert soft > 1.05 * stiff
@@ -153,7 +183,10 @@ def test_a_law_by_another_compiler(package, offer):
         pytest.skip(f"{package} is not installed here, and rollslip does not need it")
     offer()
     law = rollslip.get_model("traction", f"in-{package}")
-    checked(law, check_gives_the_same_in_another_process="it is offered in this process alone, by no package")
+    checked(
+        law,
+        check_gives_the_same_in_another_process="it is offered in this process alone, by no package",
+    )
     expected = 0.06 * np.tanh(180.0 * SPEEDS / (4e-7 * 0.06 * 6e8))
     assert np.allclose(friction(law), expected, rtol=1e-13)
     assert float(curve({"models.traction": f"in-{package}"}).friction.max()) <= 0.06

@@ -19,7 +19,21 @@ LAWS = MURAKI + EYRING + MAXWELL_EYRING
 EXACT = EYRING + MAXWELL_EYRING
 PAIRS = (MURAKI, EYRING, MAXWELL_EYRING)
 
-EXTREME_SIGMA = [0.0, 5e-324, 1e-310, 1e-151, 1e-150, 1e-100, 1e-8, 1.0, 1e8, 1e100, 1e154, 1e155, 1e300]
+EXTREME_SIGMA = [
+    0.0,
+    5e-324,
+    1e-310,
+    1e-151,
+    1e-150,
+    1e-100,
+    1e-8,
+    1.0,
+    1e8,
+    1e100,
+    1e154,
+    1e155,
+    1e300,
+]
 EXTREME_DEBORAH = [0.0, 5e-324, 1e-300, 1e-6, 1.0, 1e8]
 EXTREME_HEATING = [0.0, 5e-324, 1e-300, 1.0, 1e6]
 
@@ -77,9 +91,13 @@ def test_maxwell_eyring_takes_known_values(law, sigma, deborah, heating, stress)
 
 
 @pytest.mark.parametrize("law", MAXWELL_EYRING, ids=name)
-@pytest.mark.parametrize(("sigma", "deborah"), [(2.50062e17, 1e16), (3.71118e16, 1.34279e15), (3.52e13, 1.38e12)])
+@pytest.mark.parametrize(
+    ("sigma", "deborah"), [(2.50062e17, 1e16), (3.71118e16, 1.34279e15), (3.52e13, 1.38e12)]
+)
 @pytest.mark.parametrize("heating", [0.0, 1e-20])
-def test_maxwell_eyring_far_beyond_its_range_where_little_of_an_oil_has_relaxed(law, sigma, deborah, heating):
+def test_maxwell_eyring_far_beyond_its_range_where_little_of_an_oil_has_relaxed(
+    law, sigma, deborah, heating
+):
     """P = 50 to 55 relaxation lengths with B up to 5e17: B exp(-P) counts where exp(-P) is nothing beside 1."""
     expected = float(fifty_digits(sigma, deborah, heating))
     assert law(sigma, deborah, heating) == pytest.approx(expected, rel=1e-13)
@@ -97,8 +115,12 @@ def test_maxwell_eyring_is_seamless_where_the_method_changes(law, cut):
 @pytest.mark.parametrize("law", MAXWELL_EYRING, ids=name)
 def test_without_elasticity_maxwell_eyring_is_eyring(law):
     sigma, heating = np.meshgrid(np.logspace(-8, 8, 60), [0, 1e-3, 0.1, 1, 30, 1e3])
-    np.testing.assert_allclose(law(sigma, 0, heating), readable.eyring_stress(sigma, 0, heating), rtol=5e-15)
-    np.testing.assert_allclose(law(sigma, 1e-20, heating), readable.eyring_stress(sigma, 0, heating), rtol=5e-15)
+    np.testing.assert_allclose(
+        law(sigma, 0, heating), readable.eyring_stress(sigma, 0, heating), rtol=5e-15
+    )
+    np.testing.assert_allclose(
+        law(sigma, 1e-20, heating), readable.eyring_stress(sigma, 0, heating), rtol=5e-15
+    )
 
 
 # Entry layer ---------------------------------------------------------------------------------------------------------
@@ -111,7 +133,9 @@ CLOUDS = {
     "order 1": ((-1, 1), (-1, 1), (-1, 1)),
     "bearing": ((-2, 1.2), (-4, -2.5), (-1, 0.1)),
 }
-INSIDE, OUTSIDE = (1.0, 0.01, 1.0), (1.0, 1.0, 1.0)  # sigma, D, Phi on either side of that limit
+# sigma, D, Phi on either side of that limit
+INSIDE = (1.0, 0.01, 1.0)
+OUTSIDE = (1.0, 1.0, 1.0)
 
 
 def log_random(cloud, n, seed=1):
@@ -148,7 +172,12 @@ def test_maxwell_eyring_keeps_its_accuracy_on_the_edges_of_the_thin_layer(shift)
 def test_neighbours_of_another_method_change_no_bit(place):
     """Blocks of one film outside of the thin layer, of one inside, and with a NaN or no slip in one place."""
     alone = {groups: compiled.maxwell_eyring(*groups) for groups in (INSIDE, OUTSIDE)}
-    for many, one in ((INSIDE, OUTSIDE), (OUTSIDE, INSIDE), (INSIDE, (np.nan, 0.01, 1.0)), (INSIDE, (0.0, 0.01, 1.0))):
+    for many, one in (
+        (INSIDE, OUTSIDE),
+        (OUTSIDE, INSIDE),
+        (INSIDE, (np.nan, 0.01, 1.0)),
+        (INSIDE, (0.0, 0.01, 1.0)),
+    ):
         groups = [np.full(256, value) for value in many]
         for group, value in zip(groups, one, strict=True):
             group[place] = value
@@ -207,7 +236,8 @@ def test_muraki_is_continuous_where_the_ramp_fills_the_contact(law):
 def test_muraki_agrees_with_its_quadratic_in_many_digits(law, sigma, deborah, heating):
     with mpmath.workdps(120):
         s, d, phi = (mpmath.mpf(x) for x in (sigma, deborah, heating))
-        a, plateau = 1 + phi * s, mpmath.asinh(s)
+        a = 1 + phi * s
+        plateau = mpmath.asinh(s)
         root = a**2 - d * phi * plateau
         if root < 0:
             y = mpmath.inf
@@ -258,7 +288,10 @@ def test_arguments_broadcast(law):
 def test_compiled_laws_agree_with_numpy(law, reference_law, sigma, deborah, heating):
     # Below 1e-300 results are denormal and have few digits.
     np.testing.assert_allclose(
-        law(sigma, deborah, heating), reference_law(sigma, deborah, heating), rtol=1e-13, atol=1e-313
+        law(sigma, deborah, heating),
+        reference_law(sigma, deborah, heating),
+        rtol=1e-13,
+        atol=1e-313,
     )
 
 

@@ -25,10 +25,26 @@ DUTY = Duty(
     density=870.0, width=0.031, series="3", roller_diameter=0.0195,
 )  # fmt: skip
 #: R_1 of SKF, general catalogue 6000 (2006), table 3c, bearings with a cage of designs N, NU, NJ and NUP.
-TABLE_3C = {"2": 1.09, "3": 1.09, "4": 1.00, "10": 1.12, "12": 1.23, "20": 1.23, "22": 1.40, "23": 1.48}
+TABLE_3C = {
+    "2": 1.09,
+    "3": 1.09,
+    "4": 1.00,
+    "10": 1.12,
+    "12": 1.23,
+    "20": 1.23,
+    "22": 1.40,
+    "23": 1.48,
+}
 SUPPLY = {"bath": 0, "splash": 3, "circulating": 3, "jet": 3, "mist": 6, "grease": 6}
 #: f_0r and f_1r of ISO 15312 by dimension series.
-ISO = {"10": (2, 2e-4), "2": (2, 3e-4), "3": (2, 3.5e-4), "4": (2, 4e-4), "22": (3, 4e-4), "23": (4, 4e-4)}
+ISO = {
+    "10": (2, 2e-4),
+    "2": (2, 3e-4),
+    "3": (2, 3.5e-4),
+    "4": (2, 4e-4),
+    "22": (3, 4e-4),
+    "23": (4, 4e-4),
+}
 #: Thermal reference speeds [1/min] that NKE's general catalogue prints (A), with d, D, B [mm] and 0.05 C0r [N].
 PRINTED = {
     "NU 204-E-TVP3": ("2", 20, 47, 14, 1245, 13100),
@@ -58,15 +74,21 @@ def test_the_factors_of_iso_15312_are_those_of_printed_thermal_reference_speeds(
 def drag_of_a_bath(duty, level, form):
     """SKF's drag of a bath [N mm], by steps with 40 digits: `level` above the lowest point of the outer raceway."""
     with mpmath.workdps(40):
-        d, D, B, H = (1000 * mpmath.mpf(x) for x in (duty.bore, duty.outside_diameter, duty.width, level))
-        dm, n = (d + D) / 2, mpmath.mpf(duty.speed) * 30 / mpmath.pi
+        d, D, B, H = (
+            1000 * mpmath.mpf(x) for x in (duty.bore, duty.outside_diameter, duty.width, level)
+        )
+        dm = (d + D) / 2
+        n = mpmath.mpf(duty.speed) * 30 / mpmath.pi
         nu = mpmath.mpf(duty.viscosity) / duty.density * 10**6
         V = mpmath.mpf("7.3e-4") * H / dm
         K = mpmath.mpf("0.65") * mpmath.mpf("5.1") * (d + D) / (D - d) / 10**12
         if form == "2006":
             return float(10 * V * K * B * dm**4 * n**2)
         a = 5 * mpmath.mpf("0.65") * B / dm
-        C = sum(mpmath.mpf(c) * a**k for k, c in enumerate(("0.6439", "0.0195", "-2.786e-4", "2.789e-10")))
+        C = sum(
+            mpmath.mpf(c) * a**k
+            for k, c in enumerate(("0.6439", "0.0195", "-2.786e-4", "2.789e-10"))
+        )
         t = 2 * mpmath.acos((mpmath.mpf("0.6") * dm - H) / (mpmath.mpf("0.6") * dm))
         R = (
             mpmath.mpf("0.36")
@@ -78,7 +100,9 @@ def drag_of_a_bath(duty, level, form):
             / (D - d)
         )
         slow = (n * dm**2 * mpmath.sin(t / 2) / nu) ** mpmath.mpf("-1.379")
-        return float(4 * V * K * C * B * dm**4 * n**2 + mpmath.mpf("1.093e-7") * n**2 * dm**3 * slow * R)
+        return float(
+            4 * V * K * C * B * dm**4 * n**2 + mpmath.mpf("1.093e-7") * n**2 * dm**3 * slow * R
+        )
 
 
 def skf(duty, series, supply):
@@ -86,10 +110,18 @@ def skf(duty, series, supply):
     with mpmath.workdps(40):
         d, D = (1000 * mpmath.mpf(x) for x in (duty.bore, duty.outside_diameter))
         d_m = (d + D) / 2
-        n, nu = mpmath.mpf(duty.speed) * 30 / mpmath.pi, mpmath.mpf(duty.viscosity) / duty.density * 10**6
-        ish = 1 / (1 + mpmath.mpf("1.84e-9") * (n * d_m) ** mpmath.mpf("1.28") * nu ** mpmath.mpf("0.64"))
+        n = mpmath.mpf(duty.speed) * 30 / mpmath.pi
+        nu = mpmath.mpf(duty.viscosity) / duty.density * 10**6
+        ish = 1 / (
+            1 + mpmath.mpf("1.84e-9") * (n * d_m) ** mpmath.mpf("1.28") * nu ** mpmath.mpf("0.64")
+        )
         rs = 1 / mpmath.e ** (
-            SUPPLY[supply] * mpmath.mpf("1e-8") * nu * n * (d + D) * (mpmath.mpf("5.1") / (2 * (D - d))) ** 0.5
+            SUPPLY[supply]
+            * mpmath.mpf("1e-8")
+            * nu
+            * n
+            * (d + D)
+            * (mpmath.mpf("5.1") / (2 * (D - d))) ** 0.5
         )
         G_rr = mpmath.mpf(str(TABLE_3C[series])) * mpmath.mpf("1e-6") * d_m ** mpmath.mpf("2.41")
         G_rr *= mpmath.mpf(duty.radial_load) ** mpmath.mpf("0.31")
@@ -115,10 +147,14 @@ duties = st.builds(
 )  # fmt: skip
 
 
-@given(duty=duties, series=st.sampled_from(sorted(TABLE_3C)), supply=st.sampled_from(sorted(SUPPLY)))
+@given(
+    duty=duties, series=st.sampled_from(sorted(TABLE_3C)), supply=st.sampled_from(sorted(SUPPLY))
+)
 def test_skfs_model_is_the_catalogues(duty, series, supply):
     supplied = attrs.evolve(duty, supply=supply, series=series)
-    assert Skf(drag="none").terms(supplied) == pytest.approx(skf(duty, series, supply), rel=1e-11, abs=1e-300)
+    assert Skf(drag="none").terms(supplied) == pytest.approx(
+        skf(duty, series, supply), rel=1e-11, abs=1e-300
+    )
 
 
 @given(duty=duties, of=st.floats(0.01, 1.0), form=st.sampled_from(["later", "2006"]))
@@ -126,9 +162,13 @@ def test_the_drag_of_a_bath_is_that_of_the_catalogue(duty, of, form):
     level = of * 0.3 * duty.mean_diameter * 0.999
     wide = attrs.evolve(duty, width=0.4 * (duty.outside_diameter - duty.bore), series="2")
     expected = drag_of_a_bath(wide, level, form) / 1000
-    assert Skf(drag=form).terms(attrs.evolve(wide, oil_level=level))["oil drag"] == pytest.approx(expected, rel=1e-11)
+    assert Skf(drag=form).terms(attrs.evolve(wide, oil_level=level))["oil drag"] == pytest.approx(
+        expected, rel=1e-11
+    )
     flooded = attrs.evolve(wide, oil_level=0.301 * duty.mean_diameter)
-    with pytest.raises(DomainError, match=r"knows the drag of a bath up to 0\.3 of the mean diameter"):
+    with pytest.raises(
+        DomainError, match=r"knows the drag of a bath up to 0\.3 of the mean diameter"
+    ):
         Skf(drag=form).terms(flooded)
 
 
@@ -144,26 +184,43 @@ def test_one_bath_worked_by_hand():
 
 
 def test_oil_that_flows_drags_twice_as_a_bath_to_the_lowest_roller_and_mist_not_at_all():
-    bath, middle = Skf().terms(DUTY)["oil drag"], drag_of_a_bath(DUTY, 0.5 * 0.0195, "later") / 1000
+    bath = Skf().terms(DUTY)["oil drag"]
+    middle = drag_of_a_bath(DUTY, 0.5 * 0.0195, "later") / 1000
     assert bath == pytest.approx(middle, rel=1e-11)
     for supply, times in {"circulating": 2, "jet": 2, "mist": 0, "grease": 0}.items():
-        assert Skf().terms(attrs.evolve(DUTY, supply=supply))["oil drag"] == pytest.approx(times * middle, rel=1e-11)
+        assert Skf().terms(attrs.evolve(DUTY, supply=supply))["oil drag"] == pytest.approx(
+            times * middle, rel=1e-11
+        )
     half = drag_of_a_bath(DUTY, 0.25 * 0.0195, "later") / 1000
-    assert Skf().terms(attrs.evolve(DUTY, supply="splash"))["oil drag"] == pytest.approx(half, rel=1e-11)
-    low, full = (Skf().terms(attrs.evolve(DUTY, oil_level=of * 0.0195))["rolling"] for of in (0.2, 0.5))
+    assert Skf().terms(attrs.evolve(DUTY, supply="splash"))["oil drag"] == pytest.approx(
+        half, rel=1e-11
+    )
+    low, full = (
+        Skf().terms(attrs.evolve(DUTY, oil_level=of * 0.0195))["rolling"] for of in (0.2, 0.5)
+    )
     assert low < full == Skf().terms(DUTY)["rolling"]  # a low bath starves
 
 
 def test_factors_go_by_series_and_supply():
-    by_hand = [sum(Palmgren(oil_factor=f0, load_factor=f1).terms(DUTY).values()) for f0, f1 in ISO.values()]
+    by_hand = [
+        sum(Palmgren(oil_factor=f0, load_factor=f1).terms(DUTY).values()) for f0, f1 in ISO.values()
+    ]
     by_series = [sum(Palmgren().terms(attrs.evolve(DUTY, series=name)).values()) for name in ISO]
     assert by_series == pytest.approx(by_hand, rel=1e-14)
     bath = Palmgren().terms(DUTY)["oil"]
     for supply, (low, high) in {"mist": (1.5 / 2.2, 2.8 / 4), "grease": (1 / 4, 0.6 / 2.2)}.items():
-        assert low * 0.999 < Palmgren().terms(attrs.evolve(DUTY, supply=supply))["oil"] / bath < high * 1.001
-    with pytest.raises(DomainError, match=r"no factors of dimension series '12' by ISO 15312: there are 10, 2, 3"):
+        assert (
+            low * 0.999
+            < Palmgren().terms(attrs.evolve(DUTY, supply=supply))["oil"] / bath
+            < high * 1.001
+        )
+    with pytest.raises(
+        DomainError, match=r"no factors of dimension series '12' by ISO 15312: there are 10, 2, 3"
+    ):
         Palmgren().terms(attrs.evolve(DUTY, series="12"))
-    with pytest.raises(DomainError, match=r"has nothing for a supply of 'drip': there are bath, splash"):
+    with pytest.raises(
+        DomainError, match=r"has nothing for a supply of 'drip': there are bath, splash"
+    ):
         Skf().terms(attrs.evolve(DUTY, supply="drip"))
 
 
@@ -174,12 +231,19 @@ def test_palmgrens_terms_are_as_published(duty, oil, load):
         size = 500 * (mpmath.mpf(duty.bore) + duty.outside_diameter)
         # 160e-7 f_0 d_m^3 is the first term where nu n is 2000: 2000^(2/3) = 158.7
         viscous = mpmath.mpf("1e-7") * oil * max(turned, 2000) ** (mpmath.mpf(2) / 3) * size**3
-        expected = {"oil": float(viscous / 1000), "load": float(mpmath.mpf(load) * duty.radial_load * size / 1000)}
-    assert Palmgren(oil_factor=oil, load_factor=load).terms(duty) == pytest.approx(expected, rel=1e-13)
+        expected = {
+            "oil": float(viscous / 1000),
+            "load": float(mpmath.mpf(load) * duty.radial_load * size / 1000),
+        }
+    assert Palmgren(oil_factor=oil, load_factor=load).terms(duty) == pytest.approx(
+        expected, rel=1e-13
+    )
 
 
 def test_starved_rollers_resist_less_and_a_slow_bearing_slides_in_mixed_friction():
-    by_supply = [Skf().terms(attrs.evolve(DUTY, supply=supply)) for supply in ("bath", "jet", "grease")]
+    by_supply = [
+        Skf().terms(attrs.evolve(DUTY, supply=supply)) for supply in ("bath", "jet", "grease")
+    ]
     rolling = [terms["rolling"] for terms in by_supply]
     assert rolling == sorted(rolling, reverse=True)
     assert len({terms["sliding"] for terms in by_supply}) == 1
@@ -190,7 +254,9 @@ def test_starved_rollers_resist_less_and_a_slow_bearing_slides_in_mixed_friction
 def test_an_oil_without_a_density_is_told_by_what_needs_it():
     unknown = attrs.evolve(DUTY, density=None)
     for formula in (Skf(), Palmgren()):
-        with pytest.raises(DomainError, match=r"needs the oil's kinematic viscosity: give lubricant\.density"):
+        with pytest.raises(
+            DomainError, match=r"needs the oil's kinematic viscosity: give lubricant\.density"
+        ):
             formula.terms(unknown)
     assert ConstantCoefficient().terms(unknown) == {"all": 0.5 * 0.0011 * 5e3 * 0.06}
 
@@ -198,7 +264,11 @@ def test_an_oil_without_a_density_is_told_by_what_needs_it():
 @pytest.mark.parametrize(
     ("formula", "parameters", "says"),
     [
-        (Skf, {"series": "29"}, "series: must be one of '', '2', '3', '4', '10', '12', '20', '22', '23', not '29'"),
+        (
+            Skf,
+            {"series": "29"},
+            "series: must be one of '', '2', '3', '4', '10', '12', '20', '22', '23', not '29'",
+        ),
         (Skf, {"drag": "2018"}, "drag: must be one of 'later', '2006', 'none', not '2018'"),
         (Palmgren, {"oil_factor": -1.0}, "oil_factor: must be at least 0, not -1"),
         (ConstantCoefficient, {"coefficient": 2.0}, "coefficient: must be from 0 to 1"),
@@ -212,14 +282,21 @@ def test_wrong_parameters_are_refused(formula, parameters, says):
 # Beside the losses of a steady slip ----------------------------------------------------------------------------------
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.01})
-NAMED = [{"model": "skf", "series": "20", "drag": "none"}, "palmgren-torque", "constant-coefficient"]
+NAMED = [
+    {"model": "skf", "series": "20", "drag": "none"},
+    "palmgren-torque",
+    "constant-coefficient",
+]
 
 
 def test_formulas_stand_beside_the_losses():
-    result = run(evolve(SCENE, {"models.torque": NAMED, "lubricant.density": "930 kg/m3"}), "steady-slip")
+    result = run(
+        evolve(SCENE, {"models.torque": NAMED, "lubricant.density": "930 kg/m3"}), "steady-slip"
+    )
     assert result.formula.to_numpy().tolist() == ["skf", "palmgren-torque", "constant-coefficient"]
     assert set(result.formula_status.to_numpy()) == {"found"}
-    bearing, operation = SCENE.bearing, SCENE.operation
+    bearing = SCENE.bearing
+    operation = SCENE.operation
     duty = Duty(
         bore=bearing.inner_raceway_diameter - bearing.roller_diameter,
         outside_diameter=bearing.outer_raceway_diameter + bearing.roller_diameter,
@@ -230,12 +307,20 @@ def test_formulas_stand_beside_the_losses():
         density=930.0,
     )
     expected = skf(duty, "20", "bath")
-    assert float(result.formula_torque.sel(formula="skf")) == pytest.approx(sum(expected.values()), rel=1e-11)
-    assert float(result.formula_term.sel(formula_part="skf: rolling")) == pytest.approx(expected["rolling"], rel=1e-11)
+    assert float(result.formula_torque.sel(formula="skf")) == pytest.approx(
+        sum(expected.values()), rel=1e-11
+    )
+    assert float(result.formula_term.sel(formula_part="skf: rolling")) == pytest.approx(
+        expected["rolling"], rel=1e-11
+    )
     totals = dict.fromkeys(result.formula.to_numpy(), 0.0)
-    for part, torque in zip(result.formula_part.to_numpy(), result.formula_term.to_numpy(), strict=True):
+    for part, torque in zip(
+        result.formula_part.to_numpy(), result.formula_term.to_numpy(), strict=True
+    ):
         totals[part.partition(":")[0]] += torque
-    assert list(totals.values()) == pytest.approx(result.formula_torque.to_numpy().tolist(), rel=1e-14)
+    assert list(totals.values()) == pytest.approx(
+        result.formula_torque.to_numpy().tolist(), rel=1e-14
+    )
 
 
 def viscosity():
@@ -245,8 +330,16 @@ def viscosity():
 
 def test_what_a_formula_lacks_is_told_and_the_others_are_given():
     oil = {"viscosity": "9 mPa s", "thermoviscosity": "0.03 1/K", "pressure_viscosity": "12 1/GPa"}
-    own = {**oil, "conductivity": "0.14 W/(m K)", "eyring_stress": "5 MPa", "shear_modulus": "0.3 GPa"}
-    result = run(evolve(SCENE, {"models.torque": ["skf", "constant-coefficient"], "lubricant": own}), "steady-slip")
+    own = {
+        **oil,
+        "conductivity": "0.14 W/(m K)",
+        "eyring_stress": "5 MPa",
+        "shear_modulus": "0.3 GPa",
+    }
+    result = run(
+        evolve(SCENE, {"models.torque": ["skf", "constant-coefficient"], "lubricant": own}),
+        "steady-slip",
+    )
     known = dict(zip(result.formula.to_numpy(), result.formula_torque.to_numpy(), strict=True))
     assert math.isnan(known["skf"])
     assert "give lubricant.density" in str(result.formula_status.sel(formula="skf").item())
@@ -259,8 +352,13 @@ def test_what_a_formula_lacks_is_told_and_the_others_are_given():
 def test_two_formulas_stand_there_by_default_an_empty_list_is_none_and_a_name_stands_once():
     assert run(SCENE, "steady-slip").formula.to_numpy().tolist() == ["palmgren-torque", "skf"]
     assert "formula_torque" not in run(evolve(SCENE, {"models.torque": []}), "steady-slip")
-    with pytest.raises(SceneError, match=r"models\.torque: 'skf' stands there twice; name each once"):
-        run(evolve(SCENE, {"models.torque": ["skf", {"model": "skf", "series": "2"}]}), "steady-slip")
+    with pytest.raises(
+        SceneError, match=r"models\.torque: 'skf' stands there twice; name each once"
+    ):
+        run(
+            evolve(SCENE, {"models.torque": ["skf", {"model": "skf", "series": "2"}]}),
+            "steady-slip",
+        )
 
 
 # What the designation knows, and what is said of a torque far from the formulas ------------------------------------
@@ -268,7 +366,13 @@ def test_two_formulas_stand_there_by_default_an_empty_list_is_none_and_a_name_st
 
 def named(name, **changes):
     """A catalogue bearing with the drags of an oil bath, at n d_m of 4.2e5 mm/min."""
-    asked = {"bearing": name, "oil": "iso-vg-68", "speed": "6000 rpm", "load": "2 kN", "cage": "polyamide"}
+    asked = {
+        "bearing": name,
+        "oil": "iso-vg-68",
+        "speed": "6000 rpm",
+        "load": "2 kN",
+        "cage": "polyamide",
+    }
     text = new_scene("-", **(ASSUMED | asked))
     drags = ["rolling-resistance", "hysteresis", {"model": "churning", "oil_fraction": 0.055}]
     return evolve(parse_scene(text, "-"), {"cage.drag": drags} | changes)
@@ -282,12 +386,16 @@ def test_a_designation_gives_series_and_boundary_dimensions():
     unnamed = Duty.of(assemble(load_scene("1032930-70C")))
     assert unnamed.estimated == ("bore", "outside_diameter", "width", "series")
     assert unnamed.series == ""
-    told = Duty.of(assemble(evolve(load_scene("1032930-70C"), {"bearing.catalogue": {"bore": "150 mm"}})))
+    told = Duty.of(
+        assemble(evolve(load_scene("1032930-70C"), {"bearing.catalogue": {"bore": "150 mm"}}))
+    )
     assert told.bore == 0.15
     assert told.estimated == ("outside_diameter", "width", "series")
 
 
-@pytest.mark.parametrize("name", ["NU210E", "NU2210E", "NU310E", "NU2310E", "NU1020", "NU2320E", "NU410"])
+@pytest.mark.parametrize(
+    "name", ["NU210E", "NU2210E", "NU310E", "NU2310E", "NU1020", "NU2320E", "NU410"]
+)
 def test_a_series_that_nobody_says_is_estimated_from_the_rollers(name):
     known = assemble(named(name)).scene
     unnamed = attrs.evolve(known, bearing=attrs.evolve(known.bearing, catalogue=None))
@@ -296,12 +404,17 @@ def test_a_series_that_nobody_says_is_estimated_from_the_rollers(name):
 
 
 def sentences(scene):
-    return "\n".join(line for topic in SteadySlipAccount.topics(run(scene, "steady-slip")).values() for line in topic)
+    return "\n".join(
+        line
+        for topic in SteadySlipAccount.topics(run(scene, "steady-slip")).values()
+        for line in topic
+    )
 
 
 @pytest.mark.slow
 def test_a_torque_far_from_the_formulas_is_told_and_one_near_them_is_not():
-    near, bare = sentences(named("NU210E")), sentences(named("NU210E", **{"cage.drag": ["churning"]}))
+    near = sentences(named("NU210E"))
+    bare = sentences(named("NU210E", **{"cage.drag": ["churning"]}))
     assert "times what makers' formulas give (palmgren-torque " in near
     assert "beyond a factor of 2" not in near
     assert "times what makers' formulas give (palmgren-torque " in bare
@@ -314,11 +427,16 @@ def test_a_torque_far_from_the_formulas_is_told_and_one_near_them_is_not():
 
 
 def test_a_slow_bearing_is_not_judged():
-    slow = sentences(named("NU210E", **{"cage.drag": ["churning"], "operation.inner_speed": "1500 rpm"}))
+    slow = sentences(
+        named("NU210E", **{"cage.drag": ["churning"], "operation.inner_speed": "1500 rpm"})
+    )
     assert "at n d_m of 105000 mm/min, below 300000, makers' formulas are no measure" in slow
     assert "beyond a factor of 2" not in slow
 
 
 def test_dimensions_that_are_estimated_are_told():
     said = sentences(evolve(SCENE, {"lubricant.density": "930 kg/m3"}))
-    assert "for these formulas bore, outside diameter, width, series of the bearing are estimated" in said
+    assert (
+        "for these formulas bore, outside diameter, width, series of the bearing are estimated"
+        in said
+    )

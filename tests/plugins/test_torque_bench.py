@@ -47,7 +47,11 @@ def test_the_default_torque_of_a_sample_is_near_makers_formulas(bench):
 
 
 def test_churning_alone_does_not_pass(bench):
-    found = [one for name, states in some(bench) for one in bench.held(name, only=states[:2], **bench.BEFORE)]
+    found = [
+        one
+        for name, states in some(bench)
+        for one in bench.held(name, only=states[:2], **bench.BEFORE)
+    ]
     share, median = bench.verdict(found)
     assert share < 0.01
     assert median < 0.3
@@ -57,7 +61,8 @@ def test_the_torque_of_the_bench_is_that_of_the_study(bench):
     one = bench.scene("NU2216E", 4.6e5, 1, 1, "bath")
     quick, steady = bench.torque(assemble(one))
     whole = run(
-        evolve(one, {"accuracy.slices": "auto", "accuracy.tolerance": 5e-3, "models.torque": []}), "steady-slip"
+        evolve(one, {"accuracy.slices": "auto", "accuracy.tolerance": 5e-3, "models.torque": []}),
+        "steady-slip",
     )
     assert steady == quick
     assert quick == pytest.approx(float(whole.friction_torque[0]), rel=0.021)

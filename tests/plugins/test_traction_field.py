@@ -38,7 +38,12 @@ OIL = Conditions(
     shear_modulus=3e8,
     effusivity=13000.0,
 )
-CONTACT = {"half_width": 5.14e-5, "pressure": 3.36e8, "film_thickness": 1.465e-6, "rolling_speed": 29.8}
+CONTACT = {
+    "half_width": 5.14e-5,
+    "pressure": 3.36e8,
+    "film_thickness": 1.465e-6,
+    "rolling_speed": 29.8,
+}
 
 
 def contact(speed, oil=OIL, **changes):
@@ -47,7 +52,12 @@ def contact(speed, oil=OIL, **changes):
 
 
 # A contact with given groups: unit viscosity at the mean pressure.
-TAU0, PRESSURE, B, U, H, K = 4e6, 4e8, 5e-5, 30.0, 1e-6, 0.14
+TAU0 = 4e6
+PRESSURE = 4e8
+B = 5e-5
+U = 30.0
+H = 1e-6
+K = 0.14
 
 
 def of_groups(sigma, deborah=1e-3, heating=0.0, barus=0.0, flash=0.05):
@@ -86,7 +96,9 @@ LINES = rows_of(REFERENCES / "traction_field.csv")
 def of_lines(row):
     """Return the slice of a row, its heat capacity, and the numbers of the row."""
     values = {name: float(text) for name, text in row.items()}
-    oil = Conditions(**{f.name: values[f.name] for f in attrs.fields(Conditions) if f.name in values})
+    oil = Conditions(
+        **{f.name: values[f.name] for f in attrs.fields(Conditions) if f.name in values}
+    )
     slices = contact(values["sliding_speed"], oil, **{name: values[name] for name in CONTACT})
     return slices, {"heat_capacity": values["heat_capacity"]}, values
 
@@ -131,7 +143,9 @@ def test_mean_pressure_and_mean_stress_give_the_exact_maxwell_eyring_stress(cell
     """Against fifty digits, sigma 1e-8 to 1e8, D 1e-6 to 1e6, Phi 0 to 1e3; the grid has no part in it."""
     films = sorted({(row["deborah"], row["heating"]) for row in FIFTY_DIGITS})
     for deborah, heating in films:
-        mine = [row for row in FIFTY_DIGITS if (row["deborah"], row["heating"]) == (deborah, heating)]
+        mine = [
+            row for row in FIFTY_DIGITS if (row["deborah"], row["heating"]) == (deborah, heating)
+        ]
         slices = of_groups([float(row["sigma"]) for row in mine], float(deborah), float(heating))
         stress = stress_on_grid(slices, cells, 1, pressure="mean", heating="mean-stress")
         np.testing.assert_allclose(stress, [float(row["stress"]) for row in mine], rtol=1e-9)
@@ -154,19 +168,24 @@ def couette(sigma, nahme):
 
     def slopes(xi, y, p):
         # sinh(S)/sigma is one over the mean
-        return np.array([y[1], -nahme * p[0] / 4 * np.sinh(p[0]) / sigma * np.exp(y[0]), np.exp(y[0])])
+        return np.array(
+            [y[1], -nahme * p[0] / 4 * np.sinh(p[0]) / sigma * np.exp(y[0]), np.exp(y[0])]
+        )
 
     def ends(left, right, p):
         return np.array([left[1], right[0], left[2], right[2] * np.sinh(p[0]) - sigma])
 
     xi = np.linspace(0, 1, 101)
-    start, stress = np.array([1e-3 * (1 - xi**2), -2e-3 * xi, xi]), np.arcsinh(sigma)
+    start = np.array([1e-3 * (1 - xi**2), -2e-3 * xi, xi])
+    stress = np.arcsinh(sigma)
     full = nahme
     for share in (0.01, 0.03, 0.1, 0.3, 1.0):  # heating is raised step by step
         nahme = share * full
         done = solve_bvp(slopes, ends, xi, start, p=[stress], tol=1e-9, max_nodes=100_000)
         assert done.success
-        xi, start, stress = done.x, done.y, done.p[0]
+        xi = done.x
+        start = done.y
+        stress = done.p[0]
     return stress
 
 
@@ -175,7 +194,9 @@ def test_a_film_that_conducts_at_once_is_couette_flow():
     none = {"heat_capacity": heat_capacity_of(1e-6), "pressure": "mean", "accuracy": 1e-6}
     for sigma, heating in ((0.5, 1.0), (20.0, 0.05)):
         slices = of_groups([sigma], 1e-13, heating, flash=1e-9)
-        assert stress_of(slices, **none)[0][0] == pytest.approx(couette(sigma, 12 * heating * sigma), rel=1e-7)
+        assert stress_of(slices, **none)[0][0] == pytest.approx(
+            couette(sigma, 12 * heating * sigma), rel=1e-7
+        )
     sigma = np.array([1e-4, 3e-4, 1e-3])
     heating = 1e7
     stress, _ = stress_of(of_groups(sigma, 1e-13, heating, flash=1e-9), **none)
@@ -187,14 +208,19 @@ def test_a_film_that_conducts_at_once_is_couette_flow():
 
 def test_a_film_between_insulating_walls_warms_uniformly():
     """C dT/dX = S with S = asinh(sigma exp(-b T)): no heat leaves, whatever the film conducts."""
-    sigma, heating, capacity = 8.0, 0.4, 5.0
+    sigma = 8.0
+    heating = 0.4
+    capacity = 5.0
     slices = of_groups([sigma], 1e-13, heating, flash=1 - 1e-9)
     told = {"heat_capacity": heat_capacity_of(capacity), "pressure": "mean", "accuracy": 1e-7}
     # the share of the surfaces makes the coefficient small: b in units of tau0 V h/K_f
     oil = slices.conditions
     b = oil.thermoviscosity * TAU0 * slices.sliding_speed[0] * H / K
     done = solve_ivp(
-        lambda x, y: [np.arcsinh(sigma * np.exp(-b * y[0])) / capacity, np.arcsinh(sigma * np.exp(-b * y[0]))],
+        lambda x, y: [
+            np.arcsinh(sigma * np.exp(-b * y[0])) / capacity,
+            np.arcsinh(sigma * np.exp(-b * y[0])),
+        ],
         (-1, 1),
         [0.0, 0.0],
         rtol=1e-11,
@@ -208,7 +234,11 @@ def test_a_film_between_insulating_walls_warms_uniformly():
 
 @pytest.mark.parametrize(
     ("deborah", "barus"),
-    [(1e-3, 4.0), (3.0, 12.0), *(pytest.param(0.1, barus, marks=pytest.mark.slow) for barus in (12.0, 60.0))],
+    [
+        (1e-3, 4.0),
+        (3.0, 12.0),
+        *(pytest.param(0.1, barus, marks=pytest.mark.slow) for barus in (12.0, 60.0)),
+    ],
 )
 def test_cold_stress_over_hertz_pressure_is_that_of_its_equation(deborah, barus):
     """D dS/dX + exp(alpha (p_mean - p(X))) sinh S = sigma, integrated by SciPy in phi, where p is smooth."""
@@ -222,10 +252,21 @@ def test_cold_stress_over_hertz_pressure_is_that_of_its_equation(deborah, barus)
         return [np.sin(phi) * (drive - kappa(phi) * np.sinh(y[0])) / deborah, np.sin(phi) * y[0]]
 
     def jacobian(phi, y, drive):
-        return np.array([[-np.sin(phi) * kappa(phi) * np.cosh(y[0]) / deborah, 0.0], [np.sin(phi), 0.0]])
+        return np.array(
+            [[-np.sin(phi) * kappa(phi) * np.cosh(y[0]) / deborah, 0.0], [np.sin(phi), 0.0]]
+        )
 
     for one, off, drive in zip(stress, error, sigma, strict=True):
-        done = solve_ivp(slopes, (0, np.pi), [0, 0], args=(drive,), method="Radau", rtol=1e-7, atol=1e-30, jac=jacobian)
+        done = solve_ivp(
+            slopes,
+            (0, np.pi),
+            [0, 0],
+            args=(drive,),
+            method="Radau",
+            rtol=1e-7,
+            atol=1e-30,
+            jac=jacobian,
+        )
         assert abs(one / (done.y[1, -1] / 2) - 1) <= max(off / 2, 1e-9)
         assert off <= 1e-4
 
@@ -236,7 +277,9 @@ def test_without_elasticity_it_is_the_mean_of_the_local_eyring_stress(barus):
     stress, error = stress_of(of_groups(sigma, 1e-14, barus=barus), heating="none", accuracy=1e-6)
     for one, off, drive in zip(stress, error, sigma, strict=True):
         exact = quad(
-            lambda phi, drive=drive: np.sin(phi) * np.arcsinh(drive * np.exp(barus * (4 / np.pi * np.sin(phi) - 1))),
+            lambda phi, drive=drive: (
+                np.sin(phi) * np.arcsinh(drive * np.exp(barus * (4 / np.pi * np.sin(phi) - 1)))
+            ),
             0,
             np.pi / 2,
             epsrel=1e-12,
@@ -261,7 +304,10 @@ def test_a_given_pressure_is_taken():
 # Temperature of the surfaces -----------------------------------------------------------------------------------------
 
 
-FLUXES = {"uniform": np.ones_like, "elliptic": lambda y: 4 / np.pi * np.sqrt(np.maximum(1 - y * y, 0))}
+FLUXES = {
+    "uniform": np.ones_like,
+    "elliptic": lambda y: 4 / np.pi * np.sqrt(np.maximum(1 - y * y, 0)),
+}
 #: Mean over the contact, plain and weighted by the flux, over q/E sqrt(b/(pi u)) with twice the mean flux q.
 JAEGER = {"uniform": (0.943, 0.943), "elliptic": (0.960, 1.001)}
 every_flux = pytest.mark.parametrize("name", FLUXES)
@@ -269,14 +315,19 @@ every_flux = pytest.mark.parametrize("name", FLUXES)
 
 @every_flux
 def test_the_surfaces_integral_is_that_of_quadrature(name):
-    grid, flux = even_cells(128), FLUXES[name]
+    grid = even_cells(128)
+    flux = FLUXES[name]
     mine = grid.flash @ flux(grid.middle)
     some = [1, 3, 40, 64, 100, 126, 128]
     exact = [
-        quad(lambda s, y=y: 2 * float(flux(y - s * s)), 0, np.sqrt(y + 1), epsrel=1e-11, limit=200)[0]
+        quad(lambda s, y=y: 2 * float(flux(y - s * s)), 0, np.sqrt(y + 1), epsrel=1e-11, limit=200)[
+            0
+        ]
         for y in grid.edge[some]
     ]
-    np.testing.assert_allclose(mine[some], exact, atol=(1e-13 if name == "uniform" else 2e-4) * max(exact))
+    np.testing.assert_allclose(
+        mine[some], exact, atol=(1e-13 if name == "uniform" else 2e-4) * max(exact)
+    )
 
 
 @every_flux
@@ -285,10 +336,13 @@ def test_surfaces_have_jaegers_mean_temperatures(name):
 
     The literature's factors of an elliptic flux are 0.960 and, weighted by the flux, 1.001.
     """
-    x, barus = np.linspace(-1, 1, 40001), 20.0
+    x = np.linspace(-1, 1, 40001)
+    barus = 20.0
     ratio = 1 + np.log(np.maximum(FLUXES[name](x), 1e-9)) / barus  # makes exp(alpha p) the flux
     slices = of_groups([1e-3], 1e-14, 1e-6, barus, flash=1 - 1e-7)
-    field = solve_field(slices, pressure=(x, ratio), heat_capacity=heat_capacity_of(1e-9), accuracy=1e-5)
+    field = solve_field(
+        slices, pressure=(x, ratio), heat_capacity=heat_capacity_of(1e-9), accuracy=1e-5
+    )
     width = np.sqrt(1 - (field.position / B) ** 2)  # of the cells
     heat = field.stress * slices.sliding_speed
     unit = np.average(heat, weights=width) / slices.conditions.effusivity * np.sqrt(B / (np.pi * U))
@@ -349,7 +403,9 @@ def test_every_speed_has_a_friction_that_is_odd_and_dissipative():
 def test_any_elasticity_is_solved_cold(deborah):
     sigma = [1e-8, 1.0, 1e8, 1e200]
     for barus in (0.0, 5.0, 60.0):
-        stress, error = stress_of(of_groups(sigma, deborah, barus=barus), heating="none", accuracy=1e-4)
+        stress, error = stress_of(
+            of_groups(sigma, deborah, barus=barus), heating="none", accuracy=1e-4
+        )
         assert np.all(error <= 1e-4)
         assert np.all((stress > 0) & (stress * deborah <= np.array(sigma) * (1 + 1e-9)))
         if deborah <= 1e-8 and barus == 0:
@@ -381,7 +437,9 @@ def test_a_runaway_is_refused_by_the_number_of_its_slice():
     """A film that stores much elastic energy and little heat: SciPy's BDF gives up on its lines, too."""
     slices = of_groups([1e-6, 1e-3, 5.0, 5.0], 0.38, 0.82, barus=11.3)
     model = MaxwellEyringField(law=Barus(), heat_capacity=heat_capacity_of(0.27))
-    with pytest.raises(DomainError, match="maxwell-eyring-field: slice 2 has no solution: its film runs away"):
+    with pytest.raises(
+        DomainError, match="maxwell-eyring-field: slice 2 has no solution: its film runs away"
+    ):
         model.evaluate(slices)
     friction, error = solve_friction(slices, heat_capacity=model.heat_capacity, accuracy=1e-4)
     assert np.isnan(friction).tolist() == np.isinf(error).tolist() == [False, False, True, True]
@@ -392,14 +450,17 @@ def test_a_runaway_is_refused_by_the_number_of_its_slice():
 def test_what_the_finest_grid_does_not_reach_is_refused():
     slices = contact([0.3, 10.0])
     with pytest.raises(
-        DomainError, match=r"slice 0 did not settle: the error of its friction is .* at 512 cells, 1e-12"
+        DomainError,
+        match=r"slice 0 did not settle: the error of its friction is .* at 512 cells, 1e-12",
     ):
         solve_field(slices, 0, accuracy=1e-12)
 
 
 def test_an_oil_that_thickens_with_heat_is_refused():
     odd = attrs.evolve(OIL, pressure_thermoviscosity=-2e-10)
-    with pytest.raises(DomainError, match=r"slice 0 has no solution: .* its oil thickens with heat"):
+    with pytest.raises(
+        DomainError, match=r"slice 0 has no solution: .* its oil thickens with heat"
+    ):
         MaxwellEyringField(law=Barus()).evaluate(contact(1.0, odd))
 
 
@@ -428,7 +489,11 @@ def test_the_oils_law_is_that_of_the_local_pressure():
 
 
 def test_it_serves_as_the_traction_of_a_scene():
-    traction = {"model": "maxwell-eyring-field", "accuracy": 1e-3, "heat_capacity": "1.9e6 J/(m3 K)"}
+    traction = {
+        "model": "maxwell-eyring-field",
+        "accuracy": 1e-3,
+        "heat_capacity": "1.9e6 J/(m3 K)",
+    }
     scene = evolve(load_scene("1032930-30C"), {"models.traction.hydrodynamic": traction})
     model = assemble(scene).traction.hydrodynamic
     assert model == MaxwellEyringField(accuracy=1e-3, heat_capacity=1.9e6, law=Barus())
@@ -440,14 +505,22 @@ def test_the_inside_of_a_contact():
     friction, error = solve_friction(slices)
     assert (field.friction, field.error) == pytest.approx((friction[1], error[1]), rel=1e-9)
     cells, places = field.film_temperature.shape
-    assert field.position.size == field.pressure.size == field.stress.size == field.surface_temperature.size == cells
+    assert (
+        field.position.size
+        == field.pressure.size
+        == field.stress.size
+        == field.surface_temperature.size
+        == cells
+    )
     assert (cells, places // 2 - 1) in GRIDS
     assert np.all(np.diff(field.height) > 0)
     assert 0 < field.height[0] < field.height[-1] < 1
     np.testing.assert_array_equal(field.film_temperature, field.film_temperature[:, ::-1])
     assert np.all(field.film_temperature.max(axis=1) > field.surface_temperature)
     width = np.sqrt(1 - (field.position / 5.14e-5) ** 2)
-    assert np.sum(width * field.stress) / np.sum(width) / 3.36e8 == pytest.approx(field.friction, rel=1e-3)
+    assert np.sum(width * field.stress) / np.sum(width) / 3.36e8 == pytest.approx(
+        field.friction, rel=1e-3
+    )
     assert np.sum(width * field.pressure) / np.sum(width) == pytest.approx(3.36e8, rel=1e-3)
     plain = solve_field(slices, 1, heating="mean-stress")
     np.testing.assert_array_equal(plain.height, [0.5])
@@ -468,7 +541,9 @@ def critical(case, model):
     return cell("traction_field_critical", "critical_slip_percent", case=case, model=model)
 
 
-COLD, LIGHT, WARM = "30 °C, 518 N", "30 °C, 300 N", "70 °C, 518 N"
+COLD = "30 °C, 518 N"
+LIGHT = "30 °C, 300 N"
+WARM = "70 °C, 518 N"
 #: Sentence with gaps -> what fills them.
 QUOTED = {
     "1 % slip the mean pressure alone reduces the friction by {} % (518 N) and {} % (300 N), at 70 °C by {} %": [
@@ -490,7 +565,9 @@ QUOTED = {
         critical(LIGHT, "maxwell-eyring"),
         critical(LIGHT, "muraki"),
     ],
-    "At 70 °C the field has a maximum at {} %, the closed forms have none below 100 %": [critical(WARM, "field")],
+    "At 70 °C the field has a maximum at {} %, the closed forms have none below 100 %": [
+        critical(WARM, "field")
+    ],
 }
 
 
@@ -502,7 +579,9 @@ def test_numbers_on_the_page_are_those_of_its_tables(sentence):
 def column(table, name, **where):
     """Return the numbers of a column, of the rows that are so."""
     found = rows_of(DOCS / "tables" / f"{table}.csv")
-    return np.array([float(r[name]) for r in found if r[name] and all(r[k] == v for k, v in where.items())])
+    return np.array(
+        [float(r[name]) for r in found if r[name] and all(r[k] == v for k, v in where.items())]
+    )
 
 
 def test_what_the_page_concludes_follows_from_its_tables():
@@ -514,20 +593,32 @@ def test_what_the_page_concludes_follows_from_its_tables():
     assert 10 < max(column("traction_field_parts", "mean_stress")) <= 11
     cold = {"D": "0.001", "Phi": "0"}
     newtonian = [
-        column("traction_field_map", "maxwell-eyring", **cold, sigma="0.01", alpha_p=a)[0] for a in ["3", "6", "12"]
+        column("traction_field_map", "maxwell-eyring", **cold, sigma="0.01", alpha_p=a)[0]
+        for a in ["3", "6", "12"]
     ]
     np.testing.assert_allclose(1 / (1 + np.array(newtonian) / 100), [1.3, 2.2, 8.2], rtol=0.02)
     for barus in ["3", "6"]:
         for sigma in ["10", "100"]:
-            assert abs(column("traction_field_map", "maxwell-eyring", **cold, sigma=sigma, alpha_p=barus)[0]) < 4
-    conducting, adiabatic = (column("traction_field_map", "maxwell-eyring", C=c, sigma="100") for c in ("0.1", "15"))
+            assert (
+                abs(
+                    column(
+                        "traction_field_map", "maxwell-eyring", **cold, sigma=sigma, alpha_p=barus
+                    )[0]
+                )
+                < 4
+            )
+    conducting, adiabatic = (
+        column("traction_field_map", "maxwell-eyring", C=c, sigma="100") for c in ("0.1", "15")
+    )
     assert 70 < min(conducting) < max(conducting) < 100
     assert max(adiabatic) < 5
     assert min(column("traction_field_cases", "C")) > 2
     reference = "traction_field_reference"
     for asked in ("1e-4", "1e-6"):
         off = column(reference, f"off_at_{asked}")
-        assert np.all(off <= column(reference, f"estimate_at_{asked}") + column(reference, "lines_error"))
+        assert np.all(
+            off <= column(reference, f"estimate_at_{asked}") + column(reference, "lines_error")
+        )
     orders = column("traction_field_grid", "order")
     assert np.all(np.abs(orders - 2) < 0.15)
 

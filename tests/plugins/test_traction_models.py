@@ -38,7 +38,11 @@ BLENDS = [
         hydrodynamic_limit=3.0,
         exponent=1.0,
     ),
-    LambdaBlend(hydrodynamic=LambdaBlend(boundary=Constant(), hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)),
+    LambdaBlend(
+        hydrodynamic=LambdaBlend(
+            boundary=Constant(), hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5
+        )
+    ),
 ]
 MODELS = FLUIDS + BOUNDARY + BLENDS
 
@@ -55,7 +59,9 @@ SIGMAS = np.logspace(-8, 8, 65)
 
 def both_signs(film):
     """Sliding speeds of all sizes: groups sigma from 1e-8 to 1e8, micrometres a second to 100 m/s, denormals, zero."""
-    positive = np.concatenate([film.speed(SIGMAS), np.logspace(-9, 2, 23), [5e-324, 1e-310, 1e-300, 1e-160]])
+    positive = np.concatenate(
+        [film.speed(SIGMAS), np.logspace(-9, 2, 23), [5e-324, 1e-310, 1e-300, 1e-160]]
+    )
     return np.concatenate([positive, -positive, [0.0, -0.0]])
 
 
@@ -83,7 +89,8 @@ def test_blend_lies_between_its_children_and_is_one_of_them_outside_the_band(mod
     film = film.with_(roughness=film.columns["film_thickness"] / ratio)
     speed = both_signs(film)
     child = [
-        film.friction(each if model is law else NumpyForm(each), speed) for each in (law.boundary, law.hydrodynamic)
+        film.friction(each if model is law else NumpyForm(each), speed)
+        for each in (law.boundary, law.hydrodynamic)
     ]
     friction = film.friction(model, speed)
     slack = ROUNDING * np.maximum(*np.abs(child)) + DENORMAL
@@ -94,7 +101,9 @@ def test_blend_lies_between_its_children_and_is_one_of_them_outside_the_band(mod
         np.testing.assert_array_equal(friction, child[0])
     elif film_parameter >= law.hydrodynamic_limit:
         # the NumPy solver of heated laws stops when all slices are done, so its last bits depend on the company
-        np.testing.assert_allclose(friction, child[1], rtol=0 if model is law else ROUNDING, atol=DENORMAL)
+        np.testing.assert_allclose(
+            friction, child[1], rtol=0 if model is law else ROUNDING, atol=DENORMAL
+        )
 
 
 @pytest.mark.parametrize("model", forms(BLENDS[:2]))
@@ -106,7 +115,9 @@ def test_blend_follows_its_formula(model, film, share):
     ratio = max(ratio, 1e-3)  # a film of no thickness is outside the domain
     film = film.with_(roughness=film.columns["film_thickness"] / ratio)
     speed = film.speed(SIGMAS)
-    boundary, hydrodynamic = (film.friction(child, speed) for child in (law.boundary, law.hydrodynamic))
+    boundary, hydrodynamic = (
+        film.friction(child, speed) for child in (law.boundary, law.hydrodynamic)
+    )
     bracket = (ratio - law.hydrodynamic_limit) / (law.boundary_limit - law.hydrodynamic_limit)
     weight = min(bracket, 1.0) ** law.exponent
     expected = hydrodynamic + (boundary - hydrodynamic) * weight
@@ -122,12 +133,18 @@ def test_blend_follows_its_formula(model, film, share):
 @given(film=films(), sigma=or_zero(decades(-8, 8)))
 def test_hydrodynamic_friction_is_the_stress_of_its_groups(model, film, sigma):
     """mu = tau0 S(sigma, D, Phi)/p with the groups that the conditions were made from."""
-    laws = {"muraki": muraki_stress, "maxwell-eyring": maxwell_eyring_stress, "eyring": eyring_stress}
+    laws = {
+        "muraki": muraki_stress,
+        "maxwell-eyring": maxwell_eyring_stress,
+        "eyring": eyring_stress,
+    }
     law = law_of(model)
     stress = laws[law.name](sigma, film.deborah, film.heating)
     expected = film.conditions.eyring_stress / film.columns["pressure"] * stress
     np.testing.assert_allclose(film.friction(model, film.speed(sigma)), expected, rtol=ROUNDING)
-    np.testing.assert_allclose(law.dimensionless_stress([sigma, sigma], film.deborah, film.heating), [stress, stress])
+    np.testing.assert_allclose(
+        law.dimensionless_stress([sigma, sigma], film.deborah, film.heating), [stress, stress]
+    )
 
 
 @pytest.mark.parametrize("cls", [Muraki, MaxwellEyring, Eyring])
@@ -135,7 +152,9 @@ def test_hydrodynamic_friction_is_the_stress_of_its_groups(model, film, sigma):
 def test_flash_factor_scales_the_flash_temperature(cls, film, flash, sigma):
     """The factor multiplies sqrt(b/(pi u))/sqrt(K rho c), as the effusivity divides it; the film's own rise stays."""
     speed = film.speed(sigma)
-    by_effusivity = film.with_(effusivity=film.conditions.effusivity * 0.97 / flash).friction(cls(), speed)
+    by_effusivity = film.with_(effusivity=film.conditions.effusivity * 0.97 / flash).friction(
+        cls(), speed
+    )
     for model in (cls(flash=flash), NumpyForm(cls(flash=flash))):
         np.testing.assert_allclose(film.friction(model, speed), by_effusivity, rtol=ROUNDING)
 
@@ -147,12 +166,16 @@ def test_boundary_friction_depends_on_the_slide_roll_ratio_alone(model, ratio, s
     x = mpmath.mpf(abs(ratio))
     if isinstance(law, Kragelsky):
         with mpmath.workdps(40):
-            expected = (-mpmath.mpf(law.limit) + law.rise * x) * mpmath.exp(-law.decay * x) + law.limit
+            expected = (-mpmath.mpf(law.limit) + law.rise * x) * mpmath.exp(
+                -law.decay * x
+            ) + law.limit
     else:
         expected = law.coefficient * min(x / law.transition, 1)
     expected = float(expected) * np.sign(ratio)
     # exp(-C s) has the relative error C s eps, where the product with s has died away
-    friction = evaluated(model, Conditions(), rolling_speed=speed, sliding_speed=ratio * speed).friction
+    friction = evaluated(
+        model, Conditions(), rolling_speed=speed, sliding_speed=ratio * speed
+    ).friction
     np.testing.assert_allclose(friction, expected, rtol=1e-13)
     np.testing.assert_allclose(law.friction([[ratio], [0.0]]), [[expected], [0.0]], rtol=1e-13)
 
@@ -175,7 +198,11 @@ def test_muraki_is_continuous_where_the_elastic_ramp_fills_the_contact(model, fi
     switch = sigma * (2 + film.heating * sigma) / np.arcsinh(sigma)
     values = []
     for beside in BESIDE:
-        modulus = film.eta * film.columns["rolling_speed"] / (switch * beside * film.columns["half_width"])
+        modulus = (
+            film.eta
+            * film.columns["rolling_speed"]
+            / (switch * beside * film.columns["half_width"])
+        )
         values.append(film.with_(shear_modulus=modulus).friction(model, film.speed(sigma)))
     assert np.all(spread(values) <= 2 * SHIFT + ROUNDING)
     elastic = film.conditions.eyring_stress / film.columns["pressure"] * sigma / switch
@@ -184,7 +211,9 @@ def test_muraki_is_continuous_where_the_elastic_ramp_fills_the_contact(model, fi
 
 @pytest.mark.parametrize("model", forms(FLUIDS[:1]))
 @given(film=films(), sigma=decades(-8, 2), beyond=decades(-13, 3))
-def test_muraki_is_elastic_beyond_the_switch_and_on_the_plateau_before_it(model, film, sigma, beyond):
+def test_muraki_is_elastic_beyond_the_switch_and_on_the_plateau_before_it(
+    model, film, sigma, beyond
+):
     """S = sigma/D, and S = y - D y^2/(4 sigma) with the quadratic's lesser root y, in fifty digits."""
     switch = sigma * (2 + film.heating * sigma) / np.arcsinh(sigma)
     scale = film.conditions.eyring_stress / film.columns["pressure"]
@@ -193,7 +222,8 @@ def test_muraki_is_elastic_beyond_the_switch_and_on_the_plateau_before_it(model,
         friction = film.with_(shear_modulus=modulus).friction(model, film.speed(sigma))
         with mpmath.workdps(50):
             s, d, phi = (mpmath.mpf(float(group)) for group in (sigma, deborah, film.heating))
-            a, plateau = 1 + phi * s, mpmath.asinh(s)
+            a = 1 + phi * s
+            plateau = mpmath.asinh(s)
             y = 2 * plateau / (a + mpmath.sqrt(mpmath.mpf(max(a**2 - d * phi * plateau, 0))))
             stress = s / d if deborah > switch else y - d * y**2 / (4 * s)
         np.testing.assert_allclose(friction, scale * float(stress), rtol=ROUNDING)
@@ -215,11 +245,17 @@ def test_blend_is_continuous_at_both_limits(model, film):
             thickness = film.conditions.roughness * limit * beside
             values.append(film.with_(film_thickness=thickness).friction(model, film.speed(SIGMAS)))
         children = [
-            film.with_(film_thickness=film.conditions.roughness * limit).friction(child, film.speed(SIGMAS))
+            film.with_(film_thickness=film.conditions.roughness * limit).friction(
+                child, film.speed(SIGMAS)
+            )
             for child in (law.boundary, law.hydrodynamic)
         ]
         # friction itself changes by SHIFT at most, the weight by m SHIFT (band >= 0.9 of Lambda_hd here)
-        allowed = (2 * SHIFT + ROUNDING) * (1 + 2 * law.exponent) * np.max(np.abs([*children, values[1]]), axis=0)
+        allowed = (
+            (2 * SHIFT + ROUNDING)
+            * (1 + 2 * law.exponent)
+            * np.max(np.abs([*children, values[1]]), axis=0)
+        )
         assert np.all(np.ptp(values, axis=0) <= allowed)
 
 
@@ -254,14 +290,20 @@ def gain(law, deborah):
 @given(film=films())
 def test_slope_of_hydrodynamic_friction_at_zero_slip(model, film):
     """d(mu)/dV = eta/(p h) times the gain: what is left of Newton's law in a transit of the contact."""
-    speed = film.speed(1e-15 / max(1.0, film.heating))  # Muraki's form departs from its slope with Phi sigma
+    speed = film.speed(
+        1e-15 / max(1.0, film.heating)
+    )  # Muraki's form departs from its slope with Phi sigma
     slope = film.friction(model, speed) / speed
     viscous = film.eta / (film.columns["pressure"] * film.columns["film_thickness"])
     np.testing.assert_allclose(slope, viscous * gain(law_of(model), film.deborah), rtol=ROUNDING)
 
 
 def boundary_slope(law):
-    return law.rise + law.limit * law.decay if isinstance(law, Kragelsky) else law.coefficient / law.transition
+    return (
+        law.rise + law.limit * law.decay
+        if isinstance(law, Kragelsky)
+        else law.coefficient / law.transition
+    )
 
 
 @pytest.mark.parametrize("model", forms(BOUNDARY))
@@ -285,7 +327,9 @@ def test_slope_of_the_blend_at_zero_slip_is_the_mix(model, film):
     hydrodynamic = viscous * gain(law.hydrodynamic, film.deborah)
     boundary = boundary_slope(law.boundary) / film.columns["rolling_speed"]
     film_parameter = film.columns["film_thickness"] / film.conditions.roughness
-    bracket = (law.hydrodynamic_limit - film_parameter) / (law.hydrodynamic_limit - law.boundary_limit)
+    bracket = (law.hydrodynamic_limit - film_parameter) / (
+        law.hydrodynamic_limit - law.boundary_limit
+    )
     weight = min(max(bracket, 0.0), 1.0) ** law.exponent
     expected = hydrodynamic + (boundary - hydrodynamic) * weight
     slack = (ROUNDING + 10 * law.exponent * np.finfo(float).eps) * max(boundary, hydrodynamic)
@@ -308,7 +352,9 @@ def test_eyring_friction_is_largest_where_heating_cancels_strain_rate(model, fil
     """The maximum is where Phi sigma S = 1, hence S sinh S = 1/(e Phi)."""
     target = 1 / (np.e * film.heating)
     # S sinh S lies between S^2 and S^2 cosh S
-    stress = brentq(lambda s: s * np.sinh(s) - target, 0.0, np.sqrt(target) + 1, xtol=1e-300, rtol=1e-15)
+    stress = brentq(
+        lambda s: s * np.sinh(s) - target, 0.0, np.sqrt(target) + 1, xtol=1e-300, rtol=1e-15
+    )
     top = film.speed(1 / (film.heating * stress))
     friction = film.friction(model, top * np.array([0.99, 1.0, 1.01]))
     # flat at the top: an error of 1e-15 in the place has no effect
@@ -336,7 +382,8 @@ def test_kragelsky_has_exactly_one_maximum(model):
 
 # What the stress does when one thing changes -------------------------------------------------------------------------
 
-RISES, FALLS = 1, -1
+RISES = 1
+FALLS = -1
 ELASTIC = ("muraki", "maxwell-eyring")
 ALL = (*ELASTIC, "eyring")
 
@@ -466,7 +513,11 @@ def _holds(model, film, sigma, factor, demands):
         if member == "sliding_speed":
             after = film.friction(model, speed * factor) * film.columns["pressure"]
         else:
-            value = getattr(film.conditions, member) if hasattr(film.conditions, member) else film.columns[member]
+            value = (
+                getattr(film.conditions, member)
+                if hasattr(film.conditions, member)
+                else film.columns[member]
+            )
             changed = film.with_(**{member: value * factor})
             after = changed.friction(model, speed) * changed.columns["pressure"]
         assert np.all(sense * (after - before) >= -ROUNDING * before), member
@@ -514,7 +565,9 @@ def test_heated_friction_has_one_maximum_long(model, film):
 
 def test_only_a_blend_says_from_where_on_the_film_is_full():
     assert [model.full_film_from for model in MODELS] == [None] * 7 + [1.5, 3.0, 1.5]
-    assert [model.boundary_up_to for model in MODELS] == [getattr(model, "boundary_limit", 0.0) for model in MODELS]
+    assert [model.boundary_up_to for model in MODELS] == [
+        getattr(model, "boundary_limit", 0.0) for model in MODELS
+    ]
 
 
 def test_blend_takes_the_domain_that_both_children_share():
@@ -525,8 +578,16 @@ def test_blend_takes_the_domain_that_both_children_share():
     blend = LambdaBlend(boundary=Narrow(), hydrodynamic=Constant())
     assert blend.domain["rolling_speed"][0] == 1.0
     assert blend.domain["sliding_speed"] == (-1.0, 1.0)
-    with pytest.raises(DomainError, match=r"lambda-blend: rolling_speed = 0\.5 m/s at slice 0 .*>= 1"):
-        evaluated(blend, Conditions(roughness=1e-7), film_thickness=1e-6, rolling_speed=0.5, sliding_speed=0.1)
+    with pytest.raises(
+        DomainError, match=r"lambda-blend: rolling_speed = 0\.5 m/s at slice 0 .*>= 1"
+    ):
+        evaluated(
+            blend,
+            Conditions(roughness=1e-7),
+            film_thickness=1e-6,
+            rolling_speed=0.5,
+            sliding_speed=0.1,
+        )
 
 
 @pytest.mark.parametrize("limits", [(1.0, 1.0), (2.0, 1.0)])

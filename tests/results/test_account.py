@@ -102,13 +102,19 @@ def texts(path):
     return {
         node.value
         for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings
+        if isinstance(node, ast.Constant)
+        and isinstance(node.value, str)
+        and id(node) not in docstrings
     }
 
 
 @pytest.mark.quick
 def test_who_shows_results_knows_no_study():
-    studies = {folder.name.replace("_", "-") for folder in TELLING if folder.parent.name == "rollslip_studies"}
+    studies = {
+        folder.name.replace("_", "-")
+        for folder in TELLING
+        if folder.parent.name == "rollslip_studies"
+    }
     assert len(studies) == 7
     shown = [*(FRAMEWORK / "results").glob("*.py"), *(FRAMEWORK / "cli").glob("*.py")]
     assert not {path.name: found for path in shown if (found := studies & texts(path))}
@@ -138,17 +144,28 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
     record = account.record(dataset)
     assert record["life"] is None
     assert record["life_status"] == "it does not fail"
-    assert record["4 m/s"] == {"critical_slip": None, "critical_friction": None, "status": "grip still rises"}
+    assert record["4 m/s"] == {
+        "critical_slip": None,
+        "critical_friction": None,
+        "status": "grip still rises",
+    }
     json.dumps(record, allow_nan=False)
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("found", [1e-4, 2e-3])
 def test_the_terminal_shows_all_or_only_an_error_that_is_not_kept(capsys, found):
-    error = {"result": "grip", "tolerance": 1e-3, "estimated": 1e-4, "found": found, "how": "a posteriori"}
+    error = {
+        "result": "grip",
+        "tolerance": 1e-3,
+        "estimated": 1e-4,
+        "found": found,
+        "how": "a posteriori",
+    }
     cost = {"actual": 1.0, "estimated": 1.0}
     dataset = strangers(accuracy=json.dumps([error]), cost=json.dumps(cost))
-    lines, kept = account_of(dataset).lines(dataset), found <= 1e-3
+    lines = account_of(dataset).lines(dataset)
+    kept = found <= 1e-3
     console.print_results([dataset], whole=False)
     short = capsys.readouterr().out.splitlines()
     assert short[:1] == ["grip-of-a-stranger:"] * (not kept)
@@ -182,7 +199,9 @@ def test_a_study_without_an_account_is_drawn_and_reported(tmp_path):
     drawn = figure.read_text(encoding="utf-8")
     for text in ("Spin slip", "Grip coefficient", "2 m/s", "10.0 %", "4 m/s: grip still rises"):
         assert text in drawn
-    write_report({"grip-of-a-stranger": dataset}, {"grip-of-a-stranger": [figure]}, tmp_path / "report.html")
+    write_report(
+        {"grip-of-a-stranger": dataset}, {"grip-of-a-stranger": [figure]}, tmp_path / "report.html"
+    )
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<li>2 m/s: spin slip at largest traction 10.0 %" in page
     assert "<li>Depth of wear: 3.2 um.</li>" in page
@@ -190,9 +209,15 @@ def test_a_study_without_an_account_is_drawn_and_reported(tmp_path):
 
 
 def test_what_says_nothing_of_itself_is_neither_told_nor_drawn(tmp_path):
-    silent = xr.Dataset({"table": (("a", "b"), np.eye(2), about("1", "table"))}, attrs={"study": "silent"})
+    silent = xr.Dataset(
+        {"table": (("a", "b"), np.eye(2), about("1", "table"))}, attrs={"study": "silent"}
+    )
     account = account_of(silent)
-    assert (account.sentences(silent), account.record(silent), account.tables(silent)) == ([], {}, [])
+    assert (account.sentences(silent), account.record(silent), account.tables(silent)) == (
+        [],
+        {},
+        [],
+    )
     assert account.contacts(silent) == []
     assert save_plots(silent, tmp_path / "figures") == []
     write_report({"silent": silent}, {}, tmp_path / "report.html")
@@ -201,7 +226,8 @@ def test_what_says_nothing_of_itself_is_neither_told_nor_drawn(tmp_path):
 
 @pytest.mark.quick
 def test_curves_without_a_film_have_none():
-    (first, _), names = curves(strangers()), curve_names(strangers())
+    (first, _) = curves(strangers())
+    names = curve_names(strangers())
     assert np.isnan(first.film_parameter).all()
     assert names == ["2 m/s", "4 m/s"]
 
@@ -236,7 +262,11 @@ def test_an_account_of_a_stranger_takes_the_place_of_the_plain_one(tmp_path):
     assert account.paragraph(dataset) == "There is grip."
     assert account.record(dataset) == {}
     assert save_plots(dataset, tmp_path) == []
-    write_report({"grip": dataset, "silent": xr.Dataset(attrs={"study": "silent", "instants": 4})}, {}, tmp_path / "r")
+    write_report(
+        {"grip": dataset, "silent": xr.Dataset(attrs={"study": "silent", "instants": 4})},
+        {},
+        tmp_path / "r",
+    )
     page = (tmp_path / "r").read_text(encoding="utf-8")
     assert "<li>There is grip.</li>" in page
     assert "<caption>Wear</caption>" in page

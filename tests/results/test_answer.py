@@ -40,10 +40,24 @@ SAFE = {"slip": 0.01, "band": (0.004, 0.03), "reserve": (8.0, 8.0)}
 
 
 def answered(slip=0.01, band=(0.004, 0.03), reserve=(8.0, 8.0), acceptable=0.05):
-    rows = [Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip) if slip > 0 else "-", band=band)]
+    rows = [
+        Row(
+            key="cage_slip",
+            label="cage slip",
+            value=slip,
+            text=percent(slip) if slip > 0 else "-",
+            band=band,
+        )
+    ]
     if reserve is not None:
         rows.append(
-            Row(key="drag_reserve", label="reserve to skidding", value=reserve[0], text=f"{reserve[0]:g}", band=reserve)
+            Row(
+                key="drag_reserve",
+                label="reserve to skidding",
+                value=reserve[0],
+                text=f"{reserve[0]:g}",
+                band=reserve,
+            )
         )
     return judged(Answer(rows=tuple(rows), acceptable=acceptable))
 
@@ -58,7 +72,12 @@ THRESHOLDS = [
     ("V5", {"band": (0.001, 0.2001)}, {"band": (0.001, 0.2)}, "V7"),
     ("V5", {"slip": 0.06, "band": (0.0049, 0.3)}, {"slip": 0.06, "band": (0.05, 3.0)}, "V6"),
     ("V6", {"slip": 0.0501, "band": (0.04, 0.06)}, {"slip": 0.05, "band": (0.04, 0.06)}, "V9"),
-    ("V6", {"acceptable": 0.0099, "band": (0.009, 0.011)}, {"acceptable": 0.01, "band": (0.009, 0.011)}, "V9"),
+    (
+        "V6",
+        {"acceptable": 0.0099, "band": (0.009, 0.011)},
+        {"acceptable": 0.01, "band": (0.009, 0.011)},
+        "V9",
+    ),
     ("V7", {"band": (0.004, 0.1001)}, {"band": (0.004, 0.1)}, "V9"),
     ("V8", {"reserve": (1.999, 1.999)}, {"reserve": (2.0, 2.0)}, "V9"),
 ]
@@ -68,7 +87,8 @@ THRESHOLDS = [
 @pytest.mark.parametrize(("code", "at", "beside", "other"), THRESHOLDS)
 def test_each_rule_decides_up_to_its_threshold(code, at, beside, other):
     rules = {rule.code: rule for rule in RULES}
-    one, two = answered(**SAFE | at), answered(**SAFE | beside)
+    one = answered(**SAFE | at)
+    two = answered(**SAFE | beside)
     assert (one.rule, one.verdict) == (code, rules[code].verdict)
     assert (two.rule, two.verdict) == (other, rules[other].verdict)
 
@@ -89,7 +109,11 @@ def test_every_rule_has_a_threshold_above_and_a_source():
         ({"reserve": (1.2, math.inf)}, "UNKNOWN", "whether it is below 1.5 is not known"),
         ({"reserve": (2.0, math.inf)}, "OK", ""),
         ({"slip": 0.5, "band": (0.4, math.inf), "reserve": (1.0, math.inf)}, "SKIDS", "above 20 %"),
-        ({"slip": 0.06, "band": (0.05, 0.07), "reserve": (1.6, math.inf)}, "SLIPS", "above the acceptable 5 %"),
+        (
+            {"slip": 0.06, "band": (0.05, 0.07), "reserve": (1.6, math.inf)},
+            "SLIPS",
+            "above the acceptable 5 %",
+        ),
         ({"slip": 0.5, "band": None, "reserve": None}, "SKIDS", "above 20 %"),
         ({"slip": -0.7, "band": None}, "SKIDS", "above 20 %"),
     ],
@@ -105,7 +129,9 @@ def test_a_rule_for_something_worse_that_cannot_be_decided_makes_the_verdict_unk
 @pytest.mark.quick
 def test_a_condition_is_left_open_where_the_ends_of_a_fact_differ():
     (rule,) = (one for one in RULES if one.code == "V8")
-    assert [holds(rule, {"reserve to skidding": ends}) for ends in ((1.0, 1.9), (1.0, 2.1), (2.0, 3.0))] == [
+    assert [
+        holds(rule, {"reserve to skidding": ends}) for ends in ((1.0, 1.9), (1.0, 2.1), (2.0, 3.0))
+    ] == [
         True,
         None,
         False,
@@ -114,12 +140,16 @@ def test_a_condition_is_left_open_where_the_ends_of_a_fact_differ():
 
 
 def row(value, **changes):
-    return Row(**{"key": "cage_slip", "label": "cage slip", "value": value, "text": percent(value)} | changes)
+    return Row(
+        **{"key": "cage_slip", "label": "cage slip", "value": value, "text": percent(value)}
+        | changes
+    )
 
 
 @pytest.mark.quick
 def test_a_quantity_is_told_once_by_the_study_that_knows_it_best_and_a_contradiction_is_told():
-    rough, fine = Answer(rows=(row(0.044, known=1, within=0.1),)), Answer(rows=(row(0.05, known=2, within=0.02),))
+    rough = Answer(rows=(row(0.044, known=1, within=0.1),))
+    fine = Answer(rows=(row(0.05, known=2, within=0.02),))
     one = merged([("rough", rough), ("fine", fine)])
     assert [(r.value, r.by) for r in one.rows] == [(0.05, "fine")]
     assert one.faults == ()
@@ -171,7 +201,8 @@ def test_values_that_a_new_scene_assumed_are_named_with_its_cage():
 @pytest.mark.parametrize("width", [60, 80, 120])
 def test_lines_are_no_wider_than_the_terminal_and_fifteen_at_most(width):
     long = (
-        "a remark that is so long that it has to wrap in a column of its own, more than once where there is little room"
+        "a remark that is so long that it has to wrap in a column of its own, more "
+        "than once where there is little room"
     )
     rows = tuple(row(0.05, key=str(k), note=long if k == 3 else "short") for k in range(8))
     notes = tuple(Note(code=f"W{k}", short="", text="", weight=1.0) for k in range(9))
@@ -192,18 +223,23 @@ def ran(tmp_path_factory):
              "--load", "1 kN", "--supply", "splash", "--cage", "brass"]  # fmt: skip
     assert CliRunner().invoke(cli, given).exit_code == 0
     text = (folder / "my.toml").read_text(encoding="utf-8")
-    (folder / "my.toml").write_text(re.sub(r"(?m)^tolerance = .*$", "tolerance = 0.05", text), encoding="utf-8")
+    (folder / "my.toml").write_text(
+        re.sub(r"(?m)^tolerance = .*$", "tolerance = 0.05", text), encoding="utf-8"
+    )
     done = CliRunner().invoke(
         cli, ["run", str(folder / "my.toml"), "--json", "--no-plots", "--out", str(folder / "out")]
     )
     assert done.exit_code == 0, done.stderr
-    datasets = {path.stem: rollslip.open_result(path) for path in sorted((folder / "out").glob("*.nc"))}
+    datasets = {
+        path.stem: rollslip.open_result(path) for path in sorted((folder / "out").glob("*.nc"))
+    }
     return folder, json.loads(done.stdout), datasets
 
 
 def test_every_number_of_the_answer_is_the_one_in_the_file(ran):
     _, said, datasets = ran
-    rows, steady = said["answer"]["rows"], datasets["steady-slip"]
+    rows = said["answer"]["rows"]
+    steady = datasets["steady-slip"]
     kept = {
         "cage_slip": float(steady.steady_slip[0]),
         "minimum_load": float(steady.least_load),
@@ -218,7 +254,9 @@ def test_every_number_of_the_answer_is_the_one_in_the_file(ran):
     band = json.loads(steady.attrs["band"])
     assert rows["cage_slip"]["band"] == [band["steady_slip"][end] for end in ("low", "high")]
     assert rows["minimum_load"]["band"] == [band["least_load"][end] for end in ("low", "high")]
-    assert all(one["study"] == "steady-slip" and one["unit"] and one["text"] for one in rows.values())
+    assert all(
+        one["study"] == "steady-slip" and one["unit"] and one["text"] for one in rows.values()
+    )
     assert (
         answer_of(*datasets.values(), scene=str(ran[0] / "my.toml")).as_dict()
         | {"confidence": said["answer"]["confidence"]}
@@ -232,7 +270,9 @@ def test_printed_numbers_are_those_values_in_two_digits_one_unit_and_without_exp
     scales = {"cage_slip": 100.0, "minimum_load": 1e-3, "clearance": 1e6}
     for row in answer.rows:
         if printed := re.search(r"-?\d[\d.]*", row.text):
-            assert float(printed[0]) == pytest.approx(scales.get(row.key, 1.0) * row.value, rel=0.05), row
+            assert float(printed[0]) == pytest.approx(
+                scales.get(row.key, 1.0) * row.value, rel=0.05
+            ), row
     text = str(answer)
     assert not re.search(r"\de[+-]?\d|\d{4,}(?! rpm)", text.partition("next")[0].partition("\n")[2])
     assert "kN" in text
@@ -245,7 +285,10 @@ def test_commands_that_are_named_next_work_as_pasted(ran):
     least = float(datasets["steady-slip"].least_load)
     assert said["answer"]["verdict"] == "SLIPS"
     first, *_ = said["answer"]["next"]
-    assert first == f"rollslip run {folder / 'my.toml'} --set operation.radial_load='{rounded_up(least, 'kN')}'"
+    assert (
+        first
+        == f"rollslip run {folder / 'my.toml'} --set operation.radial_load='{rounded_up(least, 'kN')}'"
+    )
     done = CliRunner().invoke(
         cli, ["run", str(folder / "my.toml"), "--set", f"operation.radial_load={rounded_up(least, 'kN')}",
               "--no-plots", "--out", str(folder / "at-least")]
@@ -259,7 +302,9 @@ def test_with_a_report_it_is_read_next_and_does_not_ask_for_itself(ran):
     folder, *_ = ran
     given = [str(folder / "my.toml"), "--set", "operation.radial_load=20 kN"]
     page = folder / "safe" / "report.html"
-    done = CliRunner().invoke(cli, ["run", *given, "--study", "steady-slip", "--report", "--out", str(page.parent)])
+    done = CliRunner().invoke(
+        cli, ["run", *given, "--study", "steady-slip", "--report", "--out", str(page.parent)]
+    )
     assert done.output.startswith("OK ")
     assert f"next     read {page}\n" in done.output
     assert f"next: rollslip uncertainty {given[0]} " in page.read_text(encoding="utf-8")
@@ -281,7 +326,15 @@ def test_with_a_report_it_is_read_next_and_does_not_ask_for_itself(ran):
 def test_a_verdict_can_be_an_exit_code(ran, options, code):
     folder, *_ = ran
     asked = [part for one in options for part in ("--fail-on", one)]
-    given = ["run", str(folder / "my.toml"), "--study", "effective-friction", "--no-plots", "--overwrite", *asked]
+    given = [
+        "run",
+        str(folder / "my.toml"),
+        "--study",
+        "effective-friction",
+        "--no-plots",
+        "--overwrite",
+        *asked,
+    ]
     done = CliRunner().invoke(cli, [*given, "--out", str(folder / "again")])
     assert done.exit_code == code, done.output
     assert code == 2 or done.stdout.startswith("SLIPS   NU2312E, ISO VG 220")
@@ -300,7 +353,10 @@ def test_a_preloaded_bearing_has_no_minimum_load():
 
 def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
     """Of 0.1 um the slip of the unloaded bearing stays above the acceptable one: it has a minimum load all the same."""
-    scene = coarse("gearbox", {"bearing.radial_clearance": "-0.1 um", "study.steady-slip.acceptable_slip": 0.01})
+    scene = coarse(
+        "gearbox",
+        {"bearing.radial_clearance": "-0.1 um", "study.steady-slip.acceptable_slip": 0.01},
+    )
     result = rollslip.run(scene, "steady-slip")
     row = answer_of(result)["minimum_load"]
     assert row.value == float(result.least_load) > 0.0
@@ -314,14 +370,19 @@ def test_a_study_that_fails_leaves_the_answer_of_the_others(tmp_path):
     turned = ["--set", "operation.outer_speed=1450 rpm", *SET_COARSE]
     done = CliRunner().invoke(cli, [*asked, *turned])
     assert isinstance(done.exception, DomainError)
-    assert str(done.exception).startswith("effective-friction failed, what others found is kept: at a cage slip of ")
+    assert str(done.exception).startswith(
+        "effective-friction failed, what others found is kept: at a cage slip of "
+    )
     assert "\n  cage slip            below 0.1 %" in done.stdout
     assert "  notes    effective-friction failed, see below\n" in done.stdout
     assert (tmp_path / "o" / "steady-slip.nc").exists()
 
 
 def test_a_note_that_there_is_not_cannot_be_left_out():
-    for code, told in (("W99", "no note and no rule has the code 'W99'"), ("W11,V6", "V6 is a rule of the verdict")):
+    for code, told in (
+        ("W99", "no note and no rule has the code 'W99'"),
+        ("W11,V6", "V6 is a rule of the verdict"),
+    ):
         done = CliRunner().invoke(cli, ["run", "gearbox", "--ignore", code])
         assert done.exit_code != 0
         assert told in f"{done.exception} {done.stderr}"
@@ -334,7 +395,9 @@ def test_a_minimum_load_below_the_weight_of_the_rollers_is_told_as_that():
     scene = json.loads(result.attrs["scene_resolved"])["bearing"]
     volume = 0.25 * math.pi * scene["roller_diameter"] ** 2 * scene["roller_length"]
     assert weight == pytest.approx(9.81 * 7850.0 * scene["rollers"] * volume, rel=0.02)
-    row = answer_of(result.assign(least_load=result.least_load * 0.0 + 1e-3 * weight))["minimum_load"]
+    row = answer_of(result.assign(least_load=result.least_load * 0.0 + 1e-3 * weight))[
+        "minimum_load"
+    ]
     assert row.text.startswith("below ")
     assert row.note.endswith("; rollers weigh as much, which is left out")
     assert row.band == (0.0, weight)
@@ -362,12 +425,16 @@ def ten():
 @pytest.mark.slow
 def test_ten_scenes_answer_as_recorded(ten):
     """Words as they were read, numbers within 5 %: python tests/support/ten_scenes.py writes them anew."""
-    parts = re.split(r"^== (\S+)\n\n", ten_scenes.ANSWERS.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
+    parts = re.split(
+        r"^== (\S+)\n\n", ten_scenes.ANSWERS.read_text(encoding="utf-8"), flags=re.MULTILINE
+    )[1:]
     kept = {name: text.strip() for name, text in zip(parts[::2], parts[1::2], strict=True)}
     assert [*kept] == [*ten]
     for name, text in kept.items():
         for was, now in zip(text.splitlines(), ten[name].splitlines(), strict=True):
-            assert re.sub(r"[\d.]+", "#", " ".join(was.split())) == re.sub(r"[\d.]+", "#", " ".join(now.split())), name
+            assert re.sub(r"[\d.]+", "#", " ".join(was.split())) == re.sub(
+                r"[\d.]+", "#", " ".join(now.split())
+            ), name
             assert numbers(now) == pytest.approx(numbers(was), rel=0.05), name
 
 
@@ -383,10 +450,14 @@ def test_ten_answers_are_short_narrow_and_begin_with_the_verdict(ten):
         assert len(lines) <= MOST_LINES, name
         assert max(len(line) for line in lines if "rollslip " not in line) <= 80, name
         assert not re.search(r"\de[+-]?\d", text), name
-        assert len({unit for unit in ("kN", "N") if re.search(rf"\d {unit}\b(?! m)", text)}) == 1, name
+        assert len({unit for unit in ("kN", "N") if re.search(rf"\d {unit}\b(?! m)", text)}) == 1, (
+            name
+        )
 
 
-@pytest.mark.parametrize("code", [*(f"W{k:02d}" for k in range(1, 24)), *(rule.code for rule in RULES)])
+@pytest.mark.parametrize(
+    "code", [*(f"W{k:02d}" for k in range(1, 24)), *(rule.code for rule in RULES)]
+)
 def test_every_code_is_explained(code):
     done = CliRunner().invoke(cli, ["explain", code.lower()])
     assert done.exit_code == 0, done.stderr
@@ -402,7 +473,9 @@ def test_a_code_is_explained_by_what_its_bound_says_and_one_that_is_not_there_is
     assert said["remedy"] == MEAN_PRESSURE.remedy
     assert "traction maxwell-eyring" in said["laws"]
     regimes = json.loads(CliRunner().invoke(cli, ["explain", "W09", "--json"]).stdout)
-    assert "film blok: the rigid-piezoviscous regime; " in regimes["valid for"]  # each law has one of its own
+    assert (
+        "film blok: the rigid-piezoviscous regime; " in regimes["valid for"]
+    )  # each law has one of its own
     assert regimes["valid for"].endswith("film martin: the rigid-isoviscous regime")
     assert "film martin: its film is off by " in regimes["outside"]
     roughness = json.loads(CliRunner().invoke(cli, ["explain", "W02", "--json"]).stdout)
@@ -418,7 +491,15 @@ def test_a_note_is_left_out_by_its_code(ran):
     codes = [note["code"] for note in said["answer"]["notes"]]
     assert len(codes) == len({*codes}) > 1, "each once"
     assert "W11" in codes
-    given = ["run", str(folder / "my.toml"), "--study", "steady-slip", "--no-plots", "--overwrite", "-v"]
+    given = [
+        "run",
+        str(folder / "my.toml"),
+        "--study",
+        "steady-slip",
+        "--no-plots",
+        "--overwrite",
+        "-v",
+    ]
     done = CliRunner().invoke(cli, [*given, "--out", str(folder / "once"), "--ignore", "W11"])
     assert done.exit_code == 0
     assert "W11" not in done.stdout
@@ -483,9 +564,13 @@ def test_what_another_law_does_to_the_answer_is_what_a_run_with_it_gives():
 def test_a_law_without_compiled_form_is_a_factor_at_the_motion_of_the_steady_slip(monkeypatch):
     """The same law with its compiled form and without it: a first step against a solution, near where it begins."""
     scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9})
-    solved, *_ = [one for one in answer_of(rollslip.run(scene, "steady-slip")).notes if one.code == "W23"]
+    solved, *_ = [
+        one for one in answer_of(rollslip.run(scene, "steady-slip")).notes if one.code == "W23"
+    ]
     monkeypatch.setattr("rollslip_studies.steady_slip.band._runs_python", lambda law: True)
-    first, *_ = [one for one in answer_of(rollslip.run(scene, "steady-slip")).notes if one.code == "W23"]
+    first, *_ = [
+        one for one in answer_of(rollslip.run(scene, "steady-slip")).notes if one.code == "W23"
+    ]
     assert first.moved["slip"] != solved.moved["slip"]
     assert first.moved["slip"][1] == pytest.approx(solved.moved["slip"][1], rel=0.03)
 
@@ -494,31 +579,48 @@ def test_a_law_without_compiled_form_is_a_factor_at_the_motion_of_the_steady_sli
 @pytest.mark.parametrize("width", [60, 66, 72, 80, 90, 100])
 def test_all_rows_stay_on_a_narrow_terminal_and_what_is_below_them_is_shortened(width):
     rows = [
-        Row(key=f"r{k}", label=f"operating label {k}", text="1.2 kN", note="0.58 to 3.2 kN, " * 4) for k in range(8)
+        Row(key=f"r{k}", label=f"operating label {k}", text="1.2 kN", note="0.58 to 3.2 kN, " * 4)
+        for k in range(8)
     ]
     assumed = (
         "pressure viscosity x 0.78 to 1.2: slip 22 to 1.8 %, and much else that nobody gave here",
         "cage brass",
     ) * 3
     notes = tuple(moved(f"W{k}", slip=(0.02, 0.03)) for k in range(9))
-    answer = Answer(rows=tuple(rows), assumed=assumed, notes=notes, next=("rollslip a", "rollslip b"), verdict="OK")
+    answer = Answer(
+        rows=tuple(rows),
+        assumed=assumed,
+        notes=notes,
+        next=("rollslip a", "rollslip b"),
+        verdict="OK",
+    )
     lines = answer.lines(width)
     assert len(lines) <= MOST_LINES
     assert max(map(len, lines)) <= width
-    assert [line.split()[2] for line in lines if line.startswith("  operating")] == [str(k) for k in range(8)]
-    assert [line.split()[0] for line in lines if line[2:3].isalpha()][8:] == ["assumed", "notes", "next"]
+    assert [line.split()[2] for line in lines if line.startswith("  operating")] == [
+        str(k) for k in range(8)
+    ]
+    assert [line.split()[0] for line in lines if line[2:3].isalpha()][8:] == [
+        "assumed",
+        "notes",
+        "next",
+    ]
     assert lines[-2].endswith("(-v)")
     assert answer.lines(width, more=".notes")[-2].endswith("(.notes)")
     assert "-v" not in f"{answer}{answer.html()}", "an option of the command line"
 
 
 @pytest.mark.quick
-def test_verdict_and_the_row_that_decided_stand_out_on_a_terminal_and_nowhere_else(monkeypatch, capsys):
+def test_verdict_and_the_row_that_decided_stand_out_on_a_terminal_and_nowhere_else(
+    monkeypatch, capsys
+):
     answer = attrs.evolve(answered(slip=0.06, band=(0.05, 0.07)), case=("NU 2312",))
     console.print_answer(answer)
     assert capsys.readouterr().out == f"{answer}\n"
     shown = io.StringIO()
-    screen = Console(file=shown, force_terminal=True, color_system="standard", width=80, highlight=False)
+    screen = Console(
+        file=shown, force_terminal=True, color_system="standard", width=80, highlight=False
+    )
     monkeypatch.setattr(console, "terminal", lambda: screen)
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
     console.print_answer(answer)

@@ -62,9 +62,15 @@ def answer(*arguments):
 
 
 @pytest.mark.parametrize("share", [16, pytest.param(150, marks=pytest.mark.faults)])
-def test_changed_attributes_are_told_or_refused_in_one_sentence(result, tmp_path, monkeypatch, capsys, share):
-    monkeypatch.setattr("rollslip.results.figures.save_plots", lambda dataset, folder: [])  # drawn below
-    path, refused, told = tmp_path / "r.nc", 0, 0
+def test_changed_attributes_are_told_or_refused_in_one_sentence(
+    result, tmp_path, monkeypatch, capsys, share
+):
+    monkeypatch.setattr(
+        "rollslip.results.figures.save_plots", lambda dataset, folder: []
+    )  # drawn below
+    path = tmp_path / "r.nc"
+    refused = 0
+    told = 0
     pairs = random.Random(16).sample(list(itertools.product(result.attrs, CHANGES)), share)
     for number, (name, how) in enumerate(pairs):
         attributes = {**result.attrs, name: CHANGES[how]}
@@ -77,7 +83,8 @@ def test_changed_attributes_are_told_or_refused_in_one_sentence(result, tmp_path
         said = answer(command, path, *more)
         out = capsys.readouterr().out
         assert said or out, (name, how)
-        refused, told = refused + bool(said), told + (not said)
+        refused = refused + bool(said)
+        told = told + (not said)
         if said:
             assert said.startswith(str(path)), (name, how, said)
             assert "\n" not in said, (name, how, said)
@@ -96,16 +103,42 @@ def test_a_report_with_figures_of_changed_attributes_is_refused(result, tmp_path
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("warnings", '["a', r"attribute 'warnings': is '\[\"a', and has to be a list in JSON \(.*\); another program"),
-        ("packages", "[]", r"attribute 'packages': is '\[\]', and has to be a table in JSON; another program"),
-        ("wall_time", np.nan, r"attribute 'wall_time': is .*nan.*, and has to be a finite number from 0 on"),
-        ("evaluations", "many", r"attribute 'evaluations': is 'many', and has to be a finite number from 0 on"),
+        (
+            "warnings",
+            '["a',
+            r"attribute 'warnings': is '\[\"a', and has to be a list in JSON \(.*\); another program",
+        ),
+        (
+            "packages",
+            "[]",
+            r"attribute 'packages': is '\[\]', and has to be a table in JSON; another program",
+        ),
+        (
+            "wall_time",
+            np.nan,
+            r"attribute 'wall_time': is .*nan.*, and has to be a finite number from 0 on",
+        ),
+        (
+            "evaluations",
+            "many",
+            r"attribute 'evaluations': is 'many', and has to be a finite number from 0 on",
+        ),
         ("study", 7, r"attribute 'study': is .*7.*, and has to be a text"),
-        ("warnings", 3, r"attribute 'warnings': is .*3.*, and has to be a list in JSON; another program"),
-        ("plan", "x" * 9999, r"attribute 'plan': is 'x{79}\.\.\. \(10001 characters\), and has to be a list in JSON"),
+        (
+            "warnings",
+            3,
+            r"attribute 'warnings': is .*3.*, and has to be a list in JSON; another program",
+        ),
+        (
+            "plan",
+            "x" * 9999,
+            r"attribute 'plan': is 'x{79}\.\.\. \(10001 characters\), and has to be a list in JSON",
+        ),
     ],
 )
-def test_an_attribute_is_refused_with_what_it_is_and_has_to_be(result, tmp_path, name, value, message):
+def test_an_attribute_is_refused_with_what_it_is_and_has_to_be(
+    result, tmp_path, name, value, message
+):
     save(result.assign_attrs({name: value}), tmp_path / "r.nc")
     with pytest.raises(OutputError, match=r"r\.nc: " + message):
         open_result(tmp_path / "r.nc")
@@ -152,7 +185,9 @@ def copy_with_xarray(path):
     path.write_bytes(content)
 
 
-@pytest.mark.parametrize("change", [change_attribute, change_number, add_variable, cut_off, copy_with_xarray])
+@pytest.mark.parametrize(
+    "change", [change_attribute, change_number, add_variable, cut_off, copy_with_xarray]
+)
 def test_what_is_changed_in_place_is_refused(result, tmp_path, change):
     path = tmp_path / "r.nc"
     save(result, path)
@@ -165,7 +200,9 @@ def test_what_is_changed_in_place_is_refused(result, tmp_path, change):
     message = r"r\.nc: is not what rollslip wrote, its checksum is gone: another program has changed it, or cut it off"
     with pytest.raises(OutputError, match=message):
         open_result(path)
-    assert answer("report", path, "--out", tmp_path / "r.html").endswith("run the scene again, or take a copy")
+    assert answer("report", path, "--out", tmp_path / "r.html").endswith(
+        "run the scene again, or take a copy"
+    )
     assert not (tmp_path / "r.html").exists()
 
 
@@ -184,9 +221,17 @@ def test_a_file_without_a_mark_is_read_with_and_without_a_checksum(result, tmp_p
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("units", "days since never"), ("scale_factor", "x"), ("_FillValue", 1), ("dtype", "bool"), ("calendar", 3)],
+    [
+        ("units", "days since never"),
+        ("scale_factor", "x"),
+        ("_FillValue", 1),
+        ("dtype", "bool"),
+        ("calendar", 3),
+    ],
 )
-def test_attributes_of_variables_that_readers_take_for_their_own_are_read_or_refused(result, tmp_path, name, value):
+def test_attributes_of_variables_that_readers_take_for_their_own_are_read_or_refused(
+    result, tmp_path, name, value
+):
     path = tmp_path / "r.nc"
     unsealed(result, path)
     with h5py.File(path, "r+") as file:
@@ -204,7 +249,9 @@ def test_an_array_beyond_what_its_file_can_hold_is_refused(result, tmp_path, siz
         large = file.create_dataset("large", shape=(size,), chunks=(1 << 10,), dtype="f8")
         if scale:
             large.make_scale("large")  # so that it is a dimension of netCDF
-    with pytest.raises(OutputError, match=r"r\.nc: is not a netCDF file that can be read \(it claims"):
+    with pytest.raises(
+        OutputError, match=r"r\.nc: is not a netCDF file that can be read \(it claims"
+    ):
         open_result(path)
     assert not recwarn.list
 

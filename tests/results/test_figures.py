@@ -57,7 +57,9 @@ def contact(scene=COLD, **settings):
 @pytest.fixture(scope="module")
 def everything():
     """Both rings have a critical slip, and rollers and map are there."""
-    result = effective(evolve(COLD, {"lubricant.pressure_viscosity_factor": 1.5}), map_points=5, per_roller=True)
+    result = effective(
+        evolve(COLD, {"lubricant.pressure_viscosity_factor": 1.5}), map_points=5, per_roller=True
+    )
     assert np.isfinite(result.critical_cage_slip).all()
     return result
 
@@ -73,7 +75,11 @@ def only(paths):
 
 
 def metadata(path, name):
-    return next(e.text for e in ET.parse(path).iter() if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}")
+    return next(
+        e.text
+        for e in ET.parse(path).iter()
+        if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}"
+    )
 
 
 def test_two_runs_write_the_same_bytes(tmp_path, everything, drawn):
@@ -87,7 +93,9 @@ def test_two_runs_write_the_same_bytes(tmp_path, everything, drawn):
 
 
 def test_another_process_with_another_style_writes_the_same_bytes(tmp_path):
-    (tmp_path / "matplotlibrc").write_text("font.size: 20\nlines.linewidth: 9\nsvg.fonttype: path\n")
+    (tmp_path / "matplotlibrc").write_text(
+        "font.size: 20\nlines.linewidth: 9\nsvg.fonttype: path\n"
+    )
     result = contact()
     result.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
     code = (
@@ -127,15 +135,20 @@ def test_the_critical_slip_is_written_at_its_maximum(everything, drawn):
         assert value in words(curve)
         assert value in words(chart)
         assert (value in words(rollers)) == (ring == "inner")
-        assert f"{ring.capitalize()} ring: cage slip at largest traction {value}" in metadata(curve, "description")
+        assert f"{ring.capitalize()} ring: cage slip at largest traction {value}" in metadata(
+            curve, "description"
+        )
 
 
-@pytest.mark.parametrize("scene", [COLD, evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})])
+@pytest.mark.parametrize(
+    "scene", [COLD, evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})]
+)
 @pytest.mark.parametrize("closure", ["epicyclic", "outer-rolling", "free-roller"])
 def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, scene, closure):
     result = effective(scene, closure=closure, max_cage_slip=0.2)
     path = only(save_plots(result, tmp_path))
-    written, found = " ".join(words(path)), np.isfinite(result.critical_cage_slip.to_numpy())
+    written = " ".join(words(path))
+    found = np.isfinite(result.critical_cage_slip.to_numpy())
     assert (FALLING in written) == found.any()
     assert (f"slip at largest traction {result.attrs['curves_with']};" in written) == found.any()
     assert ("no slip at largest traction" in written) == (not found.all())
@@ -146,7 +159,9 @@ def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, sc
 def test_without_a_maximum_words_say_why(tmp_path):
     path = only(save_plots(contact(normal_force=(100.0, 300.0), max_slip=0.01), tmp_path))
     written = words(path)
-    assert "no slip at largest traction: friction still rises at the end of the range" in " ".join(written)
+    assert "no slip at largest traction: friction still rises at the end of the range" in " ".join(
+        written
+    )
     assert not any(FALLING in text for text in written)
     assert "--set study.friction-curve.max_slip=0.1" in metadata(path, "description")
 
@@ -167,7 +182,9 @@ def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
     assert "mixed film: smallest Λ < 1.5" in words(only(save_plots(contact(rough), tmp_path)))
     percentage = evolve(rough, {"models.traction.hydrodynamic_limit": "150 %"})
     assert "mixed film: smallest Λ < 1.5" in words(only(save_plots(contact(percentage), tmp_path)))
-    other = evolve(COLD, {"models.traction": "zhou-hoeprich"})  # whose share of 2^-53 is at (53 ln 2/1.8)^(1/1.2)
+    other = evolve(
+        COLD, {"models.traction": "zhou-hoeprich"}
+    )  # whose share of 2^-53 is at (53 ln 2/1.8)^(1/1.2)
     assert "mixed film: smallest Λ < 12.3" in words(only(save_plots(contact(other), tmp_path)))
     unsaid = contact(rough)
     del unsaid.attrs["film_limits"]
@@ -177,7 +194,9 @@ def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
 def test_a_closure_without_friction_on_the_outer_ring_gives_a_zero_line(tmp_path):
     result = effective(closure="outer-rolling", map_points=5, per_roller=True)
     paths = save_plots(result, tmp_path)
-    assert "outer ring: no slip at largest traction: there is no friction in the range" in " ".join(words(paths[0]))
+    assert "outer ring: no slip at largest traction: there is no friction in the range" in " ".join(
+        words(paths[0])
+    )
     assert len(paths) == 3
 
 
@@ -235,7 +254,9 @@ def make_curve(slip, friction, critical_slip, critical_friction):
 
 
 def test_the_thermal_branch_runs_from_the_maximum_to_where_friction_rises_again():
-    x, y, begin, end = make_curve([0.0, 0.1, 0.2, 0.3, 0.4], [0.0, 2.0, 1.0, 0.5, 0.8], 0.12, 2.1).branches()
+    x, y, begin, end = make_curve(
+        [0.0, 0.1, 0.2, 0.3, 0.4], [0.0, 2.0, 1.0, 0.5, 0.8], 0.12, 2.1
+    ).branches()
     assert (x[begin], y[begin]) == (0.12, 2.1)
     assert (x[end], y[end]) == (0.3, 0.5)
     assert np.all(np.diff(x) > 0.0)
@@ -264,12 +285,18 @@ def test_without_a_maximum_there_is_no_thermal_branch():
 
 
 def test_percent():
-    assert [percent(v) for v in (0.1105, 0.24, 1.0, 3e-7)] == ["11.1 %", "24.0 %", "100 %", "3.00e-05 %"]
+    assert [percent(v) for v in (0.1105, 0.24, 1.0, 3e-7)] == [
+        "11.1 %",
+        "24.0 %",
+        "100 %",
+        "3.00e-05 %",
+    ]
 
 
 @pytest.mark.parametrize("limits", [(-2e-3, 5e-3), (0.0, 40.0), (0.0, 3e6), (-180.0, 180.0)])
 def test_numbers_at_ticks_are_plain_letters_that_say_the_same(limits):
-    labels, powers = [], []
+    labels = []
+    powers = []
     for plain in (False, True):
         with style.context(["default", dict(STYLE)]):
             figure = Figure()
@@ -281,7 +308,9 @@ def test_numbers_at_ticks_are_plain_letters_that_say_the_same(limits):
             powers.append(axes.yaxis.get_major_formatter().get_offset())
     assert labels[0] == [rf"$\mathdefault{{{text}}}$" for text in labels[1]]
     raised = powers[1].translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789−")).removeprefix("×10")
-    assert powers[0] == (rf"$\times\mathdefault{{10^{{{raised}}}}}\mathdefault{{}}$" if raised else "")
+    assert powers[0] == (
+        rf"$\times\mathdefault{{10^{{{raised}}}}}\mathdefault{{}}$" if raised else ""
+    )
 
 
 def test_what_somebody_chose_for_the_ticks_stays():
@@ -304,7 +333,9 @@ def test_text_stays_text_in_words_that_can_be_read(drawn):
 def test_figures_are_written_in_all_formats_the_same_each_time(tmp_path):
     result = contact(points=5)
     first = save_plots(result, tmp_path / "a", tuple(FORMATS))
-    assert {path.name for path in first} == {f"friction-curve.{kind}" for kind in ("svg", "pdf", "png")}
+    assert {path.name for path in first} == {
+        f"friction-curve.{kind}" for kind in ("svg", "pdf", "png")
+    }
     again = save_plots(result, tmp_path / "b", tuple(FORMATS))
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in again]
     assert b"/FontFile2" in next(path for path in first if path.suffix == ".pdf").read_bytes()
@@ -322,17 +353,25 @@ def test_the_map_shows_where_the_cage_runs_on_the_line_of_the_closure(everything
     figure = plot(everything.assign_attrs(operating_slip=slip))["effective-friction-map"]
     for axes, ring in zip(figure.axes, everything.ring, strict=False):
         points = [line for line in axes.lines if line.get_label() == "operating point"]
-        assert [line.get_xdata().tolist() for line in points] == [[pytest.approx(100 * slip)]] * shown
+        assert [line.get_xdata().tolist() for line in points] == [
+            [pytest.approx(100 * slip)]
+        ] * shown
         for point in points:
-            roller = 100 * np.interp(slip, everything.cage_slip, everything.roller_slip.sel(ring=ring))
+            roller = 100 * np.interp(
+                slip, everything.cage_slip, everything.roller_slip.sel(ring=ring)
+            )
             assert point.get_ydata().tolist() == [pytest.approx(roller)]
-    assert ("operating point" in [text.get_text() for text in figure.legends[0].get_texts()]) is shown
+    assert (
+        "operating point" in [text.get_text() for text in figure.legends[0].get_texts()]
+    ) is shown
 
 
 def luminance(colour):
     """Relative luminance of "#rrggbb", WCAG 2.2."""
     parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-    red, green, blue = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts)
+    red, green, blue = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
+    )
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
@@ -346,9 +385,13 @@ def test_every_colour_of_the_palette_is_seen_on_white_and_on_a_dark_ground():
     """Graphical objects need a contrast of 3 (WCAG 2.2, 1.4.11)."""
     assert contrast("#ffffff", "#000000") == pytest.approx(21.0)
     lines = {*MODEL_COLOURS, *RING_COLOURS.values()}
-    colours = lines | {*map(to_hex, light_to_dark().colors)}  # the palest ends of areas may fade on white
+    colours = lines | {
+        *map(to_hex, light_to_dark().colors)
+    }  # the palest ends of areas may fade on white
     assert min(contrast(one, "#ffffff") for one in lines) >= 3.0
-    assert min(contrast(one, GROUND) for one in RING_COLOURS.values()) >= 3.0, "where nothing turns the page dark"
+    assert min(contrast(one, GROUND) for one in RING_COLOURS.values()) >= 3.0, (
+        "where nothing turns the page dark"
+    )
     least = min(colours, key=lambda one: contrast(on_dark(one.lower()), GROUND))
     assert contrast(on_dark(least.lower()), GROUND) >= 3.0, least
     assert contrast(INK, GROUND) >= 7.0

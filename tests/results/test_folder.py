@@ -31,7 +31,9 @@ def test_a_folder_lists_what_was_written_there(tmp_path):
     wrote(tmp_path / "o", overwrite=False)
     told = json.loads((tmp_path / "o" / MANIFEST).read_text())
     # printf numbers | sha256sum
-    assert told["sha256"] == {"result.nc": "f3c7807d475073ba009bf4801b2d934e9f0126cb96dd19a27dbffcae23a7f5a3"}
+    assert told["sha256"] == {
+        "result.nc": "f3c7807d475073ba009bf4801b2d934e9f0126cb96dd19a27dbffcae23a7f5a3"
+    }
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
 
 
@@ -41,13 +43,17 @@ def test_a_folder_that_holds_anything_else_is_left_as_it_is(tmp_path, name):
     wrote(target)
     (target / name).parent.mkdir(exist_ok=True)
     (target / name).write_text("mine")
-    with pytest.raises(OutputError, match=f"o: holds what rollslip did not write there.*{name}.*name another --out"):
+    with pytest.raises(
+        OutputError, match=f"o: holds what rollslip did not write there.*{name}.*name another --out"
+    ):
         wrote(target, "new")
     assert (target / name).read_text() == "mine"
     assert (target / "result.nc").read_text() == "numbers"
 
 
-@pytest.mark.parametrize("change", ["an empty folder", "a changed file", "a link", "no manifest", "a broken manifest"])
+@pytest.mark.parametrize(
+    "change", ["an empty folder", "a changed file", "a link", "no manifest", "a broken manifest"]
+)
 def test_what_was_changed_is_not_replaced(tmp_path, change):
     target = tmp_path / "o"
     wrote(target)
@@ -63,7 +69,9 @@ def test_what_was_changed_is_not_replaced(tmp_path, change):
     else:
         (target / MANIFEST).write_text("[]")
     before = sorted(target.rglob("*"))
-    with pytest.raises(OutputError, match=r"o: (holds what rollslip did not write|has no manifest)"):
+    with pytest.raises(
+        OutputError, match=r"o: (holds what rollslip did not write|has no manifest)"
+    ):
         wrote(target, "new")
     assert sorted(target.rglob("*")) == before
 
@@ -105,21 +113,37 @@ def test_a_folder_that_cannot_be_put_in_place_leaves_the_old_one(tmp_path, monke
         replace(source, target)
 
     monkeypatch.setattr(results.os, "replace", failing)
-    with pytest.raises(OutputError, match=r"o: cannot be written \(No space left on device\); free space"):
+    with pytest.raises(
+        OutputError, match=r"o: cannot be written \(No space left on device\); free space"
+    ):
         wrote(tmp_path / "o", "new")
     assert held(tmp_path / "o") == {"result.nc": "numbers"}
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
 
 
-UNASKED = "scandir" if sys.version_info < (3, 13) else "listdir"  # by folders that list what they hold
-REFUSED = [errno.ENOSPC, errno.EROFS, errno.EXDEV, errno.ESTALE, errno.ENOTSUP, errno.EACCES, errno.ENOSYS]
+UNASKED = (
+    "scandir" if sys.version_info < (3, 13) else "listdir"
+)  # by folders that list what they hold
+REFUSED = [
+    errno.ENOSPC,
+    errno.EROFS,
+    errno.EXDEV,
+    errno.ESTALE,
+    errno.ENOTSUP,
+    errno.EACCES,
+    errno.ENOSYS,
+]
 
 
 class Refusing:
     """A function of the system that refuses from some call in a folder on."""
 
     def __init__(self, name, number, folder, first):
-        self.of_system, self.number, self.folder, self.left, self.refused = getattr(os, name), number, folder, first, 0
+        self.of_system = getattr(os, name)
+        self.number = number
+        self.folder = folder
+        self.left = first
+        self.refused = 0
 
     def __call__(self, place, *more, **options):
         if str(place).startswith(str(self.folder)):
@@ -132,10 +156,13 @@ class Refusing:
 
 @pytest.mark.parametrize("number", REFUSED)
 @pytest.mark.parametrize("name", ["replace", "mkdir", "chmod", "listdir", "scandir"])
-def test_whatever_a_system_refuses_from_whenever_on_leaves_whole_results(number, name, tmp_path, monkeypatch):
+def test_whatever_a_system_refuses_from_whenever_on_leaves_whole_results(
+    number, name, tmp_path, monkeypatch
+):
     """As of network folders that rename or list nothing any more; the next run finds its way."""
     for first in itertools.count():
-        target, said = tmp_path / f"{first}" / "o", ""
+        target = tmp_path / f"{first}" / "o"
+        said = ""
         wrote(target)
         refusing = Refusing(name, number, tmp_path, first)
         with monkeypatch.context() as patched:
@@ -158,7 +185,11 @@ def test_whatever_a_system_refuses_from_whenever_on_leaves_whole_results(number,
 def test_a_folder_of_another_device_leaves_nothing_beside_it(tmp_path, monkeypatch):
     """As of a layer of an image: a folder there cannot be renamed."""
     wrote(tmp_path / "o")
-    monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(errno.EXDEV, "Invalid cross-device")))
+    monkeypatch.setattr(
+        os,
+        "replace",
+        lambda *_: (_ for _ in ()).throw(OSError(errno.EXDEV, "Invalid cross-device")),
+    )
     with pytest.raises(OutputError, match=r"o: cannot be written \(Invalid cross-device\)"):
         wrote(tmp_path / "o", "new")
     assert held(tmp_path / "o") == {"result.nc": "numbers"}
@@ -181,7 +212,9 @@ with results.results_folder(Path("o"), overwrite=True) as folder:
 """
 
 
-@pytest.mark.parametrize("when", [1, 2])  # before the old folder is put aside, and before the new one takes its place
+@pytest.mark.parametrize(
+    "when", [1, 2]
+)  # before the old folder is put aside, and before the new one takes its place
 def test_what_a_killed_run_leaves_is_cleared_away_and_nothing_is_lost(tmp_path, when):
     wrote(tmp_path / "o")
     process = subprocess.run([sys.executable, "-c", KILLED, str(when)], cwd=tmp_path, check=False)
@@ -198,10 +231,14 @@ def test_a_flipped_bit_of_a_result_is_seen(tmp_path):
     path = tmp_path / "r.nc"
     save(result, path)
     content = path.read_bytes()
-    rng, same, refused = random.Random(5), list[bool](), list[str]()
+    rng = random.Random(5)
+    same = list[bool]()
+    refused = list[str]()
     for _ in range(200):
         at = rng.randrange(len(content))
-        path.write_bytes(content[:at] + bytes([content[at] ^ 1 << rng.randrange(8)]) + content[at + 1 :])
+        path.write_bytes(
+            content[:at] + bytes([content[at] ^ 1 << rng.randrange(8)]) + content[at + 1 :]
+        )
         try:
             same.append(rollslip.open_result(path).identical(result))
         except OutputError as error:
@@ -215,6 +252,10 @@ def test_a_result_of_a_newer_version_says_so(tmp_path):
     path = tmp_path / "r.nc"
     save(rollslip.run("1032930-50C", "friction-curve"), path)
     content = path.read_bytes()
-    path.write_bytes(content.replace(b"\nrollslip result 1 sha256 ", b"\nrollslip result 7 sha256 "))
-    with pytest.raises(OutputError, match=r"r\.nc: was written by a newer version of rollslip \(format 7; this one"):
+    path.write_bytes(
+        content.replace(b"\nrollslip result 1 sha256 ", b"\nrollslip result 7 sha256 ")
+    )
+    with pytest.raises(
+        OutputError, match=r"r\.nc: was written by a newer version of rollslip \(format 7; this one"
+    ):
         rollslip.open_result(path)

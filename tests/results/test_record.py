@@ -15,7 +15,18 @@ from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of
 
 COARSE = ("--set", "accuracy.slices=3", *SET_COARSE)
-SAMPLED = ("--samples", "8", "--loads", "2", "--indices", "4", "--probability", "0.5", "--engine", "serial")
+SAMPLED = (
+    "--samples",
+    "8",
+    "--loads",
+    "2",
+    "--indices",
+    "4",
+    "--probability",
+    "0.5",
+    "--engine",
+    "serial",
+)
 COMMANDS = (
     ("run", "gearbox", "--study", "steady-slip"),
     ("run", "1032930-70C"),
@@ -50,9 +61,20 @@ def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for example in ("twin-disc.csv", "rig.toml"):
         shutil.copy(ROOT / "docs" / "examples" / example, tmp_path)
-    writes = command[0] in {"run", "compare", "limit", "sweep", "uncertainty", "pareto", "fit", "validate"}
+    writes = command[0] in {
+        "run",
+        "compare",
+        "limit",
+        "sweep",
+        "uncertainty",
+        "pareto",
+        "fit",
+        "validate",
+    }
     coarse = COARSE if command[0] in {"run", "compare", "sweep", "uncertainty", "pareto"} else ()
-    done = CliRunner().invoke(cli, [*command, *coarse, *(["--no-plots", "--out", "out"] * writes), "--json"])
+    done = CliRunner().invoke(
+        cli, [*command, *coarse, *(["--no-plots", "--out", "out"] * writes), "--json"]
+    )
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)
     assert list(without_units(told)) == []
@@ -65,18 +87,24 @@ def test_units_are_those_of_the_variables():
     result = rollslip.run(coarse("gearbox"), "steady-slip")
     units = with_units(account_of(result).record(result), result)["units"]
     shared = units.keys() & set(result.data_vars)
-    assert {name: units[name] for name in shared} == {name: result[name].attrs["units"] for name in shared}
+    assert {name: units[name] for name in shared} == {
+        name: result[name].attrs["units"] for name in shared
+    }
     assert {"least_load", "friction_torque", "cage_speed"} <= shared
     assert (units["losses"], units["cage_slip"]) == ("W", "1")
 
 
 def test_what_a_table_counts_and_compares_has_a_unit_each():
-    told = with_units({"points": 4, "told": ["as text"], "errors": {"friction": {"known": 3, "median": 0.01}}})
+    told = with_units(
+        {"points": 4, "told": ["as text"], "errors": {"friction": {"known": 3, "median": 0.01}}}
+    )
     assert told["units"] == {"points": "1", "known": "1", "errors": "1"}
     assert list(without_units(told)) == []
 
 
 def test_a_count_beside_a_value_with_a_unit_has_its_own():
-    swept = rollslip.sweep("1032930-70C", {"load": ["1 kN", "2 kN"]}, study="friction-curve", output=["half_width"])
+    swept = rollslip.sweep(
+        "1032930-70C", {"load": ["1 kN", "2 kN"]}, study="friction-curve", output=["half_width"]
+    )
     width = next(iter(with_units(account_of(swept).record(swept), swept)["outputs"].values()))
     assert (width["unit"], width["units"]) == ("m", {"values": "1", "missing": "1"})

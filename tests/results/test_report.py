@@ -73,11 +73,19 @@ def provenance(**changes):
                     "resolution": "17 slices",
                     "reason": "uneven",
                 },
-                {"part": "inlet", "included": False, "choice": "none", "resolution": "", "reason": "nobody asked"},
+                {
+                    "part": "inlet",
+                    "included": False,
+                    "choice": "none",
+                    "resolution": "",
+                    "reason": "nobody asked",
+                },
             ]
         ),
         "warnings": json.dumps(["mind the load < 2"]),
-        "citations": json.dumps(["Klebanov 2022. https://doi.org/10.3103/S1068366622010068", "Moes 1992."]),
+        "citations": json.dumps(
+            ["Klebanov 2022. https://doi.org/10.3103/S1068366622010068", "Moes 1992."]
+        ),
         "evaluations": 1234567,
         "wall_time": 1.5,
         "created": "2030-01-02T03:04:05+00:00",
@@ -88,7 +96,9 @@ def provenance(**changes):
 def results():
     assembly = assemble(SCENE)
     return {
-        "effective-friction": EffectiveFriction(points=11, map_points=4, per_roller=True).run(assembly),
+        "effective-friction": EffectiveFriction(points=11, map_points=4, per_roller=True).run(
+            assembly
+        ),
         "friction-curve": FrictionCurve(points=21, normal_force=(300.0, 518.0)).run(assembly),
     }
 
@@ -101,7 +111,9 @@ def figures(results, tmp_path_factory):
 
 def written(results, figures, folder, **attributes):
     path = folder / "report.html"
-    write_report({name: dataset.assign_attrs(attributes) for name, dataset in results.items()}, figures, path)
+    write_report(
+        {name: dataset.assign_attrs(attributes) for name, dataset in results.items()}, figures, path
+    )
     return path.read_text(encoding="utf-8")
 
 
@@ -125,9 +137,11 @@ def test_the_answer_stands_before_all_else(results, figures, tmp_path):
 
 # The first page -----------------------------------------------------------------------------------------------------
 
-POINT, REM = 25.4 / 72.0, 16.0 * 25.4 / 96.0
+POINT = 25.4 / 72.0
+REM = 16.0 * 25.4 / 96.0
 #: A4 less the margins of @page.
-WIDTH, HEIGHT = 210.0 - 2 * 15.0, 297.0 - 2 * 12.0
+WIDTH = 210.0 - 2 * 15.0
+HEIGHT = 297.0 - 2 * 12.0
 
 
 def lines_of(text, points, room):
@@ -142,20 +156,33 @@ def height_of(first):
     """Height [mm] of the first page in print, by the lengths of the style sheet."""
 
     def table(html, room):
-        rows = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in re.findall(r"<tr[^>]*>(.*?)</tr>", html, re.S)]
-        fixed = sum(max(8.0 * 0.6 * POINT * len(unescape(row[k])) for row in rows) for k in range(len(rows[0]) - 1))
+        rows = [
+            re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)
+            for row in re.findall(r"<tr[^>]*>(.*?)</tr>", html, re.S)
+        ]
+        fixed = sum(
+            max(8.0 * 0.6 * POINT * len(unescape(row[k])) for row in rows)
+            for k in range(len(rows[0]) - 1)
+        )
         last = max(room - fixed - 4.0, 21.0)
         return sum(lines_of(row[-1], 8.0, last) * 8.0 * 1.4 * POINT + 1.4 + 0.3 for row in rows)
 
     answer, given = first.split('<div class="given">')
-    height = lines_of(re.search("<h1>(.*?)</h1>", first)[1], 15.0, WIDTH) * 15.0 * 1.25 * POINT + 2.0
+    height = (
+        lines_of(re.search("<h1>(.*?)</h1>", first)[1], 15.0, WIDTH) * 15.0 * 1.25 * POINT + 2.0
+    )
     for k, paragraph in enumerate(re.findall(r"<p>(.*?)</p>", answer)):
         points = 9.0 if k else 11.0
         count = sum(lines_of(line, points, WIDTH) for line in paragraph.split("<br/>"))
         height += count * points * 1.35 * POINT + 3.0
     drawing = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', given)
     figure = 88.0 * float(drawing[2]) / float(drawing[1]) + 8.0 + 0.5 * REM
-    figure += lines_of(re.search("<figcaption>(.*?)</figcaption>", given)[1], 8.0, 88.0) * 8.0 * 1.35 * POINT
+    figure += (
+        lines_of(re.search("<figcaption>(.*?)</figcaption>", given)[1], 8.0, 88.0)
+        * 8.0
+        * 1.35
+        * POINT
+    )
     return height + table(answer, WIDTH) + REM + max(figure, table(given, 80.0) + 1.5 * REM)
 
 
@@ -163,20 +190,28 @@ def height_of(first):
 def skidding(tmp_path_factory):
     """A scene with all rows, its page, and the part of it that is to fill one sheet."""
     folder = tmp_path_factory.mktemp("skidding")
-    scene = rollslip.new("NU 2312", oil="iso-vg-220", speed="1500 rpm", load="1 kN", temperature="70 degC")
+    scene = rollslip.new(
+        "NU 2312", oil="iso-vg-220", speed="1500 rpm", load="1 kN", temperature="70 degC"
+    )
     result = rollslip.run(rollslip.evolve(scene, COARSE), "steady-slip")
     assert len(answer_of(result).shown()) == 8
 
     def page(**attributes):
         known = result.assign_attrs(attributes)
-        write_report({"steady-slip": known}, {"steady-slip": save_plots(known, folder)}, folder / "report.html")
+        write_report(
+            {"steady-slip": known},
+            {"steady-slip": save_plots(known, folder)},
+            folder / "report.html",
+        )
         html = (folder / "report.html").read_text(encoding="utf-8")
         return html, html[html.index('<div class="first">') : html.index("<nav")]
 
     return result, page
 
 
-def test_the_first_page_has_verdict_rows_inputs_one_figure_and_notes_and_all_else_is_behind_it(skidding):
+def test_the_first_page_has_verdict_rows_inputs_one_figure_and_notes_and_all_else_is_behind_it(
+    skidding,
+):
     result, page = skidding
     html, first = page()
     answer = answer_of(result)
@@ -216,7 +251,11 @@ def test_letters_of_figures_are_9_pixels_high_on_a_phone_or_the_page_says_scroll
     for figure in re.findall(r"<figure.*?</figure>", html, re.S):
         width = float(re.search(r'viewBox="0 0 ([\d.]+)', figure)[1])
         least = re.search(r'class="wide-one" style="--least: (\d+)px"', figure)
-        size = min(float(one) for one in re.findall(r"font(?:-size)?: ?([\d.]+)px", figure) if float(one) >= 6.0)
+        size = min(
+            float(one)
+            for one in re.findall(r"font(?:-size)?: ?([\d.]+)px", figure)
+            if float(one) >= 6.0
+        )
         assert size * (float(least[1]) if least else 390.0 - 32.0) / width >= 9.0
         seen.append(bool(least))
     assert {*seen} == {True, False}
@@ -229,11 +268,20 @@ def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figur
          "warned": k < 6, "measured": False}
         for k in range(1, 7)
     ]  # fmt: skip
-    warnings = json.dumps(["mind the load", *(f"sentence {k}" for k in range(1, 6)), f"{REST} small: short 6"])
+    warnings = json.dumps(
+        ["mind the load", *(f"sentence {k}" for k in range(1, 6)), f"{REST} small: short 6"]
+    )
     said = provenance() | {"warnings": warnings, "validity": json.dumps({"told": told})}
     page = written(results, figures, tmp_path, **said)
-    top, folded = page[page.index('<section id="warnings"') :].split("</section>")[0].split("<details>")
-    assert re.findall("<li>(.*?)</li>", top) == ["mind the load", "sentence 1", "sentence 2", "sentence 3"]
+    top, folded = (
+        page[page.index('<section id="warnings"') :].split("</section>")[0].split("<details>")
+    )
+    assert re.findall("<li>(.*?)</li>", top) == [
+        "mind the load",
+        "sentence 1",
+        "sentence 2",
+        "sentence 3",
+    ]
     assert re.findall("<li>(.*?)</li>", folded) == ["sentence 4", "sentence 5", "sentence 6"]
     assert "<summary>3 more bounds of laws are left" in folded
     assert counted(["short 1"]).startswith("1 more bound of a law is left, ")
@@ -244,7 +292,9 @@ class Page(HTMLParser):
 
     def __init__(self, html):
         super().__init__()
-        self.elements, self.open, self.text = [], [], ""
+        self.elements = []
+        self.open = []
+        self.text = ""
         self.feed(html)
         self.close()
         assert not self.open
@@ -266,23 +316,38 @@ class Page(HTMLParser):
 
 def test_it_is_well_formed_html_and_xml(page):
     assert page.startswith("<!DOCTYPE html>")
-    assert Page(page).elements[0] == ("html", {"lang": "en", "xmlns": "http://www.w3.org/1999/xhtml"})
+    assert Page(page).elements[0] == (
+        "html",
+        {"lang": "en", "xmlns": "http://www.w3.org/1999/xhtml"},
+    )
     ET.fromstring(page)
 
 
 def test_it_has_no_script_and_loads_nothing(page):
     elements = Page(page).elements
-    assert not {tag for tag, _ in elements} & {"script", "link", "img", "image", "iframe", "object", "embed", "base"}
+    assert not {tag for tag, _ in elements} & {
+        "script",
+        "link",
+        "img",
+        "image",
+        "iframe",
+        "object",
+        "embed",
+        "base",
+    }
     for tag, attributes in elements:
         for name, value in attributes.items():
             assert not name.startswith("on")
             if name in ("src", "href", "xlink:href", "srcset", "data", "action") and not (
-                tag == "a" and value.startswith("https://doi.org/10.")  # which a reader has to follow
+                tag == "a"
+                and value.startswith("https://doi.org/10.")  # which a reader has to follow
             ):
                 assert value.startswith("#"), (tag, name, value)
     assert not re.search(r"@import|url\((?!#)", page)
     assert not re.search(r"https?:", page.split("<style>")[1].split("</style>")[0])
-    policy = next(a["content"] for t, a in elements if a.get("http-equiv") == "Content-Security-Policy")
+    policy = next(
+        a["content"] for t, a in elements if a.get("http-equiv") == "Content-Security-Policy"
+    )
     assert policy.startswith("default-src 'none'")
 
 
@@ -290,7 +355,9 @@ def test_addresses_are_only_namespaces_text_and_dois(page):
     for attributes in (attributes for _, attributes in Page(page).elements):
         for name, value in attributes.items():
             if urlsplit(value or "").scheme in ("http", "https"):
-                assert name.startswith("xmlns") or (name == "href" and value.startswith("https://doi.org/10."))
+                assert name.startswith("xmlns") or (
+                    name == "href" and value.startswith("https://doi.org/10.")
+                )
 
 
 def test_ids_are_unique_and_every_reference_has_its_target(page):
@@ -311,7 +378,9 @@ def test_every_figure_has_a_caption_and_a_label(page, figures):
         assert "ring" in drawing["aria-label"]
         assert drawing["viewbox"]
         assert not {"width", "height"} & set(drawing)
-    assert "Figure 3. Friction of one contact with the inner ring, entrainment speed 29.8 m/s." in page
+    assert (
+        "Figure 3. Friction of one contact with the inner ring, entrainment speed 29.8 m/s." in page
+    )
 
 
 def test_tables_have_headers(page):
@@ -320,7 +389,9 @@ def test_tables_have_headers(page):
     tables = list(root.iter(f"{space}table"))
     assert len(tables) >= 8
     for table in tables:
-        assert {cell.get("scope") for cell in table.find(f"{space}thead").iter(f"{space}th")} == {"col"}
+        assert {cell.get("scope") for cell in table.find(f"{space}thead").iter(f"{space}th")} == {
+            "col"
+        }
         for row in table.find(f"{space}tbody"):
             assert row[0].get("scope") == "row"
             assert len(row) == len(table.find(f"{space}thead")[0])
@@ -331,14 +402,22 @@ def test_it_says_what_was_found(page, results):
     for ring in ("inner", "outer"):
         value = float(results["effective-friction"].critical_cage_slip.sel(ring=ring))
         assert f"{ring.capitalize()} ring: cage slip at largest traction {percent(value)}" in text
-    for force, value in zip(("300 N", "518 N"), results["friction-curve"].critical_slip.values, strict=True):
-        assert f"{force}: slip at largest traction {percent(value)}, friction coefficient there" in text
+    for force, value in zip(
+        ("300 N", "518 N"), results["friction-curve"].critical_slip.values, strict=True
+    ):
+        assert (
+            f"{force}: slip at largest traction {percent(value)}, friction coefficient there"
+            in text
+        )
 
 
 def test_it_says_in_words_that_there_is_no_critical_slip(figures, tmp_path):
     flat = FrictionCurve(points=11, max_slip=1e-3).run(assemble(SCENE))
     text = Page(written({"friction-curve": flat}, {}, tmp_path)).text
-    assert "no slip at largest traction: friction still rises at the end of the range, 0.001; look further" in text
+    assert (
+        "no slip at largest traction: friction still rises at the end of the range, 0.001; look further"
+        in text
+    )
     assert "--set study.friction-curve.max_slip=0.01" in text
     assert "In this range the friction coefficient reaches" in text
 
@@ -382,7 +461,13 @@ def test_it_says(page, words):
 
 def test_what_all_say_alike_is_said_once(page):
     text = Page(page).text
-    for words in ("mind the load < 2", "nobody asked", "Another 1993.", "some handbook", "<verbatim>"):
+    for words in (
+        "mind the load < 2",
+        "nobody asked",
+        "Another 1993.",
+        "some handbook",
+        "<verbatim>",
+    ):
         assert text.count(words) == 1
     assert text.count("Moes 1992.") == 2  # once with the model, once to be cited
 
@@ -391,8 +476,13 @@ def test_a_citation_that_is_data_has_its_doi_as_a_link(results, figures, tmp_pat
     hostile = attrs.evolve(KLEBANOV, title=HOSTILE, doi="10.1234/<a>&(b)")
     data = json.dumps([as_dict(KLEBANOV), as_dict(hostile), "Moes 1992."])
     page = written(results, figures, tmp_path, **provenance(bibliography=data))
-    links = [a["href"] for tag, a in Page(page).elements if tag == "a" and a["href"].startswith("https")]
-    assert links == ["https://doi.org/10.3103/S1068366622010068", "https://doi.org/10.1234/%3Ca%3E%26(b)"]
+    links = [
+        a["href"] for tag, a in Page(page).elements if tag == "a" and a["href"].startswith("https")
+    ]
+    assert links == [
+        "https://doi.org/10.3103/S1068366622010068",
+        "https://doi.org/10.1234/%3Ca%3E%26(b)",
+    ]
     assert str(KLEBANOV) in Page(page).text
     assert "Klebanov 2022." not in Page(page).text  # the data stand for the texts
     test_it_has_no_script_and_loads_nothing(page)
@@ -420,13 +510,21 @@ def test_texts_of_users_are_escaped(results, figures, tmp_path):
     model = ("kind", "name", "package", "version", "equation", "parameters")
     tables = {
         "models": [dict.fromkeys(model, HOSTILE) | {"references": [HOSTILE]}],
-        "plan": [{**dict.fromkeys(("part", "choice", "resolution", "reason"), HOSTILE), "included": True}],
+        "plan": [
+            {**dict.fromkeys(("part", "choice", "resolution", "reason"), HOSTILE), "included": True}
+        ],
         "lubricant": {"name": HOSTILE, "source": HOSTILE},
         "conditions": {HOSTILE: {"viscosity": HOSTILE}},
-        "scene_resolved": {HOSTILE: {HOSTILE: HOSTILE, "list": [{"a": HOSTILE}, {"a": [HOSTILE, True]}]}},
+        "scene_resolved": {
+            HOSTILE: {HOSTILE: HOSTILE, "list": [{"a": HOSTILE}, {"a": [HOSTILE, True]}]}
+        },
     }
-    plain = dict.fromkeys(("title", "description", "source", "scene", "scene_hash", "created", "closure"), HOSTILE)
-    attributes = provenance(**plain, **{key: json.dumps(value) for key, value in (lists | tables).items()})
+    plain = dict.fromkeys(
+        ("title", "description", "source", "scene", "scene_hash", "created", "closure"), HOSTILE
+    )
+    attributes = provenance(
+        **plain, **{key: json.dumps(value) for key, value in (lists | tables).items()}
+    )
     named = {HOSTILE: results["effective-friction"]}
     html = written(named, {HOSTILE: figures["effective-friction"]}, tmp_path, **attributes)
     page = Page(html)
@@ -461,8 +559,13 @@ def test_a_dataset_that_says_nothing_gives_an_empty_page(results, tmp_path):
 
 
 def test_unimportant_values_are_shown_for_what_they_are(results, figures, tmp_path):
-    resolved_scene = {"plugins": {"require": []}, "study": {"x": {"on": True, "points": [{"t": 1.25}, {"t": 2.5}]}}}
-    html = written(results, figures, tmp_path, **provenance(scene_resolved=json.dumps(resolved_scene)))
+    resolved_scene = {
+        "plugins": {"require": []},
+        "study": {"x": {"on": True, "points": [{"t": 1.25}, {"t": 2.5}]}},
+    }
+    html = written(
+        results, figures, tmp_path, **provenance(scene_resolved=json.dumps(resolved_scene))
+    )
     text = Page(html).text
     assert "plugins.require" not in text
     assert "study.x.onyes" in text.replace("\n", "")
@@ -471,10 +574,21 @@ def test_unimportant_values_are_shown_for_what_they_are(results, figures, tmp_pa
 
 
 def test_plan_errors_and_times_stand_where_their_heads_say(results, figures, tmp_path):
-    rows = [{"result": "friction", "tolerance": 1e-3, "estimated": 2e-4, "found": 5e-4, "how": "afterwards"}]
+    rows = [
+        {
+            "result": "friction",
+            "tolerance": 1e-3,
+            "estimated": 2e-4,
+            "found": 5e-4,
+            "how": "afterwards",
+        }
+    ]
     said = provenance(accuracy=json.dumps(rows), cost=json.dumps({"actual": 2.0, "estimated": 3.0}))
     text = Page(written(results, figures, tmp_path, **said)).text
-    places = [text.index(one) for one in ("Modelled", "profile x", "Left out", "nobody asked", "2.0e-04", "5.0e-04")]
+    places = [
+        text.index(one)
+        for one in ("Modelled", "profile x", "Left out", "nobody asked", "2.0e-04", "5.0e-04")
+    ]
     assert places == sorted(places)
     assert "Time of the processor: 2 s, estimated 3 s." in text
 
@@ -488,7 +602,9 @@ def test_contacts_at_light_load_are_flagged(page, results):
 
 
 def test_the_same_input_gives_the_same_page(results, figures, tmp_path):
-    assert written(results, figures, tmp_path, **provenance()) == written(results, figures, tmp_path, **provenance())
+    assert written(results, figures, tmp_path, **provenance()) == written(
+        results, figures, tmp_path, **provenance()
+    )
 
 
 def test_figures_follow_a_page_that_is_dark(page):
@@ -497,7 +613,10 @@ def test_figures_follow_a_page_that_is_dark(page):
     drawn = set(re.findall(r"(fill|stroke): (#[0-9a-f]{6})", body))
     assert len(drawn) > 5
     _, dark = sheet.split("@media screen and (prefers-color-scheme: dark){figure svg")
-    assert all(f'[style*="{part}: {colour}"]{{{part}:{on_dark(colour)}!important}}' in dark for part, colour in drawn)
+    assert all(
+        f'[style*="{part}: {colour}"]{{{part}:{on_dark(colour)}!important}}' in dark
+        for part, colour in drawn
+    )
     assert not re.findall(r"(fill|stroke)(?:=|: var)", body)
 
 

@@ -17,7 +17,11 @@ from rollslip.planning.execution import compute, execute
 from rollslip.results.dataset import VOLATILE, save
 from rollslip.results.words import in_python
 
-COARSE = {"accuracy.slices": 5, "accuracy.tolerance": 0.05, "study.effective-friction.map_points": 0}
+COARSE = {
+    "accuracy.slices": 5,
+    "accuracy.tolerance": 0.05,
+    "study.effective-friction.map_points": 0,
+}
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +38,9 @@ def test_it_is_the_dataset_of_the_first_study_and_holds_all(scene, result):
     made = rollslip.plan(scene)
     first = next(iter(made.studies))
     alone = made.studies[first].with_bands(scene, execute(made, first))
-    stable = {name: value for name, value in alone.attrs.items() if name not in (*VOLATILE, "accuracy")}
+    stable = {
+        name: value for name, value in alone.attrs.items() if name not in (*VOLATILE, "accuracy")
+    }
     assert isinstance(result, xr.Dataset)
     assert alone.equals(result)
     assert result.answer.rows
@@ -80,15 +86,21 @@ def test_what_is_computed_from_it_shows_itself_as_a_dataset(result):
 
 
 @pytest.mark.slow
-def test_what_is_next_runs_in_python_where_the_scene_has_no_file(scene, result, tmp_path, monkeypatch):
+def test_what_is_next_runs_in_python_where_the_scene_has_no_file(
+    scene, result, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     first, *_ = result.answer.next
-    assert re.fullmatch(r'rollslip\.run\(rollslip\.evolve\(scene, {"operation.radial_load": "[\d.]+ kN"}\)\)', first)
+    assert re.fullmatch(
+        r'rollslip\.run\(rollslip\.evolve\(scene, {"operation.radial_load": "[\d.]+ kN"}\)\)', first
+    )
     heavier = eval(first, {"rollslip": rollslip, "scene": scene})
     assert heavier.answer["cage_slip"].value < result.answer["cage_slip"].value
     report = in_python("rollslip run {scene} --study steady-slip --report")
     assert (
-        eval(report, {"rollslip": rollslip, "scene": scene}).read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+        eval(report, {"rollslip": rollslip, "scene": scene})
+        .read_text(encoding="utf-8")
+        .startswith("<!DOCTYPE html>")
     )
     assert rollslip.run("gearbox", "steady-slip").answer.next == ("rollslip run gearbox --report",)
 
@@ -110,20 +122,33 @@ def test_a_report_is_that_of_the_command(result, tmp_path):
 
 def test_info_is_that_of_the_command(result, tmp_path):
     said = CliRunner().invoke(cli, ["info", "gearbox"])
-    assert str(rollslip.info("gearbox")) == str(rollslip.info(rollslip.load_scene("gearbox"))) == said.stdout.rstrip()
+    assert (
+        str(rollslip.info("gearbox"))
+        == str(rollslip.info(rollslip.load_scene("gearbox")))
+        == said.stdout.rstrip()
+    )
     save(result, tmp_path / "result.nc")
     said = CliRunner().invoke(cli, ["info", str(tmp_path / "result.nc")])
-    assert str(rollslip.info(tmp_path / "result.nc")) == str(rollslip.info(result)) == said.stdout.rstrip()
+    assert (
+        str(rollslip.info(tmp_path / "result.nc"))
+        == str(rollslip.info(result))
+        == said.stdout.rstrip()
+    )
     assert "installation" in rollslip.info()
     assert "<pre>" in rollslip.info()._repr_html_()
 
 
 @pytest.mark.slow
-def test_the_notebook_of_the_lecture_has_ten_lines_and_each_cell_shows_something(tmp_path, monkeypatch):
+def test_the_notebook_of_the_lecture_has_ten_lines_and_each_cell_shows_something(
+    tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
-    cells = json.loads((ROOT / "docs" / "examples" / "lecture.ipynb").read_text(encoding="utf-8"))["cells"]
+    cells = json.loads((ROOT / "docs" / "examples" / "lecture.ipynb").read_text(encoding="utf-8"))[
+        "cells"
+    ]
     lines = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    names, pages = dict[str, object](), []
+    names = dict[str, object]()
+    pages = []
     for line in lines:
         if re.match(r"import |\w+ = ", line):
             exec(line, names)
@@ -135,7 +160,10 @@ def test_the_notebook_of_the_lecture_has_ten_lines_and_each_cell_shows_something
     assert "<strong>SLIPS</strong>" in result
     assert figures.count("<figure>") >= 3
     assert swept.count("<figure>") >= 1
-    assert all(head in table for head in ("operation.radial_load [kN]", "steady_slip [%]", "friction_torque"))
+    assert all(
+        head in table
+        for head in ("operation.radial_load [kN]", "steady_slip [%]", "friction_torque")
+    )
     assert all(oil in compared for oil in ("iso-vg-68", "iso-vg-220"))
 
 
@@ -150,8 +178,15 @@ def test_a_name_for_a_table_is_told_where_it_stands(scene):
     with pytest.raises(SceneError) as raised:
         rollslip.evolve(scene, changes)
     meant = re.findall(r"takes no name; write ([\w.]+)=(\w+)", str(raised.value))
-    assert meant == [("bearing.name", "NU2210"), ("cage.make", "brass"), ("bearing.clearance_class", "C3")]
-    assert rollslip.evolve(scene, dict(meant)).bearing.rollers == rollslip.new("NU 2210").bearing.rollers
+    assert meant == [
+        ("bearing.name", "NU2210"),
+        ("cage.make", "brass"),
+        ("bearing.clearance_class", "C3"),
+    ]
+    assert (
+        rollslip.evolve(scene, dict(meant)).bearing.rollers
+        == rollslip.new("NU 2210").bearing.rollers
+    )
 
 
 def test_a_plan_has_headings_and_no_blank_rows(scene):

@@ -7,7 +7,9 @@ from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS, Sheet, styled
 pytestmark = pytest.mark.quick
 
 
-@pytest.mark.parametrize(("columns", "rows", "title"), [(1, 3, ""), (2, 2, ""), (3, 1, ""), (3, 2, "what they are")])
+@pytest.mark.parametrize(
+    ("columns", "rows", "title"), [(1, 3, ""), (2, 2, ""), (3, 1, ""), (3, 2, "what they are")]
+)
 def test_a_sheet_grows_by_a_row_for_each_of_its_legend(columns, rows, title):
     sheet = Sheet()
     sheet.line([0, 1], [0, 1], "a line", color="red")
@@ -15,7 +17,11 @@ def test_a_sheet_grows_by_a_row_for_each_of_its_legend(columns, rows, title):
     sheet.key("drawn otherwise", color="blue")
     figure = sheet.done("slip", "friction", columns=columns, title=title)
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["a line", "a point", "drawn otherwise"]
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "a line",
+        "a point",
+        "drawn otherwise",
+    ]
     assert legend.get_title().get_text() == title
     assert figure.get_figheight() == pytest.approx(ONE_COLUMN[1] + rows * ROW)
     assert (sheet.axes.get_xlabel(), sheet.axes.get_ylabel()) == ("slip", "friction")
@@ -35,14 +41,19 @@ def test_a_sheet_without_a_legend_keeps_its_size_and_one_of_panels_has_no_labels
 @pytest.mark.parametrize("columns", [1, 2])
 def test_a_label_that_is_longer_than_its_column_is_wrapped_and_not_cut(columns):
     sheet = Sheet()
-    sheet.key("slip of largest drag: all 1024 samples beyond the range or without an end", color="blue")
+    sheet.key(
+        "slip of largest drag: all 1024 samples beyond the range or without an end", color="blue"
+    )
     sheet.key("allowable", color="red")
     with styled():
         figure = sheet.done("slip", "friction", columns=columns)
         (legend,) = figure.legends
         figure.draw_without_rendering()
-        box, whole = legend.get_window_extent(), figure.bbox
+        box = legend.get_window_extent()
+        whole = figure.bbox
     lines = [text.get_text().count("\n") + 1 for text in legend.get_texts()]
     assert lines[0] > 1 == lines[1]
-    assert figure.get_figheight() == pytest.approx(ONE_COLUMN[1] + (sum(lines) if columns == 1 else max(lines)) * ROW)
+    assert figure.get_figheight() == pytest.approx(
+        ONE_COLUMN[1] + (sum(lines) if columns == 1 else max(lines)) * ROW
+    )
     assert whole.x0 <= box.x0 < box.x1 <= whole.x1

@@ -20,19 +20,30 @@ from rollslip.units import quantity
 def swept():
     over = {"speed": ["500 rpm", "1500 rpm"], "temperature": ["60 degC", "80 degC"]}
     return rollslip.sweep(
-        coarse("1032930-70C"), over, study="steady-slip", output=["slip", "largest_drag", "effective_friction"]
+        coarse("1032930-70C"),
+        over,
+        study="steady-slip",
+        output=["slip", "largest_drag", "effective_friction"],
     )
 
 
 def test_a_run_has_the_rows_of_its_answer():
     result = rollslip.run(coarse("gearbox"), "steady-slip")
     head, rows = sheet(result)
-    for row, (label, value, unit, low, high, text, remark) in zip(answer(result).rows, rows, strict=True):
+    for row, (label, value, unit, low, high, text, remark) in zip(
+        answer(result).rows, rows, strict=True
+    ):
         assert (label, text, remark) == (row.label, row.text, row.note)
         scale = 0.01 if unit == "%" else 1.0 if unit == "" else quantity(f"1 {unit}", row.unit)
-        assert value is None if np.isnan(row.value) else value * scale == pytest.approx(row.value, rel=1e-11)
+        assert (
+            value is None
+            if np.isnan(row.value)
+            else value * scale == pytest.approx(row.value, rel=1e-11)
+        )
         for end, of in zip((low, high), row.band or (np.nan, np.nan), strict=True):
-            assert end is None if not np.isfinite(of) else end * scale == pytest.approx(of, rel=1e-11)
+            assert (
+                end is None if not np.isfinite(of) else end * scale == pytest.approx(of, rel=1e-11)
+            )
     assert head == ["quantity", "value", "unit", "low", "high", "in words", "remark"]
 
 
@@ -47,7 +58,8 @@ def test_many_points_have_a_row_each_in_people_s_units(swept):
 
 
 def test_in_python_a_table_is_one_of_pandas(swept):
-    made, (head, rows) = rollslip.table(swept), sheet(swept)
+    made = rollslip.table(swept)
+    (head, rows) = sheet(swept)
     assert list(made.columns) == head
     assert made["steady_slip [%]"].to_list() == [row[head.index("steady_slip [%]")] for row in rows]
 
@@ -85,4 +97,6 @@ def test_the_command_writes_tables_and_no_plots_unless_asked(tmp_path):
     sheet = openpyxl.load_workbook(tmp_path / "out" / "answer.xlsx").active
     for row, cells in zip(told, sheet.iter_rows(values_only=True), strict=True):
         for text, cell in zip(row, cells, strict=True):
-            assert (float(text) == cell) if isinstance(cell, int | float) else (text == (cell or ""))
+            assert (
+                (float(text) == cell) if isinstance(cell, int | float) else (text == (cell or ""))
+            )

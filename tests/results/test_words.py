@@ -9,7 +9,9 @@ import rollslip
 from rollslip.results.words import confidence, rounded_up, runs_at, two, warned
 
 RUNS = "with the drags of the scene the cage runs at a slip of"
-SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9, "accuracy.tolerance": 1e-2})
+SCENE = rollslip.evolve(
+    rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9, "accuracy.tolerance": 1e-2}
+)
 
 
 @pytest.fixture(scope="module")
@@ -68,14 +70,23 @@ def test_confidence_is_the_error_of_an_approximation_and_the_quality_of_the_data
     dataset = results["effective-friction"]
     off = json.loads(dataset.attrs["validity"])["approximation"]["rms"]
     first, last = confidence(results.values()).split("; ")
-    assert first == f"'muraki' is {100 * off:.2g} % (rms) off 'maxwell-eyring', which it approximates"
+    assert (
+        first == f"'muraki' is {100 * off:.2g} % (rms) off 'maxwell-eyring', which it approximates"
+    )
     assert last == "data quality of the oil B and C (A printed to D estimated)"
     assert confidence([dataset.assign_attrs(validity="")]) == last
 
 
 @pytest.mark.parametrize(
     ("value", "said"),
-    [(0.0, "0"), (9.96, "10"), (0.0995, "0.10"), (0.99999, "1.0"), (22040.0, "22000"), (-0.0151, "-0.015")],
+    [
+        (0.0, "0"),
+        (9.96, "10"),
+        (0.0995, "0.10"),
+        (0.99999, "1.0"),
+        (22040.0, "22000"),
+        (-0.0151, "-0.015"),
+    ],
 )
 def test_numbers_have_two_digits_and_no_exponent(value, said):
     assert two(value) == said
@@ -96,7 +107,9 @@ def test_a_load_is_rounded_to_one_that_is_no_less(load, unit, said):
 
 
 def test_warnings_of_a_result_without_a_record_are_all_told(results):
-    old = results["effective-friction"].assign_attrs(warnings='["mind the load", "and the oil"]', validity="")
+    old = results["effective-friction"].assign_attrs(
+        warnings='["mind the load", "and the oil"]', validity=""
+    )
     assert warned([old, old]) == (["mind the load", "and the oil"], [])
 
 

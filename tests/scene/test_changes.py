@@ -55,7 +55,9 @@ def test_evolve_changes_values_by_dotted_key() -> None:
 
 def test_evolve_lets_what_follows_from_a_value_follow() -> None:
     scene = parse_scene(SCENE, "scene.toml")
-    warm = evolve(scene, {"operation.temperature": "80 degC", "bearing.outer_raceway_diameter": "195.05 mm"})
+    warm = evolve(
+        scene, {"operation.temperature": "80 degC", "bearing.outer_raceway_diameter": "195.05 mm"}
+    )
     assert warm.operation.roller_temperature == 353.15
     assert warm.bearing.radial_clearance == 50e-6
 
@@ -81,7 +83,10 @@ def test_a_person_s_word_stands_for_its_key(word: str, key: str) -> None:
 
 def test_the_title_of_a_result_follows_what_was_changed() -> None:
     scene = parse_scene(SCENE, "scene.toml")
-    changed = evolve(scene, {"operation.temperature": "60 degC", "accuracy.slices": 5, "models.film.model": "moes"})
+    changed = evolve(
+        scene,
+        {"operation.temperature": "60 degC", "accuracy.slices": 5, "models.film.model": "moes"},
+    )
     said = f"{scene.title}; changed: operation.temperature = 60 degC, models.film.model = moes"
     assert [scene_told(one)["title"] for one in (scene, changed)] == [scene.title, said]
     assert scene_told(changed, scene)["title"] == scene.title
@@ -126,7 +131,9 @@ def test_faults_of_changes_are_marked_and_the_others_keep_their_lines() -> None:
     assert scene.origins["bearing", "rollers"] == "scene.toml:4"
 
 
-@pytest.mark.parametrize("key", ["", " ", ".", "a..b", "a b", "a=1", 'a."b', '"\\q"', "a\nb", "[a]", "ä"])
+@pytest.mark.parametrize(
+    "key", ["", " ", ".", "a..b", "a b", "a=1", 'a."b', '"\\q"', "a\nb", "[a]", "ä"]
+)
 def test_what_is_no_key_is_reported(key: str) -> None:
     with pytest.raises(SceneError, match="is not a key"):
         evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
@@ -135,13 +142,21 @@ def test_what_is_no_key_is_reported(key: str) -> None:
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
-        ("operation.axial_load", "1 N", "operation.axial_load: axial loads, which ribs carry, are not modelled; leave"),
+        (
+            "operation.axial_load",
+            "1 N",
+            "operation.axial_load: axial loads, which ribs carry, are not modelled; leave",
+        ),
         (
             "operation.radial_load",
             [1, 2],
             "such as '3415 N'; give the resultant of components, or one value: sweep takes",
         ),
-        ("bearing.name", 6312, "bearing.name: no bearing is called '6312': this is a deep groove ball bearing"),
+        (
+            "bearing.name",
+            6312,
+            "bearing.name: no bearing is called '6312': this is a deep groove ball bearing",
+        ),
         ("bearing.name", True, "bearing.name: a text is expected, not true"),
     ],
 )
@@ -151,24 +166,34 @@ def test_what_was_meant_otherwise_gets_advice(key: str, value: object, said: str
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize("key", ["title.x", "bearing.rollers.x", "study.effective-friction.slip.x", "lubricant.name.x"])
+@pytest.mark.parametrize(
+    "key", ["title.x", "bearing.rollers.x", "study.effective-friction.slip.x", "lubricant.name.x"]
+)
 def test_a_key_below_a_value_is_reported(key: str) -> None:
-    with pytest.raises(SceneError, match=f"changes: '{key}' leads nowhere: '{key.split('.')[-2]}' is not a table"):
+    with pytest.raises(
+        SceneError, match=f"changes: '{key}' leads nowhere: '{key.split('.')[-2]}' is not a table"
+    ):
         evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
 
 
 def test_keys_may_be_quoted() -> None:
-    changed = evolve(parse_scene(SCENE, "scene.toml"), {'study."my study".x': 1, "study.'a.b'.x": 2})
+    changed = evolve(
+        parse_scene(SCENE, "scene.toml"), {'study."my study".x': 1, "study.'a.b'.x": 2}
+    )
     assert changed.study["my study"] == {"x": 1}
     assert changed.study["a.b"] == {"x": 2}
 
 
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3)
+    ),
     max_leaves=5,
 )
-scene_keys = st.sampled_from([row.key.replace("*", "x") for row in schema()] + ["bearing", "models", "study", "x"])
+scene_keys = st.sampled_from(
+    [row.key.replace("*", "x") for row in schema()] + ["bearing", "models", "study", "x"]
+)
 
 
 @given(st.dictionaries(scene_keys, json_values, max_size=3))
@@ -210,10 +235,12 @@ def test_a_setting_needs_key_and_value(text: str) -> None:
 
 def test_a_parameter_of_one_of_several_models_is_set_by_its_name() -> None:
     several = evolve(
-        load_scene("1032930-70C"), {"models.torque": ["skf", {"model": "constant-coefficient", "coefficient": 0.002}]}
+        load_scene("1032930-70C"),
+        {"models.torque": ["skf", {"model": "constant-coefficient", "coefficient": 0.002}]},
     )
     changed = evolve(
-        several, {"models.torque.skf.series": "22", "models.torque.constant-coefficient.coefficient": 0.003}
+        several,
+        {"models.torque.skf.series": "22", "models.torque.constant-coefficient.coefficient": 0.003},
     )
     assert [(one.name, dict(one.parameters)) for one in changed.models.torque] == [
         ("skf", {"series": "22"}),
@@ -221,7 +248,8 @@ def test_a_parameter_of_one_of_several_models_is_set_by_its_name() -> None:
     ]
     assert several.models.torque[1].parameters["coefficient"] == 0.002
     alone = evolve(
-        load_scene("1032930-70C"), {"models.damage": "power-density", "models.damage.power-density.allowed": "5 MW/m2"}
+        load_scene("1032930-70C"),
+        {"models.damage": "power-density", "models.damage.power-density.allowed": "5 MW/m2"},
     )
     (one,) = alone.models.damage
     assert (one.name, dict(one.parameters)) == ("power-density", {"allowed": "5 MW/m2"})
@@ -230,7 +258,10 @@ def test_a_parameter_of_one_of_several_models_is_set_by_its_name() -> None:
 @pytest.mark.parametrize(
     ("key", "sentence"),
     [
-        ("models.torque.palmgren.load_factor", "'torque' names skf, constant-coefficient, not 'palmgren'"),
+        (
+            "models.torque.palmgren.load_factor",
+            "'torque' names skf, constant-coefficient, not 'palmgren'",
+        ),
         ("models.torque.skf", "'torque' is a list; add a parameter of one, or set all of the list"),
         ("models.damage.power-density.allowed", "'damage' names nothing, not 'power-density'"),
         ("models.torque.skf.series.x", "'series' is not a table"),
@@ -238,7 +269,8 @@ def test_a_parameter_of_one_of_several_models_is_set_by_its_name() -> None:
 )
 def test_a_key_that_leads_to_none_of_several_models_is_refused(key: str, sentence: str) -> None:
     several = evolve(
-        load_scene("1032930-70C"), {"models.torque": [{"model": "skf", "series": "22"}, "constant-coefficient"]}
+        load_scene("1032930-70C"),
+        {"models.torque": [{"model": "skf", "series": "22"}, "constant-coefficient"]},
     )
     with pytest.raises(SceneError) as error:
         evolve(several, {key: 1})
@@ -247,7 +279,9 @@ def test_a_key_that_leads_to_none_of_several_models_is_refused(key: str, sentenc
 
 def test_a_fault_of_one_of_several_models_names_the_change() -> None:
     several = evolve(load_scene("1032930-70C"), {"models.torque": ["skf", "constant-coefficient"]})
-    with pytest.raises(SceneError, match=r"changes: models.torque\[1\].coefficient: must be at least 0, not -1"):
+    with pytest.raises(
+        SceneError, match=r"changes: models.torque\[1\].coefficient: must be at least 0, not -1"
+    ):
         assemble(evolve(several, {"models.torque.constant-coefficient.coefficient": -1}))
 
 

@@ -22,7 +22,11 @@ from rollslip_studies.variation.scatter import with_scatter
 
 STEEL = Material()
 PLAIN = Bearing(
-    rollers=28, roller_diameter=0.015, roller_length=0.015, inner_raceway_diameter=0.165, outer_raceway_diameter=0.195
+    rollers=28,
+    roller_diameter=0.015,
+    roller_length=0.015,
+    inner_raceway_diameter=0.165,
+    outer_raceway_diameter=0.195,
 )
 
 
@@ -40,7 +44,11 @@ def mounted(speeds=(0.0, 0.0), temperatures=None, bore=None, **mounting):
     nothing = {
         "shaft_interference": 0.0, "housing_interference": 0.0, "temperature_difference": 0.0, "smoothing": 1.0,
     }  # fmt: skip
-    given = {key: value for key, value in nothing.items() if key.replace("interference", "fit") not in mounting}
+    given = {
+        key: value
+        for key, value in nothing.items()
+        if key.replace("interference", "fit") not in mounting
+    }
     ring = attrs.evolve(ring, mounting=Mounting(**given | mounting))
     return operating(ring, speeds, temperatures, rigid=False).clearance
 
@@ -54,11 +62,13 @@ def solved(bodies, interference, speed=0.0):
     u = A r + B/r - (1 - nu^2) rho w^2 r^3/(8 E) in each; edges are free, the pressed ones carry the same stress and
     differ by half the interference. Bodies are (material, inside, outside), the inner one first.
     """
-    matrix, right = np.zeros((4, 4)), np.zeros(4)
+    matrix = np.zeros((4, 4))
+    right = np.zeros(4)
 
     def of(k, r):
         material = bodies[k][0]
-        E, nu = material.elastic_modulus, material.poisson_ratio
+        E = material.elastic_modulus
+        nu = material.poisson_ratio
         force = material.density * speed**2
         moved = -(1 - nu**2) * force * r**3 / (8 * E)
         stress = -(3 + nu) * force * r**2 / 8
@@ -76,8 +86,10 @@ def solved(bodies, interference, speed=0.0):
     right[1] = -body
     u, moved, pressed, body = of(0, b)
     u_ring, moved_ring, pressed_ring, body_ring = of(1, b)
-    matrix[2], right[2] = [*pressed, *np.negative(pressed_ring)], body_ring - body
-    matrix[3], right[3] = [*np.negative(u), *u_ring], interference / 2 + moved - moved_ring
+    matrix[2] = [*pressed, *np.negative(pressed_ring)]
+    right[2] = body_ring - body
+    matrix[3] = [*np.negative(u), *u_ring]
+    right[3] = interference / 2 + moved - moved_ring
     scale = np.array([1.0, 1e-3, 1.0, 1e-3])
     rows = np.abs(matrix * scale).max(axis=1)
     found = scale * np.linalg.solve(matrix * scale / rows[:, None], right / rows)
@@ -106,14 +118,22 @@ def test_a_housing_narrows_the_raceway_as_elasticity_says(around, housing):
     assert pressure > 0.0
     assert 5e-5 * share(STEEL, 0.195, 0.21, around, housing) == pytest.approx(-edges[0], rel=1e-9)
     if around > 1.0:
-        assert 5e-5 * share(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(-edges[0], rel=1e-4)
+        assert 5e-5 * share(STEEL, 0.195, 0.21, math.inf, housing) == pytest.approx(
+            -edges[0], rel=1e-4
+        )
 
 
 @pytest.mark.parametrize("rpm", [0.0, 6000.0])
 def test_a_hollow_shaft_of_aluminium_presses_and_grows_as_elasticity_says(rpm):
-    edges, pressure = solved([(ALUMINIUM, 0.06, 0.15), (STEEL, 0.15, 0.165)], 8e-5, rpm * math.pi / 30)
+    edges, pressure = solved(
+        [(ALUMINIUM, 0.06, 0.15), (STEEL, 0.15, 0.165)], 8e-5, rpm * math.pi / 30
+    )
     found = mounted(
-        (rpm * math.pi / 30, 0.0), shaft_interference=8e-5, bore=0.15, shaft_bore=0.06, shaft_material=ALUMINIUM
+        (rpm * math.pi / 30, 0.0),
+        shaft_interference=8e-5,
+        bore=0.15,
+        shaft_bore=0.06,
+        shaft_material=ALUMINIUM,
     )
     assert pressure > 0.0
     assert found == pytest.approx(-edges[3], rel=1e-6)
@@ -138,13 +158,21 @@ def test_a_scene_has_its_housing_at_its_temperature():
     table = "name = 'NU2216'\n[bearing.mounting]\n{}\ngrowth = false\nhousing_expansion = '23.8e-6 1/K'\n"
     table += "[bearing.mounting.housing_material]\nelastic_modulus = '70 GPa'"
     cold, warm = (
-        evolve(scene(table.format("housing_interference = '50 um'")), {"operation.temperature": at}).bearing
+        evolve(
+            scene(table.format("housing_interference = '50 um'")), {"operation.temperature": at}
+        ).bearing
         for at in ("20 degC", "120 degC")
     )
-    alone = 0.8 * 5e-5 * share(STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9))
+    alone = (
+        0.8
+        * 5e-5
+        * share(STEEL, cold.outer_raceway_diameter, 0.14, math.inf, Material(elastic_modulus=70e9))
+    )
     assert warm.radial_clearance - cold.radial_clearance == pytest.approx(alone, abs=2e-12)
     cold, warm = (
-        evolve(scene(table.format("housing_fit = 'P7'")), {"operation.temperature": at}).bearing.mounted
+        evolve(
+            scene(table.format("housing_fit = 'P7'")), {"operation.temperature": at}
+        ).bearing.mounted
         for at in ("20 degC", "120 degC")
     )
     assert warm.deviation < cold.deviation  # a seat that is loose scatters nothing
@@ -152,7 +180,8 @@ def test_a_scene_has_its_housing_at_its_temperature():
 
 def test_thin_rings_share_an_interference_by_their_walls():
     # a ring of 1 um on a tube of 3 um, both of 100 mm: each yields by what the other one's wall is of both
-    ring, tube = 1e-6, 3e-6
+    ring = 1e-6
+    tube = 3e-6
     found = share(STEEL, 0.1 + 2 * ring, 0.1, 0.1 - 2 * tube)
     assert found == pytest.approx(tube / (ring + tube), rel=1e-4)
     # a thin ring follows a solid shaft, and a thin one in a thick housing yields all of it
@@ -162,16 +191,24 @@ def test_thin_rings_share_an_interference_by_their_walls():
 
 def test_a_thin_hoop_and_a_solid_disc_grow_as_the_books_say():
     force = STEEL.density * 1000.0**2 / STEEL.elastic_modulus
-    assert spun(STEEL, 1000.0, 0.2 - 1e-7, 0.2) == pytest.approx((2 * force * 0.1**3,) * 2, rel=1e-5)
-    assert spun(STEEL, 1000.0, 0.0, 0.2)[1] == pytest.approx(2 * 0.7 * force * 0.1**3 / 4, rel=1e-12)
+    assert spun(STEEL, 1000.0, 0.2 - 1e-7, 0.2) == pytest.approx(
+        (2 * force * 0.1**3,) * 2, rel=1e-5
+    )
+    assert spun(STEEL, 1000.0, 0.0, 0.2)[1] == pytest.approx(
+        2 * 0.7 * force * 0.1**3 / 4, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("rpm", [0.0, 3000.0, 15000.0])
 @pytest.mark.parametrize("interference", [2e-5, 8e-5])
 @pytest.mark.parametrize("shaft_bore", [0.0, 0.1])
 def test_a_fit_and_speed_change_the_clearance_as_elasticity_says(rpm, interference, shaft_bore):
-    edges, pressure = solved([(STEEL, shaft_bore, 0.15), (STEEL, 0.15, 0.165)], interference, rpm * math.pi / 30)
-    found = mounted((rpm * math.pi / 30, 0.0), shaft_interference=interference, bore=0.15, shaft_bore=shaft_bore)
+    edges, pressure = solved(
+        [(STEEL, shaft_bore, 0.15), (STEEL, 0.15, 0.165)], interference, rpm * math.pi / 30
+    )
+    found = mounted(
+        (rpm * math.pi / 30, 0.0), shaft_interference=interference, bore=0.15, shaft_bore=shaft_bore
+    )
     if pressure > 0.0:
         assert found == pytest.approx(-edges[3], rel=1e-6)  # a clearance is rounded to picometres
     else:  # the ring is loose: it widens as an annulus on nothing, and by no fit
@@ -189,8 +226,16 @@ def test_a_turning_outer_ring_widens_and_a_ring_in_play_is_not_pressed():
 @pytest.mark.parametrize("housing", [STEEL, ALUMINIUM])
 @pytest.mark.parametrize("around", [0.22, 0.4])
 def test_rollers_widen_a_rigid_outer_ring_as_they_do_one_that_yields(housing, around):
-    sizes = {"roller_diameter": 15, "roller_length": 15, "inner_raceway_diameter": 165, "outer_raceway_diameter": 195}
-    plain = scene("\n".join(["rollers = 28", *(f"{key} = '{size} mm'" for key, size in sizes.items())]), "10000 rpm")
+    sizes = {
+        "roller_diameter": 15,
+        "roller_length": 15,
+        "inner_raceway_diameter": 165,
+        "outer_raceway_diameter": 195,
+    }
+    plain = scene(
+        "\n".join(["rollers = 28", *(f"{key} = '{size} mm'" for key, size in sizes.items())]),
+        "10000 rpm",
+    )
     given = {
         "catalogue": {"bore": "150 mm", "outside_diameter": "210 mm", "width": "28 mm"},
         "mounting": {"initial_clearance": "200 um", "housing_interference": "50 um",
@@ -199,10 +244,14 @@ def test_rollers_widen_a_rigid_outer_ring_as_they_do_one_that_yields(housing, ar
                                           "poisson_ratio": housing.poisson_ratio}},
     }  # fmt: skip
     changes = {f"bearing.{key}": value for key, value in given.items()}
-    rigid = evolve(plain, changes | {"operation.outer_speed": "-900 rpm", "operation.radial_load": "0 N"})
+    rigid = evolve(
+        plain, changes | {"operation.outer_speed": "-900 rpm", "operation.radial_load": "0 N"}
+    )
     hoop = evolve(rigid, {"models.outer_ring": {"model": "annulus", "harmonics": 0}})
     wide = 2.0 * assemble(hoop).load_distribution(1).deflection[0, 0]
-    assert rigid.bearing.radial_clearance - hoop.bearing.radial_clearance == pytest.approx(wide, abs=2e-12)
+    assert rigid.bearing.radial_clearance - hoop.bearing.radial_clearance == pytest.approx(
+        wide, abs=2e-12
+    )
     assert 5e-7 < wide < 1e-5
     named = evolve(rigid, {"models.outer_ring": "rigid"})
     assert named.bearing.mounted == rigid.bearing.mounted
@@ -210,12 +259,18 @@ def test_rollers_widen_a_rigid_outer_ring_as_they_do_one_that_yields(housing, ar
 
 def test_a_ring_in_play_widens_freely_until_its_seat_holds_it():
     def wide(play, **more):
-        b = attrs.evolve(PLAIN, mounting=Mounting(housing_interference=-play, housing_outside_diameter=0.4, **more))
+        b = attrs.evolve(
+            PLAIN,
+            mounting=Mounting(housing_interference=-play, housing_outside_diameter=0.4, **more),
+        )
         one, other = (operating(b, (1000.0, 0.0), rigid=rigid).clearance for rigid in (True, False))
         return one - other
 
     # Lame, a bare ring of 27 mm (D): rollers of the whole orbit, each of 20.7 g at 0.09 m and 458 rad/s
-    a, s, E, nu = 0.195, 0.21, STEEL.elastic_modulus, STEEL.poisson_ratio
+    a = 0.195
+    s = 0.21
+    E = STEEL.elastic_modulus
+    nu = STEEL.poisson_ratio
     cage = 1000.0 * 0.165 / 0.36
     force = 28 * STEEL.density * math.pi / 4 * 0.015**3 * 0.09 * cage**2
     pressure = force / (math.pi * a * 1.8 * 0.015)
@@ -229,7 +284,11 @@ def test_a_ring_in_play_widens_freely_until_its_seat_holds_it():
 
 def test_a_housing_of_a_ring_that_the_clearance_does_not_know_is_told():
     one = evolve(
-        scene(), {"models.outer_ring": {"model": "annulus", "outside": "200 mm"}, "models.inner_ring": "annulus"}
+        scene(),
+        {
+            "models.outer_ring": {"model": "annulus", "outside": "200 mm"},
+            "models.inner_ring": "annulus",
+        },
     )
     told = [text for text in implausible(one) if "is not as in bearing.mounting" in text]
     assert len(told) == 1
@@ -252,7 +311,9 @@ def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc(
     assert operating(bare, (0.0, 0.0), rigid=False).clearance == pytest.approx(5e-5, abs=1e-12)
     # (1 - nu) rho w^2 r^3/(4 E) of a solid disc, of radii
     grown = 2.0 * (1 - 0.3) * STEEL.density * 1000.0**2 * 0.0825**3 / (4.0 * STEEL.elastic_modulus)
-    assert operating(bare, (1000.0, 0.0), rigid=False).clearance == pytest.approx(5e-5 - grown, abs=1e-12)
+    assert operating(bare, (1000.0, 0.0), rigid=False).clearance == pytest.approx(
+        5e-5 - grown, abs=1e-12
+    )
     assert operating(bare, (0.0, 0.0)).assumed == ()
     hollow = attrs.evolve(
         bare, mounting=attrs.evolve(bare.mounting, shaft_bore=PLAIN.boundaries[0])
@@ -261,7 +322,9 @@ def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc(
     for key, value in (("shaft_fit", "k5"), ("shaft_interference", 1e-5)):
         with pytest.raises(FieldError, match="rollers run on the shaft itself"):
             operating(attrs.evolve(bare, mounting=Mounting(**{key: value})), (0.0, 0.0))
-    cup = attrs.evolve(bare, outer_raceway=Raceway(without_ring=True), mounting=Mounting(housing_fit="N6"))
+    cup = attrs.evolve(
+        bare, outer_raceway=Raceway(without_ring=True), mounting=Mounting(housing_fit="N6")
+    )
     with pytest.raises(FieldError, match="rollers run on the housing itself"):
         operating(cup, (0.0, 0.0))
 
@@ -269,7 +332,8 @@ def test_on_a_shaft_without_a_ring_no_fit_is_felt_and_the_shaft_grows_as_a_disc(
 def test_the_sum_is_that_by_hand():
     read = scene(speed="1e-6 rpm")
     assert str(read.bearing.mounted) == "57.5 CN - 17 m5 - 7.6 for 5 K = 33 um"
-    F, E = read.bearing.inner_raceway_diameter, read.bearing.outer_raceway_diameter
+    F = read.bearing.inner_raceway_diameter
+    E = read.bearing.outer_raceway_diameter
     by_hand = 57.5e-6 - 0.8 * 25e-6 * 0.08 / F - 12e-6 * 5.0 * E
     assert read.bearing.radial_clearance == pytest.approx(by_hand, abs=2e-12)
     # class 40 to 75 um, shaft 11 to 24, bore -15 to 0, each even; a housing that is loose does not scatter
@@ -296,7 +360,10 @@ def test_usual_bearings_keep_what_others_computed(name, left, deviation, c3):
         assert 1e6 * found == pytest.approx(clearance, abs=0.9)
     assert 1e6 * still.bearing.mounted.deviation == pytest.approx(deviation, abs=0.5)
     loose = evolve(still, {"bearing.clearance_class": "C3"}).bearing
-    assert (1e6 * loose.radial_clearance, loose.clearance_class) == (pytest.approx(c3, abs=0.9), "C3")
+    assert (1e6 * loose.radial_clearance, loose.clearance_class) == (
+        pytest.approx(c3, abs=0.9),
+        "C3",
+    )
     assert loose == scene(f"name = '{name}/C3'", speed="1e-6 rpm").bearing
 
 
@@ -304,7 +371,10 @@ def test_temperatures_of_rings_take_the_place_of_the_usual_difference():
     still = {"bearing.mounting.shaft_interference": 0.0, "bearing.mounting.growth": False}
     loose = evolve(scene(), still)
     b = loose.bearing
-    warm = evolve(loose, {"operation.inner_ring_temperature": "82 degC", "operation.roller_temperature": "76 degC"})
+    warm = evolve(
+        loose,
+        {"operation.inner_ring_temperature": "82 degC", "operation.roller_temperature": "76 degC"},
+    )
     said = 57.5e-6 - 12e-6 * (12.0 * b.inner_raceway_diameter + 2 * 6.0 * b.roller_diameter)
     assert warm.bearing.radial_clearance == pytest.approx(said, abs=2e-12)
     # all parts warm alike where somebody says so: no clearance is lost, at any temperature
@@ -317,11 +387,15 @@ def test_temperatures_of_rings_take_the_place_of_the_usual_difference():
     st.sampled_from(("NU205", "NU210", "NU2216", "NU322", "NU232")),
     st.floats(0.0, 1e-4), st.floats(0.0, 1e-4), st.floats(0.0, 30.0), st.floats(0.0, 10.0), st.floats(0.0, 1.0),
 )  # fmt: skip
-def test_more_interference_and_more_heat_leave_less_clearance(name, shaft, housing, warm, more, smoothing):
+def test_more_interference_and_more_heat_leave_less_clearance(
+    name, shaft, housing, warm, more, smoothing
+):
     b = CATALOGUE[CATALOGUE.called(name)].bearing
 
     def left(**mounting):
-        given = attrs.evolve(b.mounting, initial_clearance=b.radial_clearance, smoothing=smoothing, **mounting)
+        given = attrs.evolve(
+            b.mounting, initial_clearance=b.radial_clearance, smoothing=smoothing, **mounting
+        )
         return operating(attrs.evolve(b, mounting=given), (0.0, 0.0)).clearance
 
     base = left(shaft_interference=shaft, housing_interference=housing, temperature_difference=warm)
@@ -329,19 +403,28 @@ def test_more_interference_and_more_heat_leave_less_clearance(name, shaft, housi
         ("shaft_interference", shaft, 1e-6 * more), ("housing_interference", housing, 1e-6 * more),
         ("temperature_difference", warm, more),
     ):  # fmt: skip
-        known = {"shaft_interference": shaft, "housing_interference": housing, "temperature_difference": warm}
+        known = {
+            "shaft_interference": shaft,
+            "housing_interference": housing,
+            "temperature_difference": warm,
+        }
         tighter = left(**known | {key: value + step})
         assert tighter <= base + 1e-12  # picometres are rounded
         if smoothing > 0.1 and more > 0.1:
             assert tighter < base
     # never more than the whole interference comes through, and all of the rest is linear
-    assert b.radial_clearance - base <= smoothing * (shaft + housing) + 12e-6 * warm * b.outer_raceway_diameter + 2e-12
+    assert (
+        b.radial_clearance - base
+        <= smoothing * (shaft + housing) + 12e-6 * warm * b.outer_raceway_diameter + 2e-12
+    )
 
 
 @pytest.mark.parametrize("name", ["NU205", "NU 1016", "NU2216", "NJ232"])
 def test_classes_stand_in_their_order(name):
     one = scene(f"name = '{name}'")
-    found = [evolve(one, {"bearing.clearance_class": of}).bearing for of in ("C2", "CN", "C3", "C4")]
+    found = [
+        evolve(one, {"bearing.clearance_class": of}).bearing for of in ("C2", "CN", "C3", "C4")
+    ]
     sizes = [bearing.radial_clearance for bearing in found]
     assert sizes == sorted(sizes)
     assert len(set(sizes)) == 4
@@ -350,9 +433,19 @@ def test_classes_stand_in_their_order(name):
 
 
 def test_the_usual_fit_follows_the_bore():
-    assert [usual_fit(1e-3 * bore) for bore in (20, 50, 55, 100, 105, 300)] == ["k5", "k5", "m5", "m5", "m6", "m6"]
+    assert [usual_fit(1e-3 * bore) for bore in (20, 50, 55, 100, 105, 300)] == [
+        "k5",
+        "k5",
+        "m5",
+        "m5",
+        "m6",
+        "m6",
+    ]
     assert scene().bearing.boundaries == (0.08, 0.14)
-    assert PLAIN.boundaries == (pytest.approx(0.15), pytest.approx(0.21))  # estimated: half a roller
+    assert PLAIN.boundaries == (
+        pytest.approx(0.15),
+        pytest.approx(0.21),
+    )  # estimated: half a roller
 
 
 # One clearance in every study ---------------------------------------------------------------------------------------
@@ -360,46 +453,87 @@ def test_the_usual_fit_follows_the_bore():
 
 def test_a_scene_with_diameters_alone_keeps_the_clearance_of_its_diameters():
     for name in ("1032930-50C", "1032930-70C"):
-        assert (load_scene(name).bearing.radial_clearance, load_scene(name).bearing.mounted) == (0.0, None)
+        assert (load_scene(name).bearing.radial_clearance, load_scene(name).bearing.mounted) == (
+            0.0,
+            None,
+        )
     plain = scene("name = '1032930'")
-    assert (plain.bearing.radial_clearance, plain.bearing.mounted, plain.bearing.mounting) == (0.0, None, None)
+    assert (plain.bearing.radial_clearance, plain.bearing.mounted, plain.bearing.mounting) == (
+        0.0,
+        None,
+        None,
+    )
 
 
 def test_a_stated_clearance_is_that_in_operation_and_the_rest_is_told_as_unused():
-    stated = scene("name = 'NU2216'\nradial_clearance = '20 um'\n[bearing.mounting]\nshaft_fit = 'n6'")
+    stated = scene(
+        "name = 'NU2216'\nradial_clearance = '20 um'\n[bearing.mounting]\nshaft_fit = 'n6'"
+    )
     assert (stated.bearing.radial_clearance, stated.bearing.mounted) == (2e-5, None)
     assert any(
-        "bearing.mounting: is not used: bearing.radial_clearance is stated, that in operation" in text
+        "bearing.mounting: is not used: bearing.radial_clearance is stated, that in operation"
+        in text
         for text in implausible(stated)
     )
     # a slider over the clearance of a scene with a mounting moves it
-    assert evolve(scene(), {"bearing.radial_clearance": "10 um"}).bearing.radial_clearance == pytest.approx(1e-5)
+    assert evolve(
+        scene(), {"bearing.radial_clearance": "10 um"}
+    ).bearing.radial_clearance == pytest.approx(1e-5)
     for change in ({"bearing.clearance_class": "C3"}, {"bearing.mounting.shaft_fit": "m6"}):
-        with pytest.raises(SceneError, match=r"changes nothing, since bearing.radial_clearance is stated"):
+        with pytest.raises(
+            SceneError, match=r"changes nothing, since bearing.radial_clearance is stated"
+        ):
             evolve(stated, change)
 
 
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"bearing.mounting.shaft_fit": "x9"}, "shaft_fit: no fit of a shaft is called 'x9'; there are .*m5, m6"),
-        ({"bearing.mounting.shaft_fit": "H7"}, "'H7' is no fit of a shaft: shafts have small letters"),
+        (
+            {"bearing.mounting.shaft_fit": "x9"},
+            "shaft_fit: no fit of a shaft is called 'x9'; there are .*m5, m6",
+        ),
+        (
+            {"bearing.mounting.shaft_fit": "H7"},
+            "'H7' is no fit of a shaft: shafts have small letters",
+        ),
         ({"bearing.mounting.housing_fit": "m5"}, "'m5' is no fit of a housing"),
-        ({"bearing.clearance_class": "C9"}, "clearance_class: 'NU2216E' is not listed in class 'C9': write C2, CN"),
-        ({"bearing.catalogue.bore": "120 mm"}, "catalogue: bore of 120 mm leaves nothing of a ring at 95 mm"),
+        (
+            {"bearing.clearance_class": "C9"},
+            "clearance_class: 'NU2216E' is not listed in class 'C9': write C2, CN",
+        ),
+        (
+            {"bearing.catalogue.bore": "120 mm"},
+            "catalogue: bore of 120 mm leaves nothing of a ring at 95 mm",
+        ),
         (
             {"bearing.catalogue.outside_diameter": "100 mm"},
             "catalogue: outside_diameter of 100 mm leaves nothing of a ring at 127 mm",
         ),
-        ({"bearing.mounting.shaft_bore": "80 mm"}, "shaft_bore: must be less than 80 mm, not 80 mm"),
-        ({"bearing.mounting.housing_outside_diameter": "120 mm"}, "must be more than 140 mm, not 120 mm"),
+        (
+            {"bearing.mounting.shaft_bore": "80 mm"},
+            "shaft_bore: must be less than 80 mm, not 80 mm",
+        ),
+        (
+            {"bearing.mounting.housing_outside_diameter": "120 mm"},
+            "must be more than 140 mm, not 120 mm",
+        ),
         (
             {"bearing.mounting.temperature_difference": "70 N"},
             "a difference of temperatures is expected, such as '5 K'",
         ),
-        ({"bearing.mounting.temperature_difference": "300 K"}, "must be from -150 K to 150 K, not 300 K"),
-        ({"bearing.mounting": {"shaft_fit": "m5", "shaft_interference": "9 um"}}, "shaft_fit says the same"),
-        ({"bearing.mounting.initial_clearance": "20 mm"}, "radial_clearance: must be less than the roller diameter"),
+        (
+            {"bearing.mounting.temperature_difference": "300 K"},
+            "must be from -150 K to 150 K, not 300 K",
+        ),
+        (
+            {"bearing.mounting": {"shaft_fit": "m5", "shaft_interference": "9 um"}},
+            "shaft_fit says the same",
+        ),
+        (
+            {"bearing.mounting.initial_clearance": "20 mm"},
+            "radial_clearance: must be less than the roller diameter",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_mounting_is_one_clear_error(changes, says):
@@ -413,10 +547,13 @@ def test_a_class_needs_a_table_or_a_clearance_before_mounting():
     plain.pop("radial_clearance")
     raw = dict(scene().raw) | {"bearing": plain}
     with pytest.raises(
-        SceneError, match=r"clearance_class: only a bearing with bearing.name has classes; give bearing.mo"
+        SceneError,
+        match=r"clearance_class: only a bearing with bearing.name has classes; give bearing.mo",
     ):
         from_raw(raw, "scene")
-    known = from_raw(raw | {"bearing": plain | {"mounting": {"initial_clearance": "100 um"}}}, "scene")
+    known = from_raw(
+        raw | {"bearing": plain | {"mounting": {"initial_clearance": "100 um"}}}, "scene"
+    )
     assert str(known.bearing.mounted).startswith("100 C3 - ")
     # of a bearing that somebody measured the class does not scatter
     measured = evolve(scene(), {"bearing.mounting.initial_clearance": "60 um"}).bearing.mounted
@@ -424,10 +561,14 @@ def test_a_class_needs_a_table_or_a_clearance_before_mounting():
 
 
 def test_a_preload_is_told_once_with_the_sum():
-    (told,) = implausible(evolve(scene(), {"bearing.clearance_class": "C2", "bearing.mounting.shaft_fit": "r6"}))
+    (told,) = implausible(
+        evolve(scene(), {"bearing.clearance_class": "C2", "bearing.mounting.shaft_fit": "r6"})
+    )
     assert "the bearing runs preloaded: 27.5 C2 - 40 r6 - 7.6 for 5 K" in told
     assert implausible(scene()) == []
-    with pytest.raises(SceneError, match=r"57.5 CN - 17 m5 - 7.6 for 5 K - \d+ for speed = -\d+ um is -.*possible$"):
+    with pytest.raises(
+        SceneError, match=r"57.5 CN - 17 m5 - 7.6 for 5 K - \d+ for speed = -\d+ um is -.*possible$"
+    ):
         evolve(scene(), {"operation.inner_speed": "300000 rpm"})
 
 
@@ -463,7 +604,8 @@ def test_every_study_has_the_clearance_of_the_mounting_and_tells_its_sum(study, 
     (part,) = (part for part in plan(one, study).parts if part.part == "clearance")
     assert (part.reason, part.choice) == (text, "33 um")
     stated = evolve(one, {"bearing.radial_clearance": one.bearing.radial_clearance})
-    found, same = run(one, study), run(stated, study)
+    found = run(one, study)
+    same = run(stated, study)
     assert f'"text": "{text}"' in found.attrs["clearance"]
     assert "clearance" not in same.attrs
     numbers = [name for name in found.data_vars if found[name].dtype.kind == "f"]
@@ -471,22 +613,34 @@ def test_every_study_has_the_clearance_of_the_mounting_and_tells_its_sum(study, 
         np.testing.assert_array_equal(found[name].values, same[name].values)
     if study != "dynamics":  # whose tables take long
         loose = run(evolve(one, {"bearing.clearance_class": "C4"}), study)
-        assert any(not np.array_equal(found[name].values, loose[name].values, equal_nan=True) for name in numbers)
+        assert any(
+            not np.array_equal(found[name].values, loose[name].values, equal_nan=True)
+            for name in numbers
+        )
 
 
 @pytest.mark.slow
 def test_temperatures_of_a_motion_change_the_clearance_once():
-    light = "".join(f", {part}_capacity = '1 mJ/K'" for part in ("oil", "inner_ring", "outer_ring", "rollers"))
-    more = CAGE.replace("LEVEL", "cage-set") + f"thermal = {{ model = 'network', oil_flow = '5 g/s'{light} }}\n"
+    light = "".join(
+        f", {part}_capacity = '1 mJ/K'" for part in ("oil", "inner_ring", "outer_ring", "rollers")
+    )
+    more = (
+        CAGE.replace("LEVEL", "cage-set")
+        + f"thermal = {{ model = 'network', oil_flow = '5 g/s'{light} }}\n"
+    )
     one = scene(more=more)
     found = run(one, "dynamics")
     # it begins with all parts alike, so that class and fit are all that is taken, once
-    alike = {f"operation.{part}_temperature": "70 degC" for part in ("inner_ring", "outer_ring", "roller")}
+    alike = {
+        f"operation.{part}_temperature": "70 degC"
+        for part in ("inner_ring", "outer_ring", "roller")
+    }
     begins = evolve(one, alike).bearing.radial_clearance
     assert begins == pytest.approx(scene().bearing.radial_clearance + 7.62e-6, abs=2e-9)
     assert float(found.radial_clearance[0]) == pytest.approx(begins, abs=1e-9)
     o = {
-        name: float(found["course_temperature"].sel(node=name)[-1]) for name in ("inner ring", "rollers", "outer ring")
+        name: float(found["course_temperature"].sel(node=name)[-1])
+        for name in ("inner ring", "rollers", "outer ring")
     }
     ends = operating(one.bearing, (one.operation.inner_speed, 0.0), tuple(o.values())).clearance
     assert ends != begins
@@ -525,14 +679,21 @@ def test_its_scatter_follows_class_and_fit_and_moves_the_clearance():
         assert float(table["deviation"].removesuffix(" um")) == pytest.approx(
             1e6 * one.bearing.mounted.deviation, rel=5e-3
         )
-        assert any(text.startswith("bearing.mounting.clearance_deviation (B): clearance in operation") for text in said)
+        assert any(
+            text.startswith("bearing.mounting.clearance_deviation (B): clearance in operation")
+            for text in said
+        )
         moved = evolve(made, {"bearing.mounting.clearance_deviation": "-7 um"}).bearing
-        assert moved.radial_clearance == pytest.approx(one.bearing.radial_clearance - 7e-6, abs=2e-12)
+        assert moved.radial_clearance == pytest.approx(
+            one.bearing.radial_clearance - 7e-6, abs=2e-12
+        )
     own, _ = with_scatter(scene("name = 'NU2216'\nradial_clearance = '20 um'"))
     assert "bearing.mounting.clearance_deviation" not in own.uncertainty
 
 
-@pytest.mark.parametrize(("ring", "part", "sense"), [("inner", "shaft", -1.0), ("outer", "housing", 1.0)])
+@pytest.mark.parametrize(
+    ("ring", "part", "sense"), [("inner", "shaft", -1.0), ("outer", "housing", 1.0)]
+)
 def test_a_raceway_without_ring_widens_with_the_expansion_of_what_it_is_on(ring, part, sense):
     """From 20 degC to 80 degC by (24 - 12)e-6 1/K of its diameter beyond steel, which both sides share."""
     bearing = attrs.evolve(PLAIN, **{f"{ring}_raceway": Raceway(without_ring=True)})
@@ -545,6 +706,12 @@ def test_a_raceway_without_ring_widens_with_the_expansion_of_what_it_is_on(ring,
 
 
 def test_the_material_of_a_seat_that_there_is_not_is_refused():
-    bare = attrs.evolve(PLAIN, mounting=Mounting(shaft_material=Material()), inner_raceway=Raceway(without_ring=True))
-    with pytest.raises(FieldError, match=r"rollers run on the shaft itself.*is that of bearing.inner_raceway"):
+    bare = attrs.evolve(
+        PLAIN,
+        mounting=Mounting(shaft_material=Material()),
+        inner_raceway=Raceway(without_ring=True),
+    )
+    with pytest.raises(
+        FieldError, match=r"rollers run on the shaft itself.*is that of bearing.inner_raceway"
+    ):
         operating(bare, (100.0, 0.0))

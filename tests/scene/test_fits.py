@@ -49,12 +49,15 @@ def test_grades_follow_the_formula_of_the_standard_within_its_rounding(grade):
             continue
         D = (low * high) ** 0.5
         unit = 0.45 * D ** (1 / 3) + 0.001 * D if high <= 500 else 0.004 * D + 2.1
-        assert tolerance == pytest.approx(times * unit, rel=0.04, abs=0.9)  # rounded, above 60 um to fives
+        assert tolerance == pytest.approx(
+            times * unit, rel=0.04, abs=0.9
+        )  # rounded, above 60 um to fives
 
 
 @pytest.mark.parametrize("name", [name for name in FITS if name[0] in "FGHKMNPR"])
 def test_holes_follow_from_shafts_by_the_rule_of_the_standard(name):
-    shaft, grade = name.lower(), int(name[-1])
+    shaft = name.lower()
+    grade = int(name[-1])
     wider = {7: "h6", 8: "h7", 6: "h5"}[grade]
     for end in ENDS:
         low, high = deviations(shaft if shaft in FITS else f"{shaft[0]}7", end)

@@ -11,14 +11,23 @@ from rollslip.cli.main import main
 from rollslip.errors import SceneError
 from rollslip.scene import formats, scene_hash
 from rollslip.scene.formats import Read, SceneFormat, Written
-from rollslip.scene.interchange import from_parameters, parameter_schema, read_foreign, to_parameters, write_foreign
+from rollslip.scene.interchange import (
+    from_parameters,
+    parameter_schema,
+    read_foreign,
+    to_parameters,
+    write_foreign,
+)
 from rollslip.scene.schema import schema
 
 pytestmark = pytest.mark.quick
 
 CHANGES = {
     "as shipped": {},
-    "odd numbers": {"bearing.roller_diameter": 0.1 * 0.15000000000000002, "operation.temperature": "301.7 degF"},
+    "odd numbers": {
+        "bearing.roller_diameter": 0.1 * 0.15000000000000002,
+        "operation.temperature": "301.7 degF",
+    },
     "a table of a profile": {
         "bearing.profile": {"shape": "table", "position": ["-7 mm", "7 mm"], "drop": [1e-5, 1e-5]}
     },
@@ -27,7 +36,9 @@ CHANGES = {
         "lubricant.eyring_stress": "5.30 MPa",
         "lubricant.shear_modulus": "3e8 Pa",
     },
-    "scatter": {"uncertainty.lubricant.viscosity_factor": {"distribution": "uniform", "scatter": 0.1}},
+    "scatter": {
+        "uncertainty.lubricant.viscosity_factor": {"distribution": "uniform", "scatter": 0.1}
+    },
 }
 
 
@@ -78,19 +89,37 @@ def test_other_units_are_read():
         (lambda d: d.update(version=2), "version: 2 is not read, only 1"),
         (lambda d: d.update(format="bpx"), "no file of parameters"),
         (lambda d: d.update(colour="red"), "'colour': unknown key"),
-        (lambda d: d["parameters"]["bearing"].update(rollers=None), "bearing.rollers: has no value"),
         (
-            lambda d: d["parameters"]["bearing"].update(roller_diameter={"value": "15", "unit": "mm"}),
+            lambda d: d["parameters"]["bearing"].update(rollers=None),
+            "bearing.rollers: has no value",
+        ),
+        (
+            lambda d: d["parameters"]["bearing"].update(
+                roller_diameter={"value": "15", "unit": "mm"}
+            ),
             "a finite number, or a list",
         ),
         (  # as JSON makes of 1e999
-            lambda d: d["parameters"]["lubricant"].update(density={"value": float("inf"), "unit": "kg/m3"}),
+            lambda d: d["parameters"]["lubricant"].update(
+                density={"value": float("inf"), "unit": "kg/m3"}
+            ),
             "lubricant.density: a finite number, or a list",
         ),
-        (lambda d: d["parameters"]["bearing"].update(rollers=float("inf")), "bearing.rollers: inf is no finite number"),
-        (lambda d: d["parameters"]["bearing"].update(roller_diameter={"value": 15, "unit": "kg"}), "roller_diameter"),
+        (
+            lambda d: d["parameters"]["bearing"].update(rollers=float("inf")),
+            "bearing.rollers: inf is no finite number",
+        ),
+        (
+            lambda d: d["parameters"]["bearing"].update(
+                roller_diameter={"value": 15, "unit": "kg"}
+            ),
+            "roller_diameter",
+        ),
         (lambda d: d["parameters"]["bearing"].update(rolers=28), "did you mean 'rollers'"),
-        (lambda d: d["parameters"]["bearing"].pop("rollers"), "bearing.rollers: missing, but required"),
+        (
+            lambda d: d["parameters"]["bearing"].pop("rollers"),
+            "bearing.rollers: missing, but required",
+        ),
     ],
 )
 def test_what_is_wrong_is_said(change, said):
@@ -117,13 +146,18 @@ class Lines(SceneFormat):
         return Read(json.loads(content.partition(b"\n")[0]), ("line 2: not used",))
 
     def write(self, document, result):
-        return Written(f"{json.dumps(document)}\n{result.attrs['study']}", ("accuracy: has no place",))
+        return Written(
+            f"{json.dumps(document)}\n{result.attrs['study']}", ("accuracy: has no place",)
+        )
 
 
-def test_a_format_of_a_package_carries_a_scene_and_a_result_there_and_back(tmp_path, monkeypatch, capsys):
+def test_a_format_of_a_package_carries_a_scene_and_a_result_there_and_back(
+    tmp_path, monkeypatch, capsys
+):
     monkeypatch.setattr(formats, "available", lambda kind: {"lines": None})
     monkeypatch.setattr(formats, "get_class", lambda kind, name: Lines(name))
-    scene, file = load_scene("1032930-70C"), tmp_path / "b.LINES"
+    scene = load_scene("1032930-70C")
+    file = tmp_path / "b.LINES"
     result = xr.Dataset(attrs={"study": "steady-slip", "scene_hash": scene_hash(scene)})
     assert write_foreign(scene, file, result) == ("accuracy: has no place",)
     assert file.read_text(encoding="utf-8").endswith("\nsteady-slip")
@@ -135,15 +169,21 @@ def test_a_format_of_a_package_carries_a_scene_and_a_result_there_and_back(tmp_p
     assert leave.value.code == 0
     assert "note: line 2: not used\n" in capsys.readouterr().err
     other = result.assign_attrs(scene_hash="0" * 64)
-    with pytest.raises(SceneError, match=r"the result is of another scene, 000000000000, not of .*; run this one"):
+    with pytest.raises(
+        SceneError, match=r"the result is of another scene, 000000000000, not of .*; run this one"
+    ):
         write_foreign(scene, file, other)
-    with pytest.raises(SceneError, match=r"p\.igs: no installed format has this ending; there are: \.lines$"):
+    with pytest.raises(
+        SceneError, match=r"p\.igs: no installed format has this ending; there are: \.lines$"
+    ):
         write_foreign(scene, tmp_path / "p.igs")
 
 
 def test_what_json_cannot_hold_is_told(tmp_path):
     scene = load_scene("1032930-70C")
-    [note] = write_foreign(scene, tmp_path / "b.json", xr.Dataset(attrs={"scene_hash": scene_hash(scene)}))
+    [note] = write_foreign(
+        scene, tmp_path / "b.json", xr.Dataset(attrs={"scene_hash": scene_hash(scene)})
+    )
     assert note == "the result: this format holds parameters alone; not written"
     assert read_foreign(tmp_path / "b.json") == (scene, ())
 
@@ -163,12 +203,22 @@ def test_the_schema_has_every_key_with_its_unit():
 def test_a_command_reads_what_another_wrote(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     written = ["export", "1032930-70C", "--out", "b.json"]
-    for arguments in (written, [*written, "--overwrite"], ["info", "b.json"], ["export", "--schema"]):
+    for arguments in (
+        written,
+        [*written, "--overwrite"],
+        ["info", "b.json"],
+        ["export", "--schema"],
+    ):
         with pytest.raises(SystemExit) as leave:
             main(arguments)
         assert leave.value.code == 0
     assert "radial clearance" in capsys.readouterr().out
-    for arguments in (written, ["export"], ["export", "b.json", "--result", "r.nc"], ["export", "b.json", "--schema"]):
+    for arguments in (
+        written,
+        ["export"],
+        ["export", "b.json", "--result", "r.nc"],
+        ["export", "b.json", "--schema"],
+    ):
         with pytest.raises(SystemExit) as leave:
             main(arguments)
         assert leave.value.code == 2

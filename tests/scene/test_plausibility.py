@@ -35,7 +35,12 @@ SCENE = load_scene("1032930-70C")
 # What was meant, and what a scene says of it: slips that somebody has made.
 SLIPS = [
     ("surface.roller_roughness", "0.16 mm", "0.16 mm is unusual", "did you mean '0.16 um'?"),
-    ("operation.inner_speed", 6371, "6371 rad/s = 60838.6 rpm is unusual", "did you mean '6371 rpm'?"),
+    (
+        "operation.inner_speed",
+        6371,
+        "6371 rad/s = 60838.6 rpm is unusual",
+        "did you mean '6371 rpm'?",
+    ),
     ("operation.inner_speed", "60000 r/min", "60000 r/min is unusual", "57295.8 r/min is usual)"),
     ("operation.misalignment", "5 deg", "5 deg is unusual", "did you mean '5 arcmin'?"),
     ("operation.temperature", "343 degC", "343 degC is unusual", "did you mean '343 K'?"),
@@ -46,40 +51,111 @@ SLIPS = [
         "25000 rpm is 4.5e+06 mm/min of speed times",
         "at most 1.5e+06 mm/min is usual",
     ),
-    ("bearing.material.elastic_modulus", "208 MPa", "208 MPa is unusual", "did you mean '208 GPa'?"),
+    (
+        "bearing.material.elastic_modulus",
+        "208 MPa",
+        "208 MPa is unusual",
+        "did you mean '208 GPa'?",
+    ),
     ("bearing.material.density", 7.8, "7.8 kg/m3 is unusual", "did you mean '7.8 g/cm3'?"),
-    ("bearing.radial_clearance", "1 mm", "1 mm is 6.67 % of the roller diameter", "did you mean '1 um'?"),
+    (
+        "bearing.radial_clearance",
+        "1 mm",
+        "1 mm is 6.67 % of the roller diameter",
+        "did you mean '1 um'?",
+    ),
     ("bearing.radial_clearance", "5 mm", "5 mm is unusual", "did you mean '5 um'?"),
-    ("bearing.radial_clearance", "-0.2 mm", "-0.2 mm is -1.33 % of the roller", "-0.5 % to 4 % is usual"),
-    ("bearing.outer_raceway_diameter", "205 mm", "205 mm is 66.7 % of the roller diameter off", "-5 % to 5 %"),
+    (
+        "bearing.radial_clearance",
+        "-0.2 mm",
+        "-0.2 mm is -1.33 % of the roller",
+        "-0.5 % to 4 % is usual",
+    ),
+    (
+        "bearing.outer_raceway_diameter",
+        "205 mm",
+        "205 mm is 66.7 % of the roller diameter off",
+        "-5 % to 5 %",
+    ),
     ("bearing.rollers", 8, "8 is 21.2 % of the pitch circle", "30 % to 101 % is usual"),
     ("bearing.roller_length", "200 mm", "200 mm is 1.33e+03 % of the roller diameter", "is usual"),
     ("lubricant.viscosity", 5.2, "5.2 Pa s is unusual", "did you mean '5.2 mPa s'?"),
     ("lubricant.eyring_stress", "4 kPa", "4 kPa is unusual", "did you mean '4 MPa'?"),
     ("cage.mass", 400, "400 kg is unusual", "did you mean '400 g'?"),
-    ("study.friction-curve.normal_force", ["300 N", "3 MN"], "3 MN is unusual", "did you mean '3 kN'?"),
+    (
+        "study.friction-curve.normal_force",
+        ["300 N", "3 MN"],
+        "3 MN is unusual",
+        "did you mean '3 kN'?",
+    ),
     ("accuracy.slices", 5000, "5000 is unusual", "(from 3 to 1001 is usual)"),
 ]
 # The same of parameters of laws, with the key of each.
 LAWS = [
-    ("models.traction", {"model": "carreau", "critical_stress": "6.9 kPa"}, "6.9 kPa is unusual", "'6.9 MPa'?"),
-    ("models.traction", {"model": "limiting-shear", "limit": 8}, "8 is unusual", "(from 0.01 to 0.2 is usual)"),
-    ("models.traction.boundary", {"model": "kragelsky", "limit": 5}, "limit: 5 is unusual", "did you mean '5 %'?"),
-    ("models.film", {"model": "inlet-correction", "starvation": 0.01}, "0.01 is unusual", "(from 0.1 to 1 is usual)"),
-    ("cage.drag", [{"model": "constant-torque", "size": "5 kN m"}], "5 kN m is unusual", "(from 0 to 1 kN m is usual)"),
-    ("cage.drag", [{"model": "petroff-land", "radius": "83 m", "ring": "inner"}], "83 m", "did you mean '83 mm'?"),
+    (
+        "models.traction",
+        {"model": "carreau", "critical_stress": "6.9 kPa"},
+        "6.9 kPa is unusual",
+        "'6.9 MPa'?",
+    ),
+    (
+        "models.traction",
+        {"model": "limiting-shear", "limit": 8},
+        "8 is unusual",
+        "(from 0.01 to 0.2 is usual)",
+    ),
+    (
+        "models.traction.boundary",
+        {"model": "kragelsky", "limit": 5},
+        "limit: 5 is unusual",
+        "did you mean '5 %'?",
+    ),
+    (
+        "models.film",
+        {"model": "inlet-correction", "starvation": 0.01},
+        "0.01 is unusual",
+        "(from 0.1 to 1 is usual)",
+    ),
+    (
+        "cage.drag",
+        [{"model": "constant-torque", "size": "5 kN m"}],
+        "5 kN m is unusual",
+        "(from 0 to 1 kN m is usual)",
+    ),
+    (
+        "cage.drag",
+        [{"model": "petroff-land", "radius": "83 m", "ring": "inner"}],
+        "83 m",
+        "did you mean '83 mm'?",
+    ),
 ]
 IMPOSSIBLE_LAWS = [
-    ("models.traction", {"model": "carreau", "critical_stress": 0.5}, "must be from 1 Pa to 1000 GPa, not 0.5 Pa"),
+    (
+        "models.traction",
+        {"model": "carreau", "critical_stress": 0.5},
+        "must be from 1 Pa to 1000 GPa, not 0.5 Pa",
+    ),
     ("models.traction.exponent", 6e6, "must be from 0 to 1000, not 6e+06"),
-    ("models.film", {"model": "inlet-correction", "starvation": 1.5}, "must be from 0 to 1, not 1.5"),
-    ("cage.drag", [{"model": "petroff-land", "width": 20}], "must be from 1 um to 10 m, not 20 m; did"),
+    (
+        "models.film",
+        {"model": "inlet-correction", "starvation": 1.5},
+        "must be from 0 to 1, not 1.5",
+    ),
+    (
+        "cage.drag",
+        [{"model": "petroff-land", "width": 20}],
+        "must be from 1 um to 10 m, not 20 m; did",
+    ),
 ]
 
 
 @pytest.mark.parametrize(("key", "value", "shown", "meant"), SLIPS, ids=lambda one: str(one)[:30])
-def test_a_slip_is_told_with_its_value_and_what_was_meant(key: str, value: object, shown: str, meant: str) -> None:
-    [told] = [one for one in implausible(evolve(SCENE, {key: value})) if "runs preloaded" not in one]
+def test_a_slip_is_told_with_its_value_and_what_was_meant(
+    key: str, value: object, shown: str, meant: str
+) -> None:
+    [told] = [
+        one for one in implausible(evolve(SCENE, {key: value})) if "runs preloaded" not in one
+    ]
     place, _, sentence = told.partition(f"changes: {key}")
     assert place == ""
     assert shown in sentence
@@ -87,7 +163,9 @@ def test_a_slip_is_told_with_its_value_and_what_was_meant(key: str, value: objec
 
 
 @pytest.mark.parametrize(("key", "value", "shown", "meant"), LAWS, ids=lambda one: str(one)[:60])
-def test_a_slip_in_a_parameter_of_a_law_is_told_likewise(key: str, value: object, shown: str, meant: str) -> None:
+def test_a_slip_in_a_parameter_of_a_law_is_told_likewise(
+    key: str, value: object, shown: str, meant: str
+) -> None:
     [told] = implausible(evolve(SCENE, {key: value}))
     assert told.startswith(f"changes: {key}")
     assert shown in told
@@ -97,14 +175,24 @@ def test_a_slip_in_a_parameter_of_a_law_is_told_likewise(key: str, value: object
 @pytest.mark.parametrize(("key", "value", "said"), IMPOSSIBLE_LAWS, ids=lambda one: str(one)[:60])
 def test_an_impossible_parameter_of_a_law_is_refused(key: str, value: object, said: str) -> None:
     with pytest.raises(SceneError) as caught:
-        _ = assemble(evolve(SCENE, {"cage.mass": "400 g", "cage.inertia": "33 kg cm2", key: value})).cage
+        _ = assemble(
+            evolve(SCENE, {"cage.mass": "400 g", "cage.inertia": "33 kg cm2", key: value})
+        ).cage
     [problem] = caught.value.problems
     assert said in problem
 
 
 IMPOSSIBLE = [
-    ("surface.roller_roughness", 0.16, "must be from 0.0001 um to 1 mm, not 0.16 m = 160 mm; did you mean '0.16 um'?"),
-    ("bearing.material.elastic_modulus", 208, "must be from 1 MPa to 2000 GPa, not 208 Pa; did you mean '208 GPa'?"),
+    (
+        "surface.roller_roughness",
+        0.16,
+        "must be from 0.0001 um to 1 mm, not 0.16 m = 160 mm; did you mean '0.16 um'?",
+    ),
+    (
+        "bearing.material.elastic_modulus",
+        208,
+        "must be from 1 MPa to 2000 GPa, not 208 Pa; did you mean '208 GPa'?",
+    ),
     (
         "bearing.radial_clearance",
         "14 mm",
@@ -129,7 +217,9 @@ IMPOSSIBLE = [
 
 
 @pytest.mark.parametrize(("key", "value", "said"), IMPOSSIBLE, ids=lambda one: str(one)[:30])
-def test_what_is_impossible_is_one_error_that_says_what_was_meant(key: str, value: object, said: str) -> None:
+def test_what_is_impossible_is_one_error_that_says_what_was_meant(
+    key: str, value: object, said: str
+) -> None:
     with pytest.raises(SceneError) as caught:
         evolve(SCENE, {key: value})
     assert caught.value.problems == [f"changes: {key}: {said}"]
@@ -138,8 +228,12 @@ def test_what_is_impossible_is_one_error_that_says_what_was_meant(key: str, valu
 def test_both_name_file_and_line() -> None:
     unusual = parse_scene(scene_with(inner_speed="inner_speed = 6371"), "scene.toml")
     [told] = implausible(unusual)
-    assert told.startswith(f"scene.toml:{line_of('inner_speed')}: operation.inner_speed: 6371 rad/s")
-    with pytest.raises(SceneError, match=rf"scene.toml:{line_of('radial_load')}: operation.radial_load: 1e\+09 N"):
+    assert told.startswith(
+        f"scene.toml:{line_of('inner_speed')}: operation.inner_speed: 6371 rad/s"
+    )
+    with pytest.raises(
+        SceneError, match=rf"scene.toml:{line_of('radial_load')}: operation.radial_load: 1e\+09 N"
+    ):
         parse_scene(scene_with(radial_load="radial_load = 1e9"), "scene.toml")
 
 
@@ -168,13 +262,22 @@ def test_a_load_below_the_weight_of_the_rollers_is_told() -> None:
 
 
 #: Classes of the tables of a scene.
-TABLES = [Scene, OilTable, OilPoint, OverTemperature, Cage, PlanarSettings, *map(study_class, available("study"))]
+TABLES = [
+    Scene,
+    OilTable,
+    OilPoint,
+    OverTemperature,
+    Cage,
+    PlanarSettings,
+    *map(study_class, available("study")),
+]
 
 
 def fields_with_a_unit(cls: type, prefix: str = "") -> "list[tuple[str, attrs.Attribute[object]]]":
     found = []
     for attribute in attrs.fields(cls):
-        key, kind = attribute.metadata.get("key", attribute.name), types_of(cls)[attribute.name]
+        key = attribute.metadata.get("key", attribute.name)
+        kind = types_of(cls)[attribute.name]
         if key is not None and attrs.has(kind) and kind is not FrozenTable:
             found += fields_with_a_unit(kind, f"{prefix}{key}.")
         elif key is not None and attribute.metadata.get("unit") not in (None, "1"):
@@ -182,13 +285,19 @@ def fields_with_a_unit(cls: type, prefix: str = "") -> "list[tuple[str, attrs.At
     return found
 
 
-FIELDS = [pytest.param(a, id=f"{cls.__name__}.{key}") for cls in TABLES for key, a in fields_with_a_unit(cls)]
+FIELDS = [
+    pytest.param(a, id=f"{cls.__name__}.{key}")
+    for cls in TABLES
+    for key, a in fields_with_a_unit(cls)
+]
 #: Their values are those of another key, which is judged.
 ELSEWHERE = {"SteadySlip.radial_load", "SteadySlip.inner_speed", "SteadySlip.temperature"}
 
 
 @pytest.mark.parametrize("attribute", [one for one in FIELDS if one.id not in ELSEWHERE])
-def test_every_quantity_says_what_is_usual_and_what_is_possible(attribute: "attrs.Attribute[object]") -> None:
+def test_every_quantity_says_what_is_usual_and_what_is_possible(
+    attribute: "attrs.Attribute[object]",
+) -> None:
     usual: Span = attribute.metadata["usual"]
     possible: Span = attribute.metadata["possible"]
     assert possible[0] <= usual[0] < usual[1] <= possible[1]
@@ -202,7 +311,9 @@ LAW_KINDS = ("contact", "film", "traction", "drag", "integrator", "engine")
 def laws_of_the_box() -> "list[tuple[str, type]]":
     offered = [(kind, name) for kind in LAW_KINDS for name in available(kind)]
     return [
-        (f"{kind} {name}", get_class(kind, name)) for kind, name in offered if find(kind, name).package == "rollslip"
+        (f"{kind} {name}", get_class(kind, name))
+        for kind, name in offered
+        if find(kind, name).package == "rollslip"
     ]
 
 
@@ -232,7 +343,9 @@ def test_every_parameter_of_the_box_says_what_is_usual_and_what_is_possible(
             attribute.validator(None, attribute, value)
 
 
-def test_a_law_of_a_stranger_without_ranges_goes_on_working(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_law_of_a_stranger_without_ranges_goes_on_working(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("rollslip.catalogue.discovery._registered", {})
 
     @attrs.frozen(kw_only=True)
@@ -280,7 +393,9 @@ ALONG = [
 
 
 @pytest.mark.parametrize(("key", "values", "said"), ALONG, ids=lambda one: str(one)[:30])
-def test_what_is_unusual_of_many_values_is_said_once(key: str, values: list[object], said: list[str]) -> None:
+def test_what_is_unusual_of_many_values_is_said_once(
+    key: str, values: list[object], said: list[str]
+) -> None:
     assembly = assemble(SCENE)
     assert implausible_along(SCENE, quantities(assembly, {})[key], values) == said
 
@@ -295,7 +410,9 @@ def test_what_a_scene_says_by_itself_is_not_said_again_of_its_values() -> None:
 
 
 def test_relations_blame_a_key_of_the_scene_and_say_what_they_rest_on() -> None:
-    listed = evolve(SCENE, {"bearing.catalogue.minimum_load_factor": 0.1, "lubrication.oil_level": "5 mm"})
+    listed = evolve(
+        SCENE, {"bearing.catalogue.minimum_load_factor": 0.1, "lubrication.oil_level": "5 mm"}
+    )
     for relation in RELATIONS:
         assert math.isfinite(relation.of(listed))
         assert relation.field in attrs.fields_dict(type(getattr(SCENE, relation.table)))
@@ -360,11 +477,16 @@ def test_what_values_amount_to_is_that_by_hand():
     made = evolve(load_scene("1032930-70C"), {"operation.outer_speed": "-500 rpm"})
     given = Catalogue(minimum_load_factor=0.2, reference_speed=800.0)
     scene = attrs.evolve(made, bearing=attrs.evolve(made.bearing, catalogue=given))
-    b, o = scene.bearing, scene.operation
-    assert amounts("surface speed of the inner") == pytest.approx(o.inner_speed * b.inner_raceway_diameter / 2)
+    b = scene.bearing
+    o = scene.operation
+    assert amounts("surface speed of the inner") == pytest.approx(
+        o.inner_speed * b.inner_raceway_diameter / 2
+    )
     load = 5.0 * o.radial_load / (b.rollers * b.roller_length)
     half_width = 2.0 * load / (math.pi * amounts("after Hertz"))
-    assert amounts("half width") == pytest.approx(scene.surface.inner_raceway_roughness / half_width)
+    assert amounts("half width") == pytest.approx(
+        scene.surface.inner_raceway_roughness / half_width
+    )
     pitch = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 2
     faster = (o.inner_speed - o.outer_speed) / 800.0
     least = 1e3 * 0.2 * (6.0 + 4.0 * faster) * (pitch / 0.1) ** 2
@@ -375,7 +497,11 @@ def test_short_rollers_are_usual_and_a_number_without_a_unit_is_doubted_before_o
     made = load_scene("1032930-70C")
     short = evolve(made, {"bearing.roller_length": 0.5 * made.bearing.roller_diameter})
     assert not any("bearing.roller_length" in one for one in implausible(short))
-    for speed, doubted in ((600.0, True), ("5730 rpm", False), (300.0, False)):  # n d_m is 1e6 and 5e5 mm/min
+    for speed, doubted in (
+        (600.0, True),
+        ("5730 rpm", False),
+        (300.0, False),
+    ):  # n d_m is 1e6 and 5e5 mm/min
         operation = {**made.raw["operation"], "inner_speed": speed}
         told = implausible(from_raw({**made.raw, "operation": operation}, "s.toml"))
         assert any("(n d_m)" in one for one in told) == doubted

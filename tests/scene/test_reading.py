@@ -125,27 +125,87 @@ def test_scene_classes_check_themselves_in_python_too() -> None:
         ("rollers", "rollers = true", "bearing.rollers: a whole number is expected, not true"),
         ("rollers", 'rollers = "12"', "bearing.rollers: a whole number is expected, not '12'"),
         ("rollers", "rollers = 2", "bearing.rollers: must be at least 3, not 2"),
-        ("rollers", "rollers = 40", "bearing.rollers: 40 rollers of 15 mm do not fit on a pitch circle of 180 mm"),
-        ("roller_diameter", "roller_diameter = true", "bearing.roller_diameter: true is not a quantity"),
-        ("roller_diameter", "roller_diameter = nan", "bearing.roller_diameter: nan is not a finite number"),
+        (
+            "rollers",
+            "rollers = 40",
+            "bearing.rollers: 40 rollers of 15 mm do not fit on a pitch circle of 180 mm",
+        ),
+        (
+            "roller_diameter",
+            "roller_diameter = true",
+            "bearing.roller_diameter: true is not a quantity",
+        ),
+        (
+            "roller_diameter",
+            "roller_diameter = nan",
+            "bearing.roller_diameter: nan is not a finite number",
+        ),
         ("roller_diameter", 'roller_diameter = "15"', "bearing.roller_diameter: '15' has no unit"),
-        ("roller_diameter", 'roller_diameter = "1,5 mm"', "bearing.roller_diameter: '1,5 mm': a decimal comma"),
-        ("roller_diameter", 'roller_diameter = "15 kg"', "bearing.roller_diameter: '15 kg' is a mass"),
-        ("roller_diameter", 'roller_diameter = "-15 mm"', "bearing.roller_diameter: must be above 0, not -15 mm"),
-        ("roller_diameter", "roller_diameter = [1]", "bearing.roller_diameter: a list is not a quantity"),
-        ("roller_diameter", "roller_diameter = 1979-05-27", "bearing.roller_diameter: 1979-05-27 is not a quantity"),
-        ("roller_diameter", 'roller_diameter = "30 mm"', "bearing.roller_diameter: rollers of 30 mm do not fit"),
-        ("outer_raceway_diameter", "outer_raceway_diameter = 0.1", "bearing.outer_raceway_diameter: 100 mm must be"),
-        ("radial_load", 'radial_load = "-1 N"', "operation.radial_load: must be at least 0, not -1 N"),
-        ("inner_speed", "inner_speed = 0", "operation.inner_speed: both rings turn at 0 rpm, so nothing rolls"),
-        ("temperature", 'temperature = "-300 degC"', "operation.temperature: '-300 degC' is below absolute zero"),
+        (
+            "roller_diameter",
+            'roller_diameter = "1,5 mm"',
+            "bearing.roller_diameter: '1,5 mm': a decimal comma",
+        ),
+        (
+            "roller_diameter",
+            'roller_diameter = "15 kg"',
+            "bearing.roller_diameter: '15 kg' is a mass",
+        ),
+        (
+            "roller_diameter",
+            'roller_diameter = "-15 mm"',
+            "bearing.roller_diameter: must be above 0, not -15 mm",
+        ),
+        (
+            "roller_diameter",
+            "roller_diameter = [1]",
+            "bearing.roller_diameter: a list is not a quantity",
+        ),
+        (
+            "roller_diameter",
+            "roller_diameter = 1979-05-27",
+            "bearing.roller_diameter: 1979-05-27 is not a quantity",
+        ),
+        (
+            "roller_diameter",
+            'roller_diameter = "30 mm"',
+            "bearing.roller_diameter: rollers of 30 mm do not fit",
+        ),
+        (
+            "outer_raceway_diameter",
+            "outer_raceway_diameter = 0.1",
+            "bearing.outer_raceway_diameter: 100 mm must be",
+        ),
+        (
+            "radial_load",
+            'radial_load = "-1 N"',
+            "operation.radial_load: must be at least 0, not -1 N",
+        ),
+        (
+            "inner_speed",
+            "inner_speed = 0",
+            "operation.inner_speed: both rings turn at 0 rpm, so nothing rolls",
+        ),
+        (
+            "temperature",
+            'temperature = "-300 degC"',
+            "operation.temperature: '-300 degC' is below absolute zero",
+        ),
         ("temperature", 'temperature = "70 R"', "operation.temperature: '70 R': 'R' is not a unit"),
         ("title", "title = 5", "title: a text is expected, not 5"),
         ("name", "name = 5", "lubricant.name: a text is expected, not 5"),
         ("eyring_stress", "eyring_stress = inf", "lubricant.eyring_stress: inf cannot be used"),
-        ("eyring_stress", "eyring_stress = 1979-05-27", "lubricant.eyring_stress: 1979-05-27 cannot be used"),
+        (
+            "eyring_stress",
+            "eyring_stress = 1979-05-27",
+            "lubricant.eyring_stress: 1979-05-27 cannot be used",
+        ),
         ("film", "film = 5", "models.film: a table or a name is expected, not 5"),
-        ("film", "film = { x = 5 }", "models.film.model: missing, but required (name of the model)"),
+        (
+            "film",
+            "film = { x = 5 }",
+            "models.film.model: missing, but required (name of the model)",
+        ),
         ("film", "flim = 5", "models.flim: unknown key, did you mean 'film'?"),
         ("slip", "slip = [1, [nan]]", "study.effective-friction.slip[1][0]: nan cannot be used"),
     ],
@@ -173,7 +233,9 @@ def test_a_wrong_value_is_reported_with_its_line(key: str, written: str, message
         ("temperature", '"-273.15 °C"', "must be above 0, not -273.15 degC"),
     ],
 )
-def test_a_value_is_told_in_the_unit_in_which_it_was_given(key: str, written: str, said: str) -> None:
+def test_a_value_is_told_in_the_unit_in_which_it_was_given(
+    key: str, written: str, said: str
+) -> None:
     text = (
         scene_with(**{key: f"{key} = {written}"})
         if key in SCENE
@@ -184,26 +246,48 @@ def test_a_value_is_told_in_the_unit_in_which_it_was_given(key: str, written: st
 
 
 def test_rings_that_turn_alike_are_told_in_rpm() -> None:
-    [problem] = problems_of(scene_with(temperature='temperature = "70 degC"\nouter_speed = "6371 rpm"'))
+    [problem] = problems_of(
+        scene_with(temperature='temperature = "70 degC"\nouter_speed = "6371 rpm"')
+    )
     assert "both rings turn at 6371 rpm" in problem
 
 
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        (["[accuracy]", "tolerance = 0"], "accuracy.tolerance: must be between 0 and 1, without the ends, not 0"),
+        (
+            ["[accuracy]", "tolerance = 0"],
+            "accuracy.tolerance: must be between 0 and 1, without the ends, not 0",
+        ),
         (["[accuracy]", "slices = 2"], "accuracy.slices: must be at least 3, not 2"),
         (["[plugins]", 'require = "x"'], "plugins.require: a list is expected, not 'x'"),
         (["[plugins]", "require = [1]"], "plugins.require[0]: a text is expected, not 1"),
-        (["[bearing.profile]", 'shape = "curved"'], "bearing.profile.shape: must be one of 'none', 'iso16281'"),
-        (["[bearing.profile]", "radius = 1"], "bearing.profile.radius: only read for shape = 'circular', not for"),
-        (["[bearing.profile]", "drop = [1e-5]"], "bearing.profile.drop: only read for shape = 'table', not for 'none'"),
-        (["[bearing.material]", "poisson_ratio = 0.6"], "bearing.material.poisson_ratio: must be from 0 to 0.5, not"),
-        (["[bearing.material]", "hardness = 60"], "bearing.material.hardness: unknown key; known are density, elas"),
+        (
+            ["[bearing.profile]", 'shape = "curved"'],
+            "bearing.profile.shape: must be one of 'none', 'iso16281'",
+        ),
+        (
+            ["[bearing.profile]", "radius = 1"],
+            "bearing.profile.radius: only read for shape = 'circular', not for",
+        ),
+        (
+            ["[bearing.profile]", "drop = [1e-5]"],
+            "bearing.profile.drop: only read for shape = 'table', not for 'none'",
+        ),
+        (
+            ["[bearing.material]", "poisson_ratio = 0.6"],
+            "bearing.material.poisson_ratio: must be from 0 to 0.5, not",
+        ),
+        (
+            ["[bearing.material]", "hardness = 60"],
+            "bearing.material.hardness: unknown key; known are density, elas",
+        ),
         (["[moodels]"], "moodels: unknown key, did you mean 'models'?"),
     ],
 )
-def test_a_fault_in_an_optional_table_is_reported_with_its_line(lines: list[str], message: str) -> None:
+def test_a_fault_in_an_optional_table_is_reported_with_its_line(
+    lines: list[str], message: str
+) -> None:
     [problem] = problems_of(scene_with(*lines))
     assert problem.startswith(f"scene.toml:{len(LINES) + len(lines)}: {message}")
 
@@ -211,13 +295,31 @@ def test_a_fault_in_an_optional_table_is_reported_with_its_line(lines: list[str]
 @pytest.mark.parametrize(
     ("written", "message"),
     [
-        ('{ shape = "circular" }', "bearing.profile.radius: missing, but required for shape = 'circular'"),
+        (
+            '{ shape = "circular" }',
+            "bearing.profile.radius: missing, but required for shape = 'circular'",
+        ),
         ('{ shape = "table" }', "bearing.profile.position: a table needs at least 2 places, not 0"),
-        ('{ shape = "table", position = [0, 1], drop = [0] }', "bearing.profile.drop: needs one value for each of 2"),
-        ('{ shape = "table", position = [1, 0], drop = [0, 0] }', "bearing.profile.position: must ascend"),
-        ('{ shape = "table", position = [0, 0], drop = [0, 0] }', "bearing.profile.position: must ascend"),
-        ('{ shape = "table", position = [0, 1], drop = [0, -1] }', "bearing.profile.drop: must be at least 0, not -1"),
-        ('{ shape = "table", position = [0, "1 kg"], drop = [0, 0] }', "bearing.profile.position[1]: '1 kg' is a mass"),
+        (
+            '{ shape = "table", position = [0, 1], drop = [0] }',
+            "bearing.profile.drop: needs one value for each of 2",
+        ),
+        (
+            '{ shape = "table", position = [1, 0], drop = [0, 0] }',
+            "bearing.profile.position: must ascend",
+        ),
+        (
+            '{ shape = "table", position = [0, 0], drop = [0, 0] }',
+            "bearing.profile.position: must ascend",
+        ),
+        (
+            '{ shape = "table", position = [0, 1], drop = [0, -1] }',
+            "bearing.profile.drop: must be at least 0, not -1",
+        ),
+        (
+            '{ shape = "table", position = [0, "1 kg"], drop = [0, 0] }',
+            "bearing.profile.position[1]: '1 kg' is a mass",
+        ),
     ],
 )
 def test_a_profile_is_complete(written: str, message: str) -> None:
@@ -260,16 +362,24 @@ def test_all_faults_come_at_once_in_the_order_of_the_file() -> None:
 
 
 def test_names_that_are_looked_up_later_are_told_with_the_faults_of_values() -> None:
-    text = scene_with(rollers="rolers = 28", film='film = "mos"\ntorque = ["skf", "ksf"]') + "[study.dynamic]"
+    text = (
+        scene_with(rollers="rolers = 28", film='film = "mos"\ntorque = ["skf", "ksf"]')
+        + "[study.dynamic]"
+    )
     found = [problem.split("; ")[0].partition(": ")[2] for problem in problems_of(text)]
-    wrong = ("models.film", "film", "mos"), ("models.torque", "torque", "ksf"), ("study.dynamic", "study", "dynamic")
+    wrong = (
+        ("models.film", "film", "mos"),
+        ("models.torque", "torque", "ksf"),
+        ("study.dynamic", "study", "dynamic"),
+    )
     assert found[2:] == [f"{key}: no {kind} is called {name!r}" for key, kind, name in wrong]
 
 
 def test_an_empty_scene_lists_what_is_required() -> None:
     problems = problems_of("")
     assert [problem.split(" (")[0] for problem in problems] == [
-        f"scene.toml: {name}: missing, but required" for name in ("bearing", "lubricant", "operation")
+        f"scene.toml: {name}: missing, but required"
+        for name in ("bearing", "lubricant", "operation")
     ]
 
 
@@ -280,10 +390,15 @@ def test_a_missing_key_says_what_is_expected() -> None:
     ]
 
 
-@pytest.mark.parametrize("table", ["bearing", "lubricant", "study", "cage", "models", "plugins", "study.dynamics"])
+@pytest.mark.parametrize(
+    "table", ["bearing", "lubricant", "study", "cage", "models", "plugins", "study.dynamics"]
+)
 def test_a_table_is_a_table(table: str) -> None:
     problems = problems_of(f"{table} = 1\n")
-    assert any(p.startswith(f"scene.toml:1: {table}: a table") and p.endswith("is expected, not 1") for p in problems)
+    assert any(
+        p.startswith(f"scene.toml:1: {table}: a table") and p.endswith("is expected, not 1")
+        for p in problems
+    )
 
 
 # Files --------------------------------------------------------------------------------------------------------------
@@ -315,7 +430,10 @@ def test_a_file_that_cannot_be_read_is_a_scene_error(tmp_path: Path) -> None:
         (latin, f"{latin}:2: not UTF-8 text; save the file in the encoding UTF-8"),
         (directory, f"{directory}: is a directory; a scene is a .toml file"),
         (str(tmp_path), f"{tmp_path}: is a directory; a scene is a .toml file"),
-        *((tmp_path / f"none{ending}", "is no scene but ") for ending in (".nc", ".CSV", ".json", ".rexs", ".zip")),
+        *(
+            (tmp_path / f"none{ending}", "is no scene but ")
+            for ending in (".nc", ".CSV", ".json", ".rexs", ".zip")
+        ),
         (tmp_path / "none.toml", f"{tmp_path / 'none.toml'}: there is no such file"),
         (str(latin / "x.toml"), "cannot be read: "),
         ("nul\0.toml", "cannot be read: "),
@@ -351,13 +469,19 @@ def test_reading_a_scene_imports_nothing_heavy() -> None:
 
 
 def test_an_example_is_a_usual_value_of_the_field():
-    with pytest.raises(SceneError, match=r"roller_roughness: '3 N' is a force, .* expected, such as '0\.1 um'"):
+    with pytest.raises(
+        SceneError, match=r"roller_roughness: '3 N' is a force, .* expected, such as '0\.1 um'"
+    ):
         evolve(load_scene("1032930-70C"), {"surface.roller_roughness": "3 N"})
 
 
-@pytest.mark.parametrize(("name", "said"), [("anulus", "'anulus'; did you mean 'annulus'?"), ("annulus", None)])
+@pytest.mark.parametrize(
+    ("name", "said"), [("anulus", "'anulus'; did you mean 'annulus'?"), ("annulus", None)]
+)
 def test_the_model_of_a_ring_is_looked_for_among_rings(name, said):
     with pytest.raises(SceneError) as error:
-        evolve(load_scene("1032930-70C"), {"models.outer_ring": name, "operation.inner_speed": "fast"})
+        evolve(
+            load_scene("1032930-70C"), {"models.outer_ring": name, "operation.inner_speed": "fast"}
+        )
     assert "no kind" not in str(error.value)
     assert (f"no ring is called {said}" in str(error.value)) == (said is not None)

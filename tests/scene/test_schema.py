@@ -26,7 +26,14 @@ def test_the_schema_has_every_promised_key() -> None:
     )
     assert rows["models.traction"].default == "lambda-blend"
     assert rows["surface.roller_roughness"].default == "0.1 um"
-    assert {"models.traction.*", "lubricant.*", "cage.*", "study.*", "accuracy.slices", "title"} <= rows.keys()
+    assert {
+        "models.traction.*",
+        "lubricant.*",
+        "cage.*",
+        "study.*",
+        "accuracy.slices",
+        "title",
+    } <= rows.keys()
     assert all(row.doc and not row.doc.endswith(".") for row in schema())
     assert not {"source", "text", "raw", "origins"} & rows.keys()
 
@@ -34,4 +41,6 @@ def test_the_schema_has_every_promised_key() -> None:
 def test_a_scene_and_a_plan_are_told_in_one_line():
     scene = rollslip.load_scene("1032930-30C")
     assert repr(scene) == "Scene '1032930-30C': 28 rollers on 165 mm, 3.415 kN, 6371 rpm, 30 degC"
-    assert repr(rollslip.plan(scene, "friction-curve")).startswith("Plan of '1032930-30C': friction-curve; ")
+    assert repr(rollslip.plan(scene, "friction-curve")).startswith(
+        "Plan of '1032930-30C': friction-curve; "
+    )

@@ -20,7 +20,9 @@ pytestmark = pytest.mark.quick
 
 SCENE = load_scene("1032930-50C")
 #: Bore, outside diameter and rollers of 50 x 90 mm [m], and 3000 1/min [rad/s].
-RINGS, ROLLER, SPEED = (0.05, 0.09), 0.01, 100.0 * math.pi
+RINGS = (0.05, 0.09)
+ROLLER = 0.01
+SPEED = 100.0 * math.pi
 KINDS = st.sampled_from(sorted(SUPPLIES))
 SPEEDS = st.floats(1.0, 3000.0)
 VISCOSITIES = st.floats(1e-6, 1e-3)
@@ -45,7 +47,8 @@ def ratios():
         if re.fullmatch(r"NU\d+E?", name) is None:
             continue
         data = CATALOGUE[name]
-        b, (d, D, width) = data.bearing, map(int, re.search(r"(\d+) x (\d+) x (\d+) mm", data.description).groups())
+        b = data.bearing
+        (d, D, width) = map(int, re.search(r"(\d+) x (\d+) x (\d+) mm", data.description).groups())
         speed = 1e6 / (d + D) * math.pi / 30.0  # n d_m = 5e5
         level = 0.5 * b.roller_diameter
         phi = Supplied.of(Lubrication(), b.boundaries, b.roller_diameter, speed, 1e-9).oil_fraction
@@ -79,21 +82,35 @@ def test_a_bath_by_hand():
 
 def test_starvation_by_hand():
     exponent = 12.0 * 3000.0 * 140.0 * math.sqrt(5.1 / 80.0)
-    low, lean = math.exp(-3e-8 * exponent), math.exp(-6e-8 * exponent)
+    low = math.exp(-3e-8 * exponent)
+    lean = math.exp(-6e-8 * exponent)
     assert of(oil_level=0.004).starvation == pytest.approx(low, rel=1e-12)
-    for supply, expected in {"splash": low, "circulating": low, "jet": low, "mist": lean, "grease": lean}.items():
+    for supply, expected in {
+        "splash": low,
+        "circulating": low,
+        "jet": low,
+        "mist": lean,
+        "grease": lean,
+    }.items():
         assert of(supply=supply).starvation == pytest.approx(expected, rel=1e-12)
     for power in (1e-7 * exponent, 10.0):
-        assert of(starvation_constant=power / exponent).starvation == pytest.approx(math.exp(-power), rel=1e-12)
+        assert of(starvation_constant=power / exponent).starvation == pytest.approx(
+            math.exp(-power), rel=1e-12
+        )
 
 
 def test_a_fast_bearing_throws_off_what_a_jet_brings():
     rpm = 5e5 / 70.0
-    at, beyond, far = (of(speed=share * rpm * math.pi / 30.0, viscosity=1e-9, supply="jet") for share in (1.0, 1.1, 3))
+    at, beyond, far = (
+        of(speed=share * rpm * math.pi / 30.0, viscosity=1e-9, supply="jet")
+        for share in (1.0, 1.1, 3)
+    )
     assert at.oil_fraction == pytest.approx(0.1, rel=1e-6)
     assert beyond.oil_fraction == pytest.approx(0.1 / 1.1**4, rel=1e-6)
     assert far.oil_fraction == 0.03
-    assert of(speed=3 * rpm * math.pi / 30.0, viscosity=1e-9, supply="circulating").oil_fraction > 0.09
+    assert (
+        of(speed=3 * rpm * math.pi / 30.0, viscosity=1e-9, supply="circulating").oil_fraction > 0.09
+    )
 
 
 @given(kind=KINDS, speed=SPEEDS, viscosity=VISCOSITIES, faster=st.floats(1.0, 10.0))
@@ -146,7 +163,9 @@ def test_a_scene_says_nothing_of_it_and_has_a_bath():
 def test_want_of_oil_thins_film_and_rolling_resistance_alike():
     """phi_rs of the scene at its viscosity, in film and drag; a value that is stated wins."""
     cage = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
-    scene = evolve(SCENE, {"cage": cage, "models.film": "inlet-correction", "lubrication.supply": "mist"})
+    scene = evolve(
+        SCENE, {"cage": cage, "models.film": "inlet-correction", "lubrication.supply": "mist"}
+    )
     bearing = assemble(scene)
     nu = bearing.lubricant.at(323.15).viscosity / bearing.lubricant.density(323.15)
     expected = math.exp(-6e-8 * 1e6 * nu * 6371.0 * 360.0 * math.sqrt(5.1 / 120.0))
@@ -157,13 +176,21 @@ def test_want_of_oil_thins_film_and_rolling_resistance_alike():
     assert assemble(stated).film.starvation == 0.5
     # a bearing at another temperature is another one, whatever it is made of
     warm = evolve(scene, {"operation.temperature": "80 degC"})
-    assert assemble(warm, like=bearing).film.starvation == assemble(warm).film.starvation > bearing.film.starvation
+    assert (
+        assemble(warm, like=bearing).film.starvation
+        == assemble(warm).film.starvation
+        > bearing.film.starvation
+    )
 
 
 def test_the_plan_says_where_drags_are_from():
     cage = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
     scene = evolve(SCENE, {"cage": cage, "lubrication": "grease"})
-    parts = [part for part in plan(scene, "steady-slip").parts if part.part in ("drag", "rolling resistance")]
+    parts = [
+        part
+        for part in plan(scene, "steady-slip").parts
+        if part.part in ("drag", "rolling resistance")
+    ]
     assert {part.reason for part in parts} == {"default, of lubrication.supply = 'grease'"}
     bare = plan(SCENE, "steady-slip").parts
     reasons = [part.reason for part in bare if part.part == "rolling resistance"]
@@ -175,7 +202,11 @@ def test_the_deepest_bath_that_was_held_against_is_usual():
 
     def told(share):
         level = f"{share * 180:.3g} mm"
-        return [one for one in implausible(evolve(SCENE, {"lubrication.oil_level": level})) if "oil_level" in str(one)]
+        return [
+            one
+            for one in implausible(evolve(SCENE, {"lubrication.oil_level": level}))
+            if "oil_level" in str(one)
+        ]
 
     assert not told(0.9 * DEEPEST)
     assert told(1.2 * DEEPEST)

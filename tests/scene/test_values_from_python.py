@@ -40,7 +40,9 @@ def test_a_sweep_goes_over_whatever_holds_numbers(speeds):
     assert np.allclose(found.inner_speed, SPEEDS, rtol=1e-12)
 
 
-@pytest.mark.parametrize("load", [np.array(3000.0), np.float32(3000.0), decimal.Decimal(3000), xr.DataArray(3000.0)])
+@pytest.mark.parametrize(
+    "load", [np.array(3000.0), np.float32(3000.0), decimal.Decimal(3000), xr.DataArray(3000.0)]
+)
 def test_a_number_of_another_library_is_a_number(load):
     assert evolve(PAPER, {"operation.radial_load": load}).operation.radial_load == 3000.0
 
@@ -51,32 +53,46 @@ def test_a_whole_number_is_one_in_any_form(rollers):
 
 
 def test_a_part_of_a_roller_is_refused():
-    with pytest.raises(SceneError, match=r"bearing\.rollers: a whole number is expected, not 18\.5"):
+    with pytest.raises(
+        SceneError, match=r"bearing\.rollers: a whole number is expected, not 18\.5"
+    ):
         evolve(PAPER, {"bearing.rollers": 18.5})
 
 
 def test_a_scene_is_taken_by_its_name():
-    assert evolve("1032930-70C", {"operation.radial_load": 3000.0}) == evolve(PAPER, {"operation.radial_load": 3000.0})
+    assert evolve("1032930-70C", {"operation.radial_load": 3000.0}) == evolve(
+        PAPER, {"operation.radial_load": 3000.0}
+    )
 
 
 def test_a_key_that_no_oil_has_is_refused_at_once():
-    with pytest.raises(SceneError, match=r"'lubricant\.viscositty' is no key, did you mean 'viscosity'\?"):
+    with pytest.raises(
+        SceneError, match=r"'lubricant\.viscositty' is no key, did you mean 'viscosity'\?"
+    ):
         evolve(PAPER, {"lubricant.viscositty": 0.01})
 
 
 def test_a_scene_in_place_of_a_result_is_said():
-    with pytest.raises(RollslipError, match=r"plot: a result is expected, .* plot\(run\('1032930-70C'\)\)"):
+    with pytest.raises(
+        RollslipError, match=r"plot: a result is expected, .* plot\(run\('1032930-70C'\)\)"
+    ):
         plot("1032930-70C")
 
 
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: evolve(PAPER, "operation.radial_load=3 kN"), "changes: values by key are expected"),
+        (
+            lambda: evolve(PAPER, "operation.radial_load=3 kN"),
+            "changes: values by key are expected",
+        ),
         (lambda: evolve(PAPER, {5: 3000.0}), "changes: values by key are expected"),
         (lambda: load_scene({"bearing": {}}), "scene: a name or a path is expected, not a table"),
         (lambda: run(PAPER, ["steady-slip"]), "study: the name of one is expected, .* not a list"),
-        (lambda: rollslip.answer("results"), r"answer: a result is expected, .* answer\(run\('results'\)\)"),
+        (
+            lambda: rollslip.answer("results"),
+            r"answer: a result is expected, .* answer\(run\('results'\)\)",
+        ),
         (lambda: rollslip.table(None), "table: a result is expected, .* not None"),
         (lambda: rollslip.info(5), "info: a result is expected, .* not 5"),
         (lambda: rollslip.report(None), "report: a result is expected, .* not None"),
@@ -89,7 +105,9 @@ def test_what_is_of_another_type_is_refused_in_words(call, said):
 
 def test_what_was_made_of_a_scene_can_be_sent_elsewhere():
     there = pickle.loads(pickle.dumps(assemble(PAPER)))
-    one, other = (of.inner.evaluate(np.array([2e4]), 10.0, 0.5).friction for of in (there, assemble(PAPER)))
+    one, other = (
+        of.inner.evaluate(np.array([2e4]), 10.0, 0.5).friction for of in (there, assemble(PAPER))
+    )
     assert one == other
     quick = evolve(PAPER, {"study.friction-curve.points": 7, "accuracy.slices": 3})
     sent = pickle.loads(pickle.dumps(plan(quick, "friction-curve")))

@@ -32,7 +32,10 @@ def test_a_column_with_a_default_may_be_left_out():
 
 
 def test_faults_of_the_header_come_before_those_of_the_rows():
-    faults = read("sped [m/s], share [m], share [1]\n1, 2\n0, x, 1", check=lambda names: f"{len(names)} columns")[2]
+    faults = read(
+        "sped [m/s], share [m], share [1]\n1, 2\n0, x, 1",
+        check=lambda names: f"{len(names)} columns",
+    )[2]
     assert faults == [
         "data.csv:1: 'sped': unknown column; did you mean speed?",
         "data.csv:1: share: '1 m' is a length, here a plain number is expected, such as 0.1",
@@ -45,7 +48,9 @@ def test_faults_of_the_header_come_before_those_of_the_rows():
 
 @pytest.mark.parametrize("text", ["", "# speed [m/s]\n", "speed [m/s]\n"])
 def test_a_file_without_rows_says_what_one_looks_like(text):
-    assert read(text)[2] == ["data.csv: no data; a header such as 'speed [m/s]' and rows of numbers are expected"]
+    assert read(text)[2] == [
+        "data.csv: no data; a header such as 'speed [m/s]' and rows of numbers are expected"
+    ]
 
 
 def test_a_validator_of_a_column_holds_for_every_cell():

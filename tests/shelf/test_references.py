@@ -63,7 +63,9 @@ def plain(value: str) -> str:
     """What LaTeX makes of a value."""
     text = codecs.decode(value, "ulatex").replace("{", "").replace("}", "")
     for command, letter in COMMANDS.items():
-        text = re.sub(re.escape(command) + " ?" * command[-1].isalpha(), letter.replace("\\", r"\\"), text)
+        text = re.sub(
+            re.escape(command) + " ?" * command[-1].isalpha(), letter.replace("\\", r"\\"), text
+        )
     return text
 
 
@@ -143,7 +145,11 @@ def test_what_is_no_reference_is_refused(changes, says):
 def test_a_work_is_listed_once_whatever_its_place_and_whoever_wrote_it_down():
     book = plugins_bibliography.HAIRER_1996
     other = attrs.evolve(book, title="The same by another hand", doi=book.doi.upper())
-    assert once([book.at("section 1"), "a text", other, book, "a text", KLEBANOV]) == [book, "a text", KLEBANOV]
+    assert once([book.at("section 1"), "a text", other, book, "a text", KLEBANOV]) == [
+        book,
+        "a text",
+        KLEBANOV,
+    ]
     assert str(book.at("section 1")).count("section 1") == 1
 
 
@@ -170,7 +176,9 @@ def test_what_a_later_version_knows_is_told_as_text():
 
 def test_a_result_of_before_tells_its_texts():
     older = xr.Dataset(attrs={"citations": json.dumps(["A text.", "Another."])})
-    newer = xr.Dataset(attrs={"citations": json.dumps(["x"]), "bibliography": json.dumps([as_dict(KLEBANOV)])})
+    newer = xr.Dataset(
+        attrs={"citations": json.dumps(["x"]), "bibliography": json.dumps([as_dict(KLEBANOV)])}
+    )
     assert citations_of(older, newer, older) == ["A text.", "Another.", KLEBANOV]
     assert citations_of(xr.Dataset()) == []
 
@@ -199,11 +207,17 @@ def unlike(one):
         "ascii": as_bibtex([one]).isascii(),
     }
     others = ("volume", "issue", "edition", "publisher", "number", "note")
-    return [name for name in alike if not alike[name]] + [name for name in others if getattr(one, name) not in said]
+    return [name for name in alike if not alike[name]] + [
+        name for name in others if getattr(one, name) not in said
+    ]
 
 
 def test_another_program_reads_of_an_entry_what_was_written():
-    assert {str(one): unlike(one) for one in (*WRITTEN.values(), AWKWARD, rollslip_itself()) if unlike(one)} == {}
+    assert {
+        str(one): unlike(one)
+        for one in (*WRITTEN.values(), AWKWARD, rollslip_itself())
+        if unlike(one)
+    } == {}
 
 
 @pytest.mark.parametrize("style", ["plain", "alpha"])
@@ -296,11 +310,19 @@ def test_no_publication_is_written_down_twice():
 
 
 def test_data_name_a_publication_as_the_bibliographies_do():
-    known = {(one.authors[0].partition(",")[0], str(one.year)): str(one) for one in WRITTEN.values() if one.authors}
-    for file in Path(plugins_bibliography.__file__).parent.glob("data/measurements/*/measurement.toml"):
+    known = {
+        (one.authors[0].partition(",")[0], str(one.year)): str(one)
+        for one in WRITTEN.values()
+        if one.authors
+    }
+    for file in Path(plugins_bibliography.__file__).parent.glob(
+        "data/measurements/*/measurement.toml"
+    ):
         for text in tomllib.loads(file.read_text(encoding="utf-8"))["source"]["references"]:
             same = [
-                one for (who, year), one in known.items() if str(text).startswith(f"{who} ") and f" {year}," in text
+                one
+                for (who, year), one in known.items()
+                if str(text).startswith(f"{who} ") and f" {year}," in text
             ]
             assert same in ([], [text])
 
@@ -332,7 +354,9 @@ AS_PRINTED = {
 @pytest.mark.parametrize("name", AS_PRINTED)
 def test_sources_that_were_wrong_or_short_are_as_printed(name):
     one = next(one for known, one in WRITTEN.items() if known.endswith(f".{name}"))
-    assert ("; ".join(one.authors), one.journal, one.volume, one.issue, one.pages) == AS_PRINTED[name]
+    assert ("; ".join(one.authors), one.journal, one.volume, one.issue, one.pages) == AS_PRINTED[
+        name
+    ]
     assert not {"authors", "journal", "volume", "year"} & set(one.unconfirmed)
 
 
@@ -343,7 +367,11 @@ def test_rollslip_is_cited_as_its_citation_file_says():
     assert re.findall(r'^title: "(.*)"', own, re.MULTILINE) == [itself.title]
     assert re.findall(r"^version: (\S+)", own, re.MULTILINE) == [itself.number]
     assert re.findall(r"- name: (.*)", own) == list(itself.authors)
-    names = zip(re.findall(r"family-names: (.*)", paper), re.findall(r"given-names: (.*)", paper), strict=True)
+    names = zip(
+        re.findall(r"family-names: (.*)", paper),
+        re.findall(r"given-names: (.*)", paper),
+        strict=True,
+    )
     assert tuple(", ".join(pair) for pair in names) == KLEBANOV.authors
     assert re.findall(r" title: (.*)", paper)[0].lower() == KLEBANOV.title.lower()
     assert re.findall(r"doi: (\S+)", paper) == [KLEBANOV.doi]

@@ -29,12 +29,16 @@ class Counted:
     """Curves that are counted: how often they are asked, together, and each of them."""
 
     def __init__(self, *curves):
-        self.curves, self.calls, self.each = curves, 0, np.zeros(len(curves), dtype=int)
+        self.curves = curves
+        self.calls = 0
+        self.each = np.zeros(len(curves), dtype=int)
 
     def __call__(self, rows, places):
         self.calls += 1
         self.each += np.bincount(rows, minlength=self.each.size)
-        return np.array([self.curves[row](at) for row, at in zip(rows.tolist(), places, strict=True)])
+        return np.array(
+            [self.curves[row](at) for row, at in zip(rows.tolist(), places, strict=True)]
+        )
 
     def found(self, x):
         """What is found between samples (n, 3)."""
@@ -62,7 +66,9 @@ def exact(name, low, high):
 def test_maxima_of_smooth_curves_are_those_of_thirty_digits(size, wide):
     curves = Counted(*(lambda x, of=of: size * of(x / wide) for of in SMOOTH.values()))
     points = [1001 if name == "narrow" else 21 for name in SMOOTH]
-    places, heights = curves.found([wide * sampled(of, n) for of, n in zip(SMOOTH.values(), points, strict=True)])
+    places, heights = curves.found(
+        [wide * sampled(of, n) for of, n in zip(SMOOTH.values(), points, strict=True)]
+    )
     for k, (name, of) in enumerate(SMOOTH.items()):
         low, _, high = sampled(of, points[k])
         at, height = exact(name, low, high)
@@ -80,12 +86,18 @@ def test_a_curve_is_what_it_is_alone_whatever_is_searched_beside_it():
         assert (alone[0][0], alone[1][0]) == (together[0][k], together[1][k])
 
 
-@given(st.floats(0.02, 0.98), st.sampled_from([1.0, 1.5, 2.0, 3.0, 6.0]), st.floats(0.01, 0.3), st.floats(0.2, 1.0))
+@given(
+    st.floats(0.02, 0.98),
+    st.sampled_from([1.0, 1.5, 2.0, 3.0, 6.0]),
+    st.floats(0.01, 0.3),
+    st.floats(0.2, 1.0),
+)
 def test_it_is_as_good_as_the_library_on_peaks_from_kinks_to_flat_ones(peak, power, width, skew):
     def curve(x):
         return np.exp(-(np.abs((x - peak) / width * np.where(x < peak, skew, 1.0)) ** power))
 
-    x, counted = sampled(curve, 41), Counted(curve)
+    x = sampled(curve, 41)
+    counted = Counted(curve)
     (place,), (height,) = counted.found([x])
     tolerances = {"xatol": 1e-10, "xrtol": 0.0, "fatol": 0.0, "frtol": 0.0}
     if x[0] < x[1] < x[2]:
@@ -129,9 +141,9 @@ def test_the_middle_sample_is_the_largest_where_no_other_value_is_larger(curve, 
 @pytest.mark.parametrize("at", [1e-3, 0.03, 0.3])
 def test_a_maximum_beside_an_end_that_is_the_largest_sample_is_found(at):
     """Of two parabolas, from either end; the other end is as low as it gets."""
-    (left, right), heights = Counted(lambda x: 2.0 - (x - at) ** 2, lambda x: 2.0 - (1.0 - x - at) ** 2).found(
-        [(0.0, 0.0, 1.0), (0.0, 1.0, 1.0)]
-    )
+    (left, right), heights = Counted(
+        lambda x: 2.0 - (x - at) ** 2, lambda x: 2.0 - (1.0 - x - at) ** 2
+    ).found([(0.0, 0.0, 1.0), (0.0, 1.0, 1.0)])
     assert (left, right) == (pytest.approx(at, abs=1e-8), pytest.approx(1.0 - at, abs=1e-8))
     assert heights.tolist() == pytest.approx([2.0, 2.0], rel=1e-15)
 
@@ -202,7 +214,9 @@ def test_a_bracketed_root_is_that_of_the_library(name, turned):
     curve, root = ROOTS[name]
     low, high = (1.0, 0.0) if turned else (0.0, 1.0)
     asked = []
-    found = bracketed(lambda x: asked.append(x) or curve(x), low, high, curve(low), curve(high), relative=1e-10)
+    found = bracketed(
+        lambda x: asked.append(x) or curve(x), low, high, curve(low), curve(high), relative=1e-10
+    )
     want = brentq(curve, 0.0, 1.0, xtol=1e-12, maxiter=1000)
     tolerance = 1e-4 if name == "flat" else 1e-10
     assert found == pytest.approx(want, rel=tolerance)
@@ -215,17 +229,24 @@ def test_a_jump_past_zero_and_an_end_that_is_zero_are_roots_and_a_level_end_is_n
     jump = bracketed(lambda x: -1.0 if x < 0.123 else 5.0, 0.0, 1.0, -1.0, 5.0, tolerance=1e-9)
     assert jump == pytest.approx(0.123, abs=1e-8)
     level = bracketed(lambda x: x**5 - 1e-6, 0.0, 1.0, -1e-6, 1.0 - 1e-6, tolerance=1e-4)
-    assert level == pytest.approx(10.0**-1.2, abs=1e-4), "where a curve is level, steps are short far from its root"
+    assert level == pytest.approx(10.0**-1.2, abs=1e-4), (
+        "where a curve is level, steps are short far from its root"
+    )
     assert bracketed(lambda x: x, 0.0, 1.0, 0.0, 1.0, relative=1e-10) == 0.0
     assert bracketed(lambda x: x - 1.0, 0.0, 1.0, -1.0, 0.0, relative=1e-10) == 1.0
 
 
 @pytest.mark.parametrize(
-    ("start", "slope", "found"), [(0.1, 2.0, 0.12), (0.118, 5.0, 0.12), (0.5, 1.0, None), (0.1, 0.3, None)]
+    ("start", "slope", "found"),
+    [(0.1, 2.0, 0.12), (0.118, 5.0, 0.12), (0.5, 1.0, None), (0.1, 0.3, None)],
 )
 def test_a_root_is_found_from_near_it_or_not_at_all(start, slope, found):
     told = secants(
-        lambda x: np.tanh(3.0 * (x - 0.12)), start, slope, tolerance=1e-9 * start, within=(0.5 * start, 1.5 * start)
+        lambda x: np.tanh(3.0 * (x - 0.12)),
+        start,
+        slope,
+        tolerance=1e-9 * start,
+        within=(0.5 * start, 1.5 * start),
     )
     assert told is None if found is None else told[0] == pytest.approx(found, rel=1e-12)
     assert told is None or told[1] == pytest.approx(3.0, rel=1e-3)
@@ -238,9 +259,15 @@ def test_secants_lead_nowhere_where_there_is_no_root(curve):
 
 
 def test_steps_of_secants_are_no_longer_than_they_may_be():
-    asked, within = [], (-9.0, 9.0)
+    asked = []
+    within = (-9.0, 9.0)
     root, _ = secants(
-        lambda x: asked.append(x) or math.atan(x - 3.0), 0.0, 0.1, tolerance=1e-9, within=within, longest=1.0
+        lambda x: asked.append(x) or math.atan(x - 3.0),
+        0.0,
+        0.1,
+        tolerance=1e-9,
+        within=within,
+        longest=1.0,
     )
     assert root == pytest.approx(3.0, abs=1e-9)
     assert np.abs(np.diff(asked)).max() == 1.0

@@ -19,7 +19,9 @@ class Law:
     thermal: bool = parameter(default=True, doc="with heating")
     steps: int = parameter(default=5, doc="steps", validator=attrs.validators.ge(1))
     span: tuple[float, float] = parameter(default=(0.0, 1.0), unit="1", doc="range of slip")
-    limit: float | None = parameter(default=None, unit="K", doc="limit", validator=attrs.validators.optional(positive))
+    limit: float | None = parameter(
+        default=None, unit="K", doc="limit", validator=attrs.validators.optional(positive)
+    )
     inner: ModelChoice = parameter(default=ModelChoice(name="x"), doc="another model")
     share: float = attrs.field(default=0.5, validator=attrs.validators.instance_of(float))
     _hidden: float = attrs.field(default=0.0, init=False)
@@ -31,16 +33,27 @@ class Law:
 
 def test_a_class_is_made_from_raw_values() -> None:
     problems: list[str] = []
-    raw = {"modulus": "300 MPa", "span": ["1 %", 0.3], "limit": "70 degC", "inner": "moes", "share": 1}
+    raw = {
+        "modulus": "300 MPa",
+        "span": ["1 %", 0.3],
+        "limit": "70 degC",
+        "inner": "moes",
+        "share": 1,
+    }
     law = structure(Law, raw, "law", problems)
     assert problems == []
-    assert law == Law(modulus=3e8, span=(0.01, 0.3), limit=343.15, inner=ModelChoice(name="moes"), share=1.0)
+    assert law == Law(
+        modulus=3e8, span=(0.01, 0.3), limit=343.15, inner=ModelChoice(name="moes"), share=1.0
+    )
 
 
 @pytest.mark.parametrize(
     ("raw", "message"),
     [
-        ({}, "law.modulus: missing, but required (shear modulus); a pressure is expected, such as '4 MPa'"),
+        (
+            {},
+            "law.modulus: missing, but required (shear modulus); a pressure is expected, such as '4 MPa'",
+        ),
         ({"modulus": 1, "kind": "c"}, "law.kind: must be one of 'a', 'b', not 'c'"),
         ({"modulus": 1, "thermal": 1}, "law.thermal: true or false is expected, not 1"),
         ({"modulus": 1, "thermal": "yes"}, "law.thermal: true or false is expected, not 'yes'"),
@@ -73,10 +86,19 @@ def test_a_whole_number_has_64_bits() -> None:
 
 
 def test_parameters_are_reported_with_the_line_in_the_scene() -> None:
-    scene = parse_scene(scene_with("[models.traction]", 'model = "law"', 'modulus = "3 m"'), "scene.toml")
+    scene = parse_scene(
+        scene_with("[models.traction]", 'model = "law"', 'modulus = "3 m"'), "scene.toml"
+    )
     problems: list[str] = []
-    structure(Law, scene.models.traction.parameters, Location(scene.origins, ("models", "traction")), problems)
-    assert problems[0].startswith(f"scene.toml:{len(LINES) + 3}: models.traction.modulus: '3 m' is a length")
+    structure(
+        Law,
+        scene.models.traction.parameters,
+        Location(scene.origins, ("models", "traction")),
+        problems,
+    )
+    assert problems[0].startswith(
+        f"scene.toml:{len(LINES) + 3}: models.traction.modulus: '3 m' is a length"
+    )
 
 
 def test_a_field_of_a_type_that_no_scene_holds_is_a_mistake_of_its_author() -> None:

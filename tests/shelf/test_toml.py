@@ -156,7 +156,8 @@ def test_every_key_has_the_line_where_it_appeared(lines: list[str]) -> None:
     documents = complete_documents(text)
     for path in every:
         line = noted[path]
-        before, after = documents[line], documents[min(start for start in documents if start > line)]
+        before = documents[line]
+        after = documents[min(start for start in documents if start > line)]
         assert holds(after, path)
         # Later statements may open a table again; anything else enters once.
         assert not holds(before, path) or isinstance(lookup(before, path), dict | list)
@@ -191,9 +192,17 @@ def holds(document: Any, path: tuple[str | int, ...]) -> bool:
     [
         ("a = 1\nb = \n", "scene.toml:2: not valid TOML: ", "(column 5)"),
         ("a = 15 mm\n", "scene.toml:1: not valid TOML: ", 'one with a unit in quotes, as "15 mm"'),
-        ("[a]\nb = 1,5\n", "scene.toml:2: not valid TOML: ", 'one with a unit in quotes, as "15 mm"'),
+        (
+            "[a]\nb = 1,5\n",
+            "scene.toml:2: not valid TOML: ",
+            'one with a unit in quotes, as "15 mm"',
+        ),
         ("[a]\nb = moes\n", "scene.toml:2: not valid TOML: ", 'write a text in quotes, as "moes"'),
-        ('a = "x\nb = 1\n', "scene.toml:1: not valid TOML: ", "; a quote is missing at the end of the line"),
+        (
+            'a = "x\nb = 1\n',
+            "scene.toml:1: not valid TOML: ",
+            "; a quote is missing at the end of the line",
+        ),
         ("a = 1\nb = [1,\n", "scene.toml:3: not valid TOML: ", "(at the end of the file)"),
         ("a = 1e5\na = 1e5\nb = 1", "scene.toml:2: not valid TOML: ", ")"),
         ("a = " + "1" * 5000, "scene.toml: not valid TOML: ", ""),

@@ -27,7 +27,9 @@ FIFTH = norm.ppf(0.95)
 
 
 def size(deviation):
-    table = {"constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": deviation}}}
+    table = {
+        "constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": deviation}}
+    }
     return {"cage": {"drag": table}}
 
 
@@ -38,13 +40,18 @@ def of_run(scene):
 @pytest.mark.slow
 def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with_load():
     """One quantity of known quantiles: the ends are the least loads at these values, each computed for itself."""
-    deviation, torque = 0.4, 0.3
-    scene = rollslip.evolve(uncertain(constant(torque), **size(deviation)), {"study.steady-slip.acceptable_slip": 0.02})
+    deviation = 0.4
+    torque = 0.3
+    scene = rollslip.evolve(
+        uncertain(constant(torque), **size(deviation)), {"study.steady-slip.acceptable_slip": 0.02}
+    )
     dataset = of_run(scene)
     told = json.loads(dataset.attrs["band"])
     for end, sign in (("low", -1.0), ("high", 1.0)):
         there = torque * math.exp(sign * deviation * FIFTH)
-        moved = rollslip.run(rollslip.evolve(scene, {"cage.drag.constant-torque.size": there}), "steady-slip")
+        moved = rollslip.run(
+            rollslip.evolve(scene, {"cage.drag.constant-torque.size": there}), "steady-slip"
+        )
         assert told["steady_slip"][end] == pytest.approx(float(moved.steady_slip[0]), rel=0.05)
         assert told["least_load"][end] == pytest.approx(float(moved.least_load), rel=0.05)
     assert told["steady_slip"]["most"] == "cage.drag.constant-torque.size"
@@ -52,7 +59,9 @@ def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with
         (moved,) = told[name]["moved"]
         assert (moved["key"], moved["unit"]) == ("cage.drag.constant-torque.size", "N m")
         assert moved["values"] == pytest.approx([told[name]["low"], told[name]["high"]])
-        assert moved["ends"] == pytest.approx([torque * math.exp(sign * deviation * FIFTH) for sign in (-1.0, 1.0)])
+        assert moved["ends"] == pytest.approx(
+            [torque * math.exp(sign * deviation * FIFTH) for sign in (-1.0, 1.0)]
+        )
 
 
 def test_where_a_quantity_makes_the_cage_run_away_the_band_has_no_upper_end():
@@ -69,9 +78,13 @@ def test_where_a_quantity_makes_the_cage_run_away_the_band_has_no_upper_end():
 
 def test_no_end_of_a_band_is_a_slip_beyond_all_slips(monkeypatch):
     """Ratios of few slices may lead there: of half the slips of the cage, three times is skidding."""
-    dataset = rollslip.run(SCENE, "steady-slip").pipe(lambda own: own.assign(steady_slip=own.steady_slip * 0.0 + 0.5))
+    dataset = rollslip.run(SCENE, "steady-slip").pipe(
+        lambda own: own.assign(steady_slip=own.steady_slip * 0.0 + 0.5)
+    )
     moved = (Moved("lubricant.viscosity_factor", "1", (0.9, 1.1), (3.0, 0.5)),)
-    monkeypatch.setattr(band, "bands", lambda *_: {"steady_slip": Band(0.5, 3.0, moved[0].key, moved)})
+    monkeypatch.setattr(
+        band, "bands", lambda *_: {"steady_slip": Band(0.5, 3.0, moved[0].key, moved)}
+    )
     told = json.loads(with_bands(SCENE, dataset).attrs["band"])["steady_slip"]
     assert (told["low"], told["high"], told["moved"][0]["values"]) == (0.25, None, [None, 0.25])
 
@@ -104,16 +117,30 @@ def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):
     dataset = rollslip.run(SCENE, "steady-slip")
     assert "band" in dataset.attrs
     del dataset.attrs["band"]
-    assert with_bands(SCENE, dataset.assign(steady_slip=("steady", np.array([np.nan])))).attrs.get("band") is None
+    assert (
+        with_bands(SCENE, dataset.assign(steady_slip=("steady", np.array([np.nan])))).attrs.get(
+            "band"
+        )
+        is None
+    )
     monkeypatch.setattr("rollslip_studies.variation.scatter.scattering", lambda assembly: {})
     assert with_bands(SCENE, dataset).attrs.get("band") is None
     assert Band(0.5, math.inf, "x").high == math.inf
 
 
 def test_the_command_tells_bands_beside_its_numbers(tmp_path):
-    arguments = ["run", "1032930-70C", "--study", "steady-slip", "--set", "study.steady-slip.acceptable_slip=0.02"]
+    arguments = [
+        "run",
+        "1032930-70C",
+        "--study",
+        "steady-slip",
+        "--set",
+        "study.steady-slip.acceptable_slip=0.02",
+    ]
     done = CliRunner().invoke(cli, [*arguments, "--out", str(tmp_path / "o"), "--no-plots"])
     assert done.exit_code == 0, done.output
     assert re.search(r"cage slip +0\.77 % +below 0\.1 to 6\.\d %", done.output)
-    assert re.search(r"minimum load +\d\.\d kN +\d\.\d+ to \d\.\d kN, for a slip below 2 %", done.output)
+    assert re.search(
+        r"minimum load +\d\.\d kN +\d\.\d+ to \d\.\d kN, for a slip below 2 %", done.output
+    )
     assert "band" in rollslip.open_result(tmp_path / "o" / "steady-slip.nc").attrs

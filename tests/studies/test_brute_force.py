@@ -8,7 +8,11 @@ import pytest
 from tabled import REFERENCES
 
 #: Without scenes that are refused or take too long.
-TABLE = [one for one in csv.reader((REFERENCES / "brute_force.csv").read_text("utf-8").splitlines()) if one[4]][1:]
+TABLE = [
+    one
+    for one in csv.reader((REFERENCES / "brute_force.csv").read_text("utf-8").splitlines())
+    if one[4]
+][1:]
 
 
 def test_no_limit_no_temperature_and_no_worst_value_is_missed():
@@ -27,7 +31,11 @@ def test_a_scene_has_the_numbers_of_the_table(kind, k, monkeypatch):
     monkeypatch.syspath_prepend(REFERENCES)
     import brute_force
 
-    for again, stored in zip(brute_force.rows(kind, k), [o for o in TABLE if o[:2] == [kind, str(k)]], strict=True):
+    for again, stored in zip(
+        brute_force.rows(kind, k), [o for o in TABLE if o[:2] == [kind, str(k)]], strict=True
+    ):
         assert [again[2], again[7]] == [stored[2], stored[7]]
-        for one, other in zip(again[3].split(" to ") + again[4:5], stored[3].split(" to ") + stored[4:5], strict=True):
+        for one, other in zip(
+            again[3].split(" to ") + again[4:5], stored[3].split(" to ") + stored[4:5], strict=True
+        ):
             assert float(one) == pytest.approx(float(other), rel=1e-4)

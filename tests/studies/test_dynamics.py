@@ -86,7 +86,13 @@ def test_the_ledger_closes_to_the_tolerance(level, friction):
     closures = []
     for tolerance in (1e-3, 1e-7):
         found = run(
-            bearing(*drags), level, friction, duration=0.01, points=11, relative_tolerance=tolerance, cage_slip=0.05
+            bearing(*drags),
+            level,
+            friction,
+            duration=0.01,
+            points=11,
+            relative_tolerance=tolerance,
+            cage_slip=0.05,
         )
         closures.append(energy_closure(found))
         assert closures[-1] < tolerance
@@ -108,7 +114,9 @@ def test_without_drag_the_cage_keeps_epicyclic_speed(level, friction):
     assert found.sizes["event"] == 0
 
 
-@pytest.mark.parametrize(("duration", "steady"), [(0.5, False), (2.0, False), (4.0, True), (20.0, True)])
+@pytest.mark.parametrize(
+    ("duration", "steady"), [(0.5, False), (2.0, False), (4.0, True), (20.0, True)]
+)
 def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(duration, steady):
     """Slip that goes to 5 % with a time constant of 0.4 s, swinging a little with every orbit of 20 ms."""
     t = np.linspace(0.0, duration, 2001)
@@ -119,7 +127,9 @@ def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(durati
         assert mean == pytest.approx(0.05, rel=1e-3)
     else:
         assert np.isnan(mean)
-        told = re.fullmatch(r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %", status)
+        told = re.fullmatch(
+            r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %", status
+        )
         assert float(told[1]) == pytest.approx(100.0 * slip[t > duration - 0.02].mean(), rel=1e-3)
         assert float(told[2]) == pytest.approx(5.0, rel=0.05)
 
@@ -131,24 +141,30 @@ def test_what_is_not_settled_is_told_with_digits_that_show_it(tolerance):
     end = 0.07136 * (1.0 + 3.0 * tolerance)
     # over the orbits of 20 ms at the end the rest falls by half every 120 ms, the length of a span
     slip = end - (end - 0.07136) * 0.5 ** ((t - 0.99) / 0.12)
-    mean, status = steady_slip_of(t, slip, np.full(t.size, 2 * np.pi / 0.02), tolerance, lambda s: f"; take {s:g} s")
+    mean, status = steady_slip_of(
+        t, slip, np.full(t.size, 2 * np.pi / 0.02), tolerance, lambda s: f"; take {s:g} s"
+    )
     assert np.isnan(mean)
     told = re.fullmatch(
-        r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %; take 2 s", status
+        r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %; take 2 s",
+        status,
     )
     assert float(told[1]) < float(told[2])
     assert float(told[2]) == pytest.approx(100.0 * end, rel=tolerance)
 
 
 def test_steady_is_not_said_of_short_sparse_or_growing_slip():
-    t, turning = np.linspace(0.0, 1.0, 501), np.full(501, 2 * np.pi / 0.02)
+    t = np.linspace(0.0, 1.0, 501)
+    turning = np.full(501, 2 * np.pi / 0.02)
     assert "shorter than three orbits" in steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3)[1]
     assert "too few instants" in steady_slip_of(t[::100], 0.0 * t[::100], turning[::100], 1e-3)[1]
-    assert steady_slip_of(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith("not steady: it moves from")
-    assert "stands still" in steady_slip_of(t, 1.0 + 0.0 * t, 0.0 * t, 1e-3)[1]
-    assert steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3, lambda s: f"; take {s:g} s")[1].endswith(
-        "three orbits of the rollers, which take 0.06 s; take 0.08 s"
+    assert steady_slip_of(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith(
+        "not steady: it moves from"
     )
+    assert "stands still" in steady_slip_of(t, 1.0 + 0.0 * t, 0.0 * t, 1e-3)[1]
+    assert steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3, lambda s: f"; take {s:g} s")[
+        1
+    ].endswith("three orbits of the rollers, which take 0.06 s; take 0.08 s")
     assert steady_slip_of(t, 0.0 * t, turning, 1e-3) == (0.0, "steady")
 
 
@@ -157,7 +173,13 @@ def test_a_mirrored_bearing_moves_as_in_a_mirror(level, friction):
     """Turned the other way, all speeds change their sign and everything else stays; positions are counted along the
     orbit, so they stay too."""
     turned, mirrored = (
-        run(bearing(brake(0.3), **{"operation.inner_speed": speed}), level, friction, duration=0.01, points=6)
+        run(
+            bearing(brake(0.3), **{"operation.inner_speed": speed}),
+            level,
+            friction,
+            duration=0.01,
+            points=6,
+        )
         for speed in (667.2, -667.2)
     )
     assert np.all(turned.cage_speed > 0.0)
@@ -169,7 +191,9 @@ def test_a_mirrored_bearing_moves_as_in_a_mirror(level, friction):
 
 
 def test_the_same_run_is_the_same_to_the_last_bit():
-    one, other = (run(bearing(brake(0.3)), "pocket", "conventional", duration=0.005) for _ in range(2))
+    one, other = (
+        run(bearing(brake(0.3)), "pocket", "conventional", duration=0.005) for _ in range(2)
+    )
     for name in one.data_vars:
         if one[name].dtype.kind == "f":
             assert np.array_equal(one[name], other[name], equal_nan=True), name
@@ -204,8 +228,14 @@ def test_a_smaller_tolerance_brings_the_answer_nearer(level, friction):
         ).roller_speed
 
     exact = at(1e-11)
-    errors = [float(np.abs(at(tolerance) - exact).max() / np.abs(exact).max()) for tolerance in (1e-3, 1e-5, 1e-7)]
-    assert all(error < 10.0 * tolerance for error, tolerance in zip(errors, (1e-3, 1e-5, 1e-7), strict=True))
+    errors = [
+        float(np.abs(at(tolerance) - exact).max() / np.abs(exact).max())
+        for tolerance in (1e-3, 1e-5, 1e-7)
+    ]
+    assert all(
+        error < 10.0 * tolerance
+        for error, tolerance in zip(errors, (1e-3, 1e-5, 1e-7), strict=True)
+    )
     assert errors[1] < errors[0] / 8.0
     assert errors[2] < errors[1] / 8.0
 
@@ -218,14 +248,20 @@ def test_every_integrator_finds_the_same_motion(name):
     assert distance(theirs, ours) < 1e-6
     assert theirs.attrs["integrator"] == name
     compiled = get_model("integrator", name).compiled() is not None
-    assert (theirs.attrs["rejected"] >= 0) == compiled == (name == "rk45")  # a solver of SciPy's does not tell
+    assert (
+        (theirs.attrs["rejected"] >= 0) == compiled == (name == "rk45")
+    )  # a solver of SciPy's does not tell
 
 
 def braked(duration):
     """All 28 rollers of 15 slices, with a drag under which they come to slip by 5 %."""
-    assembly = bearing(brake(0.3), **{"bearing.rollers": 28, "accuracy.slices": 15, "accuracy.tolerance": 1e-3})
+    assembly = bearing(
+        brake(0.3), **{"bearing.rollers": 28, "accuracy.slices": 15, "accuracy.tolerance": 1e-3}
+    )
     settings = {"duration": duration, "points": 1001}
-    return assembly, *(run(assembly, friction=friction, **settings) for friction in ("conventional", "effective"))
+    return assembly, *(
+        run(assembly, friction=friction, **settings) for friction in ("conventional", "effective")
+    )
 
 
 def test_effective_friction_moves_the_bearing_as_conventional_friction_does():
@@ -260,10 +296,14 @@ def test_rollers_are_free(friction):
     """What the rings do to the spin of a roller over an orbit is what its spin gains; drag and pockets do nothing."""
     orbit = 2.0 * np.pi / 305.8 / (1.0 - 0.005)
     assembly = bearing(brake(0.2))
-    found = run(assembly, friction=friction, duration=2.0 * orbit, points=4001, relative_tolerance=1e-8)
+    found = run(
+        assembly, friction=friction, duration=2.0 * orbit, points=4001, relative_tolerance=1e-8
+    )
     last = found.isel(time=slice(2000, None))
-    inner, outer = last.traction_force.sel(ring="inner", drop=True), last.traction_force.sel(ring="outer", drop=True)
-    time, spin = last.time.values, (last.roller_speed - last.cage_speed).values
+    inner = last.traction_force.sel(ring="inner", drop=True)
+    outer = last.traction_force.sel(ring="outer", drop=True)
+    time = last.time.values
+    spin = (last.roller_speed - last.cage_speed).values
     radius = assembly.kinematics.roller_radius
     gained = 0.5 * assembly.roller_mass * radius**2 * (spin[-1] - spin[0]) / (time[-1] - time[0])
     given = radius * np.trapezoid((inner - outer).values, time, axis=0) / (time[-1] - time[0])
@@ -283,7 +323,9 @@ def test_a_run_can_end_where_the_cage_runs_away(level):
     assert found.attrs["outcome"] == "stopped"
     assert found.attrs["outcome_message"].endswith(f"s: {PASSED}")
     assert found.attrs["failed_by"] == ""
-    (what,), (time,), (rising,) = found.event_what.values, found.event_time.values, found.event_rising.values
+    (what,) = found.event_what.values
+    (time,) = found.event_time.values
+    (rising,) = found.event_rising.values
     assert (what, rising) == (PASSED, 1)
     assert found.time[-1] == time < 0.2
     assert float(found.cage_slip[-1]) == pytest.approx(found.attrs["runaway_slip"], abs=1e-10)
@@ -317,20 +359,29 @@ def test_a_film_that_becomes_too_thin_is_an_event():
     crossed = np.flatnonzero(side[1:] * side[:-1] < 0.0)
     assert crossed.size > 0
     for k in crossed:
-        here = (found.event_time.values >= found.time.values[k]) & (found.event_time.values <= found.time.values[k + 1])
+        here = (found.event_time.values >= found.time.values[k]) & (
+            found.event_time.values <= found.time.values[k + 1]
+        )
         assert np.any(here)
         what = "rises above" if side[k + 1] > 0.0 else "falls below"
         assert what in str(found.event_what.values[np.flatnonzero(here)[-1]])
 
 
 def test_film_is_known_to_conventional_friction_alone():
-    known, unknown = (run(bearing(), friction=f, duration=1e-3, points=2) for f in ("conventional", "effective"))
+    known, unknown = (
+        run(bearing(), friction=f, duration=1e-3, points=2) for f in ("conventional", "effective")
+    )
     loaded = known.normal_force > 0.0
     assert np.array_equal(np.isfinite(known.film_parameter), loaded)
     assert np.all(np.isnan(unknown.film_parameter))
     status = unknown.film_parameter.attrs["film_status"]
-    assert status == "friction is effective, which knows no film; --set study.dynamics.friction=conventional does"
-    with pytest.raises(FieldError, match="film_limit: only known to friction = 'conventional', not to 'effective'"):
+    assert (
+        status
+        == "friction is effective, which knows no film; --set study.dynamics.friction=conventional does"
+    )
+    with pytest.raises(
+        FieldError, match="film_limit: only known to friction = 'conventional', not to 'effective'"
+    ):
         Dynamics(friction="effective", film_limit=1.0)
 
 
@@ -394,22 +445,38 @@ duration = "1 ms"
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('"1 ms"', '"1 ms"\nlevel = "cages"', "must be one of 'cage-set', 'pocket', 'planar', not 'cages'"),
+        (
+            '"1 ms"',
+            '"1 ms"\nlevel = "cages"',
+            "must be one of 'cage-set', 'pocket', 'planar', not 'cages'",
+        ),
         ('"1 ms"', '"1 ms"\nlevel = "planar"', "missing, but required for level = 'planar'"),
         ('"1 ms"', '"1 ms"\nlevel = "planar"\nplanar = {}', "inner_ring_mass"),
-        ('"1 ms"', '"1 ms"\nfriction = "effectiv"', "must be one of 'effective', 'conventional', 'constant'"),
+        (
+            '"1 ms"',
+            '"1 ms"\nfriction = "effectiv"',
+            "must be one of 'effective', 'conventional', 'constant'",
+        ),
         ('"1 ms"', '"-1 ms"', "duration: must be above 0"),
         ('"1 ms"', '"1 mm"', "duration"),
         ('"1 ms"', '"nan s"', "duration"),
         ('"1 ms"', '"1 ms"\npoints = 1', "points: must be at least 2, not 1"),
         ('"1 ms"', '"1 ms"\npoints = 2.5', "points"),
-        ('"1 ms"', '"1 ms"\nrelative_tolerance = 1e-16', "relative_tolerance: must be from 2.3e-14 to 0.1"),
+        (
+            '"1 ms"',
+            '"1 ms"\nrelative_tolerance = 1e-16',
+            "relative_tolerance: must be from 2.3e-14 to 0.1",
+        ),
         ('"1 ms"', '"1 ms"\nfilm_limit = 1', "film_limit: only known to friction = 'conventional'"),
         ('"1 ms"', '"1 ms"\nstop_at = "never"', "must be one of 'end', 'critical'"),
         ('"1 ms"', '"1 ms"\nintegrator = "rodas"', "rodas5p"),
         ('"1 ms"', '"1 ms"\nintegrator = { model = "rk45", order = 3 }', "order"),
         ('"1 ms"', '"1 ms"\nintegrator = 5', "integrator"),
-        ('duration = "1 ms"', 'duratoin = "1 ms"', "duratoin: unknown key, did you mean 'duration'?"),
+        (
+            'duration = "1 ms"',
+            'duratoin = "1 ms"',
+            "duratoin: unknown key, did you mean 'duration'?",
+        ),
         ('"1 ms"', '"1 ms"\nplanar = { inner_ring_mas = 5 }', "inner_ring_mas: unknown key"),
         ("[cage]\n", "[kage]\n", "cage"),
         ('mass = "0.4 kg"', 'mass = "-1 kg"', "mass: must be above 0"),
@@ -428,7 +495,11 @@ def test_faults_of_a_scene_are_told_in_one_sentence(tmp_path, old, new, says):
     assert says in text, text
     # a drag without a land says so of each number of it, and a required key that is misspelt is missing too
     lines = text.splitlines()
-    assert len(lines) == {"drag 'petroff-land' needs it": 4, "inner_ring_mas: unknown key": 2}.get(says, 1), text
+    assert len(lines) == {"drag 'petroff-land' needs it": 4, "inner_ring_mas: unknown key": 2}.get(
+        says, 1
+    ), text
     where = rf"{re.escape(str(path))}:\d+: (study\.dynamics|cage|kage)"
-    assert isinstance(caught.value, PluginError) or all(re.match(where, line) for line in lines), text
+    assert isinstance(caught.value, PluginError) or all(re.match(where, line) for line in lines), (
+        text
+    )
     assert "own.toml" in text, text

@@ -31,7 +31,9 @@ SLICES = Resolution(slices=25, table_tolerance=1e-3)
 
 
 def bearing(**changes):
-    return assemble(evolve(SHIPPED, {key.replace("__", "."): value for key, value in changes.items()}), SLICES)
+    return assemble(
+        evolve(SHIPPED, {key.replace("__", "."): value for key, value in changes.items()}), SLICES
+    )
 
 
 def open_scene(*names, **changes):
@@ -51,7 +53,9 @@ def moved(assembly, one, other):
 def friction_moves():
     """How far conventional friction moves the cage of the shipped bearing in a second."""
     study = Dynamics(duration=1.0, points=65)
-    return float(np.abs(moved(bearing(), study, attrs.evolve(study, friction="conventional"))).max())
+    return float(
+        np.abs(moved(bearing(), study, attrs.evolve(study, friction="conventional"))).max()
+    )
 
 
 def others(name):
@@ -60,8 +64,12 @@ def others(name):
 
 
 @pytest.mark.parametrize(("tolerance", "chosen"), [(1e-2, "effective"), (1e-3, "conventional")])
-def test_friction_is_effective_where_it_moves_the_cage_as_conventional_friction_does(tolerance, chosen):
-    found = choose_motion(Dynamics(duration=1.0), bearing(accuracy__cage_speed=tolerance), others("friction"))
+def test_friction_is_effective_where_it_moves_the_cage_as_conventional_friction_does(
+    tolerance, chosen
+):
+    found = choose_motion(
+        Dynamics(duration=1.0), bearing(accuracy__cage_speed=tolerance), others("friction")
+    )
     assert found.settings == {"friction": chosen}
     true = friction_moves()
     assert (true <= 0.3 * tolerance) == (chosen == "effective")
@@ -75,7 +83,9 @@ def test_frictions_are_compared_no_longer_than_it_takes_to_tell():
     """They differ by more than 3e-4 within a second: a quarter of four is gone through, and said."""
     found = choose_motion(Dynamics(duration=4.0), bearing(), others("friction"))
     assert found.settings == {"friction": "conventional"}
-    assert re.search(r"differ by up to [4-9]\.\de-04 after 1 s already, more than", found.reasons["friction"])
+    assert re.search(
+        r"differ by up to [4-9]\.\de-04 after 1 s already, more than", found.reasons["friction"]
+    )
 
 
 @pytest.mark.parametrize(("play", "chosen"), [("0.2 mm", "cage-set"), ("6 mm", "pocket")])
@@ -99,7 +109,10 @@ def damped(study, assembly, end):
     moving = study.moving(assembly)
     found = study.tried(moving, np.linspace(0.0, end, 6), 1e-4)
     speeds = ~moving.system.places
-    worst = max(-np.linalg.eigvals(moving.system.jacobian(0.0, y)[np.ix_(speeds, speeds)]).real.min() for y in found.y)
+    worst = max(
+        -np.linalg.eigvals(moving.system.jacobian(0.0, y)[np.ix_(speeds, speeds)]).real.min()
+        for y in found.y
+    )
     return worst * 0.2 / moving.system.frequencies[0]
 
 
@@ -119,7 +132,10 @@ def test_where_rollers_hit_their_pockets_and_little_is_damped_an_explicit_one_se
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "leapfrog"}
     assert damped(study, bearing(), 0.02) < 0.05
-    assert re.match(r"the motion swings, at up to \S+ rad/s, and speeds are damped by", found.reasons["integrator"])
+    assert re.match(
+        r"the motion swings, at up to \S+ rad/s, and speeds are damped by",
+        found.reasons["integrator"],
+    )
     assert evaluations(study, "leapfrog") < 0.5 * evaluations(study, "rk45")
 
 
@@ -163,7 +179,8 @@ def test_at_cage_set_an_explicit_one_serves_where_it_needs_far_fewer_rates(frict
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "rk45"}
     rates = [
-        attrs.evolve(study, integrator=name).run(bearing()).attrs["rate_evaluations"] for name in ("rk45", "rodas5p")
+        attrs.evolve(study, integrator=name).run(bearing()).attrs["rate_evaluations"]
+        for name in ("rk45", "rodas5p")
     ]
     assert rates[0] < 0.6 * rates[1]
     assert "which does not bind an explicit method" in found.reasons["integrator"]
@@ -173,7 +190,10 @@ def test_at_cage_set_friction_that_sets_in_at_once_is_stiff():
     study = Dynamics(friction="constant", friction_speed=1e-5, duration=0.5)
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "rodas5p"}
-    assert "more than the 10000/s up to which an explicit method takes fewer rates" in found.reasons["integrator"]
+    assert (
+        "more than the 10000/s up to which an explicit method takes fewer rates"
+        in found.reasons["integrator"]
+    )
 
 
 @pytest.mark.slow
@@ -181,10 +201,15 @@ def test_at_cage_set_friction_that_sets_in_at_once_is_stiff():
 @pytest.mark.parametrize("number", [0, 3, 5, 8, 10, 16, 18, 22])
 def test_no_rival_goes_through_a_random_bearing_with_many_fewer_rates(number, level):
     """Bearings whose contacts are not stiff; leapfrog would not resolve stiff ones."""
-    study = Dynamics(level=level, friction="effective", duration=0.2 if level == "cage-set" else 0.05, points=3)
+    study = Dynamics(
+        level=level, friction="effective", duration=0.2 if level == "cage-set" else 0.05, points=3
+    )
     few = estimates.with_few_slices(assemble(scene(points(24)[number]), SLICES))
     found = choose_motion(study, few, others("integrator"))
-    rates = {name: evaluations(study, name, few) for name in ("rk45", "rodas5p", found.settings["integrator"])}
+    rates = {
+        name: evaluations(study, name, few)
+        for name in ("rk45", "rodas5p", found.settings["integrator"])
+    }
     assert rates[found.settings["integrator"]] <= 1.7 * min(rates.values())
 
 
@@ -221,7 +246,12 @@ def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
         rollslip.load_scene("1032930-50C"),
         {
             "accuracy.slices": 7,
-            "study.dynamics": {"level": "cage-set", "friction": "conventional", "duration": "0.5 s", "history": up},
+            "study.dynamics": {
+                "level": "cage-set",
+                "friction": "conventional",
+                "duration": "0.5 s",
+                "history": up,
+            },
         },
     )
     assembly = assemble(scene)
@@ -232,7 +262,12 @@ def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
 
 def test_integrators_say_whether_they_are_explicit():
     models = [get_model("integrator", name) for name in available("integrator")]
-    assert {model.name for model in models if model.explicit} == {"rk23", "rk45", "dop853", "leapfrog"}
+    assert {model.name for model in models if model.explicit} == {
+        "rk23",
+        "rk45",
+        "dop853",
+        "leapfrog",
+    }
     assert all(("; explicit" in model.equation) == model.explicit for model in models)
 
 
@@ -243,17 +278,24 @@ def test_errors_of_a_cage_that_nothing_drives_or_holds_add_up_over_all_of_the_ti
 
 def test_errors_fade_as_fast_as_a_cage_that_is_held_by_its_drag_alone_comes_to_its_speed():
     """With a drag that is linear in the speed and no friction a difference decays by exp(-t/tau)."""
-    few, span = bearing(cage__drag=["petroff-land"]), 5e-3
+    few = bearing(cage__drag=["petroff-land"])
+    span = 5e-3
     study = Dynamics(friction="constant", friction_coefficient=0.0, duration=2.0)
     moving = study.moving(few)
     speed = moving.split(study.tried(moving, np.array([0.0, 1e-3, 2e-3]), 1e-10).y)["cage_speed"]
-    tau = 1e-3 / math.log((speed[0] - speed[1]) / (speed[1] - speed[2]))  # of a speed that decays to any other
-    assert adds_up(study, few, span) == pytest.approx(tau * -math.expm1(-2.0 / tau) / span, rel=0.02)
+    tau = 1e-3 / math.log(
+        (speed[0] - speed[1]) / (speed[1] - speed[2])
+    )  # of a speed that decays to any other
+    assert adds_up(study, few, span) == pytest.approx(
+        tau * -math.expm1(-2.0 / tau) / span, rel=0.02
+    )
 
 
 def test_a_longer_motion_that_settles_needs_hardly_smaller_steps():
     few = bearing()
-    one, ten = (adds_up(Dynamics(level="pocket", duration=duration), few, 5e-3) for duration in (1.0, 10.0))
+    one, ten = (
+        adds_up(Dynamics(level="pocket", duration=duration), few, 5e-3) for duration in (1.0, 10.0)
+    )
     assert one < ten < 2.0 * one
 
 
@@ -263,7 +305,9 @@ def test_the_steps_of_a_plan_keep_the_mean_speed_of_the_cage_over_seconds():
     settings = {"level": "pocket", "friction": "effective", "duration": 3.0, "points": 2001}
     scene = evolve(SHIPPED, {f"study.dynamics.{name}": value for name, value in settings.items()})
     runs = [rollslip.run(scene, "dynamics")]
-    runs.append(rollslip.run(evolve(scene, {"study.dynamics.relative_tolerance": 1e-7}), "dynamics"))
+    runs.append(
+        rollslip.run(evolve(scene, {"study.dynamics.relative_tolerance": 1e-7}), "dynamics")
+    )
     assert runs[0].attrs["steps"] < 0.3 * runs[1].attrs["steps"]
     means = [float(one["cage_speed"][1000:].mean()) for one in runs]
     assert means[0] == pytest.approx(means[1], rel=2e-4)
@@ -293,15 +337,21 @@ def test_what_the_scene_names_stays():
 
 def test_a_plan_says_what_it_chose_and_why():
     made = plan(open_scene("friction", "level"), "dynamics")
-    chosen, study = made.estimated["dynamics"], made.studies["dynamics"]
+    chosen = made.estimated["dynamics"]
+    study = made.studies["dynamics"]
     assert (study.friction, study.level, study.integrator) == ("effective", "cage-set", "rodas5p")
     rows = {part.part: part for part in made.parts}
     assert rows["friction of the raceways"].choice == "effective"
-    assert "the two frictions give cage speeds that differ by up to" in rows["friction of the raceways"].reason
+    assert (
+        "the two frictions give cage speeds that differ by up to"
+        in rows["friction of the raceways"].reason
+    )
     assert "play in the pockets moves the mean speed" in rows["motion"].reason
     assert rows["integrator"].reason == "study.dynamics names it"
     assert chosen.total["cage_speed"] <= 1e-3
-    assert chosen.total["cage_speed"] >= sum(chosen.errors[name]["cage_speed"] for name in ("friction", "level"))
+    assert chosen.total["cage_speed"] >= sum(
+        chosen.errors[name]["cage_speed"] for name in ("friction", "level")
+    )
 
 
 def test_an_exact_result_takes_the_finer_way():
@@ -334,15 +384,35 @@ def test_motions_that_hit_their_pockets_claim_as_much_as_steps_let_them_come_apa
         "accuracy": {"tolerance": 1e-3, "slices": 5},
         "cage.drag": [{"model": "constant-torque", "size": 0.09, "transition": 1.0}],
         "study.dynamics": NAMED
-        | {"friction": "constant", "level": "pocket", "integrator": "leapfrog", "duration": 2.8e-3, "points": 41}
+        | {
+            "friction": "constant",
+            "level": "pocket",
+            "integrator": "leapfrog",
+            "duration": 2.8e-3,
+            "points": 41,
+        }
         | {"cage_slip": 0.02, "roller_slip": 0.02}
-        | {"history": {"inner_speed": {"shape": "run-up", "from": "1870 rpm", "to": "2340 rpm", "within": "1.4 ms"}}},
+        | {
+            "history": {
+                "inner_speed": {
+                    "shape": "run-up",
+                    "from": "1870 rpm",
+                    "to": "2340 rpm",
+                    "within": "1.4 ms",
+                }
+            }
+        },
     }
     result = rollslip.run(evolve(SHIPPED, changes), "dynamics")
     study = {"relative_tolerance": 1e-9, "integrator": "rk45"}
-    fine = evolve(evolve(SHIPPED, changes), {f"study.dynamics.{key}": value for key, value in study.items()})
+    fine = evolve(
+        evolve(SHIPPED, changes), {f"study.dynamics.{key}": value for key, value in study.items()}
+    )
     true = rollslip.run(fine, "dynamics")
     off = np.abs(result.cage_speed - true.cage_speed).max() / np.abs(true.cage_speed).max()
     (row,) = [one for one in json.loads(result.attrs["accuracy"]) if one["result"] == "cage_speed"]
     assert 1e-3 < float(off) < row["estimated"] < 10.0 * off
-    assert "more than the tolerance of 0.001, as motions with other steps" in DynamicsAccount.topics(result)["steps"][0]
+    assert (
+        "more than the tolerance of 0.001, as motions with other steps"
+        in DynamicsAccount.topics(result)["steps"][0]
+    )

@@ -13,7 +13,13 @@ from rollslip_studies.dynamics.figures import motion_figures
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.surface_damage import over_motion
 
-EVERY = ["power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature"]
+EVERY = [
+    "power-density",
+    "pass-energy",
+    "film-parameter",
+    "flash-temperature",
+    "contact-temperature",
+]
 SCENE = rollslip.evolve(
     rollslip.load_scene("1032930-70C"),
     {
@@ -21,7 +27,12 @@ SCENE = rollslip.evolve(
         "accuracy.tolerance": 0.01,
         "models.damage": EVERY,
         "study.effective-friction.runaway_range": 0,
-        "study.dynamics": {"duration": "0.4 s", "points": 9, "friction": "conventional", "level": "cage-set"},
+        "study.dynamics": {
+            "duration": "0.4 s",
+            "points": 9,
+            "friction": "conventional",
+            "level": "cage-set",
+        },
     },
 )
 
@@ -48,7 +59,9 @@ def test_heat_on_all_slices_is_that_of_the_tractions_of_the_motion(bearing, moti
 
 def test_speeds_of_the_slices_are_those_of_the_kinematics(bearing, motion):
     last = motion.isel(time=-1)
-    speeds = bearing.kinematics.surface_speeds(float(last["cage_slip"]), last["roller_slip"].to_numpy())
+    speeds = bearing.kinematics.surface_speeds(
+        float(last["cage_slip"]), last["roller_slip"].to_numpy()
+    )
     for i, rolling in enumerate((speeds.inner_rolling, speeds.outer_rolling)):
         contacts, owner, _ = over_motion._contacts(bearing, last.isel(ring=i), i)
         assert contacts.slices.rolling_speed == pytest.approx(np.asarray(rolling)[owner], rel=1e-12)
@@ -60,15 +73,21 @@ def test_the_worst_of_all_is_the_worst_of_its_instant(motion):
         extreme = np.nanmin(rows, axis=1) if name == "film-parameter" else np.nanmax(rows, axis=1)
         assert motion["worst"][k].to_numpy().tolist() == extreme.tolist()
         for i in range(len(RINGS)):
-            at = motion["measured_time"].to_numpy().tolist().index(float(motion["worst_time"][k, i]))
+            at = (
+                motion["measured_time"].to_numpy().tolist().index(float(motion["worst_time"][k, i]))
+            )
             assert rows[i, at] == extreme[i]
 
 
 def test_the_verdict_says_what_is_beyond_its_limit_and_when(motion):
     told = account_of(motion).topics(motion)
-    assert "along the motion the sliding power density is at most" in told["sliding power density"][0]
+    assert (
+        "along the motion the sliding power density is at most" in told["sliding power density"][0]
+    )
     assert "at t = " in told["sliding power density"][0]
-    assert told["damage"] == ["the worst values were found at all stored instants; between instants they may be worse"]
+    assert told["damage"] == [
+        "the worst values were found at all stored instants; between instants they may be worse"
+    ]
     assert "beyond" not in " ".join(row.note for row in answer(motion).rows)
     limited = motion.assign(limit=motion["limit"].copy(data=[1e3, *motion["limit"].to_numpy()[1:]]))
     row = answer(limited)["power-density"]
@@ -78,7 +97,9 @@ def test_the_verdict_says_what_is_beyond_its_limit_and_when(motion):
 
 
 def test_a_measure_without_a_value_at_some_instants_says_so(motion, bearing):
-    stuck = motion.assign(roller_speed=motion["roller_speed"] * 0.0)  # rollers that stand while they slide
+    stuck = motion.assign(
+        roller_speed=motion["roller_speed"] * 0.0
+    )  # rollers that stand while they slide
     found, _ = over_motion.over_motion(bearing, stuck, lambda _: bearing)
     k = EVERY.index("pass-energy")
     assert "no pass ends" in found["worst_status"][k, 0]
@@ -91,7 +112,11 @@ def test_the_worst_is_found_between_instants_of_even_steps(motion, bearing, monk
     whole, _ = over_motion.over_motion(bearing, spike, lambda _: bearing)
     monkeypatch.setattr(over_motion, "_INSTANTS", 3)
     found, more = over_motion.over_motion(bearing, spike, lambda _: bearing)
-    heated = [k for k, name in enumerate(EVERY) if name in ("power-density", "pass-energy", "flash-temperature")]
+    heated = [
+        k
+        for k, name in enumerate(EVERY)
+        if name in ("power-density", "pass-energy", "flash-temperature")
+    ]
     assert found["worst_time"][heated] == pytest.approx(float(spike["time"][5]))
     assert found["worst"].tolist() == whole["worst"].tolist()
     assert more["measured_time"][1].size < 9
@@ -118,12 +143,15 @@ def test_forces_are_spread_along_tilted_rollers_as_the_motion_has_them():
     bearing = assemble(scene)
     motion = Dynamics.of(scene).run(bearing)
     for k in (1, 2):
-        at, now = over_time.at_instant(bearing, motion, k), motion.isel(time=k)
+        at = over_time.at_instant(bearing, motion, k)
+        now = motion.isel(time=k)
         for i in range(len(RINGS)):
             ring = now.isel(ring=i)
             stored = float(np.abs(ring["traction_force"] * ring["sliding_speed"]).sum())
             contacts, _, column = over_motion._contacts(at, ring, i, over_motion._tilted(at, now))
-            assert float((contacts.friction_power * at.widths[column]).sum()) == pytest.approx(stored, rel=1e-3)
+            assert float((contacts.friction_power * at.widths[column]).sum()) == pytest.approx(
+                stored, rel=1e-3
+            )
 
 
 def test_the_roller_in_the_line_of_the_load_is_pressed_most_wherever_that_turns(bearing, motion):
@@ -135,7 +163,8 @@ def test_the_roller_in_the_line_of_the_load_is_pressed_most_wherever_that_turns(
 
 
 def test_rollers_of_which_no_half_is_like_the_other_tilt(bearing, motion):
-    now, halves = motion.isel(time=-1), (slice(None, 2), slice(2, None))
+    now = motion.isel(time=-1)
+    halves = (slice(None, 2), slice(2, None))
     assert over_motion._tilted(bearing, now) is None
     lopsided = attrs.evolve(bearing, drop=bearing.drop + np.linspace(0.0, 2e-6, bearing.drop.size))
     left, right = (over_motion._tilted(lopsided, now)[:, :, half].sum() for half in halves)
@@ -151,10 +180,21 @@ def test_a_force_is_spread_whole_and_in_proportion(bearing):
 
 def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
     """The factor C_S of grease falls exponentially with speed: at a fifth of it, the fifth root."""
-    changes = {"lubrication": {"supply": "grease"}, "models.damage": ["film-parameter"], "accuracy.slices": 4}
+    changes = {
+        "lubrication": {"supply": "grease"},
+        "models.damage": ["film-parameter"],
+        "accuracy.slices": 4,
+    }
     dynamics = {"duration": "20 ms", "points": 3, "friction": "conventional", "level": "cage-set"}
     dynamics |= {
-        "history": {"inner_speed": {"shape": "run-up", "from": "300 rpm", "to": "1500 rpm", "within": "10 ms"}}
+        "history": {
+            "inner_speed": {
+                "shape": "run-up",
+                "from": "300 rpm",
+                "to": "1500 rpm",
+                "within": "10 ms",
+            }
+        }
     }
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), changes | {"study.dynamics": dynamics})
     of = assemble(scene)
@@ -162,8 +202,12 @@ def test_films_along_a_run_up_are_starved_as_at_the_speed_of_the_moment():
     begin, end = (over_time.at_instant(of, found, k).models["film"].starvation for k in (0, -1))
     assert end == of.models["film"].starvation < 0.95
     assert begin == pytest.approx(end**0.2, rel=1e-12)
-    (said,) = [one for one in account_of(found).topics(found)["history"] if "starvation is that" in one]
-    assert said.endswith(f"a factor of {end:.3g} on the film; at the lowest speed it would be {begin:.3g}")
+    (said,) = [
+        one for one in account_of(found).topics(found)["history"] if "starvation is that" in one
+    ]
+    assert said.endswith(
+        f"a factor of {end:.3g} on the film; at the lowest speed it would be {begin:.3g}"
+    )
 
 
 @pytest.mark.slow
@@ -173,7 +217,9 @@ def test_a_settled_motion_has_the_damage_of_its_steady_slip():
     at = {"study.surface-damage.cage_slip": float(motion["cage_slip"][-1])}
     steady = rollslip.run(rollslip.evolve(long, at), "surface-damage")["worst"].to_numpy()
     late = motion["worst_over_time"].to_numpy()[:, :, -20:]
-    late = np.where(np.array(EVERY)[:, None] == "film-parameter", late.min(axis=2), late.max(axis=2))
+    late = np.where(
+        np.array(EVERY)[:, None] == "film-parameter", late.min(axis=2), late.max(axis=2)
+    )
     assert late == pytest.approx(steady, rel=0.01)
     assert any(name.endswith("-damage") for name, _, _ in motion_figures(motion))
 
@@ -181,7 +227,17 @@ def test_a_settled_motion_has_the_damage_of_its_steady_slip():
 @pytest.mark.slow
 def test_warm_instants_are_measured_at_their_temperatures():
     warm = rollslip.evolve(
-        SCENE, {"study.dynamics.history": {"temperature": {"shape": "ramp", "to": "110 degC", "within": "0.4 s"}}}
+        SCENE,
+        {
+            "study.dynamics.history": {
+                "temperature": {"shape": "ramp", "to": "110 degC", "within": "0.4 s"}
+            }
+        },
     )
-    found = Dynamics.of(warm).run(assemble(warm)).sel(measure="contact-temperature")["worst_over_time"].to_numpy()
+    found = (
+        Dynamics.of(warm)
+        .run(assemble(warm))
+        .sel(measure="contact-temperature")["worst_over_time"]
+        .to_numpy()
+    )
     assert found[0, -1] - found[0, 0] == pytest.approx(40.0, abs=0.5)

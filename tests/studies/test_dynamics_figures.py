@@ -31,13 +31,21 @@ from rollslip_studies.dynamics.findings import (
 )  # fmt: skip
 
 HOSTILE = "<script>alert('1')</script> & \"quoted\""
-record, topics = DynamicsAccount.record, DynamicsAccount.topics
+record = DynamicsAccount.record
+topics = DynamicsAccount.topics
 hard_cases = functools.cache(motion_samples.hard_cases)
 
 
 @pytest.fixture(scope="module")
 def planar():
-    return motion(running_away(), level="planar", points=301, outcome="stopped", outcome_message="asked to", **RUNAWAY)
+    return motion(
+        running_away(),
+        level="planar",
+        points=301,
+        outcome="stopped",
+        outcome_message="asked to",
+        **RUNAWAY,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -49,16 +57,26 @@ def labels(dataset):
     """Return what stands on each figure of a motion, without the time that drawing takes."""
     from matplotlib.text import Text
 
-    return [[text.get_text() for text in figure.findobj(Text)] for _, _, figure in motion_figures(dataset)]
+    return [
+        [text.get_text() for text in figure.findobj(Text)]
+        for _, _, figure in motion_figures(dataset)
+    ]
 
 
 def rendered(*names):
     """Hard cases, of which those that are not named are for slow runs."""
-    return [pytest.param(name, marks=[] if name in names else [pytest.mark.slow]) for name in hard_cases()]
+    return [
+        pytest.param(name, marks=[] if name in names else [pytest.mark.slow])
+        for name in hard_cases()
+    ]
 
 
 def metadata(path, name):
-    return next(e.text for e in ET.parse(path).iter() if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}")
+    return next(
+        e.text
+        for e in ET.parse(path).iter()
+        if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}"
+    )
 
 
 # Figures ------------------------------------------------------------------------------------------------------------
@@ -67,7 +85,9 @@ def metadata(path, name):
 @pytest.mark.slow
 def test_another_process_draws_the_stored_result_in_the_same_bytes(tmp_path, planar, drawn):
     planar.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
-    (tmp_path / "matplotlibrc").write_text("font.size: 20\nlines.linewidth: 9\nsvg.fonttype: none\n")
+    (tmp_path / "matplotlibrc").write_text(
+        "font.size: 20\nlines.linewidth: 9\nsvg.fonttype: none\n"
+    )
     code = (
         "from pathlib import Path; from rollslip.results.figures import save_plots; import sys, xarray\n"
         "save_plots(xarray.open_dataset('r.nc', engine='h5netcdf'), Path('there'))\n"
@@ -87,7 +107,12 @@ def test_another_process_draws_the_stored_result_in_the_same_bytes(tmp_path, pla
 def test_figures_load_nothing_hold_no_bitmap_and_stay_small(drawn):
     for path in drawn:
         root = ET.parse(path).getroot()
-        assert all(v.startswith("#") for e in root.iter() for k, v in e.attrib.items() if k.endswith("href"))
+        assert all(
+            v.startswith("#")
+            for e in root.iter()
+            for k, v in e.attrib.items()
+            if k.endswith("href")
+        )
         assert not [e for e in root.iter() if e.tag.endswith(("}image", "}script"))]
         assert path.stat().st_size < 400_000
 
@@ -95,7 +120,9 @@ def test_figures_load_nothing_hold_no_bitmap_and_stay_small(drawn):
 def test_tracks_of_centres_are_in_micrometres(planar):
     *_, (_, _, figure) = motion_figures(planar)
     along = planar["cage_displacement"].sel(direction="along")
-    assert max(line.get_ydata().max() for line in figure.axes[0].lines) == pytest.approx(1e6 * float(along.max()))
+    assert max(line.get_ydata().max() for line in figure.axes[0].lines) == pytest.approx(
+        1e6 * float(along.max())
+    )
 
 
 def test_thick_films_do_not_take_the_scale_of_the_map(planar):
@@ -131,12 +158,16 @@ def test_hard_cases_are_told(name):
 def test_hard_cases_are_drawn(tmp_path, name):
     for path in save_plots(hard_cases()[name], tmp_path):
         root = ET.parse(path).getroot()
-        shapes = [v for e in root.iter() for k, v in e.attrib.items() if k in ("d", "x", "y", "points")]
+        shapes = [
+            v for e in root.iter() for k, v in e.attrib.items() if k in ("d", "x", "y", "points")
+        ]
         assert not any("nan" in shape or "inf" in shape for shape in shapes)
 
 
 def test_panels_without_values_say_why():
-    unknown, unloaded = (labels(hard_cases()[name])[1] for name in ("film unknown", "no roller loaded"))
+    unknown, unloaded = (
+        labels(hard_cases()[name])[1] for name in ("film unknown", "no roller loaded")
+    )
     assert "film parameter: effective friction does not know the film" in unknown
     assert "no roller is loaded" not in unknown
     assert unloaded.count("no roller is loaded") == 4
@@ -207,11 +238,16 @@ def test_rectangles_cover_exactly_the_chosen_cells():
     time = np.repeat(0.5 * (cells.edges[1:] + cells.edges[:-1]), 360)
     angle = np.tile(np.arange(-179.5, 180.0), chosen.shape[0])
     inside = np.sum(
-        [(a[0, 0] < time) & (time < a[1, 0]) & (a[0, 1] < angle) & (angle < a[2, 1]) for a in corners],
+        [
+            (a[0, 0] < time) & (time < a[1, 0]) & (a[0, 1] < angle) & (angle < a[2, 1])
+            for a in corners
+        ],
         axis=0,
     )
     cell = np.floor(angle / 360.0 * 13 + 0.5).astype(int) % 13
-    assert np.array_equal(inside, chosen[np.repeat(np.arange(chosen.shape[0]), 360), cell].astype(int))
+    assert np.array_equal(
+        inside, chosen[np.repeat(np.arange(chosen.shape[0]), 360), cell].astype(int)
+    )
 
 
 # Several motions ----------------------------------------------------------------------------------------------------
@@ -221,17 +257,24 @@ def test_rectangles_cover_exactly_the_chosen_cells():
 def pair():
     return {
         "conventional": motion(relaxing(0.0, 0.03, 0.1)),
-        "effective": motion(relaxing(0.0, 0.033, 0.1), points=501, friction="effective", real_time_factor=75.0),
+        "effective": motion(
+            relaxing(0.0, 0.033, 0.1), points=501, friction="effective", real_time_factor=75.0
+        ),
     }
 
 
 def test_motions_are_drawn_together_in_the_same_bytes(tmp_path, pair):
-    (path,), (again,) = plot_together(pair, tmp_path / "a"), plot_together(pair, tmp_path / "b")
+    (path,) = plot_together(pair, tmp_path / "a")
+    (again,) = plot_together(pair, tmp_path / "b")
     assert path.name == "dynamics-together.svg"
     assert path.read_bytes() == again.read_bytes()
-    assert {"conventional", "effective", "Cage speed [rpm]", "Speed of roller 1 [rpm]"} <= set(words(path))
+    assert {"conventional", "effective", "Cage speed [rpm]", "Speed of roller 1 [rpm]"} <= set(
+        words(path)
+    )
     assert "differences are from conventional, over its largest speed" in words(path)
-    assert "effective is 30 times as fast as conventional" in metadata(path, "description").casefold()
+    assert (
+        "effective is 30 times as fast as conventional" in metadata(path, "description").casefold()
+    )
 
 
 def test_the_difference_is_that_of_the_speeds(pair):
@@ -240,13 +283,17 @@ def test_the_difference_is_that_of_the_speeds(pair):
     # closed form: both relax from zero slip within 0.1 s; the instants of the other are 1 ms apart
     expected = -0.003 * (1.0 - np.exp(-time / 0.1))
     assert np.abs(found - expected).max() < 0.033 * 0.01**2 / 8 * 1.01
-    assert np.abs(difference(pair["conventional"], pair["conventional"], "roller_speed")).max() == 0.0
+    assert (
+        np.abs(difference(pair["conventional"], pair["conventional"], "roller_speed")).max() == 0.0
+    )
 
 
 @pytest.mark.parametrize("name", rendered("one instant"))
 def test_motions_of_different_length_and_rollers_are_drawn_together(tmp_path, name, pair):
     hard = hard_cases()[name]
-    for k, both in enumerate(({"a": pair["effective"], "b": hard}, {"b": hard, "a": pair["effective"]})):
+    for k, both in enumerate(
+        ({"a": pair["effective"], "b": hard}, {"b": hard, "a": pair["effective"]})
+    ):
         (path,) = plot_together(both, tmp_path / str(k))
         assert not re.search(r"\b(nan|inf)\b", metadata(path, "description"))
 
@@ -283,7 +330,9 @@ def test_the_ledger_is_summed_up():
     dataset = motion(points=2001, residual=1e-6)
     works = dataset["work_done"].isel(time=-1).to_numpy()
     assert works[0] > 0.0 > works[1:].max()
-    came_in = works[0] + float(dataset["energy"][0] - dataset["energy"][-1])  # the motion gave energy back too
+    came_in = works[0] + float(
+        dataset["energy"][0] - dataset["energy"][-1]
+    )  # the motion gave energy back too
     assert turnover(dataset) == pytest.approx(came_in, rel=1e-7)
     assert energy_closure(dataset) == pytest.approx(1e-6 / came_in, rel=1e-3)
     assert momentum_closure(dataset) == pytest.approx(1e-12 * np.sin(0.5), rel=0.05)
@@ -305,7 +354,12 @@ def test_the_console_says_it_and_a_stored_result_too(tmp_path):
     dataset = motion(points=61)
     assert account_of(dataset).lines(dataset) == account_of(dataset).sentences(dataset)
     stored = dataset.assign_attrs(
-        scene_hash="01" * 32, source="s.toml", created="", evaluations=1, wall_time=1.0, packages="{}"
+        scene_hash="01" * 32,
+        source="s.toml",
+        created="",
+        evaluations=1,
+        wall_time=1.0,
+        packages="{}",
     )
     stored.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
     info = dict(console.result_info(tmp_path / "r.nc")["result"])
@@ -343,7 +397,10 @@ def test_the_report_says_it(tmp_path, planar, drawn):
     assert ". Tracks of the centres of inner ring and cage" in text
     assert "98,765" in text
     film = float(planar["film_parameter"].sel(ring="inner").min())
-    assert f"inner ringrigid-isoviscous 25.0 %, elastic-piezoviscous 75.0 %{film:.3g}4012.5 % of the force" in text
+    assert (
+        f"inner ringrigid-isoviscous 25.0 %, elastic-piezoviscous 75.0 %{film:.3g}4012.5 % of the force"
+        in text
+    )
 
 
 def test_texts_of_models_are_escaped(tmp_path):

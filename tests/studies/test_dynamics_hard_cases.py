@@ -22,7 +22,12 @@ FAST = {"bearing.rollers": 12, "accuracy.slices": 5, "accuracy.tolerance": 1e-2}
 LEVELS = ("cage-set", "pocket", "planar")
 FRICTIONS = ("constant", "effective", "conventional")
 #: The dearest and those that are much like another only by name.
-LONG = {("pocket", "constant"), ("pocket", "conventional"), ("planar", "constant"), ("planar", "conventional")}
+LONG = {
+    ("pocket", "constant"),
+    ("pocket", "conventional"),
+    ("planar", "constant"),
+    ("planar", "conventional"),
+}
 EVERY = pytest.mark.parametrize(
     ("level", "friction"),
     [
@@ -32,7 +37,8 @@ EVERY = pytest.mark.parametrize(
     ],
 )
 ONE_BY_DEFAULT = pytest.mark.parametrize(
-    "level", ["cage-set", *(pytest.param(level, marks=pytest.mark.slow) for level in ("pocket", "planar"))]
+    "level",
+    ["cage-set", *(pytest.param(level, marks=pytest.mark.slow) for level in ("pocket", "planar"))],
 )
 INERTIA = 3.3e-3
 MADE = {}
@@ -81,7 +87,9 @@ def run(assembly, level, friction, closure=1e-3, **settings):
 @EVERY
 @pytest.mark.parametrize("slip", [1.0, 2.0], ids=["from rest", "backwards"])
 def test_a_cage_that_starts_wrong_is_driven_forward(level, friction, slip):
-    found = run(bearing(brake(0.1)), level, friction, duration=5e-3, cage_slip=slip, roller_slip=slip)
+    found = run(
+        bearing(brake(0.1)), level, friction, duration=5e-3, cage_slip=slip, roller_slip=slip
+    )
     assert float(found.cage_slip[0]) == slip
     assert found.cage_slip[-1] < slip
     assert found.attrs["runaway_slip"] < 1.0
@@ -100,20 +108,37 @@ def test_from_rest_the_cage_speeds_up_as_by_hand(level):
     J k w' = r (F_i - F_o) and (I + Z m R_m^2) w' = Z (r (F_i - F_o) + R_i F_i + R_o F_o) follows
     w' = Z (R_i + R_o) F_i / (I + Z m R_m^2 + Z J k^2).
     """
-    load = {"operation.radial_load": 0.0, "bearing.radial_clearance": -20e-6, "bearing.profile": "none"}
+    load = {
+        "operation.radial_load": 0.0,
+        "bearing.radial_clearance": -20e-6,
+        "bearing.profile": "none",
+    }
     # held by a land, since pockets that hold the cage would hold the rollers along the radius too
     cage = {"pocket_clearance": 0.0, "pocket_stiffness": 1e10, "guidance": "outer"}
     assembly = bearing(cage=cage, **load)
-    k, Z, m = assembly.kinematics, 12, assembly.roller_mass
-    settings = {"friction_coefficient": 0.05, "friction_speed": 1e-4, "cage_slip": 1.0, "roller_slip": 1.0}
+    k = assembly.kinematics
+    Z = 12
+    m = assembly.roller_mass
+    settings = {
+        "friction_coefficient": 0.05,
+        "friction_speed": 1e-4,
+        "cage_slip": 1.0,
+        "roller_slip": 1.0,
+    }
     duration = 2e-4
     ring = {"gravity": 0.0, "contact_damping": 0.0}
     found = run(assembly, level, "constant", duration=duration, points=3, ring=ring, **settings)
     force = found.normal_force.isel(time=0).values
     assert np.ptp(force, axis=1).max() < 1e-6 * force.max()
-    f_i, r = 0.05 * force[0, 0], k.roller_radius
+    f_i = 0.05 * force[0, 0]
+    r = k.roller_radius
     spin = 0.5 * m * r**2 * (k.outer_radius / r - 1.0) ** 2
-    rate = Z * (k.inner_radius + k.outer_radius) * f_i / (INERTIA + Z * m * k.orbit_radius**2 + Z * spin)
+    rate = (
+        Z
+        * (k.inner_radius + k.outer_radius)
+        * f_i
+        / (INERTIA + Z * m * k.orbit_radius**2 + Z * spin)
+    )
     assert float(found.cage_speed[-1]) == pytest.approx(rate * duration, rel=5e-3)
 
 
@@ -121,15 +146,21 @@ def test_from_rest_the_cage_speeds_up_as_by_hand(level):
 
 
 def test_without_any_load_inside_it_is_said():
-    assembly = bearing(brake(0.1), **{"operation.radial_load": 0.0, "bearing.radial_clearance": 20e-6})
-    with pytest.raises(SceneError, match=r"radial_load: no roller is loaded on the inner ring .* raise operation"):
+    assembly = bearing(
+        brake(0.1), **{"operation.radial_load": 0.0, "bearing.radial_clearance": 20e-6}
+    )
+    with pytest.raises(
+        SceneError, match=r"radial_load: no roller is loaded on the inner ring .* raise operation"
+    ):
         Dynamics().run(assembly)
 
 
 @EVERY
 def test_one_roller_carries_all(level, friction):
     """A clearance so large that one roller is pressed by the inner ring, and two where none is in the line of load."""
-    assembly = bearing(brake(0.05), **{"operation.radial_load": 100.0, "bearing.radial_clearance": 300e-6})
+    assembly = bearing(
+        brake(0.05), **{"operation.radial_load": 100.0, "bearing.radial_clearance": 300e-6}
+    )
     found = run(assembly, level, friction)
     pressed = (found.normal_force.sel(ring="inner") > 0.0).sum("roller")
     assert int(pressed.max()) <= 2
@@ -143,11 +174,16 @@ def test_a_load_goes_to_zero_and_comes_back(jumps):
     assembly = bearing(brake(0.1), **{"bearing.radial_clearance": 10e-6})
     whole = assembly.scene.operation.radial_load
     load = LoadCourse(
-        time=(0.0, 2e-3, 2e-3, 4e-3, 4e-3, 6e-3) if jumps else (0.0, 2e-3, 2.5e-3, 4e-3, 4.5e-3, 6e-3),
+        time=(0.0, 2e-3, 2e-3, 4e-3, 4e-3, 6e-3)
+        if jumps
+        else (0.0, 2e-3, 2.5e-3, 4e-3, 4.5e-3, 6e-3),
         value=(whole, whole, 0.0, 0.0, whole, whole),
     )
-    history, ring = HistorySettings(radial_load=load), {"gravity": 0.0}
-    found = run(assembly, "planar", "constant", duration=6e-3, points=121, ring=ring, history=history)
+    history = HistorySettings(radial_load=load)
+    ring = {"gravity": 0.0}
+    found = run(
+        assembly, "planar", "constant", duration=6e-3, points=121, ring=ring, history=history
+    )
     pressed = found.normal_force.sel(ring="inner").sum("roller")
     assert float(pressed.isel(time=slice(0, 30)).min()) > 500.0
     assert float(pressed.min()) < 1.0, "nothing presses it, and the ring has bounced off"
@@ -161,7 +197,12 @@ def test_a_load_goes_to_zero_and_comes_back(jumps):
 
 @pytest.mark.parametrize("friction", FRICTIONS)
 def test_stiff_pockets_without_clearance_are_a_cage_set(friction):
-    settings = {"duration": 0.01, "cage_slip": 0.05, "roller_slip": 0.05, "relative_tolerance": 1e-6}
+    settings = {
+        "duration": 0.01,
+        "cage_slip": 0.05,
+        "roller_slip": 0.05,
+        "relative_tolerance": 1e-6,
+    }
     cage = {"pocket_clearance": 0.0, "pocket_stiffness": 1e10}
     tight = run(bearing(brake(0.3), cage=cage), "pocket", friction, **settings)
     one = run(bearing(brake(0.3), cage=cage), "cage-set", friction, **settings)
@@ -174,7 +215,9 @@ def test_stiff_pockets_without_clearance_are_a_cage_set(friction):
 def test_in_huge_pockets_the_cage_is_alone(level, friction):
     """Half the pitch of play, and nothing touched: drag alone slows the cage, I dw/dt = -T."""
     huge = math.pi * 0.09 / 12
-    found = run(bearing(brake(0.3), cage={"pocket_clearance": huge}), level, friction, duration=5e-3)
+    found = run(
+        bearing(brake(0.3), cage={"pocket_clearance": huge}), level, friction, duration=5e-3
+    )
     by_hand = found.cage_speed[0] - 0.3 / INERTIA * found.time
     assert np.allclose(found.cage_speed, by_hand, rtol=1e-6)
     assert float(np.abs(found.pocket_force).max()) == 0.0
@@ -218,13 +261,21 @@ def test_drag_beyond_the_fold_is_reported_and_no_failure(level, friction):
 
 @pytest.mark.parametrize(
     ("level", "friction"),
-    [("cage-set", f) for f in FRICTIONS] + [("pocket", f) for f in FRICTIONS] + [("planar", "effective")],
+    [("cage-set", f) for f in FRICTIONS]
+    + [("pocket", f) for f in FRICTIONS]
+    + [("planar", "effective")],
 )
 @pytest.mark.parametrize("tolerance", [1e-12, 2.3e-14])
 def test_the_smallest_tolerances(level, friction, tolerance):
     """Either kept, with a ledger to match, or refused in words; 2.3e-14 may be below what rounding leaves."""
     found = started(
-        bearing(brake(0.3)), level, friction, duration=2e-4, points=3, cage_slip=0.05, relative_tolerance=tolerance
+        bearing(brake(0.3)),
+        level,
+        friction,
+        duration=2e-4,
+        points=3,
+        cage_slip=0.05,
+        relative_tolerance=tolerance,
     )
     if found.attrs["outcome"] == "failed":
         assert tolerance < 1e-12
@@ -240,12 +291,17 @@ def test_the_smallest_tolerances(level, friction, tolerance):
 class Kinked(TractionModel):
     """Friction whose slope jumps at a sliding speed of 0.1 m/s, NumPy only."""
 
-    name, equation, references = "kinked", "mu = 0.1 |V|/(m/s) up to 0.1 m/s, then falling", ()
-    reads, domain = frozenset({"sliding_speed"}), NO_LIMITS
+    name = "kinked"
+    equation = "mu = 0.1 |V|/(m/s) up to 0.1 m/s, then falling"
+    references = ()
+    reads = frozenset({"sliding_speed"})
+    domain = NO_LIMITS
 
     def evaluate(self, slices):
         v = np.abs(slices.sliding_speed)
-        slices.friction[:] = np.sign(slices.sliding_speed) * np.where(v < 0.1, 0.1 * v, 0.01 - 1e-4 * (v - 0.1))
+        slices.friction[:] = np.sign(slices.sliding_speed) * np.where(
+            v < 0.1, 0.1 * v, 0.01 - 1e-4 * (v - 0.1)
+        )
 
 
 @attrs.frozen(eq=False)
@@ -294,7 +350,9 @@ def test_a_kink_of_friction_is_passed(level, friction):
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_jump_that_no_table_follows_is_said(level):
     assembly = with_traction(bearing(brake(0.5)), Jumping())
-    with pytest.raises(ConvergenceError, match=r"table of effective friction .* raise accuracy.tolerance"):
+    with pytest.raises(
+        ConvergenceError, match=r"table of effective friction .* raise accuracy.tolerance"
+    ):
         started(assembly, level, "effective")
 
 
@@ -302,9 +360,21 @@ def test_a_jump_that_no_table_follows_is_said(level):
 @pytest.mark.parametrize(
     ("value", "by", "says"),
     [
-        (None, "model", "ZeroDivisionError at t = .*: the friction broke; raised by evaluate\\(\\) of model 'kinked'"),
-        (math.nan, "domain", "the rates are not defined .*kinked: slice .* gives a friction that is not finite"),
-        (math.inf, "domain", "the rates are not defined .*kinked: slice .* gives a friction that is not finite"),
+        (
+            None,
+            "model",
+            "ZeroDivisionError at t = .*: the friction broke; raised by evaluate\\(\\) of model 'kinked'",
+        ),
+        (
+            math.nan,
+            "domain",
+            "the rates are not defined .*kinked: slice .* gives a friction that is not finite",
+        ),
+        (
+            math.inf,
+            "domain",
+            "the rates are not defined .*kinked: slice .* gives a friction that is not finite",
+        ),
     ],
 )
 def test_a_friction_that_fails_in_mid_run_leaves_what_was_computed(level, value, by, says):
@@ -313,8 +383,14 @@ def test_a_friction_that_fails_in_mid_run_leaves_what_was_computed(level, value,
     whole = started(with_traction(bearing(brake(0.5)), model), level, "conventional", **settings)
     assert whole.attrs["outcome"] == "finished"
 
-    model, total = Breaking(), model.calls[0]
-    started(with_traction(bearing(brake(0.5)), model), level, "conventional", **settings | {"duration": 1e-9})
+    total = model.calls[0]
+    model = Breaking()
+    started(
+        with_traction(bearing(brake(0.5)), model),
+        level,
+        "conventional",
+        **settings | {"duration": 1e-9},
+    )
     model = Breaking(breaks_at=model.calls[0] + (total - model.calls[0]) // 2, value=value)
     found = started(with_traction(bearing(brake(0.5)), model), level, "conventional", **settings)
     assert found.attrs["outcome"] == "failed"
@@ -331,12 +407,18 @@ def test_a_friction_that_fails_in_mid_run_leaves_what_was_computed(level, value,
 def test_a_friction_that_fails_after_the_run_leaves_what_was_computed(value):
     settings = {"duration": 2e-3, "points": 11, "cage_slip": 0.02}
     model = Breaking()
-    whole = started(with_traction(bearing(brake(0.5)), model), "cage-set", "conventional", **settings)
+    whole = started(
+        with_traction(bearing(brake(0.5)), model), "cage-set", "conventional", **settings
+    )
     model = Breaking(breaks_at=model.calls[0] - 10, value=value)
-    found = started(with_traction(bearing(brake(0.5)), model), "cage-set", "conventional", **settings)
+    found = started(
+        with_traction(bearing(brake(0.5)), model), "cage-set", "conventional", **settings
+    )
     assert found.attrs["outcome"] == "failed"
     assert found.attrs["failed_by"] == ("model" if value is None else "domain")
-    assert "Error when forces of the stored instants were computed: " in found.attrs["outcome_message"]
+    assert (
+        "Error when forces of the stored instants were computed: " in found.attrs["outcome_message"]
+    )
     assert np.array_equal(found.cage_speed, whole.cage_speed)
     assert np.all(np.isnan(found.traction_force))
     assert np.all(np.isfinite(found.load_parameter))
@@ -349,7 +431,9 @@ class Dragging(DragModel):
     breaks_at: int = 0
     value: float | None = None
     calls: list = attrs.field(factory=lambda: [0])
-    name, equation, references = "dragging", "T = -0.3", ()
+    name = "dragging"
+    equation = "T = -0.3"
+    references = ()
 
     def torque(self, cage_speed, inner_speed, outer_speed):
         self.calls[0] += 1
@@ -362,7 +446,8 @@ class Dragging(DragModel):
 
 @pytest.mark.parametrize("integrator", ["rodas5p", "rk45", "bdf", "lsoda"])
 @pytest.mark.parametrize(
-    ("value", "by", "says"), [(None, "model", "LookupError"), (math.nan, "domain", "gives a torque of nan")]
+    ("value", "by", "says"),
+    [(None, "model", "LookupError"), (math.nan, "domain", "gives a torque of nan")],
 )
 def test_a_drag_that_fails_in_mid_run_leaves_what_was_computed(integrator, value, by, says):
     assembly = bearing()
@@ -370,7 +455,9 @@ def test_a_drag_that_fails_in_mid_run_leaves_what_was_computed(integrator, value
     drags = attrs.evolve(cage.drags, torques=(Dragging(breaks_at=40, value=value),))
     read_of, _ = assembly.known_cage["cage"]
     broken = attrs.evolve(assembly, known_cage={"cage": (read_of, attrs.evolve(cage, drags=drags))})
-    found = started(broken, "cage-set", "effective", duration=0.05, points=201, integrator=integrator)
+    found = started(
+        broken, "cage-set", "effective", duration=0.05, points=201, integrator=integrator
+    )
     assert found.attrs["outcome"] == "failed", found.attrs
     assert found.attrs["failed_by"] == by
     assert says in found.attrs["outcome_message"]

@@ -82,10 +82,13 @@ WITHIN = {
 @pytest.mark.parametrize("level", ["cage-set", *WITHIN])
 def test_a_history_in_which_nothing_changes_leaves_the_bits(level, friction):
     changes = WITHIN.get(level, {}) | {"study.dynamics.friction": friction}
-    without, still = ran(changes), ran(changes, radial_load={"shape": "step", "to": "1037 N", "at": "0.2 s"})
+    without = ran(changes)
+    still = ran(changes, radial_load={"shape": "step", "to": "1037 N", "at": "0.2 s"})
     for name in without.data_vars:
         if name not in ("event_what",):
-            assert np.array_equal(without[name], still[name], equal_nan=without[name].dtype.kind == "f"), name
+            assert np.array_equal(
+                without[name], still[name], equal_nan=without[name].dtype.kind == "f"
+            ), name
     assert without.attrs["steps"] == still.attrs["steps"]
 
 
@@ -99,9 +102,13 @@ def independent(bearing, ring_speed, loads, end, times, slip=0.0):
     sense of rolling, T the drag, and F the sum of mu(Q', V, u) Q' dx over the slices of a contact. ``loads(t, psi, C)``
     are those per length on both rings at places and a centrifugal force. It begins with a slip of cage and rollers.
     """
-    k, cage = bearing.kinematics, bearing.cage
-    count, radius, mass = bearing.scene.bearing.rollers, k.roller_radius, bearing.roller_mass
-    spin_inertia, inertia = 0.5 * mass * radius**2, cage.inertia + count * mass * k.orbit_radius**2
+    k = bearing.kinematics
+    cage = bearing.cage
+    count = bearing.scene.bearing.rollers
+    radius = k.roller_radius
+    mass = bearing.roller_mass
+    spin_inertia = 0.5 * mass * radius**2
+    inertia = cage.inertia + count * mass * k.orbit_radius**2
 
     def friction(raceway, load, sliding, rolling):
         roller, column = np.nonzero(load > 0.0)
@@ -111,11 +118,14 @@ def independent(bearing, ring_speed, loads, end, times, slip=0.0):
         return np.bincount(roller, force, count)
 
     def rates(t, y):
-        angle, speed, spin = y[0], y[1], y[2:]
+        angle = y[0]
+        speed = y[1]
+        spin = y[2:]
         psi = angle + 2.0 * np.pi / count * np.arange(count)
         inner, outer = loads(t, psi, mass * k.orbit_radius * speed**2)
         surface = radius * (spin + speed)
-        ahead_i, ahead_o = k.inner_radius * (ring_speed(t) - speed), k.outer_radius * speed
+        ahead_i = k.inner_radius * (ring_speed(t) - speed)
+        ahead_o = k.outer_radius * speed
         F_i = friction(bearing.inner, inner, ahead_i - surface, 0.5 * (ahead_i + surface))
         F_o = friction(bearing.outer, outer, surface - ahead_o, 0.5 * (ahead_o + surface))
         drag = sum(model.torque(speed, ring_speed(t), 0.0) for model in cage.drags.torques)
@@ -124,7 +134,14 @@ def independent(bearing, ring_speed, loads, end, times, slip=0.0):
 
     share = k.inner_radius / (k.inner_radius + k.outer_radius)
     start = share * ring_speed(0.0)
-    spin = k.inner_radius * k.outer_radius / (k.inner_radius + k.outer_radius) * ring_speed(0.0) / radius - start
+    spin = (
+        k.inner_radius
+        * k.outer_radius
+        / (k.inner_radius + k.outer_radius)
+        * ring_speed(0.0)
+        / radius
+        - start
+    )
     y = np.concatenate(([0.0, start], np.full(count, spin))) * (1.0 - slip)
     found = solve_ivp(rates, (0.0, end), y, "DOP853", t_eval=times, rtol=1e-10, atol=1e-9)
     assert found.success
@@ -133,16 +150,22 @@ def independent(bearing, ring_speed, loads, end, times, slip=0.0):
 
 def test_a_run_up_is_that_of_another_integration_with_torques_worked_out_directly():
     """To 1e-8, with loads from the same map: the integrators' tolerances are 1e-10 here and 1e-9 there."""
-    of = rollslip.evolve(SCENE, {"bearing.rollers": 10, "accuracy.slices": 3, "cage.drag": ["petroff-land"]})
-    bearing, end = assemble(of), 0.02
-    low, high = 0.5 * of.operation.inner_speed, of.operation.inner_speed
+    of = rollslip.evolve(
+        SCENE, {"bearing.rollers": 10, "accuracy.slices": 3, "cage.drag": ["petroff-land"]}
+    )
+    bearing = assemble(of)
+    end = 0.02
+    low = 0.5 * of.operation.inner_speed
+    high = of.operation.inner_speed
     raw = {"inner_speed": {"shape": "run-up", "from": low, "within": f"{end} s"}}
     problems = []
     settings = structure(HistorySettings, raw, "study.dynamics.history", problems)
     way = settings.history(of, end, Location({}))
     moving = varying_motion(bearing, FrictionSettings(name="conventional"), way, level="cage-set")
     times = np.linspace(0.0, end, 9)
-    problem = InitialValueProblem(rates=moving.system, y=moving.initial(), atol=1e-9 * moving.system.scale)
+    problem = InitialValueProblem(
+        rates=moving.system, y=moving.initial(), atol=1e-9 * moving.system.scale
+    )
     ours = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-9)
     assert ours.outcome == "finished"
     speed = moving.split(ours.y)["cage_speed"]
@@ -151,7 +174,9 @@ def test_a_run_up_is_that_of_another_integration_with_torques_worked_out_directl
         x = min(max(t / end, 0.0), 1.0)
         return low + (high - low) * x * x * (3.0 - 2.0 * x)
 
-    loads = build_load_map(bearing, FrictionSettings(name="conventional").table_tolerance(bearing), high)
+    loads = build_load_map(
+        bearing, FrictionSettings(name="conventional").table_tolerance(bearing), high
+    )
     theirs = independent(bearing, ring_speed, lambda _, psi, pull: loads.at(psi, pull), end, times)
     assert np.abs(speed / theirs - 1.0).max() < 1e-8
     assert speed[-1] > 1.02 * speed[0]  # it did run up
@@ -161,7 +186,9 @@ def test_a_run_up_is_that_of_another_integration_with_torques_worked_out_directl
 def test_a_stopped_bearing_is_not_followed_on_once_it_stands():
     """Without that the last third alone takes millions of evaluations: contacts at rest are stiffer than 1e7/s."""
     stop = {"shape": "emergency-stop", "at": "0.05 s", "within": "0.2 s"}
-    found = ran({"study.dynamics.duration": "1 s", "operation.radial_load": "3 kN"}, inner_speed=stop)
+    found = ran(
+        {"study.dynamics.duration": "1 s", "operation.radial_load": "3 kN"}, inner_speed=stop
+    )
     assert found.attrs["outcome"] == "finished"
     after = found.sel(time=slice(0.5, None))
     assert np.abs(after.cage_speed).max() < 1e-4 * float(found.cage_speed[0])
@@ -173,14 +200,20 @@ def test_a_stopped_bearing_is_not_followed_on_once_it_stands():
 @pytest.mark.parametrize("within", [0.02, 0.002])
 def test_a_load_that_falls_to_nothing_is_followed_as_equilibria_at_every_moment_say(within):
     """The reference knows no maps: it solves for the equilibrium under the load of the moment at every evaluation."""
-    of = rollslip.evolve(SCENE, {"bearing.rollers": 10, "accuracy.slices": 3, "cage.drag": ["petroff-land"]})
-    bearing, end, load = assemble(of), 0.03, of.operation.radial_load
+    of = rollslip.evolve(
+        SCENE, {"bearing.rollers": 10, "accuracy.slices": 3, "cage.drag": ["petroff-land"]}
+    )
+    bearing = assemble(of)
+    end = 0.03
+    load = of.operation.radial_load
     raw = {"radial_load": {"shape": "ramp", "to": "0 N", "within": f"{within} s"}}
     settings = structure(HistorySettings, raw, "study.dynamics.history", [])
     way = settings.history(of, end, Location({}))
     moving = varying_motion(bearing, FrictionSettings(name="conventional"), way, level="cage-set")
     times = np.linspace(0.0, end, 13)
-    problem = InitialValueProblem(rates=moving.system, y=moving.initial(0.1, 0.1), atol=1e-9 * moving.system.scale)
+    problem = InitialValueProblem(
+        rates=moving.system, y=moving.initial(0.1, 0.1), atol=1e-9 * moving.system.scale
+    )
     ours = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-9)
     assert ours.outcome == "finished"
     b = of.bearing
@@ -214,7 +247,8 @@ def test_accelerating_a_lightly_loaded_bearing_skids_more_than_running_it_steadi
 
 def test_a_drop_in_load_skids():
     at_rest = {"study.dynamics.cage_slip": 0.07, "study.dynamics.duration": "1 s"}
-    kept, dropped = ran(at_rest), ran(at_rest, radial_load={"shape": "step", "to": "400 N", "at": "0.2 s"})
+    kept = ran(at_rest)
+    dropped = ran(at_rest, radial_load={"shape": "step", "to": "400 N", "at": "0.2 s"})
     assert np.array_equal(kept.cage_slip[:20], dropped.cage_slip[:20]) or np.allclose(
         kept.cage_slip[:20], dropped.cage_slip[:20], atol=1e-4
     )
@@ -233,9 +267,12 @@ def test_a_warmer_inner_ring_drives_the_cage_less():
     ramp = {"shape": "ramp", "to": "90 degC", "within": "0.2 s"}
     found = ran(LIGHT, inner_ring_temperature=ramp)
     assert float(found.inner_ring_temperature[-1]) == pytest.approx(363.15)
-    assert float(found.cage_slip[-1]) > float(ran(LIGHT, temperature=ramp | {"to": "50 degC"}).cage_slip[-1])
+    assert float(found.cage_slip[-1]) > float(
+        ran(LIGHT, temperature=ramp | {"to": "50 degC"}).cage_slip[-1]
+    )
     assert any(
-        "inner ring temperature goes from 50 degC to 90 degC" in one for one in history_findings.sentences(found)
+        "inner ring temperature goes from 50 degC to 90 degC" in one
+        for one in history_findings.sentences(found)
     )
 
 
@@ -245,11 +282,14 @@ def test_a_warmer_inner_ring_drives_the_cage_less():
 def test_a_ring_that_turns_back_is_followed_and_slips_are_told_where_they_refer_to_something():
     back = ran(inner_speed={"shape": "ramp", "to": "-6371 rpm", "within": "0.2 s", "at": "0.1 s"})
     assert back.attrs["outcome"] == "finished"
-    without, slip = back.epicyclic_cage_speed.to_numpy(), back.cage_slip.to_numpy()
+    without = back.epicyclic_cage_speed.to_numpy()
+    slip = back.cage_slip.to_numpy()
     slow = np.abs(without) <= 0.05 * np.abs(without).max()
     assert slow.any()
     assert np.array_equal(np.isnan(slip), slow)
-    assert slip[~slow] == pytest.approx(1.0 - back.cage_speed.to_numpy()[~slow] / without[~slow], abs=1e-12)
+    assert slip[~slow] == pytest.approx(
+        1.0 - back.cage_speed.to_numpy()[~slow] / without[~slow], abs=1e-12
+    )
     assert np.abs(back.energy_residual).max() < 1e-4 * np.abs(back.work_done).max()
     mirrored = ran(
         {"operation.inner_speed": "-6371 rpm"},
@@ -264,7 +304,9 @@ def test_a_jump_in_load_is_a_kink_of_the_slip_and_no_step_goes_over_it():
     jump = {"shape": "step", "to": "700 N", "at": "0.2345 s"}
     whole = ran(to, radial_load=jump)
     # what comes before does not know of it
-    before = ran(to | {"study.dynamics.duration": "0.23 s", "study.dynamics.points": 47}, radial_load=jump)
+    before = ran(
+        to | {"study.dynamics.duration": "0.23 s", "study.dynamics.points": 47}, radial_load=jump
+    )
     assert float(whole.cage_speed.sel(time=0.23, method="nearest")) == pytest.approx(
         float(before.cage_speed[-1]),
         rel=1e-6,  # states between steps are right to fourth order
@@ -273,10 +315,13 @@ def test_a_jump_in_load_is_a_kink_of_the_slip_and_no_step_goes_over_it():
 
 
 def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeypatch):
-    bearing = assemble(scene(radial_load={"shape": "ramp", "to": "900 N", "at": "0.1 s", "within": "0.2 s"}))
+    bearing = assemble(
+        scene(radial_load={"shape": "ramp", "to": "900 N", "at": "0.1 s", "within": "0.2 s"})
+    )
     study = Dynamics.of(bearing.scene)
     whole = study.run(bearing)
-    store, looks = Checkpoints(tmp_path, "of the scene", "dynamics"), []
+    store = Checkpoints(tmp_path, "of the scene", "dynamics")
+    looks = []
 
     def interrupted(run):
         looks.append(run.t)
@@ -308,12 +353,18 @@ def test_a_run_does_not_go_on_through_another_file(tmp_path):
 
 
 def test_a_sweep_is_another_one_where_a_history_comes_from_another_file(tmp_path):
-    file, sweeps, keys = tmp_path / "load.csv", [], []
+    file = tmp_path / "load.csv"
+    sweeps = []
+    keys = []
     for end in (900, 900, 800):
         file.write_text(f"time [s],radial_load [N]\n0,1037\n4,{end}\n")
         over = {"study.dynamics.cage_slip": ["0.01", "0.02"]}
-        sweeps.append(plan_sweep(scene(file=str(file)), over, study="dynamics", output=["largest_cage_slip"]))
-        keys.append(compute(sweeps[-1].work, [(0, {"study.dynamics.duration": "1 ms"})]).rows[0].key)
+        sweeps.append(
+            plan_sweep(scene(file=str(file)), over, study="dynamics", output=["largest_cage_slip"])
+        )
+        keys.append(
+            compute(sweeps[-1].work, [(0, {"study.dynamics.duration": "1 ms"})]).rows[0].key
+        )
     assert sweeps[0].hash == sweeps[1].hash != sweeps[2].hash
     assert keys[0] == keys[1] != keys[2]
 
@@ -324,29 +375,41 @@ def test_what_is_uncertain_of_a_history_is_sampled_by_a_sweep_and_no_matter_of_a
     uncertain = {within: {"distribution": "uniform", "low": "0.2 s", "high": "0.4 s"}}
     table = {"study": {"dynamics": {"history": {"inner_speed": {"within": uncertain[within]}}}}}
     of = attrs.evolve(
-        scene({"study.dynamics.duration": "0.1 s"}, inner_speed={"shape": "run-up", "from": "3000 rpm", "within": 0.3}),
+        scene(
+            {"study.dynamics.duration": "0.1 s"},
+            inner_speed={"shape": "run-up", "from": "3000 rpm", "within": 0.3},
+        ),
         uncertainty=table,
     )
-    with pytest.raises(SceneError, match="rollslip sweep run SCENE --study dynamics, where values are uncertain with"):
+    with pytest.raises(
+        SceneError,
+        match="rollslip sweep run SCENE --study dynamics, where values are uncertain with",
+    ):
         rollslip.uncertainty(of, samples=2)
-    found = rollslip.sweep(of, study="dynamics", samples=2, output=["largest_cage_slip", "least_margin_to_runaway"])
+    found = rollslip.sweep(
+        of, study="dynamics", samples=2, output=["largest_cage_slip", "least_margin_to_runaway"]
+    )
     assert np.isfinite(found["largest_cage_slip"]).all()
     assert len({*found["largest_cage_slip"].values.tolist()}) == 2
 
 
 def test_a_run_from_rest_ends_as_one_that_always_turned():
     longer = {"study.dynamics.duration": "4 s"}
-    steady, up = ran(longer), ran(longer, inner_speed={"shape": "run-up", "within": "0.05 s"})
+    steady = ran(longer)
+    up = ran(longer, inner_speed={"shape": "run-up", "within": "0.05 s"})
     assert up.attrs["outcome"] == "finished"
     assert math.isnan(float(up.cage_slip[0]))
-    assert float(up.cage_slip[-1]) > float(steady.cage_slip[-1])  # it has not caught up yet, and is not below
+    assert float(up.cage_slip[-1]) > float(
+        steady.cage_slip[-1]
+    )  # it has not caught up yet, and is not below
 
 
 @pytest.mark.quick
 def test_a_load_that_turns_about_rings_that_tilt_is_refused():
     turning = {"shape": "rotation", "speed": "100 rpm"}
     with pytest.raises(
-        DomainError, match="is about the line of a load that does not; make it 0, or leave load_direction"
+        DomainError,
+        match="is about the line of a load that does not; make it 0, or leave load_direction",
     ):
         ran({"operation.misalignment": "1 mrad"}, load_direction=turning)
 
@@ -355,13 +418,19 @@ def test_a_load_that_turns_about_rings_that_tilt_is_refused():
     ("level", "integrator", "rtol"),
     [("pocket", "rk45", 1e-10), ("planar", "rk45", 1e-10), ("planar", "leapfrog", 1e-5)],
 )
-def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_alone(level, integrator, rtol):
+def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_alone(
+    level, integrator, rtol
+):
     """Two runs of constant operations, the second from where the first ends; leapfrog's steps are as long in both, by
     the heaviest load, which the second would come to later."""
-    at, to, name = 4e-3, "400 N", "radial_load"
+    at = 4e-3
+    to = "400 N"
+    name = "radial_load"
     bearing = assemble(scene(WITHIN[level], **{name: {"shape": "step", "to": to, "at": at}}))
     moving = Dynamics.of(bearing.scene).moving(bearing)
-    held = Dynamics.of(scene(WITHIN[level], **{name: {"shape": "step", "from": to, "to": "1037 N", "at": 3 * at}}))
+    held = Dynamics.of(
+        scene(WITHIN[level], **{name: {"shape": "step", "from": to, "to": "1037 N", "at": 3 * at}})
+    )
     before = Dynamics.of(scene(WITHIN[level])).moving(bearing)
     after = held.moving(assemble(scene(WITHIN[level] | {"operation.radial_load": to})))
     run = get_model("integrator", integrator)
@@ -369,7 +438,12 @@ def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_
     def gone(motion, y, start, end, breaks=()):
         absolute, relative = (values[: motion.system.n] for values in moving.tolerances)
         problem = InitialValueProblem(
-            rates=motion.system, y=y, t=start, atol=rtol * absolute, relative=relative, breaks=breaks
+            rates=motion.system,
+            y=y,
+            t=start,
+            atol=rtol * absolute,
+            relative=relative,
+            breaks=breaks,
         )
         return integrate(problem, run, np.array([end]), rtol=rtol)
 
@@ -385,7 +459,8 @@ def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_
 
 BACK = {"shape": "ramp", "to": "-6371 rpm", "within": "0.03 s"}
 BOTH = {
-    name: {"shape": "ramp", "to": to, "within": "0.03 s"} for name, to in (("inner_speed", 300), ("outer_speed", 200))
+    name: {"shape": "ramp", "to": to, "within": "0.03 s"}
+    for name, to in (("inner_speed", 300), ("outer_speed", 200))
 }
 #: Down to no load, turned round there, and up again.
 THROUGH = {
@@ -405,8 +480,14 @@ THROUGH = {
     ],
     ids=["pocket, back", "pocket, both", "planar, back", "planar, both", "planar, through zero"],
 )
-def test_within_pockets_and_in_the_plane_hard_histories_are_followed_and_the_ledger_closes(level, raw):
-    short = {"study.dynamics.integrator": "rk45", "study.dynamics.duration": "0.04 s", "study.dynamics.points": 41}
+def test_within_pockets_and_in_the_plane_hard_histories_are_followed_and_the_ledger_closes(
+    level, raw
+):
+    short = {
+        "study.dynamics.integrator": "rk45",
+        "study.dynamics.duration": "0.04 s",
+        "study.dynamics.points": 41,
+    }
     run = ran(WITHIN[level] | short, **raw)
     assert run.attrs["outcome"] == "finished"
     assert np.abs(run.energy_residual).max() < 1e-6 * np.abs(run.work_done).max()
@@ -419,7 +500,9 @@ def test_within_pockets_and_in_the_plane_hard_histories_are_followed_and_the_led
 @pytest.mark.quick
 @pytest.mark.parametrize("level", WITHIN)
 def test_at_every_level_a_history_that_ends_too_soon_is_refused(level):
-    with pytest.raises(SceneError, match=r"the history ends at 0\.01 s, before the run does at 0\.02 s; add"):
+    with pytest.raises(
+        SceneError, match=r"the history ends at 0\.01 s, before the run does at 0\.02 s; add"
+    ):
         ran(WITHIN[level], radial_load={"time": [0, 0.01], "value": ["1037 N", "900 N"]})
 
 
@@ -444,13 +527,20 @@ def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_ther
 
 def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     account = DynamicsAccount("dynamics")
-    record, topics = account.record(dropped), account.topics(dropped)
+    record = account.record(dropped)
+    topics = account.topics(dropped)
     assert record["history"] == ["radial_load"]
     assert record["largest_cage_slip"] == float(dropped.cage_slip.max())
     assert record["least_cage_slip"] == float(dropped.cage_slip.min())
     assert record["time_beyond_runaway"] == 0.0
-    assert record["frictional_work_inner"] == -float(dropped.work_done.sel(work="lost_inner")[-1]) > 0.0
-    assert record["sliding_distance_inner"] == float(dropped.roller_sliding_distance.sel(ring="inner").mean())
+    assert (
+        record["frictional_work_inner"]
+        == -float(dropped.work_done.sel(work="lost_inner")[-1])
+        > 0.0
+    )
+    assert record["sliding_distance_inner"] == float(
+        dropped.roller_sliding_distance.sel(ring="inner").mean()
+    )
     assert topics["history"][0] == "radial load goes from 1.037 kN to 900 N between t = 0 and 0.5 s"
     assert "stays below that at which skidding begins, nearest at" in topics["skidding"][1]
     (row,) = account.answer(dropped).rows
@@ -478,14 +568,20 @@ def test_words_say_when_an_operation_changes(values, said):
 @pytest.mark.parametrize("level", ["cage-set", "too fast", *WITHIN])
 def test_what_each_roller_slid_is_integrated_at_every_step(level):
     """By Simpson's rule over a run that is stored densely; over the instants of the other, works are 3 to 5 % off."""
-    spin = {"study.dynamics.roller_slip": -0.5 if level == "too fast" else 1.0}  # sliding the other way, or from rest
+    spin = {
+        "study.dynamics.roller_slip": -0.5 if level == "too fast" else 1.0
+    }  # sliding the other way, or from rest
     changes = WITHIN.get(level, spin) | {"study.dynamics.duration": "0.01 s"}
     drop = {"shape": "ramp", "to": "800 N", "at": "5 ms", "within": "1 ms"}
     few, dense = (
-        ran({"study.dynamics.cage_slip": 0.05, **changes, "study.dynamics.points": points}, radial_load=drop)
+        ran(
+            {"study.dynamics.cage_slip": 0.05, **changes, "study.dynamics.points": points},
+            radial_load=drop,
+        )
         for points in (6, 4001)
     )
-    speeds, times = dense.sliding_speed.to_numpy(), dense.time.to_numpy()
+    speeds = dense.sliding_speed.to_numpy()
+    times = dense.time.to_numpy()
     powers = dense.traction_force.to_numpy() * speeds
     for name, rates in (("sliding_distance", np.abs(speeds)), ("frictional_work", powers)):
         each = few[f"roller_{name}"].to_numpy()
@@ -497,13 +593,31 @@ def test_what_each_roller_slid_is_integrated_at_every_step(level):
 
 
 def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
-    given = {"inner_speed", "outer_speed", "load_direction", "temperature", *OF_PARTS}  # by other histories
-    elsewhere = {"ring_displacement", "cage_displacement", "land_eccentricity", "pocket_force", "pocket_displacement"}
+    given = {
+        "inner_speed",
+        "outer_speed",
+        "load_direction",
+        "temperature",
+        *OF_PARTS,
+    }  # by other histories
+    elsewhere = {
+        "ring_displacement",
+        "cage_displacement",
+        "land_eccentricity",
+        "pocket_force",
+        "pocket_displacement",
+    }
     elsewhere |= {"ring_deflection", "form_angle"}
-    others = {"course_temperature", "radial_clearance", *OVER_MOTION}  # of scenes with models of heat and damage
+    others = {
+        "course_temperature",
+        "radial_clearance",
+        *OVER_MOTION,
+    }  # of scenes with models of heat and damage
     curves = {f"{ring}_{what}" for ring in ("inner", "outer") for what in ("sliding", "friction")}
     single = {name for name, output in Dynamics.outputs.items() if output.attribute}
-    assert {*map(str, dropped.data_vars)} == Dynamics.outputs.keys() - single - given - elsewhere - others - curves
+    assert {
+        *map(str, dropped.data_vars)
+    } == Dynamics.outputs.keys() - single - given - elsewhere - others - curves
     assert single <= set(dropped.attrs)
     for name in dropped.data_vars:
         assert dropped[name].attrs["units"] == Dynamics.outputs[name].unit
@@ -516,7 +630,8 @@ def test_time_beyond_is_that_of_straight_lines_between_the_instants():
 
     slip = [0.1, 0.3, 0.5, 0.3, np.nan, 0.9]
     dataset = xr.Dataset(
-        {"cage_slip": ("time", slip), "runaway_slip_along": ("time", np.full(6, 0.4))}, {"time": np.arange(6.0)}
+        {"cage_slip": ("time", slip), "runaway_slip_along": ("time", np.full(6, 0.4))},
+        {"time": np.arange(6.0)},
     )
     assert history_findings.time_beyond(dataset) == pytest.approx(1.0)  # from 1.5 to 2.5 s
     assert history_findings.largest(dataset) == (0.9, 5.0)
@@ -525,13 +640,17 @@ def test_time_beyond_is_that_of_straight_lines_between_the_instants():
 
 def test_the_plan_tells_what_a_history_costs_and_why_friction_is_conventional():
     open_friction = {"study.dynamics": {"duration": "0.2 s"}}
-    changes = open_friction | {f"{HISTORY}.inner_speed": {"shape": "run-up", "from": "2000 rpm", "within": "0.1 s"}}
+    changes = open_friction | {
+        f"{HISTORY}.inner_speed": {"shape": "run-up", "from": "2000 rpm", "within": "0.1 s"}
+    }
     plan = rollslip.plan(rollslip.evolve(SCENE, changes), "dynamics")
     parts = {part.part: part for part in plan.parts}
     assert parts["history"].choice == "inner speed"
     assert parts["history"].seconds > 0.0
     assert parts["friction of the raceways"].choice == "conventional"
-    assert "effective friction is tabulated at one speed" in parts["friction of the raceways"].reason
+    assert (
+        "effective friction is tabulated at one speed" in parts["friction of the raceways"].reason
+    )
 
 
 @pytest.mark.quick
@@ -572,21 +691,31 @@ def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_i
     small = {"bearing.rollers": 10, "accuracy.slices": 3, "study.dynamics.duration": "0.05 s"}
     runs = {}
     for friction in ("effective", "conventional"):
-        runs[friction] = run(scene(small | {"study.dynamics.friction": friction}, inner_speed=run_up), "dynamics")
+        runs[friction] = run(
+            scene(small | {"study.dynamics.friction": friction}, inner_speed=run_up), "dynamics"
+        )
     assert [one.attrs["friction"] for one in runs.values()] == ["conventional"] * 2
     assert np.array_equal(*(one.cage_speed for one in runs.values()))
     told = json.loads(runs["effective"].attrs["warnings"])
-    (said,) = [one for one in told if "study.dynamics.friction is 'conventional', not 'effective'" in one]
+    (said,) = [
+        one for one in told if "study.dynamics.friction is 'conventional', not 'effective'" in one
+    ]
     assert "effective friction cannot be tabulated along the history, as between speed " in said
     assert "rates are still off by" in said
-    assert not any("as the scene names it" in one for one in json.loads(runs["conventional"].attrs["warnings"]))
+    assert not any(
+        "as the scene names it" in one for one in json.loads(runs["conventional"].attrs["warnings"])
+    )
 
 
 @pytest.mark.slow
-def test_where_effective_friction_takes_too_many_bearings_along_a_history_friction_is_conventional(monkeypatch):
+def test_where_effective_friction_takes_too_many_bearings_along_a_history_friction_is_conventional(
+    monkeypatch,
+):
     monkeypatch.setattr(over_time, "_MOST_BEARINGS", 3)
     run_up = {"shape": "run-up", "from": "6000 rpm", "within": "0.3 s"}
-    made = rollslip.plan(scene({"study.dynamics.friction": "effective"}, inner_speed=run_up), "dynamics")
+    made = rollslip.plan(
+        scene({"study.dynamics.friction": "effective"}, inner_speed=run_up), "dynamics"
+    )
     assert made.estimated["dynamics"].resolution.friction == "conventional"
     (part,) = [part for part in made.parts if part.part == "friction of the raceways"]
     assert "as more than 3 bearings would have to be put together for it" in part.reason

@@ -30,7 +30,13 @@ STRAIGHT = evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})
 
 
 def curve(scene, **settings):
-    defaults = {"closure": "epicyclic", "points": 21, "map_points": 0, "max_cage_slip": 0.9, "runaway_range": 0.0}
+    defaults = {
+        "closure": "epicyclic",
+        "points": 21,
+        "map_points": 0,
+        "max_cage_slip": 0.9,
+        "runaway_range": 0.0,
+    }
     return EffectiveFriction(**{**defaults, **settings}).run(assemble(scene))
 
 
@@ -49,7 +55,9 @@ def test_it_is_the_mean_by_force_over_loaded_rollers_and_instants(closure):
     loads = assembly.load_distribution(result.attrs["instants"])
     k = assembly.kinematics
     slip = float(result.cage_slip[15])
-    speeds = k.surface_speeds(slip, 0.0 if closure == "epicyclic" else k.roller_slip_outer_rolling(slip))
+    speeds = k.surface_speeds(
+        slip, 0.0 if closure == "epicyclic" else k.roller_slip_outer_rolling(slip)
+    )
     for ring, forces, sliding, rolling in (
         ("inner", loads.inner_force, speeds.inner_sliding, speeds.inner_rolling),
         ("outer", loads.outer_force, speeds.outer_sliding, speeds.outer_rolling),
@@ -85,10 +93,15 @@ def test_a_free_roller_stays_on_its_balance_while_there_is_one():
     slips = slip_grid(0.9, 61)[1:]
     raceways = EffectiveFriction(closure="free-roller").loaded(assembly, 2)
     rolling = assembly.kinematics.roller_slip_outer_rolling(slips)
-    found = (1.0 - raceways.speeds(slips).roller_speed / assembly.kinematics.epicyclic_roller_speed) / rolling[:, None]
+    found = (
+        1.0 - raceways.speeds(slips).roller_speed / assembly.kinematics.epicyclic_roller_speed
+    ) / rolling[:, None]
     # all balances of one roller at each slip, from where the difference of the pulls changes its sign on a fine grid
-    roller, shares, choices = 2, np.linspace(-0.85, 1.0, 1500), 0
-    inner, outer = raceways.inner, raceways.outer
+    roller = 2
+    shares = np.linspace(-0.85, 1.0, 1500)
+    choices = 0
+    inner = raceways.inner
+    outer = raceways.outer
     for slip, lag, share in zip(slips, rolling, found[:, roller], strict=True):
         speeds = assembly.kinematics.surface_speeds(np.full(shares.size, slip), lag * shares)
         pulls = []
@@ -98,7 +111,9 @@ def test_a_free_roller_stays_on_its_balance_while_there_is_one():
         ):
             mine = contacts.owner == roller
             slices = contacts.raceway.evaluate(
-                np.tile(contacts.slices.load[mine], shares.size), np.repeat(u, mine.sum()), np.repeat(V, mine.sum())
+                np.tile(contacts.slices.load[mine], shares.size),
+                np.repeat(u, mine.sum()),
+                np.repeat(V, mine.sum()),
             )
             pulls.append(slices.friction.reshape(shares.size, -1) @ contacts.force[mine])
         off = pulls[0] - pulls[1]
@@ -119,14 +134,18 @@ def test_a_free_roller_is_pulled_alike_by_both_rings():
     # the spin is found to 1e-12, and friction rises by its whole value over a slip of a few percent
     np.testing.assert_allclose(pulls[0], pulls[1], rtol=1e-9, atol=1e-12)
     # one roller at one slip, by another solver on the plain definition
-    slip, roller = 12, 0
-    k, s = assembly.kinematics, float(result.cage_slip[slip])
+    slip = 12
+    roller = 0
+    k = assembly.kinematics
+    s = float(result.cage_slip[slip])
 
     def excess(roller_slip):
         v = k.surface_speeds(s, roller_slip)
         return forces[0, roller] * contact_friction(
             assembly, "inner", forces[0, roller], v.inner_sliding, v.inner_rolling
-        ) - forces[1, roller] * contact_friction(assembly, "outer", forces[1, roller], v.outer_sliding, v.outer_rolling)
+        ) - forces[1, roller] * contact_friction(
+            assembly, "outer", forces[1, roller], v.outer_sliding, v.outer_rolling
+        )
 
     outer = float(k.roller_slip_outer_rolling(s))
     root = brentq(excess, -outer * k.inner_radius / k.outer_radius, outer, xtol=1e-15)
@@ -140,7 +159,10 @@ def test_outer_rolling_leaves_the_outer_ring_without_friction():
     result = curve(STRAIGHT, closure="outer-rolling")
     assert not result.effective_friction.sel(ring="outer").any()
     assert np.isnan(result.critical_cage_slip.sel(ring="outer"))
-    assert result.critical_status.sel(ring="outer") == "no slip at largest traction: there is no friction in the range"
+    assert (
+        result.critical_status.sel(ring="outer")
+        == "no slip at largest traction: there is no friction in the range"
+    )
 
 
 @pytest.mark.quick
@@ -148,7 +170,9 @@ def test_the_map_holds_the_curve_of_the_epicyclic_closure():
     result = curve(STRAIGHT, map_points=7)
     at_epicyclic = result.friction_map.sel(map_roller_slip=0.0)
     for j, slip in enumerate(result.map_cage_slip.to_numpy()):
-        single = curve(STRAIGHT, points=5, max_cage_slip=max(slip, 0.01)).effective_friction[:, -1 if slip else 0]
+        single = curve(STRAIGHT, points=5, max_cage_slip=max(slip, 0.01)).effective_friction[
+            :, -1 if slip else 0
+        ]
         # the tolerance of the instants, which the two runs may stop at differently
         np.testing.assert_allclose(at_epicyclic[:, j], single, rtol=2e-3, atol=1e-15)
 
@@ -166,11 +190,16 @@ def test_the_instants_have_converged_and_the_estimate_is_honest():
 
 @pytest.mark.quick
 def test_the_critical_slip_is_the_maximum_of_the_continuous_curve():
-    coarse, fine = curve(STRAIGHT, points=11), curve(STRAIGHT, points=2001)
+    coarse = curve(STRAIGHT, points=11)
+    fine = curve(STRAIGHT, points=2001)
     best = int(np.argmax(fine.effective_friction.sel(ring="inner").to_numpy()))
     spacing = float(fine.cage_slip[best + 1] - fine.cage_slip[best - 1])
-    assert float(coarse.critical_cage_slip[0]) == pytest.approx(float(fine.cage_slip[best]), abs=spacing)
-    assert float(coarse.critical_friction[0]) >= float(fine.effective_friction[0].max()) * (1 - 1e-12)
+    assert float(coarse.critical_cage_slip[0]) == pytest.approx(
+        float(fine.cage_slip[best]), abs=spacing
+    )
+    assert float(coarse.critical_friction[0]) >= float(fine.effective_friction[0].max()) * (
+        1 - 1e-12
+    )
     assert coarse.critical_status[0] == "found"
 
 
@@ -178,12 +207,18 @@ def test_the_critical_slip_is_the_maximum_of_the_continuous_curve():
 def test_a_critical_slip_outside_the_range_is_said_in_words():
     result = curve(STRAIGHT, max_cage_slip=0.3)
     assert np.isnan(result.critical_cage_slip).all()
-    assert all("still rises at the end of the range, 0.3" in str(text) for text in result.critical_status.to_numpy())
+    assert all(
+        "still rises at the end of the range, 0.3" in str(text)
+        for text in result.critical_status.to_numpy()
+    )
 
 
 @pytest.mark.quick
 def test_what_a_status_tells_one_to_type_finds_what_was_not_found():
-    scene = evolve(STRAIGHT, {"study.effective-friction": {"points": 21, "map_points": 0, "max_cage_slip": 0.3}})
+    scene = evolve(
+        STRAIGHT,
+        {"study.effective-friction": {"points": 21, "map_points": 0, "max_cage_slip": 0.3}},
+    )
     short = run(scene, "effective-friction").critical_status.to_numpy()[0]
     key, value = parse_set(str(short).rpartition(" --set ")[2])
     assert np.isfinite(run(evolve(scene, {key: value}), "effective-friction").critical_cage_slip[0])
@@ -192,27 +227,38 @@ def test_what_a_status_tells_one_to_type_finds_what_was_not_found():
 @pytest.mark.quick
 def test_the_first_of_two_maxima_is_told_where_the_critical_slip_is():
     """Rough surfaces at 90 degC: boundary friction has its maximum at 1 % of slip, the film one far beyond."""
-    rough = dict.fromkeys(("inner_raceway_roughness", "outer_raceway_roughness", "roller_roughness"), "0.5 um")
-    scene = evolve(STRAIGHT, {"operation.radial_load": 500.0, "operation.temperature": "90 degC", "surface": rough})
+    rough = dict.fromkeys(
+        ("inner_raceway_roughness", "outer_raceway_roughness", "roller_roughness"), "0.5 um"
+    )
+    scene = evolve(
+        STRAIGHT,
+        {"operation.radial_load": 500.0, "operation.temperature": "90 degC", "surface": rough},
+    )
     result = curve(scene, points=61, max_cage_slip=0.95)
     inner = result.sel(ring="inner")
-    first, critical = float(inner.first_maximum_slip), float(inner.critical_cage_slip)
+    first = float(inner.first_maximum_slip)
+    critical = float(inner.critical_cage_slip)
     assert first < 0.02 < 0.7 < critical
     fine = np.linspace(0.8 * first, 1.2 * first, 41)
-    raceways = EffectiveFriction(closure=result.attrs["closure"]).loaded(assemble(scene), result.attrs["instants"])
+    raceways = EffectiveFriction(closure=result.attrs["closure"]).loaded(
+        assemble(scene), result.attrs["instants"]
+    )
     friction = raceways.curve(fine)[0]
     assert fine[np.argmax(friction)] == pytest.approx(first, rel=0.01)
     assert float(inner.first_maximum_friction) == pytest.approx(friction.max(), rel=1e-5)
     dip = raceways.curve(np.linspace(first, critical, 50))[0].min()
     assert dip < 0.999 * friction.max() < float(inner.critical_friction)
     sentences = [text for text in account_of(result).sentences(result) if " ring: " in text]
-    told, lines = sentences[0], next(text for text in account_of(result).lines(result) if text.startswith("inner ring"))
+    told = sentences[0]
+    lines = next(text for text in account_of(result).lines(result) if text.startswith("inner ring"))
     assert f"it falls with slip already from {percent(first)} on, a first maximum of" in told
     assert f"friction falls already from a slip of {first:.2%} on, then rises again" in lines
     assert account_of(result).record(result)["inner ring"]["first_maximum_slip"] == first
     outer = sentences[1]
     assert "no slip at largest traction" in outer
-    assert "falls with slip already from" in outer, "also where friction rises to the end of the range"
+    assert "falls with slip already from" in outer, (
+        "also where friction rises to the end of the range"
+    )
 
 
 @pytest.mark.quick
@@ -220,14 +266,17 @@ def test_a_single_maximum_is_told_once():
     result = curve(STRAIGHT)
     assert float(result.first_maximum_slip[0]) == float(result.critical_cage_slip[0])
     assert not any(
-        "already" in text for text in account_of(result).sentences(result) + account_of(result).lines(result)
+        "already" in text
+        for text in account_of(result).sentences(result) + account_of(result).lines(result)
     )
 
 
 @pytest.mark.quick
 def test_nobody_is_told_to_look_beyond_the_end_of_the_range():
     words = str(curve(STRAIGHT, points=9, max_cage_slip=0.995).critical_status.to_numpy()[1])
-    assert words == "no slip at largest traction: friction still rises at the end of the range, 0.995"
+    assert (
+        words == "no slip at largest traction: friction still rises at the end of the range, 0.995"
+    )
 
 
 @given(load=st.floats(500.0, 5e3), factor=st.floats(1.2, 3.0))
@@ -238,7 +287,12 @@ def test_more_load_gives_less_slip(load, factor):
     for force in (load, load * factor):
         scene = evolve(STRAIGHT, {"operation.radial_load": force, "accuracy.tolerance": 1e-2})
         result = curve(scene, points=7, max_cage_slip=0.1)
-        forces = assemble(scene).load_distribution(result.attrs["instants"]).inner_force.sum(axis=1).mean()
+        forces = (
+            assemble(scene)
+            .load_distribution(result.attrs["instants"])
+            .inner_force.sum(axis=1)
+            .mean()
+        )
         pulls.append(result.effective_friction.sel(ring="inner").to_numpy()[1:] * forces)
     assert (pulls[1] > pulls[0]).all()
 
@@ -255,7 +309,13 @@ def test_friction_drives_the_cage_whichever_ring_turns(closure):
     """Both rings drive a cage that is slower than epicyclic, also where the outer ring turns or turns backwards."""
     driven = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "6371 rpm"}
     for changes in (driven, driven | {"operation.outer_speed": "-6371 rpm"}):
-        result = curve(evolve(STRAIGHT, changes), closure=closure, per_roller=True, map_points=3, max_cage_slip=0.5)
+        result = curve(
+            evolve(STRAIGHT, changes),
+            closure=closure,
+            per_roller=True,
+            map_points=3,
+            max_cage_slip=0.5,
+        )
         assert (result.effective_friction.sel(ring="inner")[1:] > 0.0).all()
         assert (result.effective_friction >= 0.0).all()
         # a roller without inner load rolls on the outer ring, up to the rounding of its spin
@@ -267,7 +327,8 @@ def test_friction_drives_the_cage_whichever_ring_turns(closure):
 def test_nothing_loaded_is_refused_in_words():
     scene = evolve(STRAIGHT, {"operation.radial_load": "0 N", "bearing.radial_clearance": "20 um"})
     with pytest.raises(
-        SceneError, match=r"operation\.radial_load: no roller is loaded .* raise operation\.radial_load"
+        SceneError,
+        match=r"operation\.radial_load: no roller is loaded .* raise operation\.radial_load",
     ):
         curve(scene)
     preloaded = evolve(scene, {"bearing.radial_clearance": "-5 um"})
@@ -283,7 +344,8 @@ def test_a_contact_with_a_profile_carries_its_force():
     )
     assert (result.pressure > straight.pressure).all()
     w = 300.0 / 0.015
-    modulus, radius = 208e9 / (1 - 0.3**2), 1 / (1 / 0.0075 + 1 / 0.0825)
+    modulus = 208e9 / (1 - 0.3**2)
+    radius = 1 / (1 / 0.0075 + 1 / 0.0825)
     half_width = np.sqrt(8 * w * radius / (np.pi * modulus))
     assert float(straight.half_width[0]) == pytest.approx(half_width, rel=1e-14)
     assert float(straight.pressure[0]) == pytest.approx(w / (2 * half_width), rel=1e-14)
@@ -292,11 +354,16 @@ def test_a_contact_with_a_profile_carries_its_force():
 @pytest.mark.quick
 def test_friction_curve_has_the_thermal_branch_of_the_paper():
     """Fig. 1: at 30 degC friction falls with slip beyond a maximum, and earlier under the larger force."""
-    result = FrictionCurve(normal_force=(300.0, 518.0), points=101).run(assemble(load_scene("1032930-30C")))
-    early, late = float(result.critical_slip[1]), float(result.critical_slip[0])
+    result = FrictionCurve(normal_force=(300.0, 518.0), points=101).run(
+        assemble(load_scene("1032930-30C"))
+    )
+    early = float(result.critical_slip[1])
+    late = float(result.critical_slip[0])
     assert 0.0 < early < late < 0.3
     for k in range(2):
-        falling = result.friction[k].where(result.slip > result.critical_slip[k], drop=True).to_numpy()
+        falling = (
+            result.friction[k].where(result.slip > result.critical_slip[k], drop=True).to_numpy()
+        )
         assert (np.diff(falling) < 0.0).all()
 
 
@@ -316,7 +383,9 @@ def test_friction_curve_has_the_thermal_branch_of_the_paper():
     ids=["none", "iso16281", "circular", "table"],
 )
 def test_every_profile_of_a_scene_reaches_the_contacts(profile):
-    assembly = assemble(evolve(STRAIGHT, {"bearing.profile": profile, "operation.misalignment": "0.1 mrad"}))
+    assembly = assemble(
+        evolve(STRAIGHT, {"bearing.profile": profile, "operation.misalignment": "0.1 mrad"})
+    )
     loads = assembly.load_distribution()
     assert loads.inner_force[0, 0] > 0.0
     assert loads.force_residual < 1e-10
@@ -344,7 +413,9 @@ def plainly(assembly, loads, speeds, orbit=1.0):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("changes", [{}, {"operation.misalignment": "0.3 mrad"}, {"bearing.rollers": 27}], ids=str)
+@pytest.mark.parametrize(
+    "changes", [{}, {"operation.misalignment": "0.3 mrad"}, {"bearing.rollers": 27}], ids=str
+)
 @pytest.mark.parametrize("instants", [1, 2, 3])
 def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(changes, instants):
     assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 21} | changes))
@@ -355,13 +426,19 @@ def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(change
     shares, largest, light = raceways.regimes(raceways.speeds(slip))
     wanted = np.zeros((2, 4)), np.zeros(2), np.zeros(2)
     for k, s in enumerate(slip):
-        for i, (slices, mean) in enumerate(plainly(assembly, loads, assembly.kinematics.surface_speeds(s, 0.0))):
+        for i, (slices, mean) in enumerate(
+            plainly(assembly, loads, assembly.kinematics.surface_speeds(s, 0.0))
+        ):
             assert curve[i, k] == pytest.approx(mean, rel=1e-12)
             roughness = slices.conditions.roughness
             assert film[i, k] == pytest.approx(slices.film_thickness.min() / roughness, rel=1e-12)
-            force, M = slices.load / slices.load.sum() / 2, moes_groups(slices)[0]
+            force = slices.load / slices.load.sum() / 2
+            M = moes_groups(slices)[0]
             wanted[0][i] += np.bincount(film_by_regime(*groups(slices))[1].astype(int), force, 4)
-            wanted[1][i], wanted[2][i] = max(wanted[1][i], M.max()), wanted[2][i] + force[M < 2.0].sum()
+            wanted[1][i], wanted[2][i] = (
+                max(wanted[1][i], M.max()),
+                wanted[2][i] + force[M < 2.0].sum(),
+            )
     for found, plain in zip((shares, largest, light), wanted, strict=True):
         np.testing.assert_allclose(found, plain, rtol=1e-11, atol=1e-13)
     whole = (np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)) / (
@@ -376,11 +453,14 @@ def test_regimes_of_free_rollers_are_those_of_each_slice():
     raceways = LoadedRaceways(assembly, assembly.load_distribution(1), "free-roller")
     speeds = raceways.speeds(np.array([0.0, 0.2]))
     assert speeds.inner_rolling.shape == (2, 15)
-    contacts, want = raceways.inner, np.zeros(4)
+    contacts = raceways.inner
+    want = np.zeros(4)
     for u in speeds.inner_rolling:
         table = Slices(contacts.force.size, contacts.raceway.conditions, load=contacts.slices.load)
         table.rolling_speed[:] = u[contacts.owner]
-        want += np.bincount(film_by_regime(*groups(table))[1].astype(int), contacts.force, 4) / (2 * contacts.total)
+        want += np.bincount(film_by_regime(*groups(table))[1].astype(int), contacts.force, 4) / (
+            2 * contacts.total
+        )
     np.testing.assert_allclose(regime_shares(contacts, speeds.inner_rolling)[0], want, atol=1e-14)
 
 
@@ -391,9 +471,13 @@ def test_regimes_of_free_rollers_are_those_of_each_slice():
     st.lists(st.floats(-8, -2), min_size=1, max_size=9),
 )
 def test_limits_of_the_film_regimes_are_where_the_codes_change(U, G, W):
-    U, W = 10.0**U, 10.0 ** np.array(W)
+    U = 10.0**U
+    W = 10.0 ** np.array(W)
     elastic, piezoviscous, both = regime_limits(U, G)
-    apart = np.min([np.abs(W / limit - 1.0) for limit in (elastic, piezoviscous, both) if np.isfinite(limit)], axis=0)
+    apart = np.min(
+        [np.abs(W / limit - 1.0) for limit in (elastic, piezoviscous, both) if np.isfinite(limit)],
+        axis=0,
+    )
     W = W[apart > 1e-9]
     code = np.where(piezoviscous < W, np.where(both < W, 3.0, 1.0), np.where(elastic < W, 2.0, 0.0))
     np.testing.assert_array_equal(code, film_by_regime(U, G, W)[1])
@@ -402,7 +486,9 @@ def test_limits_of_the_film_regimes_are_where_the_codes_change(U, G, W):
 @pytest.mark.quick
 @pytest.mark.parametrize("film", ["moes", "regime"])
 def test_the_map_is_that_of_all_slices(film):
-    assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 41, "models.film": film}))
+    assembly = assemble(
+        evolve(load_scene("1032930-70C"), {"accuracy.slices": 41, "models.film": film})
+    )
     loads = assembly.load_distribution(2)
     cage, roller, surface = LoadedRaceways(assembly, loads, "epicyclic").map(0.9, 5)
     scale = np.abs(surface).max(axis=(1, 2))
@@ -415,7 +501,9 @@ def test_the_map_is_that_of_all_slices(film):
 
 @given(st.floats(-8, 7), st.sampled_from(["none", "iso16281"]))
 def test_a_contact_carries_the_force_that_the_library_finds(exponent, profile):
-    assembly = assemble(evolve(load_scene("1032930-30C"), {"bearing.profile": profile, "accuracy.slices": 31}))
+    assembly = assemble(
+        evolve(load_scene("1032930-30C"), {"bearing.profile": profile, "accuracy.slices": 31})
+    )
     force = 10.0**exponent
     row = balanced_load(assembly, assembly.inner, force)
     assert row @ assembly.widths == pytest.approx(force, rel=1e-13)
@@ -443,7 +531,9 @@ def evaluated(**changes):
     scene = evolve(load_scene("1032930-70C"), small | changes)
     passes = []
     assembly = assemble(scene).with_bounds(lambda slices: passes.append(len(slices)))
-    EffectiveFriction(closure="epicyclic", points=21, map_points=0, runaway_range=0.0).at_instants(assembly, 2)
+    EffectiveFriction(closure="epicyclic", points=21, map_points=0, runaway_range=0.0).at_instants(
+        assembly, 2
+    )
     # how many locating the maximum takes is up to the rounding of the loads, but for its bound on each ring
     assert len(passes) <= 2 * (21 + 60)
     return sum(passes) / len(passes)
@@ -452,7 +542,9 @@ def evaluated(**changes):
 def test_work_grows_as_rollers_and_slices_do():
     base = evaluated(**{"bearing.rollers": 20, "operation.radial_load": 2e3})
     many = evaluated(**{"bearing.rollers": 200, "operation.radial_load": 2e4})
-    fine = evaluated(**{"bearing.rollers": 20, "operation.radial_load": 2e3, "accuracy.slices": 210})
+    fine = evaluated(
+        **{"bearing.rollers": 20, "operation.radial_load": 2e3, "accuracy.slices": 210}
+    )
     assert 8.0 < many / base < 12.0
     assert 8.0 < fine / base < 12.0
 
@@ -471,8 +563,12 @@ def test_memory_is_that_of_the_loads():
     loads = assembly.load_distribution(16)
     asked = loads.inner_load.nbytes + loads.outer_load.nbytes
     tables = sum(
-        LoadedContacts(raceway, load.reshape(-1, 401), assembly.widths, 1.0).slices._table.nbytes / 2
-        for raceway, load in ((assembly.inner, loads.inner_load), (assembly.outer, loads.outer_load))
+        LoadedContacts(raceway, load.reshape(-1, 401), assembly.widths, 1.0).slices._table.nbytes
+        / 2
+        for raceway, load in (
+            (assembly.inner, loads.inner_load),
+            (assembly.outer, loads.outer_load),
+        )
     )
     assert peak < 3 * (asked + tables)
 
@@ -487,12 +583,20 @@ def test_the_curve_of_free_rollers_does_not_depend_on_the_slips_that_are_asked_f
     study = plan(one, "effective-friction").studies["effective-friction"]
     assembly = assemble(one)
     slices = 16 if assembly.slices > 1 else 1
-    assembly = assembly.at(attrs.evolve(assembly.resolution, slices=slices, quadrature="equal", instants=8))
+    assembly = assembly.at(
+        attrs.evolve(assembly.resolution, slices=slices, quadrature="equal", instants=8)
+    )
     few, many = (slip_grid(study.max_cage_slip, points) for points in (26, 201))
     expected = study.loaded(assembly, 8).curve(many)[:, ::8]
     largest = expected.max()
-    np.testing.assert_allclose(study.loaded(assembly, 8).curve(few), expected, rtol=0, atol=1e-7 * largest)
-    np.testing.assert_allclose(study.loaded(assembly, 8).curve(few[[9]]), expected[:, [9]], rtol=0, atol=1e-7 * largest)
+    np.testing.assert_allclose(
+        study.loaded(assembly, 8).curve(few), expected, rtol=0, atol=1e-7 * largest
+    )
+    np.testing.assert_allclose(
+        study.loaded(assembly, 8).curve(few[[9]]), expected[:, [9]], rtol=0, atol=1e-7 * largest
+    )
     downwards = study.loaded(assembly, 8)
     for j in (20, 12, 5):
-        np.testing.assert_allclose(downwards.curve(few[[j]]), expected[:, [j]], rtol=0, atol=1e-7 * largest)
+        np.testing.assert_allclose(
+            downwards.curve(few[[j]]), expected[:, [j]], rtol=0, atol=1e-7 * largest
+        )

@@ -31,7 +31,10 @@ class Sharing(Muraki):
 
     name = "sharing"
     outputs = MappingProxyType(
-        {"asperity_share": ("1", "share of the load that asperities carry"), "heating": ("W/m2", "heat of the film")}
+        {
+            "asperity_share": ("1", "share of the load that asperities carry"),
+            "heating": ("W/m2", "heat of the film"),
+        }
     )
 
     def quantities(self, slices: Slices):
@@ -63,7 +66,11 @@ def test_points_of_a_friction_curve_have_them(scene):
     sliding = one.slip * one.attrs["rolling_speed"]
     viscosity = json.loads(one.attrs["conditions"])["inner"]["viscosity"]
     assert np.allclose(one.heating, viscosity * (sliding**2 / one.film_thickness).T, rtol=1e-12)
-    assert list(plot(found)) == ["friction-curve", "friction-curve-asperity-share", "friction-curve-heating"]
+    assert list(plot(found)) == [
+        "friction-curve",
+        "friction-curve-asperity-share",
+        "friction-curve-heating",
+    ]
     first, *_ = of_laws(found)
     assert first.startswith("share of the load that asperities carry by 'sharing', 200 N: 0.")
 
@@ -76,7 +83,10 @@ def test_raceways_of_effective_friction_have_them(scene):
 
 
 def test_a_steady_slip_has_them_for_each_ring(scene):
-    found = run(evolve(scene, {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}), "steady-slip")
+    found = run(
+        evolve(scene, {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}),
+        "steady-slip",
+    )
     assert found.asperity_share.dims[0] == "ring"
     assert np.all((found.asperity_share > 0.0) & (found.asperity_share < 1.0))
 
@@ -95,7 +105,9 @@ def test_a_column_that_slices_do_not_have_is_refused_when_it_is_registered():
         name = "lost"
         writes = frozenset({"friction", "asperity_share"})
 
-    with pytest.raises(PluginError, match=r"writes has 'asperity_share', which is no column of slices; .* outputs"):
+    with pytest.raises(
+        PluginError, match=r"writes has 'asperity_share', which is no column of slices; .* outputs"
+    ):
         register(Lost)
 
     @attrs.frozen

@@ -27,7 +27,9 @@ HARD = {
     "a fold with rolling resistance": scenes.catalogue(1),
     "no fold with rolling resistance": scenes.catalogue(3),
     "no fold": scenes.catalogue(10, resists=False),
-    "skids": evolve(scenes.free(6), {"cage.drag": [{"model": "constant-torque", "size": "1 kN m"}]}),
+    "skids": evolve(
+        scenes.free(6), {"cage.drag": [{"model": "constant-torque", "size": "1 kN m"}]}
+    ),
 }
 
 
@@ -35,7 +37,9 @@ def few(scene, instants=1):
     """Few slices; so few instants that every study takes the least on which rollers are followed."""
     made = assemble(scene)
     slices = min(8, made.slices)
-    return made.at(attrs.evolve(made.resolution, slices=slices, quadrature="equal", instants=instants))
+    return made.at(
+        attrs.evolve(made.resolution, slices=slices, quadrature="equal", instants=instants)
+    )
 
 
 @pytest.mark.parametrize("name", HARD)
@@ -43,7 +47,9 @@ def test_all_studies_say_the_same_of_one_bearing(name):
     whole = _asked_alike(few(HARD[name]))
     skids = name == "skids"
     assert whole.reserve_status.item().startswith("the cage skids" if skids else (FOUND, AT_LEAST))
-    assert skids or math.isnan(float(whole.largest_drag)) == whole.reserve_status.item().startswith(AT_LEAST)
+    assert skids or math.isnan(float(whole.largest_drag)) == whole.reserve_status.item().startswith(
+        AT_LEAST
+    )
 
 
 @pytest.mark.slow
@@ -63,7 +69,9 @@ def test_all_studies_say_the_same_of_random_bearings(number):
 def _asked_alike(bearing):
     """Ask all studies of one bearing, and return what steady-slip says."""
     quick = EffectiveFriction(points=5, map_points=0, closure="epicyclic")
-    simple, whole, heat = quick.run(bearing), SteadySlip().run(bearing), ThermalBalance().run(bearing)
+    simple = quick.run(bearing)
+    whole = SteadySlip().run(bearing)
+    heat = ThermalBalance().run(bearing)
     away = away_of(quick, quick.loaded(bearing, 1))
 
     def same(*values):
@@ -77,17 +85,22 @@ def _asked_alike(bearing):
     same(simple.reserve_status.item(), whole.reserve_status.item())
     some, _ = SteadySlip().only(bearing, frozenset({"steady_slip", "status"}))
     same(float(some["steady_slip"][1][0]), float(whole.steady_slip[0]))
-    (at_once, _), *_ = EffectiveFriction.together([(quick, bearing)], frozenset({"runaway_drag", "drag_reserve"}))
+    (at_once, _), *_ = EffectiveFriction.together(
+        [(quick, bearing)], frozenset({"runaway_drag", "drag_reserve"})
+    )
     same(float(at_once["runaway_drag"][1]), float(whole.largest_drag))
     if whole.reserve_status.item() == FOUND:
-        assert float(whole.drag_reserve * whole.torque[0]) == pytest.approx(float(whole.largest_drag), rel=1e-12)
+        assert float(whole.drag_reserve * whole.torque[0]) == pytest.approx(
+            float(whole.largest_drag), rel=1e-12
+        )
     return whole
 
 
 @pytest.mark.parametrize("name", ["no fold with rolling resistance", "no fold"])
 def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
     bearing = few(HARD[name])
-    (steady, *_), load = SteadySlip().steady(bearing)[1], bearing.scene.operation.radial_load
+    (steady, *_) = SteadySlip().steady(bearing)[1]
+    load = bearing.scene.operation.radial_load
     found, _ = SteadySlip(acceptable_slip=steady.slip).only(bearing, frozenset({"least_load"}))
     assert found["least_load"][1] == pytest.approx(load, rel=2e-4)  # it is found to 1e-4
 
@@ -98,15 +111,20 @@ def test_the_least_load_of_a_slip_that_the_cage_on_its_way_up_jumps_over_is_that
     jump = rollers(bearing, 1).way().runs_away
     slip = math.sqrt(jump.slip * jump.to)
     found, _ = SteadySlip(acceptable_slip=slip).only(bearing, frozenset({"least_load"}))
-    load, status = found["least_load"][1], found["least_load_status"][1]
+    load = found["least_load"][1]
+    status = found["least_load_status"][1]
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
     assert at < 0.9 * slip
-    more, less = (SteadySlip().steady(bearing.at_load(share * load))[1][0].slip for share in (1.003, 0.997))
+    more, less = (
+        SteadySlip().steady(bearing.at_load(share * load))[1][0].slip for share in (1.003, 0.997)
+    )
     assert more < 1.05 * at < slip < less
 
 
 def test_the_slip_that_a_larger_drag_takes_the_cage_to_has_a_status_of_its_own():
-    jumps, ends, none = (SteadySlip().run(few(HARD[name])) for name in ("two motions", "skids", "no fold"))
+    jumps, ends, none = (
+        SteadySlip().run(few(HARD[name])) for name in ("two motions", "skids", "no fold")
+    )
     assert (jumps.jump_slip_status.item(), float(jumps.jump_slip) > 0.0) == ("found", True)
     assert ends.largest_drag_status.item() == "found"
     assert ends.jump_slip_status.item() == "a larger drag is carried by no slip up to 0.95"
@@ -160,7 +178,15 @@ def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_way_up(study):
 
 def test_a_plan_of_both_has_the_way_up_once():
     """At resolutions of their own they would differ by what these leave."""
-    both, alone = plan(load_scene("gearbox")), plan(load_scene("gearbox"), "effective-friction")
-    assert both.studies["effective-friction"].runaway_range == 0.0 < alone.studies["effective-friction"].runaway_range
-    assert both.studies["effective-friction"].map_points == alone.studies["effective-friction"].map_points
+    both = plan(load_scene("gearbox"))
+    alone = plan(load_scene("gearbox"), "effective-friction")
+    assert (
+        both.studies["effective-friction"].runaway_range
+        == 0.0
+        < alone.studies["effective-friction"].runaway_range
+    )
+    assert (
+        both.studies["effective-friction"].map_points
+        == alone.studies["effective-friction"].map_points
+    )
     assert "steady-slip" in both.studies

@@ -7,7 +7,9 @@ from published_slip import PUBLISHED, slip, steady
 from rollslip_campaigns.validation.validate import AS_STATED, judged_statement
 
 
-@pytest.mark.parametrize("said", PUBLISHED.statements, ids=[said.says for said in PUBLISHED.statements])
+@pytest.mark.parametrize(
+    "said", PUBLISHED.statements, ids=[said.says for said in PUBLISHED.statements]
+)
 def test_slip_goes_the_way_that_is_published(said):
     judged = judged_statement(PUBLISHED, said, AS_STATED)
     assert judged.verdict == "held", judged.found
@@ -20,7 +22,10 @@ def test_there_are_twelve_statements_each_with_its_source():
 
 def test_under_more_load_colder_oil_slips_less():
     """Not published, but what limits the sentence on cold oil to light loads: at 2 kN its friction wins."""
-    found = [slip({"operation.temperature": f"{at} degC", "operation.radial_load": "2 kN"}) for at in (70, 50, 30)]
+    found = [
+        slip({"operation.temperature": f"{at} degC", "operation.radial_load": "2 kN"})
+        for at in (70, 50, 30)
+    ]
     assert found == sorted(found, reverse=True)
 
 
@@ -43,11 +48,14 @@ def test_statements_on_preload_hang_on_rigid_rings():
         "models.inner_ring": {"model": "annulus", "bore": "150 mm", "harmonics": 0},
     }
     rigid, yielding = (
-        [slip({"bearing.radial_clearance": f"{-tight} um"} | rings) for tight in (0, 5, 20)] for rings in ({}, bare)
+        [slip({"bearing.radial_clearance": f"{-tight} um"} | rings) for tight in (0, 5, 20)]
+        for rings in ({}, bare)
     )
     assert rigid[0] > rigid[1] > rigid[2]
     assert rigid[2] < 1e-3 < yielding[2]  # the limit of the statement
     assert yielding[1] > yielding[0]
     # of a prototype in NumPy
-    assert 100 * np.array([*rigid, *yielding]) == pytest.approx([7.3, 3.4, 0.011, 6.2, 7.3, 0.68], rel=0.03)
+    assert 100 * np.array([*rigid, *yielding]) == pytest.approx(
+        [7.3, 3.4, 0.011, 6.2, 7.3, 0.68], rel=0.03
+    )
     assert {"models.outer_ring", "models.inner_ring"} <= set(PUBLISHED.estimated)

@@ -96,7 +96,9 @@ def test_a_result_has_the_outputs_that_are_declared(name):
 
 
 def test_an_unknown_study_is_answered_with_the_nearest():
-    with pytest.raises(SceneError, match=r"^study.dynamic: no study is called 'dynamic'; did you mean 'dynamics'"):
+    with pytest.raises(
+        SceneError, match=r"^study.dynamic: no study is called 'dynamic'; did you mean 'dynamics'"
+    ):
         settings(SCENE, "dynamic")
 
 
@@ -108,11 +110,15 @@ class _Unsettled:
 
     def run(self, assembly):
         most = assembly.slices == finest(assembly.scene).slices
-        return xr.Dataset({"friction": 1.0 + 1.0 / assembly.slices, "critical": 0.5 if most else np.nan})
+        return xr.Dataset(
+            {"friction": 1.0 + 1.0 / assembly.slices, "critical": 0.5 if most else np.nan}
+        )
 
 
 def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
-    scene = evolve(load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"})
+    scene = evolve(
+        load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"}
+    )
     with pytest.raises(ConvergenceError) as refused:
         by_doubling(_Unsettled().run, _Unsettled.judged, _Unsettled.acts, assemble(scene))
     assert re.fullmatch(

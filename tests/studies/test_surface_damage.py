@@ -30,7 +30,13 @@ from rollslip_studies.surface_damage.study import _worst_between
 from without_bands import run
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.02, "accuracy.slices": 6})
-EVERY = ["power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature"]
+EVERY = [
+    "power-density",
+    "pass-energy",
+    "film-parameter",
+    "flash-temperature",
+    "contact-temperature",
+]
 
 
 def measured(models=EVERY, **changes):
@@ -46,12 +52,15 @@ def result():
 @pytest.mark.parametrize("slip", [0.03, 0.4])
 def test_power_over_all_contacts_is_what_the_bearing_loses_by_sliding(profile, slip):
     """The power density over every area against another sum: F V of each roller, in rollslip_studies.motion.losses."""
-    scene = evolve(SCENE, {"bearing.profile": profile, "cage.drag": ["petroff-land", "rolling-resistance"]})
+    scene = evolve(
+        SCENE, {"bearing.profile": profile, "cage.drag": ["petroff-land", "rolling-resistance"]}
+    )
     assembly = plan(scene, "steady-slip").assembly.with_resistance()
     balance = SteadySlip().balance(assembly)
     orbit = balance.orbit(slip)
     lost = {loss.source: loss.power for loss in power_balance(balance, orbit).losses}
-    model, rollers = get_model("damage", "power-density"), scene.bearing.rollers
+    model = get_model("damage", "power-density")
+    rollers = scene.bearing.rollers
     for ring, loaded in zip(RINGS, balance.evaluated(orbit), strict=True):
         density = model.evaluate(Contacts.of(assembly, ring, loaded.slices))
         area = 2.0 * loaded.slices.half_width * loaded.width
@@ -75,15 +84,23 @@ def test_the_worst_is_the_worst_of_the_orbit(result):
     flash = result.sel(measure="flash-temperature")
     assert flash.across.max("place").values == pytest.approx(flash.worst.values, rel=1e-3)
     assert np.isnan(result.across.sel(measure="film-parameter")).all()
-    assert result.slip.item() == pytest.approx(run(SCENE, "steady-slip").steady_slip.values[0], rel=0.02)
+    assert result.slip.item() == pytest.approx(
+        run(SCENE, "steady-slip").steady_slip.values[0], rel=0.02
+    )
 
 
 def test_what_friction_does_not_need_of_a_contact_is_measured():
     """Its torques hardly hang on the film's own pressure, by which light contacts are more than twice as wide."""
-    changes = {"accuracy.tolerance": 1e-3, "models.damage": EVERY[0], "study.surface-damage.cage_slip": 0.1}
+    changes = {
+        "accuracy.tolerance": 1e-3,
+        "models.damage": EVERY[0],
+        "study.surface-damage.cage_slip": 0.1,
+    }
     scene = evolve(promise_scenes.scene(22, 350), changes | {"cage.drag": ["churning"]})
     assert not plan(scene, "steady-slip").estimated["steady-slip"].resolution.light_contacts
-    whole = run(evolve(scene, {"accuracy.tolerance": "exact", "accuracy.slices": 101}), "surface-damage")
+    whole = run(
+        evolve(scene, {"accuracy.tolerance": "exact", "accuracy.slices": 101}), "surface-damage"
+    )
     np.testing.assert_allclose(run(scene, "surface-damage").worst, whole.worst, rtol=0.02)
 
 
@@ -96,22 +113,33 @@ WORST = ("worst sliding power density", "worst sliding energy of a pass")
 
 def coarse(k, **changes):
     """A scene whose worst values few laminae miss by more than the tolerance."""
-    own = {"accuracy.tolerance": 1e-3, "models.damage": EVERY[:2], "study.surface-damage.cage_slip": 0.1}
+    own = {
+        "accuracy.tolerance": 1e-3,
+        "models.damage": EVERY[:2],
+        "study.surface-damage.cage_slip": 0.1,
+    }
     return evolve(promise_scenes.scene(k, 350), {**own, "cage.drag": ["churning"], **changes})
 
 
-@pytest.mark.parametrize("k", [9, 41])  # a crowned roller, whose middle lies between two of few laminae
+@pytest.mark.parametrize(
+    "k", [9, 41]
+)  # a crowned roller, whose middle lies between two of few laminae
 def test_laminae_are_added_until_the_worst_is_within_the_tolerance(k):
     made = plan(scene := coarse(k), "surface-damage")
-    few, found = made.estimated["surface-damage"].resolution, execute(made, "surface-damage")
+    few = made.estimated["surface-damage"].resolution
+    found = execute(made, "surface-damage")
     taken = json.loads(found.attrs["resolution"])
     assert taken["slices"] > few.slices
-    study, whole = made.studies["surface-damage"], attrs.evolve(few, slices=4 * taken["slices"] + 1, instants=25)
-    exact, before = study.run(assemble(scene, whole)), study.run(assemble(scene, few))
+    study = made.studies["surface-damage"]
+    whole = attrs.evolve(few, slices=4 * taken["slices"] + 1, instants=25)
+    exact = study.run(assemble(scene, whole))
+    before = study.run(assemble(scene, few))
     claimed = accuracy_of(found)
     for n, name in enumerate(WORST):
         assert float(abs(before.worst[n] / exact.worst[n] - 1.0).max()) > 4e-3
-        assert float(abs(found.worst[n] / exact.worst[n] - 1.0).max()) <= 1.05 * claimed[name] <= 1e-3
+        assert (
+            float(abs(found.worst[n] / exact.worst[n] - 1.0).max()) <= 1.05 * claimed[name] <= 1e-3
+        )
     assert not any("worst" in text for text in json.loads(found.attrs["warnings"]))
 
 
@@ -134,7 +162,9 @@ def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_l
     model = get_model("damage", "power-density")
 
     def worst(orbit):
-        return model.evaluate(Contacts.of(assembly, "inner", balance.evaluated(orbit)[0].slices)).max(keepdims=True)
+        return model.evaluate(
+            Contacts.of(assembly, "inner", balance.evaluated(orbit)[0].slices)
+        ).max(keepdims=True)
 
     exact = worst(balance.orbit_of(steady.motion))
     for share in (None, steady.motion.share[0]):
@@ -149,7 +179,9 @@ def test_a_lamina_that_hardly_touches_is_not_the_worst():
     """Under a film that does not thicken as a contact is relieved the width of its own pressure ends."""
     made = plan(coarse(25), "surface-damage").assembly.with_resistance()
     load = 1e6 * np.geomspace(1e-12, 1.0, 13)
-    contacts = Contacts.of(made, "outer", made.outer.evaluate(load, np.full(13, 3.1), np.full(13, 0.8)))
+    contacts = Contacts.of(
+        made, "outer", made.outer.evaluate(load, np.full(13, 3.1), np.full(13, 0.8))
+    )
     energy = PassEnergy().evaluate(contacts)
     assert np.argmax(energy) == 12
     assert energy[:9].max() < 1e-2 * energy[12]
@@ -157,8 +189,10 @@ def test_a_lamina_that_hardly_touches_is_not_the_worst():
 
 @pytest.mark.parametrize("worst", ["largest", "smallest"])
 def test_between_laminae_the_worst_is_that_of_a_parabola(worst):
-    sign, x = (1.0 if worst == "largest" else -1.0), np.array([-2.0, -0.7, 0.4, 1.9])
-    values, model = sign * (5.0 - (x - 0.1) ** 2), SimpleNamespace(worst=worst)
+    sign = 1.0 if worst == "largest" else -1.0
+    x = np.array([-2.0, -0.7, 0.4, 1.9])
+    values = sign * (5.0 - (x - 0.1) ** 2)
+    model = SimpleNamespace(worst=worst)
 
     def found(owner, values=values):
         loaded = SimpleNamespace(owner=np.array(owner), column=np.arange(4))
@@ -184,18 +218,31 @@ def test_a_tilted_roller_is_worst_towards_its_end():
 
 def test_a_sweep_maps_the_worst_over_load_and_slip():
     scene = evolve(SCENE, {"models.damage": "flash-temperature"})
-    over = {"operation.radial_load": [1000.0, 4000.0], "study.surface-damage.cage_slip": [0.05, 0.2, 0.4]}
-    mapped = sweep(scene, study="surface-damage", over=over).worst.squeeze("measure").sel(ring="inner")
+    over = {
+        "operation.radial_load": [1000.0, 4000.0],
+        "study.surface-damage.cage_slip": [0.05, 0.2, 0.4],
+    }
+    mapped = (
+        sweep(scene, study="surface-damage", over=over).worst.squeeze("measure").sel(ring="inner")
+    )
     assert mapped.shape == (2, 3)
     assert (mapped.diff("cage_slip") > 0.0).all()
     assert (mapped.diff("radial_load") > 0.0).all()
-    alone = measured("flash-temperature", **{"operation.radial_load": 4000.0, "study.surface-damage.cage_slip": 0.2})
+    alone = measured(
+        "flash-temperature",
+        **{"operation.radial_load": 4000.0, "study.surface-damage.cage_slip": 0.2},
+    )
     assert mapped.values[1, 1] == pytest.approx(alone.worst.sel(ring="inner").item(), rel=0.02)
 
 
 def test_a_sweep_tells_each_measure_in_its_own_unit_and_draws_it_on_both_rings():
-    scene = evolve(SCENE, {"models.damage": ["power-density", "flash-temperature", "film-parameter"]})
-    over = {"operation.radial_load": [1000.0, 4000.0], "study.surface-damage.cage_slip": [0.05, 0.2]}
+    scene = evolve(
+        SCENE, {"models.damage": ["power-density", "flash-temperature", "film-parameter"]}
+    )
+    over = {
+        "operation.radial_load": [1000.0, 4000.0],
+        "study.surface-damage.cage_slip": [0.05, 0.2],
+    }
     found = sweep(scene, study="surface-damage", over=over)
     said = account_of(found).sentences(found)
     for words in (
@@ -205,9 +252,15 @@ def test_a_sweep_tells_each_measure_in_its_own_unit_and_draws_it_on_both_rings()
     ):
         assert any(re.match(words, line) for line in said), words
     drawn = {name: figure for name, _, figure in account_of(found).figures(found)}
-    assert [*drawn] == [f"sweep-map-worst-{name}" for name in ("power-density", "flash-temperature", "film-parameter")]
+    assert [*drawn] == [
+        f"sweep-map-worst-{name}"
+        for name in ("power-density", "flash-temperature", "film-parameter")
+    ]
     *panels, bar = drawn["sweep-map-worst-flash-temperature"].axes
-    assert [axes.get_title(loc="left") or axes.get_title() for axes in panels] == ["inner ring", "outer ring"]
+    assert [axes.get_title(loc="left") or axes.get_title() for axes in panels] == [
+        "inner ring",
+        "outer ring",
+    ]
     assert bar.get_ylabel().endswith("[K]")
     # one that has no value says why
     held = evolve(scene, {"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
@@ -216,7 +269,10 @@ def test_a_sweep_tells_each_measure_in_its_own_unit_and_draws_it_on_both_rings()
 
 
 def test_a_slip_that_is_named_is_taken_and_more_slip_heats_more():
-    small, large = (measured(["flash-temperature"], **{"study.surface-damage.cage_slip": slip}) for slip in (0.02, 0.2))
+    small, large = (
+        measured(["flash-temperature"], **{"study.surface-damage.cage_slip": slip})
+        for slip in (0.02, 0.2)
+    )
     assert (small.slip.item(), large.slip.item()) == (0.02, 0.2)
     assert (large.worst.sel(ring="inner") > small.worst.sel(ring="inner")).all()
 
@@ -224,16 +280,19 @@ def test_a_slip_that_is_named_is_taken_and_more_slip_heats_more():
 def test_without_drag_nothing_slides_and_nothing_is_heated():
     still = measured(**{"cage.drag": []})
     assert still.slip.item() == 0.0
-    assert still.worst.sel(measure=["power-density", "pass-energy", "flash-temperature"]).values == pytest.approx(
-        0.0, abs=1e-12
-    )
+    assert still.worst.sel(
+        measure=["power-density", "pass-energy", "flash-temperature"]
+    ).values == pytest.approx(0.0, abs=1e-12)
     assert still.worst.sel(measure="contact-temperature").values == pytest.approx(343.15)
 
 
 def test_a_bearing_that_turns_the_other_way_fares_alike():
-    one, other = measured(), measured(**{"operation.inner_speed": "-6371 rpm"})
+    one = measured()
+    other = measured(**{"operation.inner_speed": "-6371 rpm"})
     assert other.worst.values == pytest.approx(one.worst.values, rel=1e-9)
-    assert other.worst_angle.values == pytest.approx(one.worst_angle.values)  # in the sense of the orbit
+    assert other.worst_angle.values == pytest.approx(
+        one.worst_angle.values
+    )  # in the sense of the orbit
 
 
 @pytest.mark.parametrize(
@@ -257,8 +316,12 @@ def test_hard_cases_have_values(changes):
 def test_a_ring_without_a_load_has_a_status_in_words():
     with pytest.raises(SceneError, match="no roller is loaded on the inner ring"):
         measured("power-density", **{"operation.radial_load": 0.0})  # nothing drives a steady slip
-    at_slip = measured("power-density", **{"operation.radial_load": 0.0, "study.surface-damage.cage_slip": 0.1})
-    assert at_slip.worst_status.values.tolist() == [["no roller is loaded on the inner ring", "found"]]
+    at_slip = measured(
+        "power-density", **{"operation.radial_load": 0.0, "study.surface-damage.cage_slip": 0.1}
+    )
+    assert at_slip.worst_status.values.tolist() == [
+        ["no roller is loaded on the inner ring", "found"]
+    ]
     assert np.isnan(at_slip.worst.values).tolist() == [[True, False]]
     texts = account_of(at_slip).topics(at_slip)["sliding power density"]
     assert "the sliding power density: no roller is loaded on the inner ring" in texts
@@ -271,15 +334,21 @@ def test_a_scene_that_names_no_measure_has_none_computed():
     assert account_of(result).sentences(result) == [
         "models.damage names no measure, so none was taken; name one or several, 'rollslip models damage' lists them"
     ]
-    parts = {part.part: part for part in plan(evolve(SCENE, {"models.damage": "pass-energy"}), "steady-slip").parts}
+    parts = {
+        part.part: part
+        for part in plan(evolve(SCENE, {"models.damage": "pass-energy"}), "steady-slip").parts
+    }
     assert not parts["damage"].included
     assert "damage" not in {part.part for part in plan(SCENE, "steady-slip").parts}
 
 
 def test_one_name_stands_for_a_list_of_one():
-    alone, listed = measured("power-density"), measured(["power-density"])
+    alone = measured("power-density")
+    listed = measured(["power-density"])
     assert alone.worst.identical(listed.worst)
-    with pytest.raises(SceneError, match=r"models.damage: 'power-density' stands there twice; name each once"):
+    with pytest.raises(
+        SceneError, match=r"models.damage: 'power-density' stands there twice; name each once"
+    ):
         measured(["power-density", "power-density"])
 
 
@@ -306,7 +375,9 @@ def test_a_measure_that_has_no_value_does_not_keep_the_others_from_theirs(refuse
 
 
 def test_a_bearing_that_runs_away_says_so():
-    gone = measured(["power-density"], **{"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
+    gone = measured(
+        ["power-density"], **{"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]}
+    )
     assert np.isnan(gone.worst).all()
     assert gone.status.item().startswith("the drag is larger than the cage can carry")
     assert account_of(gone).sentences(gone) == [gone.status.item()]
@@ -336,7 +407,9 @@ def test_limits_are_told_in_the_answer(tmp_path):
     assert all("does not say" in texts[-1] for texts in told.values())
     record = account.record(result)["measures"]["film-parameter"]
     assert record["limit"] == 1.0
-    assert record["worst"]["inner"] == result.worst.sel(measure="film-parameter", ring="inner").item()
+    assert (
+        record["worst"]["inner"] == result.worst.sel(measure="film-parameter", ring="inner").item()
+    )
     names = [path.name for path in save_figures(damage_figures(result), "", tmp_path)]
     assert names == ["damage-along.svg", "damage-across.svg"]
     save(result, tmp_path / "kept.nc")
@@ -352,9 +425,15 @@ def test_the_unit_of_a_rise_is_no_temperature(result):
 
 def test_measures_are_kept_in_a_scene_whatever_form_it_has(tmp_path):
     flash = {"model": "flash-temperature", "conduction": "fast"}
-    named = ["power-density", {"model": "contact-temperature", "allowed": "80 degC", "flash": flash}]
+    named = [
+        "power-density",
+        {"model": "contact-temperature", "allowed": "80 degC", "flash": flash},
+    ]
     scene = evolve(SCENE, {"models.damage": named})
     write_foreign(scene, tmp_path / "scene.json")
     assert read_foreign(tmp_path / "scene.json")[0] == scene
     lines = [part for part in plan(scene, "surface-damage").parts if part.part == "damage"]
-    assert [(part.choice, part.included) for part in lines] == [("power-density", True), ("contact-temperature", True)]
+    assert [(part.choice, part.included) for part in lines] == [
+        ("power-density", True),
+        ("contact-temperature", True),
+    ]

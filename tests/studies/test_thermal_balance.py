@@ -58,9 +58,14 @@ class Made(Heated):
     """Losses by a formula in place of a bearing: all in the oil."""
 
     def __init__(self, model, losses, ends=np.inf):
-        self.model, self.scene, self.sharp, self.jumps, self.evaluations = model, SCENE, False, [], 0
+        self.model = model
+        self.scene = SCENE
+        self.sharp = False
+        self.jumps = []
+        self.evaluations = 0
         self.unknown = []
-        self._losses, self._ends = losses, ends
+        self._losses = losses
+        self._ends = ends
 
     def at(self, temperatures):
         if temperatures[0] > self._ends:
@@ -70,7 +75,9 @@ class Made(Heated):
         return State(0.1, PowerBalance(losses=losses, rings=(sum(power.values()), 0.0), stored=0.0))
 
 
-OIL = get_model("thermal", "network", oil_flow=0.01, oil_inlet_temperature=300.0, oil_capacity=50.0, **CUT)
+OIL = get_model(
+    "thermal", "network", oil_flow=0.01, oil_inlet_temperature=300.0, oil_capacity=50.0, **CUT
+)
 
 
 def test_a_balance_colder_than_the_start_is_found():
@@ -78,7 +85,9 @@ def test_a_balance_colder_than_the_start_is_found():
     curve, places = heated.curve(400.0, 450.0, 12)
     (zero,) = heated.zeros(curve, places)
     exact = mpmath.findroot(lambda T: 30 + mpmath.mpf(10) ** 4 / (T - 200) - 20 * (T - 300), 306)
-    assert float(heated.balance(places[zero]).temperatures[0]) == pytest.approx(float(exact), abs=1e-9)
+    assert float(heated.balance(places[zero]).temperatures[0]) == pytest.approx(
+        float(exact), abs=1e-9
+    )
 
 
 def test_a_cooling_that_no_loss_meets_is_told_as_such():
@@ -98,19 +107,35 @@ def test_all_balances_are_found_and_which_last():
     balances = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
     mpmath.mp.dps = 30
     exact = [
-        mpmath.findroot(lambda T: 100 + 1500 / (1 + mpmath.exp(-(T - 340) / 5)) - 20 * (T - 300), near)
+        mpmath.findroot(
+            lambda T: 100 + 1500 / (1 + mpmath.exp(-(T - 340) / 5)) - 20 * (T - 300), near
+        )
         for near in (305, 335, 380)
     ]
-    assert [float(one.temperatures[0]) for one in balances] == pytest.approx([float(T) for T in exact], abs=1e-9)
+    assert [float(one.temperatures[0]) for one in balances] == pytest.approx(
+        [float(T) for T in exact], abs=1e-9
+    )
     assert [one.stable for one in balances] == [True, False, True]
-    growth = [float(mpmath.diff(lambda T: 1500 / (1 + mpmath.exp(-(T - 340) / 5)), T) - 20) / 50 for T in exact]
+    growth = [
+        float(mpmath.diff(lambda T: 1500 / (1 + mpmath.exp(-(T - 340) / 5)), T) - 20) / 50
+        for T in exact
+    ]
     assert [one.growth for one in balances] == pytest.approx(growth, rel=1e-5)
     middle = float(exact[1])
-    cold = Curve(curve.temperature, np.where(curve.temperature > middle, np.nan, curve.excess), curve.refusals)
+    cold = Curve(
+        curve.temperature,
+        np.where(curve.temperature > middle, np.nan, curve.excess),
+        curve.refusals,
+    )
     at, value, ends = heated.least(cold, places, float(exact[0]))
-    fold = mpmath.findroot(lambda T: mpmath.diff(lambda x: 1500 / (1 + mpmath.exp(-(x - 340) / 5)), T) - 20, 325)
+    fold = mpmath.findroot(
+        lambda T: mpmath.diff(lambda x: 1500 / (1 + mpmath.exp(-(x - 340) / 5)), T) - 20, 325
+    )
     least = 100 + 1500 / (1 + mpmath.exp(-(fold - 340) / 5)) - 20 * (fold - 300)
-    assert (at, value) == (pytest.approx(float(fold), abs=0.1), pytest.approx(float(least), rel=1e-4))
+    assert (at, value) == (
+        pytest.approx(float(fold), abs=0.1),
+        pytest.approx(float(least), rel=1e-4),
+    )
     assert ends is None
 
 
@@ -124,7 +149,9 @@ def test_a_curve_up_to_what_settles_first_is_the_beginning_of_the_whole():
 
 
 def test_a_balance_lasts_where_disturbances_fade_however_slowly():
-    assert [Balance(np.zeros(1), State(0.1), growth, 0.0).stable for growth in (-1e-9, 0.0, 1e-9)] == [
+    assert [
+        Balance(np.zeros(1), State(0.1), growth, 0.0).stable for growth in (-1e-9, 0.0, 1e-9)
+    ] == [
         True,
         False,
         False,
@@ -154,7 +181,9 @@ def test_a_network_of_three_nodes_is_that_of_its_linear_equations():
     exact = mpmath.lu_solve(matrix, mpmath.matrix([150 + 40 + 20 * 320, 40, 5 * 290]))
     assert found.temperatures == pytest.approx([float(T) for T in exact], rel=1e-12)
     scaled = mpmath.diag([-1 / mpmath.mpf(c) for c in (50, 400, 900)]) * matrix
-    assert found.growth == pytest.approx(max(float(mpmath.re(one)) for one in mpmath.eig(scaled)[0]), rel=1e-6)
+    assert found.growth == pytest.approx(
+        max(float(mpmath.re(one)) for one in mpmath.eig(scaled)[0]), rel=1e-6
+    )
     assert found.error < 1e-12
 
 
@@ -163,17 +192,23 @@ def test_a_network_of_three_nodes_is_that_of_its_linear_equations():
 #: concrete in four slices and insulation in two, between a room that 1 W heats and the air outside. As printed there.
 WALL_RISES = [0.013, 0.017, 0.021, 0.025, 0.083, 0.194, 0.277]  # from outside, the room last [K]
 WALL_TIMES = [208.1, 441.0, 1051.0, 1731.8, 62794.2, 4925.9, 9141.6]  # [s]
-_CONCRETE, _INSULATION = 0.2 / (1.4 * 9), 0.08 / (0.04 * 9)  # resistances [K/W]
+# resistances [K/W]
+_CONCRETE = 0.2 / (1.4 * 9)
+_INSULATION = 0.08 / (0.04 * 9)
 WALL = np.array([1 / (10 * 9) + _CONCRETE / 8, *[_CONCRETE / 4] * 3, _CONCRETE / 8 + _INSULATION / 4, _INSULATION / 2,
                  _INSULATION / 4 + 1 / (4 * 9)])  # fmt: skip
-WALL_CAPACITIES = np.array([*[2300 * 880 * 0.2 * 9 / 4] * 4, *[16 * 1210 * 0.08 * 9 / 2] * 2, 1.2 * 1000 * 27])
+WALL_CAPACITIES = np.array(
+    [*[2300 * 880 * 0.2 * 9 / 4] * 4, *[16 * 1210 * 0.08 * 9 / 2] * 2, 1.2 * 1000 * 27]
+)
 
 
 @attrs.frozen(kw_only=True)
 class Chain(ThermalModel):
     """Nodes in a row, the last of which meets what is at 300 K; heat is made in the first."""
 
-    name, equation, references = "chain", "C dT/dt = H + K dT", ()
+    name = "chain"
+    equation = "C dT/dt = H + K dT"
+    references = ()
     resistances: tuple[float, ...]
     sizes: tuple[float, ...]
 
@@ -197,10 +232,15 @@ class Chain(ThermalModel):
 
 
 def test_a_published_network_of_a_wall_has_its_temperatures_and_times():
-    heated = Made(Chain(resistances=tuple(WALL[::-1]), sizes=tuple(WALL_CAPACITIES[::-1])), {"oil": lambda T: 100.0})
+    heated = Made(
+        Chain(resistances=tuple(WALL[::-1]), sizes=tuple(WALL_CAPACITIES[::-1])),
+        {"oil": lambda T: 100.0},
+    )
     curve, places = heated.curve(300.0, 400.0, 9)
     [found] = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
-    assert (found.temperatures[::-1] - 300.0) / 100.0 == pytest.approx(WALL_RISES, abs=5e-4)  # as far as printed
+    assert (found.temperatures[::-1] - 300.0) / 100.0 == pytest.approx(
+        WALL_RISES, abs=5e-4
+    )  # as far as printed
     assert -1.0 / found.growth == pytest.approx(max(WALL_TIMES), rel=1e-6)
     times, rows, _, _ = heated.course(4e5, 5, get_model("integrator", "bdf").solver())
     rates = [-1.0 / t for t in WALL_TIMES]
@@ -216,8 +256,12 @@ def test_the_network_of_a_bearing_has_the_temperatures_of_a_published_wall():
     links = CUT | dict(zip(("housing_ambient", "outer_ring_housing", "outer_ring_rollers", "inner_ring_rollers",
                             "oil_inner_ring"), 1 / np.array([WALL[:2].sum(), WALL[2:4].sum(), *WALL[4:]]),
                            strict=True))  # fmt: skip
-    stores = (f"{part}_capacity" for part in ("oil", "inner_ring", "rollers", "outer_ring", "housing"))
-    model = get_model("thermal", "network", ambient_temperature=300.0, **links, **dict.fromkeys(stores, 1.0))
+    stores = (
+        f"{part}_capacity" for part in ("oil", "inner_ring", "rollers", "outer_ring", "housing")
+    )
+    model = get_model(
+        "thermal", "network", ambient_temperature=300.0, **links, **dict.fromkeys(stores, 1.0)
+    )
     heated = Made(model, {"oil": lambda T: 1000.0})
     curve, places = heated.curve(300.0, 900.0, 9)
     [found] = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
@@ -232,8 +276,14 @@ def test_a_jump_of_the_losses_past_zero_is_no_balance():
     heated = Made(OIL, {"oil": lambda T: 500.0 if T[0] < 330.0 else 700.0})  # 600 W at 330 K
     curve, places = heated.curve(290.0, 450.0, 50)
     found = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
-    assert [one and float(one.temperatures[0]) for one in found] == [pytest.approx(325.0), None, pytest.approx(335.0)]
-    falls = Made(OIL, {"oil": lambda T: 700.0 if T[0] < 330.0 else 500.0})  # warm enough for less, cold for more
+    assert [one and float(one.temperatures[0]) for one in found] == [
+        pytest.approx(325.0),
+        None,
+        pytest.approx(335.0),
+    ]
+    falls = Made(
+        OIL, {"oil": lambda T: 700.0 if T[0] < 330.0 else 500.0}
+    )  # warm enough for less, cold for more
     curve, places = falls.curve(290.0, 450.0, 12)
     assert [falls.balance(places[x]) for x in falls.zeros(curve, places)] == [None]
     assert falls.jumps[0] == pytest.approx((330.0, 330.0), abs=0.01)
@@ -263,7 +313,10 @@ def test_a_temperature_at_which_a_search_comes_to_no_end_is_passed_over_and_told
     assert curve.temperature.tolist() == [300.0, 304.0, 312.0, 316.0, 320.0]
     (zero,) = heated.zeros(curve, places)
     assert float(heated.balance(places[zero]).temperatures[0]) == pytest.approx(305.0, abs=1e-9)
-    assert _jumps(heated) == "at 34.85 degC of the oil no steady state was found, and the curve passes over it"
+    assert (
+        _jumps(heated)
+        == "at 34.85 degC of the oil no steady state was found, and the curve passes over it"
+    )
 
 
 def test_temperatures_over_time_are_those_of_the_exponential():
@@ -294,14 +347,18 @@ def test_the_end_of_the_curve_is_where_the_cage_runs_away():
     [
         ({}, {}),
         ({"cage.drag": ["petroff-land", "pocket-friction"]}, {"oil_flow": "15 g/s"}),
-        ({"operation.radial_load": "6 kN"}, {"oil_flow": "2 g/s", "contact_share": 0.2, "oil_rollers": 0.0}),
+        (
+            {"operation.radial_load": "6 kN"},
+            {"oil_flow": "2 g/s", "contact_share": 0.2, "oil_rollers": 0.0},
+        ),
     ],
 )
 def test_heat_made_is_heat_carried_away(changes, parameters):
     result = balanced(changes, **parameters)
     assert result.status.item() == "found"
     assert (result.balance_error < 1e-9).all()
-    made, away = result.loss.sum("source"), result.carried_away.sum("sink")
+    made = result.loss.sum("source")
+    away = result.carried_away.sum("sink")
     assert away.values == pytest.approx(made.values, rel=1e-9)
 
 
@@ -324,7 +381,9 @@ def test_given_temperatures_are_left_as_they_are_and_cost_one_steady_slip():
     result = settled(SCENE)
     slip = settings(SCENE, "steady-slip")["steady-slip"].run(assemble(SCENE))
     assert result.attrs["evaluated_temperatures"] == 1
-    assert result.given_loss.item() == pytest.approx(slip.loss.isel(steady=0).sum().item(), rel=0.01)
+    assert result.given_loss.item() == pytest.approx(
+        slip.loss.isel(steady=0).sum().item(), rel=0.01
+    )
     assert (result.temperature == 343.15).all()
     assert account_of(result).sentences(result) == [
         f"to hold the temperatures of the scene {result.given_loss.item():.3g} W have to be carried away, at a cage "
@@ -347,7 +406,10 @@ def test_losses_and_slips_that_are_off_are_told_by_how_much():
 
 def test_heat_without_a_way_out_is_refused_in_words():
     for parameters in ({"shaft_ambient": 0.0, "housing_ambient": 0.0}, CUT):
-        with pytest.raises(SceneError, match=r"models.thermal: no heat leaves .*temperatures rise without end; give"):
+        with pytest.raises(
+            SceneError,
+            match=r"models.thermal: no heat leaves .*temperatures rise without end; give",
+        ):
             balanced(**parameters)
 
 
@@ -403,61 +465,104 @@ def test_warm_rings_change_the_clearance_where_they_expand():
 def test_what_size_and_oil_say_of_a_network_is_that_by_hand():
     supplied = {"supply": "circulating", "oil_flow": "2 l/min"}
     made = assemble(evolve(SCENE, {"lubrication": supplied, "bearing.roller_length": "40 mm"}))
-    model, b, k = get_model("thermal", "network").of(made), made.scene.bearing, made.kinematics
-    width, oil, T = 1.8 * b.roller_length, made.lubricant.at(SCENE.operation.temperature), SCENE.operation.temperature
-    density, steel = made.lubricant.density(T) if made.lubricant.density else DENSITY, b.material
+    model = get_model("thermal", "network").of(made)
+    b = made.scene.bearing
+    k = made.kinematics
+    width = 1.8 * b.roller_length
+    oil = made.lubricant.at(SCENE.operation.temperature)
+    T = SCENE.operation.temperature
+    density = made.lubricant.density(T) if made.lubricant.density else DENSITY
+    steel = b.material
     assert model.oil_flow == pytest.approx(2e-3 / 60 * density)
     seats = {"shaft": np.pi * b.boundaries[0] * width, "housing": np.pi * b.boundaries[1] * width}
-    flux = 1.6e4 * (sum(seats.values()) / 0.05) ** -0.34  # ISO 15312 at an excess of 50 K; less than up to 0.05 m2
+    flux = (
+        1.6e4 * (sum(seats.values()) / 0.05) ** -0.34
+    )  # ISO 15312 at an excess of 50 K; less than up to 0.05 m2
     assert flux < 1.6e4
     assert 2000.0 * seats["shaft"] == pytest.approx(model.inner_ring_shaft)
     assert 2000.0 * seats["housing"] == pytest.approx(model.outer_ring_housing)
-    for way in ((model.inner_ring_shaft, model.shaft_ambient), (model.outer_ring_housing, model.housing_ambient)):
+    for way in (
+        (model.inner_ring_shaft, model.shaft_ambient),
+        (model.outer_ring_housing, model.housing_ambient),
+    ):
         assert 50.0 / sum(1.0 / one for one in way) == pytest.approx(flux * way[0] / 2000.0)
     around = max(k.epicyclic_cage_speed, 0.1 * k.epicyclic_roller_speed)
     Re = k.orbit_radius * around / 3.0 * 2.0 * k.orbit_radius * density / oil.viscosity
     Nu = 0.332 * Re**0.5 * (oil.viscosity * 2000.0 / oil.conductivity) ** (1 / 3)
     wetted = np.pi * b.outer_raceway_diameter * width
-    assert model.oil_outer_ring == pytest.approx(Nu * oil.conductivity / (2.0 * k.orbit_radius) * wetted)
+    assert model.oil_outer_ring == pytest.approx(
+        Nu * oil.conductivity / (2.0 * k.orbit_radius) * wetted
+    )
     load = (2.0 * SCENE.operation.radial_load / b.rollers + 1.0) / b.roller_length
     u = k.roller_radius * k.epicyclic_roller_speed
-    for raceway, found in zip(made.raceways, (model.inner_ring_rollers, model.outer_ring_rollers), strict=True):
+    for raceway, found in zip(
+        made.raceways, (model.inner_ring_rollers, model.outer_ring_rollers), strict=True
+    ):
         one = raceway.evaluate(np.array([load]), u, 0.0)
-        wide, film = 2.0 * one.half_width[0], one.film_thickness[0] / oil.conductivity
-        flash = (np.pi * wide / u) ** 0.5 / (steel.thermal_conductivity * steel.density * steel.specific_heat) ** 0.5
+        wide = 2.0 * one.half_width[0]
+        film = one.film_thickness[0] / oil.conductivity
+        flash = (np.pi * wide / u) ** 0.5 / (
+            steel.thermal_conductivity * steel.density * steel.specific_heat
+        ) ** 0.5
         assert found == pytest.approx(b.rollers * b.roller_length * wide / (film + flash))
     heat = steel.density * steel.specific_heat * np.pi / 4.0
     ring = heat * (b.boundaries[1] ** 2 - b.outer_raceway_diameter**2) * width
     assert model.outer_ring_capacity == pytest.approx(ring)
     assert model.housing_capacity == pytest.approx(5.0 * (ring + model.inner_ring_capacity))
-    assert model.rollers_capacity == pytest.approx(heat * b.rollers * b.roller_diameter**2 * b.roller_length)
+    assert model.rollers_capacity == pytest.approx(
+        heat * b.rollers * b.roller_diameter**2 * b.roller_length
+    )
 
 
 def test_heat_of_a_contact_is_split_as_asked():
     model = get_model("thermal", "network", contact_share=0.2, **CUT | {"inner_ring_rollers": 1.0})
-    flows = dict(zip(model.nodes, model.inflows(np.full(3, 293.15), {"inner contact": 100.0}), strict=True))
+    flows = dict(
+        zip(model.nodes, model.inflows(np.full(3, 293.15), {"inner contact": 100.0}), strict=True)
+    )
     assert flows == pytest.approx({"oil": 0.0, "inner ring": 80.0, "rollers": 20.0})
 
 
 def test_estimated_conductances_can_scatter():
     plain = get_model("thermal", "network").of(assemble(SCENE))
-    for factor, of in (("oil_factor", LINKS[:3]), ("contact_factor", LINKS[3:5]), ("surroundings_factor", LINKS[5:])):
+    for factor, of in (
+        ("oil_factor", LINKS[:3]),
+        ("contact_factor", LINKS[3:5]),
+        ("surroundings_factor", LINKS[5:]),
+    ):
         twice = get_model("thermal", "network", **{factor: 2.0}).of(assemble(SCENE))
         ratios = {name: getattr(twice, name) / getattr(plain, name) for name in LINKS}
-        assert ratios == pytest.approx({name: 2.0 if name in of else 1.0 for name in LINKS}, rel=1e-12)
-        given = get_model("thermal", "network", **{factor: 2.0}, **dict.fromkeys(LINKS, 3.0)).of(assemble(SCENE))
+        assert ratios == pytest.approx(
+            {name: 2.0 if name in of else 1.0 for name in LINKS}, rel=1e-12
+        )
+        given = get_model("thermal", "network", **{factor: 2.0}, **dict.fromkeys(LINKS, 3.0)).of(
+            assemble(SCENE)
+        )
         assert {getattr(given, name) for name in LINKS} == {3.0}
 
 
 def test_a_tight_fit_loads_more_rollers_and_slips_less():
-    raw = {**SCENE.raw, "bearing": {key: one for key, one in SCENE.raw["bearing"].items() if key != "radial_clearance"}}
-    still = {"temperature_difference": 0.0, "expansion": 0.0, "growth": False, "smoothing": 1.0, "housing_fit": "H7"}
+    raw = {
+        **SCENE.raw,
+        "bearing": {
+            key: one for key, one in SCENE.raw["bearing"].items() if key != "radial_clearance"
+        },
+    }
+    still = {
+        "temperature_difference": 0.0,
+        "expansion": 0.0,
+        "growth": False,
+        "smoothing": 1.0,
+        "housing_fit": "H7",
+    }
 
     def fitted(size):
         seat = still | {"shaft_interference": size}
-        return settled(evolve(from_raw(raw, "fit"), {"bearing.mounting": seat, "models.thermal": network()}))
+        return settled(
+            evolve(from_raw(raw, "fit"), {"bearing.mounting": seat, "models.thermal": network()})
+        )
 
-    loose, tight = fitted(0.0), fitted(5e-5)
+    loose = fitted(0.0)
+    tight = fitted(5e-5)
     assert {str(loose.status.item()), str(tight.status.item())} == {"found"}
     assert float(tight.steady_slip[0]) < 0.1 * float(loose.steady_slip[0])
     assert float(tight.loss.sum("source")[0]) > float(loose.loss.sum("source")[0])
@@ -465,23 +570,35 @@ def test_a_tight_fit_loads_more_rollers_and_slips_less():
 
 def test_a_balance_is_drawn_and_kept(tmp_path):
     changes = {"study.thermal-balance.duration": "10 min", "study.thermal-balance.instants": 5}
-    result = run(evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), **changes}), "thermal-balance")
-    assert result.course_temperature[-1].values == pytest.approx(result.temperature[:, 0].values, abs=4.0)
+    result = run(
+        evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), **changes}), "thermal-balance"
+    )
+    assert result.course_temperature[-1].values == pytest.approx(
+        result.temperature[:, 0].values, abs=4.0
+    )
     names = [path.name for path in save_figures(thermal_figures(result), "", tmp_path)]
-    assert [name for name in names if name.endswith(".svg")] == ["thermal-balance.svg", "thermal-course.svg"]
+    assert [name for name in names if name.endswith(".svg")] == [
+        "thermal-balance.svg",
+        "thermal-course.svg",
+    ]
     save(result, tmp_path / "kept.nc")
     assert open_result(tmp_path / "kept.nc").identical(result)
 
 
 def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
-    scene = evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), "study.thermal-balance.points": 8})
+    scene = evolve(
+        SCENE, {"models.thermal": network(oil_flow="15 g/s"), "study.thermal-balance.points": 8}
+    )
     asked = ["settled_temperature", "settled_slip", "heat_margin", "temperature", "steady_slip"]
     over = {"models.thermal.oil_flow": ["5 g/s", "50 g/s"]}
     found = sweep(scene, study="thermal-balance", over=over, output=asked, engine="serial")
     assert (found.settled_temperature == found.temperature.squeeze("balance")).all()
     assert (found.settled_slip == found.steady_slip.squeeze("balance")).all()
     said = account_of(found).sentences(found)
-    assert any(re.match(r"settled_temperature, inner ring: [\d.]+ degC to [\d.]+ degC, ", line) for line in said)
+    assert any(
+        re.match(r"settled_temperature, inner ring: [\d.]+ degC to [\d.]+ degC, ", line)
+        for line in said
+    )
     assert "heat_margin: none; 0 values, 2 without one (no limit up to 150 degC" in "\n".join(said)
     drawn = {name: figure for name, _, figure in account_of(found).figures(found)}
     (axes,) = drawn["sweep-line-settled-temperature"].axes
@@ -493,13 +610,19 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
 @pytest.mark.slow
 def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
     """At 85 degC, for which instants are chosen, few are enough; at 28 degC they were 2e-3 off, seen on 200."""
-    scene = evolve(catalogue(350_029, even=True), {"accuracy.tolerance": 1e-3, "models.thermal": "network"})
+    scene = evolve(
+        catalogue(350_029, even=True), {"accuracy.tolerance": 1e-3, "models.thermal": "network"}
+    )
     made = plan(scene, "thermal-balance")
     found = execute(made, "thermal-balance")
-    settled = dict(zip(found.node.values.tolist(), found.settled_temperature.values.tolist(), strict=True))
+    settled = dict(
+        zip(found.node.values.tolist(), found.settled_temperature.values.tolist(), strict=True)
+    )
     given = {key: settled[part] for key, part in ROLES.items()}
     planned = made.estimated["thermal-balance"].resolution
-    there = assemble(evolve(scene, given | {"models.thermal": "given"}), attrs.evolve(planned, instants=201))
+    there = assemble(
+        evolve(scene, given | {"models.thermal": "given"}), attrs.evolve(planned, instants=201)
+    )
     exact = made.studies["thermal-balance"].run(there)
     assert found.loss.sum() == pytest.approx(exact.given_loss.item(), rel=1e-3)
     assert json.loads(found.attrs["resolution"])["instants"] > planned.instants
@@ -507,12 +630,17 @@ def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
 
 def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
     """Also where nothing lasts, and where all of the first range is warmer."""
-    weak, cold = {"shaft_ambient": 0.05, "housing_ambient": 0.05}, {"oil_flow": 1.0, "oil_inlet_temperature": 160.0}
+    weak = {"shaft_ambient": 0.05, "housing_ambient": 0.05}
+    cold = {"oil_flow": 1.0, "oil_inlet_temperature": 160.0}
     for parameters in ({"oil_flow": "15 g/s"}, {}, weak, cold):
-        scene = evolve(SCENE, {"models.thermal": network(**parameters), "study.thermal-balance.points": 8})
+        scene = evolve(
+            SCENE, {"models.thermal": network(**parameters), "study.thermal-balance.points": 8}
+        )
         study = settings(scene, "thermal-balance")["thermal-balance"]
         asked = {"settled_temperature", "settled_slip", "settled_status"}
-        whole, alone = (one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - asked)))
+        whole, alone = (
+            one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - asked))
+        )
         assert alone[sorted(asked)].equals(whole[sorted(asked)])
         settles = whole.settled_status.item() == "found"
         assert not settles or alone.evaluated_temperatures < 0.9 * whole.evaluated_temperatures
@@ -521,7 +649,9 @@ def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
 def test_a_plan_says_which_studies_a_network_does_not_act_in():
     scene = evolve(load_scene("1032930-50C"), {"models.thermal": "network"})
     steady = plan(scene, "steady-slip")
-    assert [(part.part, part.included) for part in steady.parts if part.part == "thermal"] == [("thermal", False)]
+    assert [(part.part, part.included) for part in steady.parts if part.part == "thermal"] == [
+        ("thermal", False)
+    ]
     assert any("models.thermal does not act in steady-slip" in text for text in steady.foreseen)
     given = plan(evolve(scene, {"models.thermal": "given"}), "steady-slip")
     assert not any("models.thermal" in text for text in given.foreseen)

@@ -47,7 +47,11 @@ from tabled import rows_of
 
 TABLES = Path(__file__).parents[2] / "docs" / "tables"
 PAPER = load_scene("1032930-70C")
-QUICK = {"study.effective-friction.points": 9, "study.effective-friction.map_points": 0, "accuracy.slices": 5}
+QUICK = {
+    "study.effective-friction.points": 9,
+    "study.effective-friction.map_points": 0,
+    "accuracy.slices": 5,
+}
 
 
 @pytest.mark.parametrize(
@@ -66,7 +70,8 @@ def test_a_bound_is_told_with_its_error_up_to_three_times_beyond_it(bound, told)
 
 
 def test_every_bound_of_the_box_has_a_code_of_its_own():
-    root, codes = Path(__file__).parents[2], Counter()
+    root = Path(__file__).parents[2]
+    codes = Counter()
     shelf = [root / "framework/rollslip/models" / name for name in ("stages.py", "validity.py")]
     places = [*shelf, *(root / "plugins/rollslip_plugins").rglob("*.py")]
     for path in places:
@@ -75,11 +80,15 @@ def test_every_bound_of_the_box_has_a_code_of_its_own():
                 given = {one.arg: one.value for one in call.keywords}
                 assert "code" in given, f"{path}:{call.lineno}"
                 codes[getattr(given["code"], "value", "of a table")] += 1
-    shared = {one.code for film in ("moes", "regime") for one in get_class("film", film)().validity} - codes.keys()
+    shared = {
+        one.code for film in ("moes", "regime") for one in get_class("film", film)().validity
+    } - codes.keys()
     assert shared == {"W03", "W04"}  # each with its bound, in a table beside
     assert codes.pop("of a table") == 1
     assert max(codes.values()) == 1
-    assert sorted({*codes, *shared, APPROXIMATION}) == [f"W{k:02d}" for k in range(1, len(codes) + 4)]
+    assert sorted({*codes, *shared, APPROXIMATION}) == [
+        f"W{k:02d}" for k in range(1, len(codes) + 4)
+    ]
 
 
 def rows(name):
@@ -122,7 +131,9 @@ def test_the_pressure_of_light_contacts_is_that_of_the_table():
     assert sorted(table) == [M for M, _ in error.points] == [0.1, 0.2, 0.5, 1.0, 2.0]
     for M, row in table.items():
         percent = [float(text) for key, text in row.items() if key != "M"]
-        assert error(M) == pytest.approx(-min(percent), abs=0.5), "the worst of all lubricant parameters"
+        assert error(M) == pytest.approx(-min(percent), abs=0.5), (
+            "the worst of all lubricant parameters"
+        )
     contact = solve_line_contact(1.0, 0.0)
     hertz = 8 / (3 * math.pi) * math.sqrt(contact.M / (2 * math.pi))
     mean = np.trapezoid(contact.pressure**2, contact.x) / np.trapezoid(contact.pressure, contact.x)
@@ -138,7 +149,8 @@ def test_how_far_a_film_is_off_elsewhere_is_what_the_map_has(name):
     columns = [column for column in rows("film_error")[0] if column.split(",")[0] == name]
     off = []
     for row in rows("film_error"):
-        M, L = float(row["M"]), float(row["L"])
+        M = float(row["M"])
+        L = float(row["L"])
         speeds = 2e-11  # 2 U; any serves, since the regime is a matter of M and L
         group = L / speeds**0.25, M * math.sqrt(speeds)
         code = int(film_by_regime(speeds / 2, max(group[0], 1e-300), group[1])[1])
@@ -151,8 +163,12 @@ def test_how_far_a_film_is_off_elsewhere_is_what_the_map_has(name):
 def test_a_film_of_all_regimes_says_over_what_it_was_held_against_a_solution(name):
     table = rows("film_error")
     off = [float(row[name]) for row in table if row[name]]
-    M, L = bound(get_model("film", name), "load_parameter"), bound(get_model("film", name), "lubricant_parameter")
-    assert (M.high, L.high) == (max(float(row["M"]) for row in table), max(float(row["L"]) for row in table))
+    M = bound(get_model("film", name), "load_parameter")
+    L = bound(get_model("film", name), "lubricant_parameter")
+    assert (M.high, L.high) == (
+        max(float(row["M"]) for row in table),
+        max(float(row["L"]) for row in table),
+    )
     assert M.consequence.endswith(f"off by {math.floor(min(off)):+d} to {math.ceil(max(off)):+d} %")
 
 
@@ -168,13 +184,21 @@ def test_blok_ends_where_a_rigid_contact_has_no_solution():
     exit_at = brentq(lambda t: whole(t, 1 / math.cos(t) ** 2), 0.1, 1.0, xtol=1e-14)
     c = 1 / math.cos(exit_at) ** 2
     largest = whole(-exit_at, c)
-    part = partial(quad, lambda t: -math.log1p(-whole(t, c) / largest) / math.cos(t) ** 2, limit=200)
+    part = partial(
+        quad, lambda t: -math.log1p(-whole(t, c) / largest) / math.cos(t) ** 2, limit=200
+    )
     load = part(-math.pi / 2 + 1e-5, -exit_at)[0] + part(-exit_at, exit_at)[0]
     end = 2**0.75 * (12 * math.sqrt(2) * largest) ** 0.5 * load**1.5
-    assert bound(get_model("film", "blok"), "viscous_parameter").high == pytest.approx(end, rel=1e-4)
+    assert bound(get_model("film", "blok"), "viscous_parameter").high == pytest.approx(
+        end, rel=1e-4
+    )
     slices = tables(load=2e4)[0].slices
-    U, G, W = 8.58e-3 * 25.0 / (2.2857e11 * 6.875e-3), 1.074e-8 * 2.2857e11, 2e4 / (2.2857e11 * 6.875e-3)
-    assert float(QUANTITIES["viscous_parameter"].of(slices)[0]) == pytest.approx(W**1.5 * G / U**0.5, rel=1e-12)
+    U = 8.58e-3 * 25.0 / (2.2857e11 * 6.875e-3)
+    G = 1.074e-8 * 2.2857e11
+    W = 2e4 / (2.2857e11 * 6.875e-3)
+    assert float(QUANTITIES["viscous_parameter"].of(slices)[0]) == pytest.approx(
+        W**1.5 * G / U**0.5, rel=1e-12
+    )
 
 
 def worst(points, sign):
@@ -188,13 +212,18 @@ def test_what_muraki_is_off_outside_is_what_it_is_off_the_exact_law():
         (
             "film_heating",
             -1,
-            lambda y: [(y / phi, D, phi) for phi in np.logspace(-4, 0, 41) for D in (0.0, 1e-3, 0.1)],
+            lambda y: [
+                (y / phi, D, phi) for phi in np.logspace(-4, 0, 41) for D in (0.0, 1e-3, 0.1)
+            ],
         ),
     ):
         error = bound(Muraki, name).error
         for value, percent in error.points:
             assert percent == pytest.approx(worst(points(value), sign), abs=0.1), (name, value)
-    table = {(row["group"], float(row["value"])): abs(float(row["error %"])) for row in rows("validity_muraki")}
+    table = {
+        (row["group"], float(row["value"])): abs(float(row["error %"]))
+        for row in rows("validity_muraki")
+    }
     said = [
         ((group, value), percent)
         for group, name in (("D", "deborah"), ("Phi sigma", "film_heating"), ("Phi", "heating"))
@@ -203,7 +232,9 @@ def test_what_muraki_is_off_outside_is_what_it_is_off_the_exact_law():
     assert dict(said) == table
     grid = np.logspace(-3, 4, 2001)
     for phi, percent in bound(Muraki, "heating").error.points:
-        largest = [max(float(law(sigma, 0.0, phi)) for sigma in grid) for law in (muraki, maxwell_eyring)]
+        largest = [
+            max(float(law(sigma, 0.0, phi)) for sigma in grid) for law in (muraki, maxwell_eyring)
+        ]
         assert percent == pytest.approx(100 * (1 - largest[0] / largest[1]), abs=0.1)
 
 
@@ -218,40 +249,60 @@ def test_inside_its_bounds_muraki_is_within_three_per_cent():
 
 def test_eyring_without_elasticity_is_off_as_the_small_signal_says():
     for D in (0.05, 0.5, 5.0):
-        off = 100 * (float(Eyring().dimensionless_stress(1e-6, D, 0.0)) / float(maxwell_eyring(1e-6, D, 0.0)) - 1)
+        off = 100 * (
+            float(Eyring().dimensionless_stress(1e-6, D, 0.0)) / float(maxwell_eyring(1e-6, D, 0.0))
+            - 1
+        )
         assert bound(Eyring, "deborah").error(D) == pytest.approx(off, rel=1e-6)
 
 
 def test_the_mean_pressure_is_off_as_the_mean_of_the_exponential_says():
     angle = (np.arange(20000) + 0.5) * np.pi / 40000  # x = cos: p = p_max sin
     for exponent, percent in MEAN_PRESSURE.error.points:
-        mean = float(np.mean(np.exp(4 / np.pi * exponent * np.sin(angle)) * np.sin(angle))) * np.pi / 2
+        mean = (
+            float(np.mean(np.exp(4 / np.pi * exponent * np.sin(angle)) * np.sin(angle))) * np.pi / 2
+        )
         assert percent == pytest.approx(100 * (1 - math.exp(exponent) / mean), abs=0.1)
 
 
 def test_surfaces_apart_are_hotter_as_the_inverse_root_of_their_speeds_says():
     error = bound(Muraki, "slide_roll_ratio").error
-    assert error(1e-3) == pytest.approx(100 * 3 / 32 * 1e-6, rel=1e-3), "the series of traction_reference"
+    assert error(1e-3) == pytest.approx(100 * 3 / 32 * 1e-6, rel=1e-3), (
+        "the series of traction_reference"
+    )
     assert error(1.0) == pytest.approx(50 * (1.5**-0.5 + 0.5**-0.5) - 100, rel=1e-12)
 
 
 def test_the_inlet_is_as_much_too_thick_as_murch_and_wilson_thin_it():
-    film = {"load_per_length": 2e4, "rolling_speed": 29.8, "radius": 6.9e-3, "modulus": 2.28e11, "viscosity": 8.58e-3}
+    film = {
+        "load_per_length": 2e4,
+        "rolling_speed": 29.8,
+        "radius": 6.9e-3,
+        "modulus": 2.28e11,
+        "viscosity": 8.58e-3,
+    }
     film |= {"pressure_viscosity": 1.074e-8}
     heat = {"thermoviscosity": 0.0284, "conductivity": 0.1425}
     thin = get_model("film", "inlet-correction").film_thickness(**film, **heat)
     load = 8.58e-3 * 0.0284 * 29.8**2 / 0.1425
     off = 100 * (get_model("film", "moes").film_thickness(**film) / thin - 1)
     assert ISOTHERMAL.error(load) == pytest.approx(float(off), rel=1e-12)
-    assert float(QUANTITIES["thermal_load"].of(tables(rolling_speed=29.8)[0].slices)[0]) == pytest.approx(load)
+    assert float(
+        QUANTITIES["thermal_load"].of(tables(rolling_speed=29.8)[0].slices)[0]
+    ) == pytest.approx(load)
 
 
 def test_barus_is_above_roelands_by_what_it_says():
     conditions = Conditions(
-        viscosity=8.58e-3, pressure_viscosity=1.074e-8, thermoviscosity=0.0284, pressure_thermoviscosity=0.0
+        viscosity=8.58e-3,
+        pressure_viscosity=1.074e-8,
+        thermoviscosity=0.0284,
+        pressure_thermoviscosity=0.0,
     )
     for pressure in (0.1e9, 0.4e9, 1e9):
-        off = 100 * (Barus().at(conditions, pressure)[0] / Roelands().at(conditions, pressure)[0] - 1)
+        off = 100 * (
+            Barus().at(conditions, pressure)[0] / Roelands().at(conditions, pressure)[0] - 1
+        )
         assert bound(Barus, "pressure").error(pressure) == pytest.approx(float(off), rel=1e-9)
 
 
@@ -259,28 +310,56 @@ def test_barus_is_above_roelands_by_what_it_says():
 
 
 def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
-    light = [2.0 * math.sqrt(2 * 8.58e-3 * 25.0 / (2.2857e11 * 6.875e-3)) * 2.2857e11 * 6.875e-3 * x for x in (0.5, 2)]
+    light = [
+        2.0 * math.sqrt(2 * 8.58e-3 * 25.0 / (2.2857e11 * 6.875e-3)) * 2.2857e11 * 6.875e-3 * x
+        for x in (0.5, 2)
+    ]
     inner = tables(load=light)
     outer = [Filled("outer", inner[0].slices, np.array([3.0, 1.0]))]
     contact = get_model("pressure", "hertz")
-    (found,) = (one for one in outside([contact], [*inner, *outer]) if one.validity.quantity == "load_parameter")
+    (found,) = (
+        one
+        for one in outside([contact], [*inner, *outer])
+        if one.validity.quantity == "load_parameter"
+    )
     assert (found.share, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
-    (found,) = (one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter")
+    (found,) = (
+        one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter"
+    )
     assert (found.share, found.ring) == (0.25, ""), "both alike"
     even = tables(force=np.ones(41), load=2.0 * light[0] * np.arange(1, 42) / 100.0)
-    (spread,) = (one for one in outside([contact], even) if one.validity.quantity == "load_parameter")
-    assert (*spread.values, spread.middle) == pytest.approx((0.06, 0.78, 0.42)), "of 0.02 to 0.82 by 0.02"
+    (spread,) = (
+        one for one in outside([contact], even) if one.validity.quantity == "load_parameter"
+    )
+    assert (*spread.values, spread.middle) == pytest.approx((0.06, 0.78, 0.42)), (
+        "of 0.02 to 0.82 by 0.02"
+    )
     (said,) = sentences(told([found], None))
-    assert said.startswith("pressure 'hertz' is valid for load parameter M >= 2; 25 % of the contact force is out")
-    assert "its mean by load is at most 58 % lower; remedy: models.pressure = 'light-contact'" in said
+    assert said.startswith(
+        "pressure 'hertz' is valid for load parameter M >= 2; 25 % of the contact force is out"
+    )
+    assert (
+        "its mean by load is at most 58 % lower; remedy: models.pressure = 'light-contact'" in said
+    )
 
 
 def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():
-    quiet = tables(film_thickness=1e-5, pressure=5e7, film_viscosity=0.01, rolling_speed=1.0, sliding_speed=1e-4)
-    assert told(outside([get_model("contact", "palmgren"), get_model("film", "moes")], quiet), None) == []
+    quiet = tables(
+        film_thickness=1e-5,
+        pressure=5e7,
+        film_viscosity=0.01,
+        rolling_speed=1.0,
+        sliding_speed=1e-4,
+    )
+    assert (
+        told(outside([get_model("contact", "palmgren"), get_model("film", "moes")], quiet), None)
+        == []
+    )
     unknown = attrs.evolve(quiet[0].slices.conditions, conductivity=math.nan)
     quiet[0].slices.conditions = unknown
-    (heat,) = (one for one in outside([get_model("film", "moes")], quiet) if one.validity is ISOTHERMAL)
+    (heat,) = (
+        one for one in outside([get_model("film", "moes")], quiet) if one.validity is ISOTHERMAL
+    )
     assert (heat.known, heat.share) == (False, 0.0)
 
 
@@ -293,21 +372,35 @@ def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
     assert blend == {row for row in names(Muraki()) if row[1] != "film_parameter"}
     assert ("film 'moes'", "film_parameter") in names(get_model("film", "inlet-correction"))
     assert ("film 'moes'", "thermal_load") not in names(get_model("film", "inlet-correction"))
-    (heat,) = (v for _, _, v in laws_of(get_model("film", "inlet-correction")) if v.quantity == "thermal_load")
+    (heat,) = (
+        v
+        for _, _, v in laws_of(get_model("film", "inlet-correction"))
+        if v.quantity == "thermal_load"
+    )
     assert heat.high == 10.0, "the film inside it no longer speaks of heat"
 
 
 def test_a_bound_in_si_is_told_in_the_units_of_engineers():
     (said,) = sentences(told(outside([Barus()], tables(pressure=4e8)), None))
-    assert said.startswith("'barus' is valid for pressure <= 100 MPa; all loaded contacts are outside, where the")
-    assert "is 266 % above Roelands's" in said, "exp(alpha p)/exp(k [(1 + p/p0)^z - 1]) = 3.655 by hand"
+    assert said.startswith(
+        "'barus' is valid for pressure <= 100 MPa; all loaded contacts are outside, where the"
+    )
+    assert "is 266 % above Roelands's" in said, (
+        "exp(alpha p)/exp(k [(1 + p/p0)^z - 1]) = 3.655 by hand"
+    )
 
 
 def made_for(high, error=None, **more):
     """A law whose friction is outside by a share of sliding, of an error."""
     text = "it is {error} off" if error is not None else "it is off"
     bound = Validity(
-        quantity="sliding_speed", high=high, consequence=text, error=error, remedy="none", source="a test", **more
+        quantity="sliding_speed",
+        high=high,
+        consequence=text,
+        error=error,
+        remedy="none",
+        source="a test",
+        **more,
     )
 
     class Law(Slow):
@@ -349,12 +442,19 @@ def test_a_consequence_that_nobody_knows_leads_unless_nearly_every_bearing_has_i
 
 def test_what_a_law_is_off_another_comes_first_while_it_is_more_than_the_tolerance():
     found = outside([made_for(0.5)], tables(sliding_speed=1.0))
-    off = Difference(law="simple", reference="exact", key="models.traction", rms=0.01, mean=0.01, largest=0.01)
+    off = Difference(
+        law="simple", reference="exact", key="models.traction", rms=0.01, mean=0.01, largest=0.01
+    )
     assert [one.measured for one in told(found, off, tolerance=1e-3)] == [True, False]
-    own = Validity(quantity="x", low=3.0, high=5.0, consequence="it is off", remedy="none", source="a test")
+    own = Validity(
+        quantity="x", low=3.0, high=5.0, consequence="it is off", remedy="none", source="a test"
+    )
     (known,) = told([Outside(law="traction 'simple'", validity=own, share=1.0)], off)
     assert ", with 100 % at x < 3 and > 5 of the contact force; remedy" in known.text
-    assert [(one.measured, one.warned) for one in told(found, off, tolerance=0.1)] == [(False, True), (True, False)]
+    assert [(one.measured, one.warned) for one in told(found, off, tolerance=0.1)] == [
+        (False, True),
+        (True, False),
+    ]
 
 
 def test_several_results_warn_of_a_bound_once_where_it_counts_most():
@@ -363,16 +463,21 @@ def test_several_results_warn_of_a_bound_once_where_it_counts_most():
         for study in ("effective-friction", "friction-curve")
     ]
     first, more = together(results)
-    few, first = first[:-3], first[-3:]
+    few = first[:-3]
+    first = first[-3:]
     assert all("laminae" in text for text in few)
-    every = {(one["law"], one["made_for"]) for result in results for one in record_of(result)["told"]}
+    every = {
+        (one["law"], one["made_for"]) for result in results for one in record_of(result)["told"]
+    }
     assert len(first) + len(more) == len(every) >= 6
     largest = max((record_of(result)["approximation"]["rms"], result) for result in results)[1]
     assert first[0] == next(text for text in warned(largest) if "approximates" in text)
     assert first[1].startswith("'barus' is valid for")
     assert any(text.startswith("film 'moes' (film parameter Lambda >= 3;") for text in more)
     for result in results:
-        assert all(one["text"] in warned(result) for one in record_of(result)["told"] if one["warned"])
+        assert all(
+            one["text"] in warned(result) for one in record_of(result)["told"] if one["warned"]
+        )
 
 
 # Results --------------------------------------------------------------------------------------------------------------
@@ -384,13 +489,19 @@ def test_a_result_says_how_far_muraki_is_off_the_exact_law_at_its_own_slips():
     (said,) = (text for text in warned(found) if "the law that it approximates" in text)
     off = json.loads(found.attrs["validity"])["approximation"]
     assert (off["law"], off["reference"]) == ("muraki", "maxwell-eyring")
-    exact = run(evolve(scene, {"models.traction.hydrodynamic": "maxwell-eyring"}), "effective-friction")
+    exact = run(
+        evolve(scene, {"models.traction.hydrodynamic": "maxwell-eyring"}), "effective-friction"
+    )
     curves = [np.asarray(one.effective_friction)[:, [1, 2, 4, 6, 8]] for one in (found, exact)]
     relative = curves[0] / curves[1] - 1
     assert off["rms"] == pytest.approx(float(np.sqrt((relative**2).mean())), rel=1e-3)
-    assert off["largest"] == pytest.approx(float(relative.flat[np.abs(relative).argmax()]), rel=1e-3)
+    assert off["largest"] == pytest.approx(
+        float(relative.flat[np.abs(relative).argmax()]), rel=1e-3
+    )
     assert 0.10 < off["rms"] < 0.15, "12 % in a comparison over the whole curve"
-    assert said.startswith(f"the friction of 'muraki' is {100 * off['rms']:.2g} % (rms) off that of 'maxwell-eyring'")
+    assert said.startswith(
+        f"the friction of 'muraki' is {100 * off['rms']:.2g} % (rms) off that of 'maxwell-eyring'"
+    )
     assert said.endswith("remedy: models.traction.hydrodynamic = 'maxwell-eyring'")
     alone = run(evolve(scene, {"models.traction": "muraki"}), "effective-friction")
     assert json.loads(alone.attrs["validity"])["approximation"]["key"] == "models.traction"
@@ -402,7 +513,10 @@ def test_every_study_tells_it(study):
     drags = {"cage.drag": ["petroff-land", "rolling-resistance"]}
     found = run(evolve(PAPER, QUICK | drags | {"accuracy.tolerance": 1e-2}), study)
     assert sum("the law that it approximates" in text for text in warned(found)) == 1
-    assert any(text.startswith("pressure 'hertz' is valid for load parameter M >= 2; ") for text in warned(found))
+    assert any(
+        text.startswith("pressure 'hertz' is valid for load parameter M >= 2; ")
+        for text in warned(found)
+    )
     bounds = json.loads(found.attrs["validity"])["bounds"]
     assert {row["law"] for row in bounds} == {
         "contact 'palmgren'", "film 'moes'", "pressure 'hertz'", "'barus'", "traction 'muraki'",
@@ -411,7 +525,9 @@ def test_every_study_tells_it(study):
 
 
 def test_the_end_of_a_motion_is_judged_too():
-    scene = evolve(load_scene("1032930-50C"), {"study.dynamics.duration": "2 ms", "study.dynamics.points": 5})
+    scene = evolve(
+        load_scene("1032930-50C"), {"study.dynamics.duration": "2 ms", "study.dynamics.points": 5}
+    )
     found = run(scene, "dynamics")
     (said,) = (text for text in warned(found) if "the law that it approximates" in text)
     assert "at the end of the motion" in said
@@ -432,9 +548,12 @@ def test_the_scenes_of_the_paper_keep_its_law(temperature):
 
 
 def test_a_closed_form_that_a_plan_takes_within_its_bound_is_not_held_against_the_law():
-    scene = evolve(PAPER, QUICK | {"models.traction.hydrodynamic": "maxwell-eyring", "accuracy.tolerance": 0.5})
+    scene = evolve(
+        PAPER, QUICK | {"models.traction.hydrodynamic": "maxwell-eyring", "accuracy.tolerance": 0.5}
+    )
     made = plan(scene, "effective-friction")
-    study, assembly = made.studies["effective-friction"], made.assemblies["effective-friction"]
+    study = made.studies["effective-friction"]
+    assembly = made.assemblies["effective-friction"]
     slices = filled(study.judged_slices(assembly, run(scene, "effective-friction")), assembly)
     assert difference(made.assembly.traction, slices, assembly) is None
 
@@ -445,7 +564,10 @@ def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
 
     monkeypatch.setattr(EffectiveFriction, "judged_slices", refuses)
     found = run(evolve(PAPER, QUICK), "effective-friction")
-    assert "whether models are within their range of validity could not be checked: no slices here" in warned(found)
+    assert (
+        "whether models are within their range of validity could not be checked: no slices here"
+        in warned(found)
+    )
     assert np.isfinite(found.effective_friction).all()
 
 
@@ -459,7 +581,9 @@ def test_a_study_without_curves_is_judged_at_the_loads_of_the_bearing(monkeypatc
     loads = assembly.load_distribution(1)
     for one, forces in zip(slices, (loads.inner_force, loads.outer_force), strict=True):
         assert one.force.sum() == pytest.approx(forces.sum(), rel=1e-12)
-    assert difference(made.assembly.traction, filled(slices, assembly), assembly) is None, "nothing slides"
+    assert difference(made.assembly.traction, filled(slices, assembly), assembly) is None, (
+        "nothing slides"
+    )
 
 
 # Strangers ------------------------------------------------------------------------------------------------------------
@@ -495,7 +619,10 @@ class Slow(TractionModel):
 def test_a_law_of_a_stranger_states_it_the_same_way(monkeypatch):
     monkeypatch.setattr(discovery, "_registered", {})
     register(Slow)
-    alone = {"models.traction": "made-for-slow", "study.effective-friction.runaway_range": 0}  # it jumps, and in Python
+    alone = {
+        "models.traction": "made-for-slow",
+        "study.effective-friction.runaway_range": 0,
+    }  # it jumps, and in Python
     found = run(evolve(PAPER, QUICK | alone), "effective-friction")
     (said,) = (text for text in warned(found) if "made-for-slow" in text)
     assert said.startswith("traction 'made-for-slow' is valid for sliding <= 0.01; ")
@@ -523,7 +650,9 @@ def test_a_film_of_a_stranger_that_knows_its_regime_only_warns_as_before():
             slices.film_thickness[...] = 1e-6
 
     (said, *_) = sentences(told(outside([Rigid()], tables(load=1e6)), None))
-    assert said.startswith("film 'strange-film' is valid for the rigid-isoviscous regime; all loaded contacts are ")
+    assert said.startswith(
+        "film 'strange-film' is valid for the rigid-isoviscous regime; all loaded contacts are "
+    )
     assert "where its film may be far off; remedy: film 'moes', which covers all regimes" in said
     assert "outside (100 % elastic-piezoviscous), where" in said
 

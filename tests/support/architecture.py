@@ -87,7 +87,9 @@ def _texts_of(source: str) -> tuple[tuple[int, str], ...]:
     return tuple(
         (node.lineno, node.value)
         for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in skipped
+        if isinstance(node, ast.Constant)
+        and isinstance(node.value, str)
+        and id(node) not in skipped
     )
 
 
@@ -146,7 +148,9 @@ def wrong_way(root: Path = ROOT) -> list[str]:
 def graph(root: Path = ROOT) -> dict[str, set[str]]:
     """Return who imports whom; the faces of folders only hand names on."""
     known = modules(root)
-    inner = {name: path for name, path in known.items() if path.name != "__init__.py" and name != FACE}
+    inner = {
+        name: path for name, path in known.items() if path.name != "__init__.py" and name != FACE
+    }
     return {name: (imports(path, known) & inner.keys()) - {name} for name, path in inner.items()}
 
 
@@ -161,7 +165,8 @@ def circles(root: Path = ROOT) -> list[str]:
 
 def depth(root: Path = ROOT) -> int:
     """Return the length of the longest chain of imports."""
-    edges, below = graph(root), dict[str, int]()
+    edges = graph(root)
+    below = dict[str, int]()
     for module in graphlib.TopologicalSorter(edges).static_order():
         below[module] = 1 + max((below[other] for other in edges[module]), default=0)
     return max(below.values())
@@ -169,7 +174,8 @@ def depth(root: Path = ROOT) -> int:
 
 def too_large(root: Path = ROOT) -> list[str]:
     """Folders with too many modules, modules with too much code, and folders whose face is more than a sentence."""
-    found, count = list[str](), dict[Path, int]()
+    found = list[str]()
+    count = dict[Path, int]()
     known = modules(root)
     plugins = sorted((root / "plugins" / "rollslip_plugins").rglob("*.py"))
     for path in (*known.values(), *plugins):
@@ -190,10 +196,17 @@ def too_large(root: Path = ROOT) -> list[str]:
         if path.name != "__init__.py" or module == FACE or folder(module) == "rollslip_campaigns":
             continue  # campaigns say there what they offer
         tree = _tree(path.read_text(encoding="utf-8"))
-        first, rest = (ast.get_docstring(tree) or "").strip(), tree.body[1:]
+        first = (ast.get_docstring(tree) or "").strip()
+        rest = tree.body[1:]
         handed = all(isinstance(node, ast.ImportFrom | ast.Assign | ast.Try) for node in rest)
-        if not first.endswith(".") or ("\n\n" in first and folder(module) != "testing") or not handed:
-            found.append(f"{module} is more, or less, than one sentence of purpose and names handed on")
+        if (
+            not first.endswith(".")
+            or ("\n\n" in first and folder(module) != "testing")
+            or not handed
+        ):
+            found.append(
+                f"{module} is more, or less, than one sentence of purpose and names handed on"
+            )
     return found
 
 
@@ -201,14 +214,21 @@ def offered(root: Path = ROOT) -> dict[str, dict[str, str]]:
     """Return the entry points of the box: kind -> name -> module."""
     text = (root / "pyproject.toml").read_text(encoding="utf-8")
     points = tomllib.loads(text)["project"]["entry-points"]
-    return {group.removeprefix("rollslip.").replace("_", "-"): names for group, names in points.items()}
+    return {
+        group.removeprefix("rollslip.").replace("_", "-"): names for group, names in points.items()
+    }
 
 
 def named_studies(root: Path = ROOT) -> list[str]:
     """Names of studies outside their own folders, of which one may be of models, and questions of what class one is."""
-    known, studies, found = modules(root), offered(root)["study"], list[str]()
+    known = modules(root)
+    studies = offered(root)["study"]
+    found = list[str]()
     own = {
-        name: {home := module.rpartition(".")[0], home.replace("rollslip_studies", "rollslip.studies")}
+        name: {
+            home := module.rpartition(".")[0],
+            home.replace("rollslip_studies", "rollslip.studies"),
+        }
         for name, module in studies.items()
     }
     classes = {
@@ -220,48 +240,94 @@ def named_studies(root: Path = ROOT) -> list[str]:
     for module, path in known.items():
         for line, text in _texts(path):
             for name, homes in own.items():
-                if re.search(rf"(?<![\w-]){name}(?![\w-])", text) and module.rpartition(".")[0] not in homes:
+                if (
+                    re.search(rf"(?<![\w-]){name}(?![\w-])", text)
+                    and module.rpartition(".")[0] not in homes
+                ):
                     if module == "rollslip.scene.values" and text == name:  # the default
                         continue
                     found.append(f"{module}:{line} names the study {name!r}")
         if folder(module) in ("studies", "rollslip_studies"):
             continue
         for node in ast.walk(_tree(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
+            if (
+                isinstance(node, ast.Call)
+                and isinstance(node.func, ast.Name)
+                and node.func.id == "isinstance"
+            ):
                 asked = {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
-                found += [f"{module}:{node.lineno} asks whether a study is {cls}" for cls in sorted(asked & classes)]
+                found += [
+                    f"{module}:{node.lineno} asks whether a study is {cls}"
+                    for cls in sorted(asked & classes)
+                ]
     return found
 
 
 def named_models(root: Path = ROOT) -> list[str]:
     """Names of models of the box in framework, studies and campaigns, but for defaults of scene and study."""
     points = offered(root)
-    kinds = ("contact", "film", "traction", "pressure-viscosity", "drag", "integrator", "lubricant", "bearing")
-    names = {name for kind in kinds for name in points[kind] if name not in ("constant", "bdf", "regime", "iso16281")}
+    kinds = (
+        "contact",
+        "film",
+        "traction",
+        "pressure-viscosity",
+        "drag",
+        "integrator",
+        "lubricant",
+        "bearing",
+    )
+    names = {
+        name
+        for kind in kinds
+        for name in points[kind]
+        if name not in ("constant", "bdf", "regime", "iso16281")
+    }
     found = []
     for module, path in modules(root).items():
         if module.startswith(DEFAULTS):
             continue
-        found += [f"{module}:{line} names the model {text!r}" for line, text in _texts(path) if text in names]
+        found += [
+            f"{module}:{line} names the model {text!r}"
+            for line, text in _texts(path)
+            if text in names
+        ]
     return found
 
 
 def misplaced(root: Path = ROOT) -> list[str]:
     """Findings that import more than shelf, results, NumPy and other findings, and packages outside their folders."""
-    known, found = modules(root), list[str]()
+    known = modules(root)
+    found = list[str]()
     for module, path in known.items():
         used = imports(path, known)
-        if module.endswith(".findings") and folder(module) in ("rollslip_studies", "rollslip_campaigns"):
+        if module.endswith(".findings") and folder(module) in (
+            "rollslip_studies",
+            "rollslip_campaigns",
+        ):
             ours = {
                 name
                 for name in used & known.keys()
                 if folder(name) not in ("shelf", "results") and not name.endswith("findings")
             }
-            other = {name.split(".")[0] for name in used} & {"scipy", "matplotlib", "xarray", "rich", "click"}
-            typed = {"xarray"} if re.search(r"if TYPE_CHECKING:\n    import xarray", path.read_text()) else set()
+            other = {name.split(".")[0] for name in used} & {
+                "scipy",
+                "matplotlib",
+                "xarray",
+                "rich",
+                "click",
+            }
+            typed = (
+                {"xarray"}
+                if re.search(r"if TYPE_CHECKING:\n    import xarray", path.read_text())
+                else set()
+            )
             found += [f"{module} imports {name}" for name in sorted(ours | (other - typed))]
         for package, rooms in ONLY.items():
-            here = {folder(module), module.rpartition(".")[2], *(part for part in module.split(".")[-1].split("_"))}
+            here = {
+                folder(module),
+                module.rpartition(".")[2],
+                *(part for part in module.split(".")[-1].split("_")),
+            }
             if any(name.split(".")[0] == package for name in used) and not here & set(rooms):
                 found.append(f"{module} imports {package}")
     return found
@@ -269,7 +335,8 @@ def misplaced(root: Path = ROOT) -> list[str]:
 
 def entangled(root: Path = ROOT) -> list[str]:
     """Campaigns that import another one, and imports of what a study keeps to itself."""
-    known, found = modules(root), list[str]()
+    known = modules(root)
+    found = list[str]()
     for module, path in known.items():
         one = module.split(".")[:2]
         for other in sorted(imports(path, known) & known.keys()):

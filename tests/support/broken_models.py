@@ -96,7 +96,9 @@ class Traction(TractionModel):
     references = SOURCE
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
-    coefficient: float = parameter(default=0.05, unit="1", validator=positive, doc="friction f at large slip")
+    coefficient: float = parameter(
+        default=0.05, unit="1", validator=positive, doc="friction f at large slip"
+    )
 
     def evaluate(self, slices):
         slices.friction[...] = self.law(slices.sliding_speed, slices.rolling_speed)
@@ -175,7 +177,9 @@ class Pocket(PocketFriction):
     name = "sound-pocket"
     equation = "M = mu P r"
     references = SOURCE
-    coefficient: float = parameter(default=0.1, unit="1", validator=positive, doc="friction coefficient mu")
+    coefficient: float = parameter(
+        default=0.1, unit="1", validator=positive, doc="friction coefficient mu"
+    )
 
 
 @attrs.frozen
@@ -234,7 +238,8 @@ class FirstForAll(Threads):
     """All tasks get the result of the first."""
 
     def executor(self):
-        executor, first = ThreadPoolExecutor(1), []
+        executor = ThreadPoolExecutor(1)
+        first = []
 
         def submit(fn, /, *arguments):
             first.append(executor.__class__.submit(executor, fn, *arguments))
@@ -300,7 +305,9 @@ class UncomparedParameter(Film):
 class FunctionAsParameter(Film):
     """A local function as a parameter, which cannot be sent to another process."""
 
-    shape: object = attrs.field(factory=lambda: lambda x: x, metadata={"doc": "a shape", "unit": None})
+    shape: object = attrs.field(
+        factory=lambda: lambda x: x, metadata={"doc": "a shape", "unit": None}
+    )
 
 
 def _by_name(self):
@@ -390,7 +397,9 @@ class SomeFilm(Film):
 class WithoutRange(Film):
     """It reads a member and gives no range for it."""
 
-    domain = MappingProxyType({name: limits for name, limits in Film.domain.items() if name != "load"})
+    domain = MappingProxyType(
+        {name: limits for name, limits in Film.domain.items() if name != "load"}
+    )
 
 
 @breaks("check_reads_and_writes_members_that_exist")
@@ -403,7 +412,12 @@ class ReadsWhatItWrites(Film):
 
 def made_for(**changes):
     """A sound validity with changes."""
-    sound = {"quantity": "slide_roll_ratio", "high": 0.1, "consequence": "it is off", "remedy": "none"}
+    sound = {
+        "quantity": "slide_roll_ratio",
+        "high": 0.1,
+        "consequence": "it is off",
+        "remedy": "none",
+    }
     return Validity(**{**sound, "source": "nobody", **changes})
 
 
@@ -469,7 +483,9 @@ class _Part:
         self.n = part.n
         for name in CONDITIONS:
             setattr(self, name, getattr(part, name))
-        for name in (name for name in COLUMNS if getattr(part, name)):  # where slices are nobody asks
+        for name in (
+            name for name in COLUMNS if getattr(part, name)
+        ):  # where slices are nobody asks
             setattr(self, name, np.ctypeslib.as_array(getattr(part, name), (part.n,)))
 
 
@@ -584,7 +600,9 @@ class AsksForMore(Film):
     """Its NumPy form reads a column that it does not declare."""
 
     def evaluate(self, slices):
-        slices.film_thickness[...] = self.law(slices, slices.conditions) + 0.0 * np.nan_to_num(slices.pressure)
+        slices.film_thickness[...] = self.law(slices, slices.conditions) + 0.0 * np.nan_to_num(
+            slices.pressure
+        )
 
 
 @breaks("check_compiled_equals_numpy")
@@ -743,10 +761,13 @@ class Softens(Springs):
     domain = MappingProxyType({**Springs.domain, "radius": POSITIVE})
 
     def evaluate(self, slices):
-        c, d = slices.conditions, np.maximum(slices.approach, 0.0)
+        c = slices.conditions
+        d = np.maximum(slices.approach, 0.0)
         share = d / (1e-3 * c.radius)
         slices.load[...] = c.modulus * d / (1 + share**2)
-        slices.stiffness[...] = np.where(d > 0, c.modulus * np.abs(1 - share**2) / (1 + share**2) ** 2, 0.0)
+        slices.stiffness[...] = np.where(
+            d > 0, c.modulus * np.abs(1 - share**2) / (1 + share**2) ** 2, 0.0
+        )
 
 
 @breaks("check_stiffness_is_the_derivative_of_the_load")
@@ -994,7 +1015,9 @@ def data_set(**changes):
 def _rows(**changes):
     """Return a sound series with other conditions in its row."""
     series = data_set().series[0]
-    return (attrs.evolve(series, rows=(attrs.evolve(series.rows[0], changes=FrozenTable(changes)),)),)
+    return (
+        attrs.evolve(series, rows=(attrs.evolve(series.rows[0], changes=FrozenTable(changes)),)),
+    )
 
 
 DATA_SETS = {
@@ -1011,7 +1034,9 @@ SOUND.append(data_set())
 
 
 def _campaign(**members):
-    return type("SoundCampaign", (get_model("campaign", "limit"),), {"name": "sound-campaign", **members})
+    return type(
+        "SoundCampaign", (get_model("campaign", "limit"),), {"name": "sound-campaign", **members}
+    )
 
 
 CAMPAIGNS = {
@@ -1058,9 +1083,15 @@ class Heat(ThermalModel):
     equation = "C_k dT_k/dt = H_k + K (T_j - T_k) - m c (T_oil - T_0)"
     references = SOURCE
 
-    exchange: float = parameter(default=20.0, unit="W/K", doc="conductance between oil and steel", validator=positive)
-    carried: float = parameter(default=10.0, unit="W/K", doc="heat that the oil carries a kelvin", validator=positive)
-    inflow: float = parameter(default=300.0, unit="K", doc="temperature of oil that comes in", validator=positive)
+    exchange: float = parameter(
+        default=20.0, unit="W/K", doc="conductance between oil and steel", validator=positive
+    )
+    carried: float = parameter(
+        default=10.0, unit="W/K", doc="heat that the oil carries a kelvin", validator=positive
+    )
+    inflow: float = parameter(
+        default=300.0, unit="K", doc="temperature of oil that comes in", validator=positive
+    )
 
     @property
     def nodes(self):
@@ -1075,7 +1106,9 @@ class Heat(ThermalModel):
     def inflows(self, temperatures, losses):
         oil, steel = temperatures
         across = self.exchange * (steel - oil)
-        return np.array([sum(losses.values()) + across - self.carried * (oil - self.inflow), -across])
+        return np.array(
+            [sum(losses.values()) + across - self.carried * (oil - self.inflow), -across]
+        )
 
     def carried_away(self, temperatures):
         return {"oil": self.carried * (temperatures[0] - self.inflow)}
@@ -1227,7 +1260,9 @@ class Bearing(TorqueFormula):
     equation = "M = mu F_r d/2"
     references = SOURCE
 
-    coefficient: float = parameter(default=0.001, unit="1", doc="coefficient of friction", validator=positive)
+    coefficient: float = parameter(
+        default=0.001, unit="1", doc="coefficient of friction", validator=positive
+    )
 
     def terms(self, duty):
         return {"load": 0.5 * self.coefficient * duty.radial_load * duty.bore}
@@ -1353,6 +1388,8 @@ def install(folder, name, source):
     module = "fatal_" + name.replace("-", "_")
     info = Path(folder, f"{module}-1.0.dist-info")
     info.mkdir(parents=True)
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\nRequires-Dist: rollslip\n")
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\nRequires-Dist: rollslip\n"
+    )
     (info / "entry_points.txt").write_text(f"[rollslip.film]\n{name} = {module}\n")
     Path(folder, f"{module}.py").write_text(source)

@@ -105,11 +105,13 @@ class BisectsTwentyTimes(Film):
 
     def law(self, s, c):
         wanted = super().law(s, c)
-        low, high = wanted * 0 - 30.0, wanted * 0 + 5.0
+        low = wanted * 0 - 30.0
+        high = wanted * 0 + 5.0
         for _ in range(20):
             middle = (low + high) / 2
             thin = np.exp(middle) < wanted
-            low, high = np.where(thin, middle, low), np.where(thin, high, middle)
+            low = np.where(thin, middle, low)
+            high = np.where(thin, high, middle)
         return np.exp(low)
 
 
@@ -184,7 +186,9 @@ class Heated(TractionModel):
     name = "sound-heated"
     equation = "mu = f s/(s0 + s) /(1 + beta V eta V/k)"
     references = SOURCE
-    reads = frozenset({"rolling_speed", "sliding_speed", "film_thermoviscosity", "viscosity", "conductivity"})
+    reads = frozenset(
+        {"rolling_speed", "sliding_speed", "film_thermoviscosity", "viscosity", "conductivity"}
+    )
     domain = MappingProxyType(
         {
             "rolling_speed": POSITIVE,
@@ -195,14 +199,22 @@ class Heated(TractionModel):
         }
     )
     shapes = MappingProxyType({"cold": "rises", "heated": "one maximum", "bound": "coefficient"})
-    coefficient: float = parameter(default=0.05, unit="1", validator=positive, doc="friction f of a cold film")
+    coefficient: float = parameter(
+        default=0.05, unit="1", validator=positive, doc="friction f of a cold film"
+    )
 
     def evaluate(self, slices):
         slices.friction[...] = self.law(slices, slices.conditions)
 
     def law(self, s, c):
         ratio = s.sliding_speed / s.rolling_speed
-        heat = s.film_thermoviscosity * c.viscosity / c.conductivity * s.sliding_speed * s.sliding_speed
+        heat = (
+            s.film_thermoviscosity
+            * c.viscosity
+            / c.conductivity
+            * s.sliding_speed
+            * s.sliding_speed
+        )
         return self.coefficient * ratio / (0.01 + np.abs(ratio)) / (1.0 + heat)
 
 

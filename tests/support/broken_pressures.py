@@ -21,7 +21,15 @@ class Power(PressureViscosity):
     name = "sound-pressure-viscosity"
     equation = "eta = eta0 (1 + alpha p/n)^(c n)"
     references = SOURCE
-    reads = frozenset({"pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"})
+    reads = frozenset(
+        {
+            "pressure",
+            "viscosity",
+            "pressure_viscosity",
+            "thermoviscosity",
+            "pressure_thermoviscosity",
+        }
+    )
     domain = MappingProxyType(
         {
             "pressure": NON_NEGATIVE,
@@ -35,7 +43,8 @@ class Power(PressureViscosity):
     factor: float = factor_of_oil()
 
     def at(self, conditions, pressure):
-        c, p = conditions, np.asarray(pressure, dtype=float)
+        c = conditions
+        p = np.asarray(pressure, dtype=float)
         rise = c.pressure_viscosity * p / self.power
         fall = c.thermoviscosity + self.factor * c.pressure_thermoviscosity * p / (1.0 + rise)
         return c.viscosity * np.exp(self.exponent(rise)), fall

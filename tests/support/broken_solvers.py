@@ -8,17 +8,24 @@ __all__ = ["RK23", "RK45", "Careless", "FixedStep", "Forwards", "Hides", "Straig
 
 class Careless(RK45):
     def __init__(self, fun, t0, y0, t_bound, rtol=1e-3, atol=1e-6, **options):
-        super().__init__(fun, t0, y0, t_bound, rtol=max(rtol, 1e-2), atol=max(atol, 1e-2), **options)
+        super().__init__(
+            fun, t0, y0, t_bound, rtol=max(rtol, 1e-2), atol=max(atol, 1e-2), **options
+        )
 
 
 class Straight(RK45):
     def _dense_output_impl(self):
         step = super()._dense_output_impl()
-        start, end = self.y_old, self.y
+        start = self.y_old
+        end = self.y
 
         def line(t):
             share = (t - step.t_old) / step.h
-            return start + (end - start) * share if np.ndim(t) == 0 else start[:, None] + np.outer(end - start, share)
+            return (
+                start + (end - start) * share
+                if np.ndim(t) == 0
+                else start[:, None] + np.outer(end - start, share)
+            )
 
         step._call_impl = line
         return step
@@ -33,7 +40,15 @@ class Forwards(RK45):
 
 class FixedStep(RK45):
     def __init__(self, fun, t0, y0, t_bound, rtol=1e-3, atol=1e-6, **options):
-        super().__init__(fun, t0, y0, t_bound, rtol=1.0, atol=1.0, **{"first_step": 2e-3, "max_step": 2e-3, **options})
+        super().__init__(
+            fun,
+            t0,
+            y0,
+            t_bound,
+            rtol=1.0,
+            atol=1.0,
+            **{"first_step": 2e-3, "max_step": 2e-3, **options},
+        )
 
 
 class Hides(RK45):

@@ -153,7 +153,9 @@ class WrongShortWay(HeaviestForce):
 
     def only(self, assembly, outputs):
         dims, values, said = self.values(assembly)["force"]
-        return {"force": (dims, 2.0 * values, said)}, {"ring": ("ring", np.array(["inner", "outer"]), {})}
+        return {"force": (dims, 2.0 * values, said)}, {
+            "ring": ("ring", np.array(["inner", "outer"]), {})
+        }
 
 
 @attrs.frozen(kw_only=True)
@@ -218,7 +220,10 @@ class NoFile(SceneData):
 
 #: Rule -> the study or the scene that breaks it.
 BROKEN = [
-    ("check_a_scene_is_read_and_its_bearing_put_together", NoFile("nowhere", "rollslip_plugins.scenes")),
+    (
+        "check_a_scene_is_read_and_its_bearing_put_together",
+        NoFile("nowhere", "rollslip_plugins.scenes"),
+    ),
     ("check_its_result_has_the_outputs_it_declares", Undeclared()),
     ("check_its_result_has_the_outputs_it_declares", OtherUnit()),
     ("check_its_result_has_the_outputs_it_declares", OtherDims()),

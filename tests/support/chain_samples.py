@@ -27,7 +27,8 @@ class OwnError(BaseException):
 
 def run_together(task, count=8):
     """Run ``task(k)`` in threads that start at once; return what they return or raise."""
-    answers, start = [None] * count, threading.Barrier(count)
+    answers = [None] * count
+    start = threading.Barrier(count)
 
     def run(k):
         start.wait()

@@ -106,7 +106,13 @@ def environment(folder: Path, **more: str) -> dict[str, str]:
 def started(folder: Path, *arguments: object, **options) -> subprocess.Popen:
     """Start ``rollslip sweep`` in a process group of its own."""
     return subprocess.Popen(
-        [sys.executable, "-c", "from rollslip.cli import main; main()", "sweep", *map(str, arguments)],
+        [
+            sys.executable,
+            "-c",
+            "from rollslip.cli import main; main()",
+            "sweep",
+            *map(str, arguments),
+        ],
         cwd=folder,
         env=environment(folder),
         stdout=subprocess.PIPE,
@@ -117,7 +123,9 @@ def started(folder: Path, *arguments: object, **options) -> subprocess.Popen:
     )
 
 
-def sweep(folder: Path, *arguments: object, code: int = 0, **options) -> subprocess.CompletedProcess:
+def sweep(
+    folder: Path, *arguments: object, code: int = 0, **options
+) -> subprocess.CompletedProcess:
     """Run ``rollslip sweep`` to its end."""
     process = started(folder, *arguments, **options)
     out, err = process.communicate(timeout=120)

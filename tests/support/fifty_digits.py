@@ -27,8 +27,10 @@ def exact(name, model, members):
 
 def solve(residual, start, step=STEP):
     """Root of a rising function by secants from a start near it, kept inside the bracket found so far."""
-    old, new = start - step, start
-    value_old, value = residual(old), residual(new)
+    old = start - step
+    new = start
+    value_old = residual(old)
+    value = residual(new)
     ends = [-mp.inf, mp.inf]
     for _ in range(300):
         for at, found in ((old, value_old), (new, value)):
@@ -41,9 +43,13 @@ def solve(residual, start, step=STEP):
         following = new - value * (new - old) / (value - value_old)
         if not ends[0] < following < ends[1]:
             following = (
-                (ends[0] + ends[1]) / 2 if mp.isfinite(ends[1] - ends[0]) else new - 10 * mp.sign(value) * abs(step)
+                (ends[0] + ends[1]) / 2
+                if mp.isfinite(ends[1] - ends[0])
+                else new - 10 * mp.sign(value) * abs(step)
             )
-        old, new, value_old = new, following, value
+        old = new
+        new = following
+        value_old = value
         value = residual(new)
     assert abs(value) < ROOT * 100 * max(1, abs(new)), (start, new, value)
     return new
@@ -89,7 +95,9 @@ def load_of(approach_of, approach):
     """Invert a law of deflection: load per length and stiffness of an approach."""
     if approach <= 0:
         return mpf(0), mpf(0)
-    w = mp.exp(solve(lambda x: mp.log(approach_of(mp.exp(x)) / approach), mp.log(approach * mpf(10) ** 10)))
+    w = mp.exp(
+        solve(lambda x: mp.log(approach_of(mp.exp(x)) / approach), mp.log(approach * mpf(10) ** 10))
+    )
     step = mpf(10) ** -15
     rise = mp.log(approach_of(w * (1 + step)) / approach_of(w * (1 - step))) / (2 * step)
     return w, w / (approach * rise)
@@ -145,20 +153,24 @@ def power_film(model, m):
 def moes(model, m):
     U, G, W = groups(m)
     root = mp.sqrt(2 * U)
-    M, L = W / root, G * mp.sqrt(root)
-    ri, ei = 3 / M, mpf("2.621") * M ** mpf("-0.2")
+    M = W / root
+    L = G * mp.sqrt(root)
+    ri = 3 / M
+    ei = mpf("2.621") * M ** mpf("-0.2")
     isoviscous = (ri ** (mpf(7) / 3) + ei ** (mpf(7) / 3)) ** (mpf(3) / 7)
     s = (7 + 8 * mp.exp(-2 * ei / ri)) / 5
     if L == 0:
         return {"film_thickness": m["radius"] * root * isoviscous}
-    rp, ep = mpf("1.287") * L ** (mpf(2) / 3), mpf("1.311") * M ** mpf("-0.125") * L ** mpf("0.75")
+    rp = mpf("1.287") * L ** (mpf(2) / 3)
+    ep = mpf("1.311") * M ** mpf("-0.125") * L ** mpf("0.75")
     piezoviscous = (rp ** mpf("-3.5") + ep ** mpf("-3.5")) ** (mpf(-2) / 7)
     return {"film_thickness": m["radius"] * root * (isoviscous**s + piezoviscous**s) ** (1 / s)}
 
 
 def regime(model, m):
     ir, vr, ie, ve = (power(name, m) for name in ("martin", "blok", "herrebrugh", "dowson-1968"))
-    isoviscous, piezoviscous = max(ir, ie), min(vr, ve)
+    isoviscous = max(ir, ie)
+    piezoviscous = min(vr, ve)
     code = (3 if ve < vr else 1) if piezoviscous > isoviscous else (2 if ie > ir else 0)
     return {"film_thickness": max(isoviscous, piezoviscous), "regime": mpf(code)}
 
@@ -169,26 +181,33 @@ def regime(model, m):
 def barus(model, m):
     return {
         "film_viscosity": m["viscosity"] * mp.exp(m["pressure_viscosity"] * m["pressure"]),
-        "film_thermoviscosity": m["thermoviscosity"] + m["pressure_thermoviscosity"] * m["pressure"],
+        "film_thermoviscosity": m["thermoviscosity"]
+        + m["pressure_thermoviscosity"] * m["pressure"],
     }
 
 
 def roelands(model, m):
     """-dln(eta)/dT by the chain rule from eta0(T) and alpha(T)."""
     pole = 1 / mpf("5.1e-9")
-    k, x = mp.log(m["viscosity"]) + mpf("9.67"), mp.log(1 + m["pressure"] / pole)
+    k = mp.log(m["viscosity"]) + mpf("9.67")
+    x = mp.log(1 + m["pressure"] / pole)
     z = m["pressure_viscosity"] * pole / k
     rise = mp.exp(z * x)
     slope = m["thermoviscosity"] * rise + k * rise * x * (
-        m["pressure_thermoviscosity"] * pole / k - m["pressure_viscosity"] * pole * m["thermoviscosity"] / k**2
+        m["pressure_thermoviscosity"] * pole / k
+        - m["pressure_viscosity"] * pole * m["thermoviscosity"] / k**2
     )
-    return {"film_viscosity": m["viscosity"] * mp.exp(k * (rise - 1)), "film_thermoviscosity": slope}
+    return {
+        "film_viscosity": m["viscosity"] * mp.exp(k * (rise - 1)),
+        "film_thermoviscosity": slope,
+    }
 
 
 def yasutomi(model, m):
     """The WLF law at pressure over that at none, and its slope by the quotient rule."""
     tg0, a1, a2, b1, b2, c1, c2 = (
-        mpf(getattr(model, name)) for name in ("glass_temperature", "a1", "a2", "b1", "b2", "c1", "c2")
+        mpf(getattr(model, name))
+        for name in ("glass_temperature", "a1", "a2", "b1", "b2", "c1", "c2")
     )
 
     def share(p):
@@ -218,7 +237,8 @@ def muraki_stress(sigma, deborah, heating):
     s, d, phi = map(mpf, (sigma, deborah, heating))
     if s == 0:
         return mpf(0)
-    a, plateau = 1 + phi * s, mp.asinh(s)
+    a = 1 + phi * s
+    plateau = mp.asinh(s)
     discriminant = a * a - d * phi * plateau
     if discriminant < 0:
         return s / d
@@ -229,7 +249,8 @@ def muraki_stress(sigma, deborah, heating):
 @cache
 def eyring_stress(sigma, heating):
     """sinh(S) exp(Phi sigma S) = sigma."""
-    s, w = mpf(sigma), mpf(heating) * mpf(sigma)
+    s = mpf(sigma)
+    w = mpf(heating) * mpf(sigma)
     return fixed_point(lambda x: mp.asinh(s * mp.exp(-w * x)), mp.asinh(s), s, w) if s else mpf(0)
 
 
@@ -242,12 +263,17 @@ def maxwell_eyring_stress(sigma, deborah, heating):
     if d == 0:
         return eyring_stress(sigma, heating)
     w = phi * s
-    return fixed_point(lambda x: _mean(s, d, w * x), min(mp.asinh(s), s / d), s, w) if w else _mean(s, d, mpf(0))
+    return (
+        fixed_point(lambda x: _mean(s, d, w * x), min(mp.asinh(s), s / d), s, w)
+        if w
+        else _mean(s, d, mpf(0))
+    )
 
 
 def _mean(s, d, y):
     eps = s * mp.exp(-y)
-    c, p = mp.sqrt(1 + eps**2), 2 * mp.exp(y) / d
+    c = mp.sqrt(1 + eps**2)
+    p = 2 * mp.exp(y) / d
     if eps < mpf(10) ** -40:  # linear viscoelastic, to eps^2
         return eps * (1 + mp.expm1(-p) / p if p > mpf(10) ** -20 else p / 2 - p**2 / 6)
     if p > mpf(10) ** 60:  # all plateau
@@ -258,7 +284,9 @@ def _mean(s, d, y):
         c = mp.sqrt(1 + eps**2)
         p = 2 * mp.exp(y) * c / d
         t = eps / (1 + c)
-        a, b, q = t / (eps + c), t * (eps + c), mp.exp(-p)
+        a = t / (eps + c)
+        b = t * (eps + c)
+        q = mp.exp(-p)
         terms = mp.polylog(2, a) - mp.polylog(2, a * q) - mp.polylog(2, -b) + mp.polylog(2, -b * q)
         return mp.asinh(eps) - mp.re(terms) / p
 
@@ -281,17 +309,25 @@ def _odd(law):
 
 def _resistance(model, m):
     """Temperature rise of a film per rate of heat, zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f)."""
-    surfaces = mpf(model.flash) * mp.sqrt(m["half_width"] / (PI * m["rolling_speed"])) / m["effusivity"]
+    surfaces = (
+        mpf(model.flash) * mp.sqrt(m["half_width"] / (PI * m["rolling_speed"])) / m["effusivity"]
+    )
     return surfaces + m["film_thickness"] / (12 * m["conductivity"])
 
 
 def _eyring_fluid(stress):
     @_odd
     def law(model, m):
-        eta, tau0, h = m["film_viscosity"], m["eyring_stress"], m["film_thickness"]
+        eta = m["film_viscosity"]
+        tau0 = m["eyring_stress"]
+        h = m["film_thickness"]
         sigma = eta * m["sliding_speed"] / (tau0 * h)
         heating = m["film_thermoviscosity"] * _resistance(model, m) * tau0**2 * h / eta
-        deborah = eta * m["rolling_speed"] / (m["shear_modulus"] * m["half_width"]) if "shear_modulus" in m else mpf(0)
+        deborah = (
+            eta * m["rolling_speed"] / (m["shear_modulus"] * m["half_width"])
+            if "shear_modulus" in m
+            else mpf(0)
+        )
         return tau0 / m["pressure"] * stress(sigma, deborah, heating)
 
     return law
@@ -310,7 +346,9 @@ def _all_digits(law):
 
 @_all_digits
 def kragelsky(model, x):
-    limit, rise, decay = mpf(model.limit), mpf(model.rise), mpf(model.decay)
+    limit = mpf(model.limit)
+    rise = mpf(model.rise)
+    decay = mpf(model.decay)
     return (-limit + rise * x) * mp.exp(-decay * x) + limit
 
 
@@ -333,7 +371,9 @@ def _cold(m):
 
 @_odd
 def carreau(model, m):
-    newtonian, n, critical = _cold(m), mpf(model.exponent), mpf(model.critical_stress)
+    newtonian = _cold(m)
+    n = mpf(model.exponent)
+    critical = mpf(model.critical_stress)
     softening = m["film_thermoviscosity"] * _resistance(model, m) * m["sliding_speed"]
 
     def law(tau):
@@ -346,8 +386,14 @@ def carreau(model, m):
 def _couette(thinning):
     @_odd
     def law(model, m):
-        newtonian, beta, speed = _cold(m), m["film_thermoviscosity"], m["sliding_speed"]
-        flash = mpf(model.flash) * mp.sqrt(m["half_width"] / (PI * m["rolling_speed"])) / m["effusivity"]
+        newtonian = _cold(m)
+        beta = m["film_thermoviscosity"]
+        speed = m["sliding_speed"]
+        flash = (
+            mpf(model.flash)
+            * mp.sqrt(m["half_width"] / (PI * m["rolling_speed"]))
+            / m["effusivity"]
+        )
 
         def stress(tau):
             share = mp.exp(-beta * flash * tau * speed) * thinning(tau, m)
@@ -365,11 +411,14 @@ def _eyring_thinning(tau, m):
 
 
 def lambda_blend(model, m):
-    boundary, hydrodynamic = (LAWS.get(child.name) for child in (model.boundary, model.hydrodynamic))
+    boundary, hydrodynamic = (
+        LAWS.get(child.name) for child in (model.boundary, model.hydrodynamic)
+    )
     if boundary is None or hydrodynamic is None:
         return None
     ratio = m["film_thickness"] / m["roughness"]
-    low, high = mpf(model.boundary_limit), mpf(model.hydrodynamic_limit)
+    low = mpf(model.boundary_limit)
+    high = mpf(model.hydrodynamic_limit)
     share = min(max((ratio - high) / (low - high), mpf(0)), mpf(1)) ** mpf(model.exponent)
     full = hydrodynamic(model.hydrodynamic, m)["friction"] if share < 1 else mpf(0)
     rough = boundary(model.boundary, m)["friction"] if share > 0 else mpf(0)

@@ -60,7 +60,17 @@ def compiled(source):
         path.write_text(source, encoding="utf-8")
         compiler = (sysconfig.get_config_var("CC") or "cc").split()
         library = path.with_suffix(".so")
-        command = [*compiler, "-O2", "-shared", "-fPIC", f"-I{get_include()}", path, "-o", library, "-lm"]
+        command = [
+            *compiler,
+            "-O2",
+            "-shared",
+            "-fPIC",
+            f"-I{get_include()}",
+            path,
+            "-o",
+            library,
+            "-lm",
+        ]
         subprocess.run(command, check=True)
         loaded = ctypes.CDLL(str(library))
     _ALIVE.append(loaded)
@@ -70,7 +80,9 @@ def compiled(source):
 def compiled_capsule(source, *parameters):
     """Return a capsule of a source in C, whose ``params`` are an array of these numbers."""
     values = (ctypes.c_double * len(parameters))(*parameters)
-    table = RsModel(1, SIZE, ctypes.cast(compiled(source), ctypes.c_void_p).value, ctypes.addressof(values))
+    table = RsModel(
+        1, SIZE, ctypes.cast(compiled(source), ctypes.c_void_p).value, ctypes.addressof(values)
+    )
     _ALIVE.append((values, table))
     return _new_capsule(ctypes.addressof(table), NAME, None)
 

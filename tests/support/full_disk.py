@@ -30,7 +30,9 @@ def allowed(folder: Path) -> bool:
     """Return whether such a disk can be had here."""
     if shutil.which("unshare") is None:
         return False
-    done = subprocess.run(unshared(f"mount -t tmpfs tmpfs '{folder}'"), capture_output=True, check=False)
+    done = subprocess.run(
+        unshared(f"mount -t tmpfs tmpfs '{folder}'"), capture_output=True, check=False
+    )
     return done.returncode == 0
 
 
@@ -39,7 +41,9 @@ def on_a_disk(scenario, folder: Path, *engine: object) -> None:
     (folder / "s").mkdir()
     call = [sys.executable, __file__, scenario.__name__, str(folder), *map(str, engine)]
     mount = f"mount -t tmpfs -o size=160k tmpfs '{folder / 's'}' && exec \"$@\""
-    done = subprocess.run([*unshared(mount), "sh", *call], capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(
+        [*unshared(mount), "sh", *call], capture_output=True, text=True, timeout=300, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -66,7 +70,13 @@ def names(disk: Path) -> set[str]:
 
 def whole(disk: Path) -> None:
     """Check that there are whole files and nothing else."""
-    known = {"sweep.json", "sweep.nc", "sweep.lock", "filler", *(path.name for path in journals(disk))}
+    known = {
+        "sweep.json",
+        "sweep.nc",
+        "sweep.lock",
+        "filler",
+        *(path.name for path in journals(disk)),
+    }
     assert names(disk) <= known, names(disk)
     for path in journals(disk):
         with closing(sqlite3.connect(path)) as connection:
@@ -77,7 +87,10 @@ def the_journal_grows_until_the_disk_is_full(folder: Path, *engine: str) -> None
     """Ends the run in words, keeps what was done, and can be gone on with."""
     sweep(folder, "run", "scene.toml", *MANY, "--engine", "serial", "--out", "serial")
     done = sweep(folder, "run", "scene.toml", *MANY, *engine, "--out", "s", code=2)
-    assert "journal-000000.sqlite: cannot be written (database or disk is full); free space" in done.stderr
+    assert (
+        "journal-000000.sqlite: cannot be written (database or disk is full); free space"
+        in done.stderr
+    )
     assert "what was done is kept; go on with: rollslip sweep resume s" in done.stderr
     whole(folder / "s")
     kept = 200 - states(folder / "s", 200).count(0)

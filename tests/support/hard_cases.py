@@ -41,7 +41,9 @@ from rollslip_kernels.stages import stress as compiled_stress
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction import stress as readable_stress
 
-EPS, TINY, HUGE = sys.float_info.epsilon, sys.float_info.min, sys.float_info.max
+EPS = sys.float_info.epsilon
+TINY = sys.float_info.min
+HUGE = sys.float_info.max
 DENORMAL = 5e-324
 
 #: What the program raises where it refuses.
@@ -58,7 +60,13 @@ BASE = {
 }  # fmt: skip
 
 #: Error allowed to a law known in 50 digits; a stage is some twenty roundings of 1.1e-16 and a few library functions.
-ALLOWED = {"contact": 1e-15, "deflection": 1e-14, "film": 1e-14, "traction": 2e-13, "stress law": 1e-13}
+ALLOWED = {
+    "contact": 1e-15,
+    "deflection": 1e-14,
+    "film": 1e-14,
+    "traction": 2e-13,
+    "stress law": 1e-13,
+}
 #: What two forms of one law may differ by, and what a result may differ by where only its sum's order changes.
 ALIKE = 1e-12
 
@@ -108,7 +116,9 @@ class Subject:
 
 @cache
 def _forms(model):
-    return (Chain(model), Chain(NumpyForm(model))) if model.kernel() is not None else (Chain(model),)
+    return (
+        (Chain(model), Chain(NumpyForm(model))) if model.kernel() is not None else (Chain(model),)
+    )
 
 
 STRESS_LAWS = {
@@ -165,7 +175,11 @@ class Verdict:
 
     def right(self, got, expected, allowed, where=""):
         """Compare with an exact value."""
-        self.off(abs(mpf(got) - expected) / max(abs(expected), TINY), allowed, f"{where}: {got!r} for {expected}")
+        self.off(
+            abs(mpf(got) - expected) / max(abs(expected), TINY),
+            allowed,
+            f"{where}: {got!r} for {expected}",
+        )
 
     def off(self, error, allowed, where=""):
         """Note an error, which must not be larger than allowed."""
@@ -293,7 +307,11 @@ def judge_answers(subject, verdict, row, answers, allowed):
             judge_friction(chain, row, got["friction"])
         if expected is not None:
             for column, value in got.items():
-                limit = allowed or ALLOWED.get(subject.kind) or 20 * EPS * (1 + condition(subject, row, column))
+                limit = (
+                    allowed
+                    or ALLOWED.get(subject.kind)
+                    or 20 * EPS * (1 + condition(subject, row, column))
+                )
                 verdict.right(value, expected[column], limit, f"{column} at {row}")
     if expected is None:
         verdict.bounded()
@@ -301,7 +319,11 @@ def judge_answers(subject, verdict, row, answers, allowed):
             assert subject.kind != "film" or value > 0, (row, answers)
             for _, got in answers[1:]:
                 limit = max(ALIKE, subject.model.tolerance)
-                verdict.off(abs(got[column] - value) / max(abs(value), TINY), limit, f"{column} at {row}: {answers}")
+                verdict.off(
+                    abs(got[column] - value) / max(abs(value), TINY),
+                    limit,
+                    f"{column} at {row}: {answers}",
+                )
 
 
 def judge_friction(chain, row, friction):
@@ -315,7 +337,9 @@ def judge_friction(chain, row, friction):
     if "film_viscosity" in reads or "viscosity" in reads:
         eta = row["film_viscosity"]
         if "viscosity" in reads:  # its own, at the largest pressure of the contact
-            eta = row["viscosity"] * math.exp(min(row["pressure_viscosity"] * row["pressure"] * 4 / math.pi, 700.0))
+            eta = row["viscosity"] * math.exp(
+                min(row["pressure_viscosity"] * row["pressure"] * 4 / math.pi, 700.0)
+            )
         bound = max(bound, eta * abs(speed) / row["film_thickness"] / row["pressure"])
     assert abs(friction) <= bound * (1 + ALIKE)
 
@@ -329,7 +353,9 @@ def condition(subject, row, column):
 def condition_of(law, members):
     with mp.workdps(DIGITS):
         members = {name: mpf(value) for name, value in members.items()}
-        middle, step, total = law(members), mpf(10) ** -15, mpf(0)
+        middle = law(members)
+        step = mpf(10) ** -15
+        total = mpf(0)
         for name, value in members.items():
             if value and mp.isfinite(value) and middle:
                 ends = (law(members | {name: value * (1 + sign * step)}) for sign in (1, -1))
@@ -345,8 +371,11 @@ def rows(*changes):
 def film(sigma=1.0, deborah=1e-3, heating=0.1, **changes):
     """The usual slice with other members, such that an Eyring fluid has these groups."""
     row = BASE | changes
-    eta, h = row["film_viscosity"], row["film_thickness"]
-    zeta = 0.97 * math.sqrt(row["half_width"] / (math.pi * row["rolling_speed"])) / row["effusivity"]
+    eta = row["film_viscosity"]
+    h = row["film_thickness"]
+    zeta = (
+        0.97 * math.sqrt(row["half_width"] / (math.pi * row["rolling_speed"])) / row["effusivity"]
+    )
     zeta += h / (12 * row["conductivity"])
     return row | {
         "sliding_speed": sigma * row["eyring_stress"] * h / eta,
@@ -366,7 +395,8 @@ def loaded(force, viscosity_ratio=None):
         "pressure": pressure,
         "approach": 1e-9 * force**0.9,
         "film_viscosity": BASE["viscosity"] * math.exp(BASE["pressure_viscosity"] * pressure),
-        "film_thermoviscosity": BASE["thermoviscosity"] + BASE["pressure_thermoviscosity"] * pressure,
+        "film_thermoviscosity": BASE["thermoviscosity"]
+        + BASE["pressure_thermoviscosity"] * pressure,
     }
 
 
@@ -415,7 +445,9 @@ def at_thresholds(subject, verdict):
     limits += [limit for limit in [subject.model.full_film_from] if limit is not None]
     assert limits, "where does it change its law?"
     for limit in sorted(set(limits)):
-        at = limit * BASE["roughness"]  # the roughness is a power of two: the ratio is the limit exactly
+        at = (
+            limit * BASE["roughness"]
+        )  # the roughness is a power of two: the ratio is the limit exactly
         beside = [math.nextafter(at, 0.0), at, math.nextafter(at, math.inf)]
         for speed in (1e-6, 0.3, 3.0, 29.8):
             slices = rows(*({"film_thickness": h, "sliding_speed": speed} for h in beside))
@@ -423,9 +455,16 @@ def at_thresholds(subject, verdict):
             for chain in subject.forms:
                 low, middle, high = (answer(chain, row)["friction"] for row in slices)
                 # a part of rough surfaces that vanishes is cut off where it is a rounding of its whole
-                rough = Chain(subject.model.boundary) if hasattr(subject.model, "boundary") else chain
+                rough = (
+                    Chain(subject.model.boundary) if hasattr(subject.model, "boundary") else chain
+                )
                 scale = max(abs(middle), abs(answer(rough, slices[1])["friction"]))
-                assert max(abs(low - middle), abs(high - middle)) <= ALIKE * scale, (limit, low, middle, high)
+                assert max(abs(low - middle), abs(high - middle)) <= ALIKE * scale, (
+                    limit,
+                    low,
+                    middle,
+                    high,
+                )
 
 
 def piezoviscous_blow_up(subject, verdict):
@@ -442,21 +481,36 @@ def regime_boundaries(subject, verdict):
     """Where two formulas of the regimes meet, and a rounding error beside it."""
     G = BASE["pressure_viscosity"] * BASE["modulus"]
     # g_V = W^1.5 G/U^0.5 and g_E = W/U^0.5 of a point on each boundary -> U, W
-    for g_v, g_e in ((5.035, 0.5), (1.0, 1.770), (38.97 * 5**0.4737, 5.0), (1.337 * 5**1.3704, 5.0)):
+    for g_v, g_e in (
+        (5.035, 0.5),
+        (1.0, 1.770),
+        (38.97 * 5**0.4737, 5.0),
+        (1.337 * 5**1.3704, 5.0),
+    ):
         W = (g_v / g_e / G) ** 2
         U = (W / g_e) ** 2
-        load, speed = W * BASE["modulus"] * BASE["radius"], U * BASE["modulus"] * BASE["radius"] / BASE["viscosity"]
+        load = W * BASE["modulus"] * BASE["radius"]
+        speed = U * BASE["modulus"] * BASE["radius"] / BASE["viscosity"]
         for each in (load, math.nextafter(load, 0), math.nextafter(load, math.inf)):
             row = BASE | {"load": each, "rolling_speed": speed}
             (got, *others) = [answer(chain, row) for chain in subject.forms]
-            expected = exact(subject.name, subject.model, {name: row[name] for name in subject.reads})
+            expected = exact(
+                subject.name, subject.model, {name: row[name] for name in subject.reads}
+            )
             for form in (got, *others):
                 if expected is None:
                     verdict.bounded()
                     h = got["film_thickness"]
-                    verdict.off(abs(form["film_thickness"] - h) / h, max(ALIKE, subject.model.tolerance))
+                    verdict.off(
+                        abs(form["film_thickness"] - h) / h, max(ALIKE, subject.model.tolerance)
+                    )
                 else:
-                    verdict.right(form["film_thickness"], expected["film_thickness"], ALLOWED["film"], f"{row}")
+                    verdict.right(
+                        form["film_thickness"],
+                        expected["film_thickness"],
+                        ALLOWED["film"],
+                        f"{row}",
+                    )
 
 
 def few_slices(subject, verdict):
@@ -465,7 +519,8 @@ def few_slices(subject, verdict):
     To the last bit where it is compiled; in NumPy an iteration may go on for the sake of another slice.
     """
     compiled = len(subject.forms) == 2
-    whole, chain = table(subject.model, 258 if compiled else 9), subject.forms[0]
+    whole = table(subject.model, 258 if compiled else 9)
+    chain = subject.forms[0]
     singles = [picked(whole, [i]) for i in range(len(whole))]
     for one in singles:
         chain(one)
@@ -475,7 +530,9 @@ def few_slices(subject, verdict):
         for name in subject.model.writes:
             for got, one in zip(getattr(part, name), singles, strict=False):
                 alone = getattr(one, name)[0]
-                verdict.off(abs(got - alone) / max(abs(alone), TINY), 0.0 if compiled else ALIKE, name)
+                verdict.off(
+                    abs(got - alone) / max(abs(alone), TINY), 0.0 if compiled else ALIKE, name
+                )
 
 
 def split_over_threads(subject, verdict):
@@ -484,7 +541,9 @@ def split_over_threads(subject, verdict):
     chain = subject.forms[0]
 
     def parts():
-        return [picked(whole, slice(k * len(whole) // 8, (k + 1) * len(whole) // 8)) for k in range(8)]
+        return [
+            picked(whole, slice(k * len(whole) // 8, (k + 1) * len(whole) // 8)) for k in range(8)
+        ]
 
     expected = parts()
     for part in expected:
@@ -499,7 +558,8 @@ def split_over_threads(subject, verdict):
     verdict.off(0.0, 0.0)
 
 
-PATTERN, MILLIONS = 1000, 10_000_000
+PATTERN = 1000
+MILLIONS = 10_000_000
 
 
 def ten_million_slices(subject, verdict):
@@ -543,7 +603,9 @@ def judge_stress(subject, verdict, points):
 
 def stress_of_no_number(subject, verdict):
     """NaN is handed on, never turned into a number."""
-    groups = (1, 2) if subject.name == "eyring stress" else (0, 1, 2)  # Eyring's law has no Deborah number
+    groups = (
+        (1, 2) if subject.name == "eyring stress" else (0, 1, 2)
+    )  # Eyring's law has no Deborah number
     for law in STRESS_LAWS[subject.name][:2]:
         for k in groups:
             point = [1.0, 1.0, 1.0]
@@ -554,8 +616,11 @@ def stress_of_no_number(subject, verdict):
 
 # Judging the load distribution ---------------------------------------------------------------------------------------
 
-INNER, OUTER = 0.006875, 0.008125  # equivalent radii of the paper's bearing [m]
-LENGTH, ROLLERS = BASE["length"], 28
+# equivalent radii of the paper's bearing [m]
+INNER = 0.006875
+OUTER = 0.008125
+LENGTH = BASE["length"]
+ROLLERS = 28
 FORCE = 3415.0
 LARGE = 0.014  # clearance that leaves one roller even at yield [m]
 
@@ -564,7 +629,8 @@ def bearing_law(subject, radii=(INNER, OUTER)):
     """Contacts of a bearing with both rings, after a stage of deflection."""
     return tuple(
         SimpleNamespace(
-            conditions=Conditions(length=LENGTH, radius=radius, modulus=BASE["modulus"]), deflection=subject.forms[0]
+            conditions=Conditions(length=LENGTH, radius=radius, modulus=BASE["modulus"]),
+            deflection=subject.forms[0],
         )
         for radius in radii
     )
@@ -573,7 +639,9 @@ def bearing_law(subject, radii=(INNER, OUTER)):
 def exact_law(subject, radius):
     """Approach [m] as a function of the load per length, in 50 digits."""
     m = {"length": LENGTH, "radius": radius, "modulus": BASE["modulus"]}
-    return DEFLECTIONS[subject.name.removesuffix(" deflection")]({name: mpf(value) for name, value in m.items()})
+    return DEFLECTIONS[subject.name.removesuffix(" deflection")](
+        {name: mpf(value) for name, value in m.items()}
+    )
 
 
 def load_case(slices=1, instants=1, **changes):
@@ -584,9 +652,13 @@ def load_case(slices=1, instants=1, **changes):
 def one_roller(subject, verdict):
     """A clearance so large that the roller in the line of load carries all, and the ring comes to rest on it."""
     for force in (1.0, FORCE, YIELD):
-        solved = solve_equilibrium(load_case(radial_clearance=LARGE, radial_load=force), bearing_law(subject))
+        solved = solve_equilibrium(
+            load_case(radial_clearance=LARGE, radial_load=force), bearing_law(subject)
+        )
         with mp.workdps(DIGITS):
-            approach = sum(exact_law(subject, radius)(mpf(force) / mpf(LENGTH)) for radius in (INNER, OUTER))
+            approach = sum(
+                exact_law(subject, radius)(mpf(force) / mpf(LENGTH)) for radius in (INNER, OUTER)
+            )
             verdict.right(solved.inner_force[0, 0], mpf(force), 1e-12, f"{force} N")
             verdict.right(solved.displacement[0, 0], mpf(LARGE) / 2 + approach, 1e-12, f"{force} N")
         assert not np.any(solved.inner_force[0, 1:])
@@ -595,7 +667,8 @@ def one_roller(subject, verdict):
 def exact_straight(subject, case):
     """Normal forces of straight rollers by the law of two contacts in series, in 50 digits; psi = 0 is loaded."""
     inner, outer = (exact_law(subject, radius) for radius in (INNER, OUTER))
-    l, centrifugal = mpf(LENGTH), mpf(case.centrifugal_force)  # noqa: E741
+    l = mpf(LENGTH)  # noqa: E741
+    centrifugal = mpf(case.centrifugal_force)
     seat = outer(centrifugal / l) if centrifugal else mpf(0)
     half = case.psi.shape[1] // 2 + 1
     cos = [mp.cos(mpf(psi)) for psi in case.psi[0, :half]]
@@ -606,7 +679,9 @@ def exact_straight(subject, case):
             return mpf(0)
 
         def excess(x):
-            return mp.log((inner(mp.exp(x) / l) + outer((mp.exp(x) + centrifugal) / l) - seat) / (gap - seat))
+            return mp.log(
+                (inner(mp.exp(x) / l) + outer((mp.exp(x) + centrifugal) / l) - seat) / (gap - seat)
+            )
 
         return mp.exp(solve(excess, mp.log((gap - seat) * mpf(10) ** 8)))
 
@@ -614,7 +689,11 @@ def exact_straight(subject, case):
         return [force(dx * c - mpf(case.radial_clearance) / 2) for c in cos]
 
     def unbalanced(dx):
-        return sum(k * c * q for k, c, q in zip(shares, cos, forces(dx), strict=True)) / mpf(case.radial_load) - 1
+        return (
+            sum(k * c * q for k, c, q in zip(shares, cos, forces(dx), strict=True))
+            / mpf(case.radial_load)
+            - 1
+        )
 
     start = mpf(float(solve_equilibrium(case, bearing_law(subject)).displacement[0, 0]))
     return forces(solve(unbalanced, start, -start / 1000))
@@ -628,7 +707,11 @@ def straight(subject, verdict, cases, allowed):
         with mp.workdps(DIGITS):
             expected = exact_straight(subject, case)
             for got, force in zip(solved.inner_force[0], expected, strict=False):
-                verdict.off(abs(mpf(got) - force) / max(expected), allowed, f"{changes}: {got} N for {force} N")
+                verdict.off(
+                    abs(mpf(got) - force) / max(expected),
+                    allowed,
+                    f"{changes}: {got} N for {force} N",
+                )
         if case.radial_clearance < 0:
             assert np.all(solved.inner_force > 0), "preload presses all rollers"
 
@@ -637,7 +720,9 @@ def unloaded(subject, verdict):
     """Without load the inner ring carries nothing to the last bit; rollers press outwards with what turns them."""
     for clearance in (0.0, 2e-5):
         for centrifugal in (0.0, 174.0):
-            case = load_case(radial_load=0.0, radial_clearance=clearance, centrifugal_force=centrifugal, slices=5)
+            case = load_case(
+                radial_load=0.0, radial_clearance=clearance, centrifugal_force=centrifugal, slices=5
+            )
             solved = solve_equilibrium(case, bearing_law(subject))
             assert not np.any(solved.inner_load)
             for force in solved.outer_force[0]:
@@ -646,7 +731,8 @@ def unloaded(subject, verdict):
 
 def tilted(subject, verdict, tilts, least):
     """One straight roller between a ring and a tilted one: it takes half of the tilt, and edges carry most."""
-    law, slices = bearing_law(subject, (INNER, INNER)), 21
+    law = bearing_law(subject, (INNER, INNER))
+    slices = 21
     for tilt in tilts:
         case = load_case(radial_clearance=LARGE, misalignment=tilt, slices=slices)
         solved = solve_equilibrium(case, law)
@@ -665,8 +751,16 @@ def tilted(subject, verdict, tilts, least):
             expected = loads(solve(excess, start, -start / 1000))
             for ring in (solved.inner_load, solved.outer_load):
                 for got, load in zip(ring[0, 0], expected, strict=True):
-                    verdict.off(abs(mpf(got) - load) / max(expected), 1e-10, f"tilt {tilt}: {got} for {load}")
-        assert np.count_nonzero(solved.inner_load[0, 0] == 0.0) == sum(load == 0 for load in expected) >= least
+                    verdict.off(
+                        abs(mpf(got) - load) / max(expected),
+                        1e-10,
+                        f"tilt {tilt}: {got} for {load}",
+                    )
+        assert (
+            np.count_nonzero(solved.inner_load[0, 0] == 0.0)
+            == sum(load == 0 for load in expected)
+            >= least
+        )
         assert np.argmax(solved.inner_load[0, 0]) == (slices - 1 if tilt > 0 else 0)
 
 
@@ -684,8 +778,12 @@ def crushed(subject, verdict):
         if refusal is None:
             verdict.off(max(solved.force_residual, solved.moment_residual), 1e-10, str(changes))
         else:
-            assert re.search("no equilibrium .*; check|is outside its domain|that is not finite", str(refusal))
-            verdict.refused(re.sub(r"\d+ iterations|residual of.*required 1e-10", "...", str(refusal)))
+            assert re.search(
+                "no equilibrium .*; check|is outside its domain|that is not finite", str(refusal)
+            )
+            verdict.refused(
+                re.sub(r"\d+ iterations|residual of.*required 1e-10", "...", str(refusal))
+            )
 
 
 def unfit_load_case(subject, verdict):
@@ -699,7 +797,9 @@ def unfit_load_case(subject, verdict):
         ([[0.0]], [0.0], math.nan, "roller_length is nan"),
         ([[0.0]], [0.0], math.inf, "roller_length is inf"),
     ):
-        _raises(ValueError, says, LoadCase, psi, length, drop, radial_clearance=0.0, radial_load=1.0)
+        _raises(
+            ValueError, says, LoadCase, psi, length, drop, radial_clearance=0.0, radial_load=1.0
+        )
     _raises(ValueError, "at least one of each", angular_positions, 0, 1)
     verdict.refused("ValueError: NAME is nan N: it must be zero or positive, or finite")
 
@@ -725,10 +825,14 @@ def kinematics(inner=W, outer=0.0):
 def exact_speeds(k, cage_slip, roller_slip):
     """Sliding and rolling speeds as differences of the surfaces' speeds, in 50 digits."""
     Ri, Ro, r = (mpf(BEARING[name]) for name in ("inner_radius", "outer_radius", "roller_radius"))
-    wi, wo = k.direction * mpf(k.inner_speed), k.direction * mpf(k.outer_speed)
+    wi = k.direction * mpf(k.inner_speed)
+    wo = k.direction * mpf(k.outer_speed)
     cage = (Ri * wi + Ro * wo) / (Ri + Ro)
-    wc, wr = cage * (1 - mpf(cage_slip)), Ri * (wi - cage) / r * (1 - mpf(roller_slip))
-    inner, outer, spin = Ri * (wi - wc), Ro * (wc - wo), r * wr
+    wc = cage * (1 - mpf(cage_slip))
+    wr = Ri * (wi - cage) / r * (1 - mpf(roller_slip))
+    inner = Ri * (wi - wc)
+    outer = Ro * (wc - wo)
+    spin = r * wr
     return {
         "inner_sliding": inner - spin,
         "outer_sliding": spin - outer,
@@ -747,7 +851,8 @@ def speeds(subject, verdict, pairs, slips):
                 exact = exact_speeds(k, cage_slip, roller_slip)
                 # of two slips the larger: where both meet, one surface rolls and its sliding speed is their rounding
                 scale = max(
-                    abs(mpf(k.epicyclic_cage_speed) * mpf(cage_slip)) * mpf("0.09"), abs(exact["inner_sliding"])
+                    abs(mpf(k.epicyclic_cage_speed) * mpf(cage_slip)) * mpf("0.09"),
+                    abs(exact["inner_sliding"]),
                 )
                 for name, expected in exact.items():
                     size = scale if "sliding" in name else abs(expected)
@@ -762,14 +867,22 @@ def counter_rotation(subject, verdict):
         u = float(k.surface_speeds(0.0, 0.0).inner_rolling)
         with mp.workdps(DIGITS):
             verdict.right(u, exact_speeds(k, 0.0, 0.0)["inner_rolling"], 1e-14)
-        for call in (lambda k=k: k.surface_speeds(0.1, 0.0), lambda k=k: k.roller_slip_outer_rolling(0.1)):
-            verdict.refused(_raises(DomainError, "cage slip, which is relative to it, has no meaning", call))
+        for call in (
+            lambda k=k: k.surface_speeds(0.1, 0.0),
+            lambda k=k: k.roller_slip_outer_rolling(0.1),
+        ):
+            verdict.refused(
+                _raises(DomainError, "cage slip, which is relative to it, has no meaning", call)
+            )
 
 
 def mirrored_rotation(subject, verdict):
     """All rings the other way round: the same bits."""
     for pair in ((W, 0.0), (0.0, W), (W, -W), (W, 0.9 * W)):
-        there, back = (kinematics(sign * pair[0], sign * pair[1]).surface_speeds(0.1, -0.03) for sign in (1, -1))
+        there, back = (
+            kinematics(sign * pair[0], sign * pair[1]).surface_speeds(0.1, -0.03)
+            for sign in (1, -1)
+        )
         for field in attrs.fields(type(there)):
             np.testing.assert_array_equal(getattr(there, field.name), getattr(back, field.name))
     verdict.off(0.0, 0.0)
@@ -777,7 +890,9 @@ def mirrored_rotation(subject, verdict):
 
 def unfit_kinematics(subject, verdict):
     for outer in (0.0, W):
-        verdict.refused(_raises(DomainError, "nothing rolls: both rings turn at", kinematics, outer, outer))
+        verdict.refused(
+            _raises(DomainError, "nothing rolls: both rings turn at", kinematics, outer, outer)
+        )
     for value in (math.nan, math.inf, -math.inf):
         _raises(ValueError, "inner_speed", kinematics, value)
         _raises(
@@ -802,15 +917,29 @@ def profiles(subject, verdict):
         for n in (1, 2, 101, 100_001, 10_000_001):
             x = float(slice_positions(LENGTH, n)[-1])
             distance = -mpf("0.00035") * mpf("0.015") * mp.log(1 - (mpf(x) / half) ** 2)
-            verdict.right(float(profile_of("iso16281", x)), distance, 1e-8 if n > 1e6 else 1e-10, f"{n} slices")
+            verdict.right(
+                float(profile_of("iso16281", x)),
+                distance,
+                1e-8 if n > 1e6 else 1e-10,
+                f"{n} slices",
+            )
         for radius in (0.5 * LENGTH, 5.0, 1e6, 1e100):
             expected = (
                 mpf(radius) - mp.sqrt(mpf(radius) ** 2 - mpf(0.007) ** 2)
                 if radius < 1e9
                 else mpf(0.007) ** 2 / (2 * mpf(radius))
             )
-            verdict.right(float(profile_of("circular", 0.007, radius=radius)), expected, 1e-14, f"radius {radius}")
-    verdict.refused(_raises(DomainError, "infinite at the ends of the roller", profile_of, "iso16281", LENGTH / 2))
+            verdict.right(
+                float(profile_of("circular", 0.007, radius=radius)),
+                expected,
+                1e-14,
+                f"radius {radius}",
+            )
+    verdict.refused(
+        _raises(
+            DomainError, "infinite at the ends of the roller", profile_of, "iso16281", LENGTH / 2
+        )
+    )
     for x in (math.nan, math.inf, 0.5000001 * LENGTH):
         _raises(ValueError, "positions must lie on the roller", profile_of, "iso16281", x)
     for radius in (math.nan, math.inf, 0.1 * LENGTH):
@@ -833,9 +962,15 @@ def maxima(subject, verdict):
         found = locate(curve, grid, np.array([curve(float(s)) for s in grid]), "max_slip")
         assert found.status == "found"
         verdict.off(abs(found.slip / slip - 1), 3e-7, f"{found} for {slip}")
-        verdict.off(abs(found.friction / friction - 1) if friction > TINY else 0.0, 1e-12, f"{found} for {friction}")
+        verdict.off(
+            abs(found.friction / friction - 1) if friction > TINY else 0.0,
+            1e-12,
+            f"{found} for {friction}",
+        )
     plateau = np.array([0.0, 1.0, 1.0, 0.5])
-    found = locate(lambda s: float(np.interp(s, range(4), plateau)), np.arange(4.0), plateau, "max_slip")
+    found = locate(
+        lambda s: float(np.interp(s, range(4), plateau)), np.arange(4.0), plateau, "max_slip"
+    )
     assert found.status == "found"
     assert 1.0 <= found.slip <= 2.0
 
@@ -858,7 +993,9 @@ def curve_of_no_number(subject, verdict):
             friction[place] = value
             call = partial(locate, lambda s: s, slip, friction, "max_slip")
             words = _raises(DomainError, r"friction is (nan|inf|-inf) at a slip of", call)
-    verdict.refused(re.sub(r"is -inf at a slip of \S+", "is nan, inf or -inf at a slip of ...", words))
+    verdict.refused(
+        re.sub(r"is -inf at a slip of \S+", "is nan, inf or -inf at a slip of ...", words)
+    )
 
 
 # Judging studies -----------------------------------------------------------------------------------------------------
@@ -881,7 +1018,10 @@ def paper():
 
 def scene_for(subject, changes):
     study, variant = subject.name.split()
-    return evolve(paper(), {f"study.{study}.{'ring' if study == 'friction-curve' else 'closure'}": variant, **changes})
+    return evolve(
+        paper(),
+        {f"study.{study}.{'ring' if study == 'friction-curve' else 'closure'}": variant, **changes},
+    )
 
 
 def force_on(subject, force):
@@ -928,7 +1068,11 @@ def judge_result(subject, verdict, changes, refused=None, must=False, check=True
 def exact_contact(assembly, ring, load, rolling, sliding):
     """Friction of one contact through all stages in 50 digits, without rounding in between."""
     raceway = assembly.inner if ring == "inner" else assembly.outer
-    members = attrs.asdict(raceway.conditions) | {"load": load, "rolling_speed": rolling, "sliding_speed": sliding}
+    members = attrs.asdict(raceway.conditions) | {
+        "load": load,
+        "rolling_speed": rolling,
+        "sliding_speed": sliding,
+    }
     with mp.workdps(DIGITS):
         members = {name: mpf(value) for name, value in members.items()}
         for model in raceway.chain.models:
@@ -944,23 +1088,38 @@ def judge_numbers(subject, verdict, result, assembly):
             u = exact_speeds_of(assembly, 0.0, mpf(0))["inner_rolling"]
             for i, force in enumerate(result.normal_force.to_numpy()):
                 for j, slip in enumerate(result.slip.to_numpy()):
-                    expected = exact_contact(assembly, variant, mpf(force) / mpf(LENGTH), u, mpf(slip) * u)
-                    verdict.right(float(result.friction[i, j]), expected, ALIKE, f"{force} N at {slip}")
+                    expected = exact_contact(
+                        assembly, variant, mpf(force) / mpf(LENGTH), u, mpf(slip) * u
+                    )
+                    verdict.right(
+                        float(result.friction[i, j]), expected, ALIKE, f"{force} N at {slip}"
+                    )
             return
         loads = assembly.load_distribution(result.attrs["instants"])
         for j in (1, result.cage_slip.size - 1):
             slip = mpf(float(result.cage_slip[j]))
             speeds = exact_speeds_of(assembly, slip, mpf(0) if variant == "epicyclic" else None)
-            for i, (ring, forces) in enumerate((("inner", loads.inner_force), ("outer", loads.outer_force))):
+            for i, (ring, forces) in enumerate(
+                (("inner", loads.inner_force), ("outer", loads.outer_force))
+            ):
                 if variant == "free-roller":
                     break
                 pull = total = mpf(0)
-                for force, count in zip(*np.unique(forces[forces > 0], return_counts=True), strict=True):
-                    u, V = speeds[f"{ring}_rolling"], speeds[f"{ring}_sliding"]
-                    pull += count * mpf(force) * exact_contact(assembly, ring, mpf(force) / mpf(LENGTH), u, V)
+                for force, count in zip(
+                    *np.unique(forces[forces > 0], return_counts=True), strict=True
+                ):
+                    u = speeds[f"{ring}_rolling"]
+                    V = speeds[f"{ring}_sliding"]
+                    pull += (
+                        count
+                        * mpf(force)
+                        * exact_contact(assembly, ring, mpf(force) / mpf(LENGTH), u, V)
+                    )
                     total += count * mpf(force)
                 expected = mp.sign(assembly.kinematics.epicyclic_cage_speed) * pull / total
-                verdict.right(float(result.effective_friction[i, j]), expected, ALIKE, f"{ring} at {slip}")
+                verdict.right(
+                    float(result.effective_friction[i, j]), expected, ALIKE, f"{ring} at {slip}"
+                )
             else:
                 continue
             free_roller(verdict, assembly, loads, result, j)
@@ -980,12 +1139,15 @@ def free_roller(verdict, assembly, loads, result, j):
 def exact_speeds_of(assembly, cage_slip, roller_slip):
     """Speeds of a study's contacts at a cage slip; without a roller slip the outer contact rolls."""
     k = assembly.kinematics
-    Ri, Ro = mpf(k.inner_radius), mpf(k.outer_radius)
-    wi, wo = k.direction * mpf(k.inner_speed), k.direction * mpf(k.outer_speed)
+    Ri = mpf(k.inner_radius)
+    Ro = mpf(k.outer_radius)
+    wi = k.direction * mpf(k.inner_speed)
+    wo = k.direction * mpf(k.outer_speed)
     epicyclic = (Ri * wi + Ro * wo) / (Ri + Ro)
     wc = epicyclic * (1 - cage_slip)
     spin = Ri * (wi - epicyclic) * (1 - roller_slip) if roller_slip is not None else Ro * (wc - wo)
-    inner, outer = Ri * (wi - wc), Ro * (wc - wo)
+    inner = Ri * (wi - wc)
+    outer = Ro * (wc - wo)
     return {
         "inner_sliding": inner - spin,
         "outer_sliding": spin - outer,
@@ -998,7 +1160,10 @@ def any_key(subject, verdict, values, refused, must=False):
     """Each number of a scene, and of the study's settings, in turn at such a value."""
     study, _ = subject.name.split()
     keys = [row.key for row in schema() if row.unit and "*" not in row.key and "[]" not in row.key]
-    own = {"friction-curve": ("max_slip", "normal_force"), "effective-friction": ("max_cage_slip",)}[study]
+    own = {
+        "friction-curve": ("max_slip", "normal_force"),
+        "effective-friction": ("max_cage_slip",),
+    }[study]
     keys += [f"study.{study}.{name}" for name in own]
     for key in keys:
         crown = {} if key.startswith("bearing.profile") else {"bearing.profile": "iso16281"}
@@ -1025,11 +1190,15 @@ def crowned(subject, verdict):
                     "study.friction-curve.normal_force": [force],
                 },
             )
-            result, assembly = run(scene, "friction-curve"), assemble(scene)
+            result = run(scene, "friction-curve")
+            assembly = assemble(scene)
             conditions = (assembly.inner if inner else assembly.outer).conditions
             with mp.workdps(DIGITS):
-                m = {name: mpf(getattr(conditions, name)) for name in ("length", "radius", "modulus")}
-                approach_of, drop = DEFLECTIONS["palmgren"](m), [mpf(x) for x in assembly.drop]
+                m = {
+                    name: mpf(getattr(conditions, name)) for name in ("length", "radius", "modulus")
+                }
+                approach_of = DEFLECTIONS["palmgren"](m)
+                drop = [mpf(x) for x in assembly.drop]
 
                 def loads(log_depth, approach_of=approach_of, drop=drop):
                     touch = mp.exp(log_depth) + min(drop)
@@ -1042,14 +1211,18 @@ def crowned(subject, verdict):
                 expected = hertz(None, m | {"load": most})
                 for name in ("pressure", "half_width"):
                     verdict.right(
-                        float(result[name][0]), expected[name], 1e-12, f"{name} at {force} N, {slices} slices"
+                        float(result[name][0]),
+                        expected[name],
+                        1e-12,
+                        f"{name} at {force} N, {slices} slices",
                     )
 
 
 def mirrored_study(subject, verdict):
     """Rings the other way round: the same bits."""
     there, back = (
-        run(scene_for(subject, {"operation.inner_speed": speed}), subject.name.split()[0]) for speed in (W, -W)
+        run(scene_for(subject, {"operation.inner_speed": speed}), subject.name.split()[0])
+        for speed in (W, -W)
     )
     name = "friction" if "friction" in there else "effective_friction"
     np.testing.assert_array_equal(there[name], back[name])
@@ -1058,7 +1231,8 @@ def mirrored_study(subject, verdict):
 
 def study_in_threads(subject, verdict):
     """The same study at once in 1, 2 and 8 threads: the same bits in each."""
-    scene, name = scene_for(subject, {}), subject.name.split()[0]
+    scene = scene_for(subject, {})
+    name = subject.name.split()[0]
     expected = run(scene, name)
     for threads in (1, 2, 8):
         with ThreadPoolExecutor(threads) as pool:
@@ -1073,7 +1247,9 @@ def several(judge, cases, **how):
     def run_all(subject, verdict):
         for changes in cases:
             given = force_on(subject, changes["force"]) if "force" in changes else {}
-            judge(subject, verdict, given | {k: v for k, v in changes.items() if k != "force"}, **how)
+            judge(
+                subject, verdict, given | {k: v for k, v in changes.items() if k != "force"}, **how
+            )
 
     return run_all
 
@@ -1098,7 +1274,16 @@ NO_FORCE = dict.fromkeys(STUDIES[:2], "takes the normal force of its contact as 
 #: Error allowed 100 decades from one: the rounding of an exponent, 1.1e-16, times ln(1e100) = 230, some times over.
 FAR = 2e-13
 ENDS = (DENORMAL, 1e-310, 1e-300, 1e300, HUGE)
-FILMS = ("blok", "dowson-1968", "dowson-higginson", "dowson-toyoda", "herrebrugh", "martin", "moes", "pan-hamrock")
+FILMS = (
+    "blok",
+    "dowson-1968",
+    "dowson-higginson",
+    "dowson-toyoda",
+    "herrebrugh",
+    "martin",
+    "moes",
+    "pan-hamrock",
+)
 #: How a key of a scene, or what comes of it, is refused.
 UNFIT = (
     "must (be|have)|do not fit|only read for|below absolute zero|its data hold|has no meaning|no roller is loaded|"
@@ -1107,19 +1292,24 @@ UNFIT = (
 #: Subject -> what is wrong where a product of inputs is a denormal on its way to a result that is none.
 FAULTS = {
     "load": dict.fromkeys(
-        ("iso16281", "lundberg", "palmgren"), "loads below 1e-293 N/m lose digits in w R/E', which is denormal"
+        ("iso16281", "lundberg", "palmgren"),
+        "loads below 1e-293 N/m lose digits in w R/E', which is denormal",
     )
     | dict.fromkeys(
-        set(FILMS) - {"blok", "martin", "moes"}, "loads below 1e-298 N/m lose digits in W, which is denormal"
+        set(FILMS) - {"blok", "martin", "moes"},
+        "loads below 1e-298 N/m lose digits in W, which is denormal",
     ),
     "speed": dict.fromkeys(
-        (*FILMS, "regime", "inlet-correction"), "speeds below 1e-296 m/s lose digits in U, which is denormal or zero"
+        (*FILMS, "regime", "inlet-correction"),
+        "speeds below 1e-296 m/s lose digits in U, which is denormal or zero",
     )
     | {"tabulated": "a slide-roll ratio past overflow warns before it is refused"},
 }
 CASES = [
     # slip 0, denormal, 1e300 and negative
-    stage_case("slip 0", "traction", rows({"sliding_speed": 0.0}, {"sliding_speed": -0.0}), "sliding_speed"),
+    stage_case(
+        "slip 0", "traction", rows({"sliding_speed": 0.0}, {"sliding_speed": -0.0}), "sliding_speed"
+    ),
     stage_case(
         "slip denormal",
         "traction",
@@ -1134,26 +1324,40 @@ CASES = [
         refused=f"{BEYOND}|is outside the table",
     ),
     stage_case(
-        "slip negative", "traction", rows(*({"sliding_speed": -v} for v in (1e-6, 0.3, 3.0, 30.0))), "sliding_speed"
+        "slip negative",
+        "traction",
+        rows(*({"sliding_speed": -v} for v in (1e-6, 0.3, 3.0, 30.0))),
+        "sliding_speed",
     ),
     # loads
     stage_case(
         "zero load",
         ("contact", "film", "viscosity", "traction"),
-        rows({"load": 0.0, "pressure": -0.0, "half_width": 0.0}, {"load": -1.0, "pressure": -1.0, "half_width": -1.0}),
+        rows(
+            {"load": 0.0, "pressure": -0.0, "half_width": 0.0},
+            {"load": -1.0, "pressure": -1.0, "half_width": -1.0},
+        ),
         refused=OUTSIDE,
     ),
     stage_case(
-        "surfaces apart", "deflection", rows({"approach": 0.0}, {"approach": -0.0}, {"approach": -1e-3}), "approach"
+        "surfaces apart",
+        "deflection",
+        rows({"approach": 0.0}, {"approach": -0.0}, {"approach": -1e-3}),
+        "approach",
     ),
     stage_case("load of one newton", STAGES, [loaded(1.0)], refused=BEYOND),
     stage_case(
-        "yield load, 4 GPa", STAGES, [loaded(YIELD)], refused="the oil is a glass|slice 0 is outside its domain$"
+        "yield load, 4 GPa",
+        STAGES,
+        [loaded(YIELD)],
+        refused="the oil is a glass|slice 0 is outside its domain$",
     ),
     stage_case(
         "load, pressure, approach and half width of 1e-100 and 1e100",
         STAGES,
-        rows(*({"load": w, "approach": w, "pressure": w, "half_width": w} for w in (1e-100, 1e100))),
+        rows(
+            *({"load": w, "approach": w, "pressure": w, "half_width": w} for w in (1e-100, 1e100))
+        ),
         refused=BEYOND,
         allowed=FAR,
     ),
@@ -1166,7 +1370,12 @@ CASES = [
     ),
     # speeds
     stage_case(
-        "zero speed", ("film", "traction"), rows({"rolling_speed": 0.0}), "rolling_speed", refused=OUTSIDE, must=True
+        "zero speed",
+        ("film", "traction"),
+        rows({"rolling_speed": 0.0}),
+        "rolling_speed",
+        refused=OUTSIDE,
+        must=True,
     ),
     stage_case(
         "reversed speed",
@@ -1187,7 +1396,10 @@ CASES = [
     stage_case(
         "counter-rotation, u = 0 and V > 0",
         "traction",
-        rows({"rolling_speed": 0.0, "sliding_speed": 5.0}, {"rolling_speed": -0.0, "sliding_speed": 5.0}),
+        rows(
+            {"rolling_speed": 0.0, "sliding_speed": 5.0},
+            {"rolling_speed": -0.0, "sliding_speed": 5.0},
+        ),
         "rolling_speed",
         refused=OUTSIDE,
         must=True,
@@ -1232,13 +1444,16 @@ CASES = [
         name="sigma from 1e-300 to 1e12 with D from 0 to 1e8 and Phi from 0 to 1e6",
         kinds=("stress law",),
         judge=partial(
-            judge_stress, points=[(s, d, p) for s in SIGMAS[::2] for d in DEBORAHS[::2] for p in HEATINGS[::2]]
+            judge_stress,
+            points=[(s, d, p) for s in SIGMAS[::2] for d in DEBORAHS[::2] for p in HEATINGS[::2]],
         ),
     ),
     Case(
         name="the same on a finer grid",
         kinds=("stress law",),
-        judge=partial(judge_stress, points=[(s, d, p) for s in SIGMAS for d in DEBORAHS for p in HEATINGS]),
+        judge=partial(
+            judge_stress, points=[(s, d, p) for s in SIGMAS for d in DEBORAHS for p in HEATINGS]
+        ),
         slow=True,
     ),
     Case(
@@ -1247,7 +1462,10 @@ CASES = [
         judge=partial(
             judge_stress,
             points=[
-                (s, d, p) for s in (0.0, DENORMAL, 1e-310, 1e300) for d in (0.0, 1.0, 1e8) for p in (0.0, 1.0, 1e6)
+                (s, d, p)
+                for s in (0.0, DENORMAL, 1e-310, 1e300)
+                for d in (0.0, 1.0, 1e8)
+                for p in (0.0, 1.0, 1e6)
             ],
         ),
     ),
@@ -1287,7 +1505,11 @@ CASES = [
         refused=BEYOND,
     ),
     # film
-    Case(name="film at the Barus blow-up, g_V = 17.602, and beyond", kinds=("film",), judge=piezoviscous_blow_up),
+    Case(
+        name="film at the Barus blow-up, g_V = 17.602, and beyond",
+        kinds=("film",),
+        judge=piezoviscous_blow_up,
+    ),
     Case(name="film at the boundaries of the regimes", kinds=("film",), judge=regime_boundaries),
     stage_case(
         "oil without pressure viscosity",
@@ -1303,18 +1525,29 @@ CASES = [
         judge=at_thresholds,
         needs=frozenset({"roughness"}),
     ),
-    stage_case("Lambda 1e-300 and 1e300", "traction", rows({"roughness": 6e293}, {"roughness": 6e-307}), "roughness"),
+    stage_case(
+        "Lambda 1e-300 and 1e300",
+        "traction",
+        rows({"roughness": 6e293}, {"roughness": 6e-307}),
+        "roughness",
+    ),
     # NaN and infinity
     Case(name="NaN or infinity in any member", kinds=STAGES, judge=not_a_number),
     # tables
     Case(name="0, 1, 2 slices, and a block's size", kinds=STAGES, judge=few_slices),
     Case(name="1, 2 and 8 threads", kinds=STAGES, judge=split_over_threads),
     Case(
-        name="10 million slices, and memory over calls", kinds=STAGES, judge=ten_million_slices, slow=True, large=True
+        name="10 million slices, and memory over calls",
+        kinds=STAGES,
+        judge=ten_million_slices,
+        slow=True,
+        large=True,
     ),
     # the bearing
     Case(name="clearance that leaves one roller", kinds=("deflection",), judge=one_roller),
-    Case(name="zero load, and clearance that leaves no roller", kinds=("deflection",), judge=unloaded),
+    Case(
+        name="zero load, and clearance that leaves no roller", kinds=("deflection",), judge=unloaded
+    ),
     Case(
         name="preload that loads all rollers",
         kinds=("deflection",),
@@ -1323,19 +1556,29 @@ CASES = [
     Case(
         name="straight rollers cut into 1, 2 and 2001 slices",
         kinds=("deflection",),
-        judge=partial(straight, cases=[{"slices": 1}, {"slices": 2}, {"slices": 2001}], allowed=1e-11),
+        judge=partial(
+            straight, cases=[{"slices": 1}, {"slices": 2}, {"slices": 2001}], allowed=1e-11
+        ),
     ),
     Case(
         name="bearing under one newton and at yield",
         kinds=("deflection",),
-        judge=partial(straight, cases=[{"radial_load": 1.0}, {"radial_load": YIELD * 6}], allowed=1e-11),
+        judge=partial(
+            straight, cases=[{"radial_load": 1.0}, {"radial_load": YIELD * 6}], allowed=1e-11
+        ),
     ),
     Case(
         name="one newton beside a centrifugal force of 174 N",
         kinds=("deflection",),
-        judge=partial(straight, cases=[{"radial_load": 1.0, "centrifugal_force": 174.0}], allowed=1e-9),
+        judge=partial(
+            straight, cases=[{"radial_load": 1.0, "centrifugal_force": 174.0}], allowed=1e-9
+        ),
     ),
-    Case(name="edge loading with no crown", kinds=("deflection",), judge=partial(tilted, tilts=(1e-5, -1e-5), least=0)),
+    Case(
+        name="edge loading with no crown",
+        kinds=("deflection",),
+        judge=partial(tilted, tilts=(1e-5, -1e-5), least=0),
+    ),
     Case(
         name="tilt that unloads half a roller",
         kinds=("deflection",),
@@ -1349,29 +1592,62 @@ CASES = [
         judge=partial(
             speeds,
             pairs=[(W, 0.0), (0.0, W), (W, -W), (-W, 0.5 * W)],
-            slips=[(0.0, 0.0), (DENORMAL, 0.0), (1e-300, 1e-300), (1e-9, 3e-9), (0.1, -0.05), (1.0, 0.0)],
+            slips=[
+                (0.0, 0.0),
+                (DENORMAL, 0.0),
+                (1e-300, 1e-300),
+                (1e-9, 3e-9),
+                (0.1, -0.05),
+                (1.0, 0.0),
+            ],
         ),
     ),
     Case(
         name="rings that turn almost together",
         kinds=("kinematics",),
         judge=partial(
-            speeds, pairs=[(W, math.nextafter(W, 0.0)), (W, 0.999 * W)], slips=[(0.0, 0.0), (1e-20, 0.0), (1e-9, 1e-9)]
+            speeds,
+            pairs=[(W, math.nextafter(W, 0.0)), (W, 0.999 * W)],
+            slips=[(0.0, 0.0), (1e-20, 0.0), (1e-9, 1e-9)],
         ),
     ),
-    Case(name="counter-rotation, no epicyclic cage speed", kinds=("kinematics",), judge=counter_rotation),
+    Case(
+        name="counter-rotation, no epicyclic cage speed",
+        kinds=("kinematics",),
+        judge=counter_rotation,
+    ),
     Case(name="reversed rotation", kinds=("kinematics",), judge=mirrored_rotation),
-    Case(name="both rings at rest, or at NaN or infinity", kinds=("kinematics",), judge=unfit_kinematics),
-    Case(name="profile at the end of the roller, up to 10 million slices", kinds=("roller profile",), judge=profiles),
+    Case(
+        name="both rings at rest, or at NaN or infinity",
+        kinds=("kinematics",),
+        judge=unfit_kinematics,
+    ),
+    Case(
+        name="profile at the end of the roller, up to 10 million slices",
+        kinds=("roller profile",),
+        judge=profiles,
+    ),
     # the curve
-    Case(name="two equal maxima, denormal friction, tiny and huge range", kinds=("critical slip",), judge=maxima),
-    Case(name="no maximum: no friction", kinds=("critical slip",), judge=partial(no_maximum, values=[0.0] * 6)),
+    Case(
+        name="two equal maxima, denormal friction, tiny and huge range",
+        kinds=("critical slip",),
+        judge=maxima,
+    ),
+    Case(
+        name="no maximum: no friction",
+        kinds=("critical slip",),
+        judge=partial(no_maximum, values=[0.0] * 6),
+    ),
     Case(
         name="no maximum: a curve that only rises",
         kinds=("critical slip",),
         judge=partial(no_maximum, values=[0.0, 1.0, 2.0, 3.0, 4.0]),
     ),
-    Case(name="no maximum: a flat curve", kinds=("critical slip",), judge=partial(no_maximum, values=[1.0] * 6)),
+    Case(
+        name="no maximum: a flat curve",
+        kinds=("critical slip",),
+        judge=partial(no_maximum, values=[1.0] * 6),
+    ),
     Case(
         name="no maximum: flat from somewhere on",
         kinds=("critical slip",),
@@ -1389,8 +1665,17 @@ CASES = [
             must=True,
         ),
     ),
-    Case(name="study at one newton", kinds=("study",), slow=FREE_ROLLER, judge=several(judge_result, [{"force": 1.0}])),
-    Case(name="study at yield load", kinds=("study",), judge=several(judge_result, [{"force": YIELD}])),
+    Case(
+        name="study at one newton",
+        kinds=("study",),
+        slow=FREE_ROLLER,
+        judge=several(judge_result, [{"force": 1.0}]),
+    ),
+    Case(
+        name="study at yield load",
+        kinds=("study",),
+        judge=several(judge_result, [{"force": YIELD}]),
+    ),
     Case(
         name="study under a load of 1e-300 N",
         kinds=("study",),
@@ -1420,10 +1705,14 @@ CASES = [
     Case(
         name="study with both rings at rest",
         kinds=("study",),
-        judge=several(judge_result, [{"operation.inner_speed": 0.0}], refused="both rings turn at", must=True),
+        judge=several(
+            judge_result, [{"operation.inner_speed": 0.0}], refused="both rings turn at", must=True
+        ),
     ),
     Case(name="study in 1, 2 and 8 threads", kinds=("study",), slow=True, judge=study_in_threads),
-    Case(name="study in reversed rotation", kinds=("study",), slow=FREE_ROLLER, judge=mirrored_study),
+    Case(
+        name="study in reversed rotation", kinds=("study",), slow=FREE_ROLLER, judge=mirrored_study
+    ),
     Case(
         name="study at an epicyclic cage speed of zero",
         kinds=("study",),
@@ -1473,7 +1762,11 @@ CASES = [
         kinds=("study",),
         slow=FREE_ROLLER,
         left_out=NO_FORCE,
-        judge=several(judge_result, [{"operation.misalignment": 1e-3}, {"operation.misalignment": 5e-3}], check=False),
+        judge=several(
+            judge_result,
+            [{"operation.misalignment": 1e-3}, {"operation.misalignment": 5e-3}],
+            check=False,
+        ),
     ),
     Case(
         name="friction that only rises, and flat friction",
@@ -1503,12 +1796,22 @@ CASES = [
         kinds=("study",),
         left_out=NO_FORCE,
         slow=True,
-        judge=several(judge_result, [{"accuracy.tolerance": 1e-300}], refused="raise accuracy.tolerance", must=True),
+        judge=several(
+            judge_result,
+            [{"accuracy.tolerance": 1e-300}],
+            refused="raise accuracy.tolerance",
+            must=True,
+        ),
     ),
     Case(
         name="NaN or infinity in any key of a scene",
         kinds=("study",),
-        judge=partial(any_key, values=(math.nan, math.inf, -math.inf), refused=r"[a-z]+\.[a-z_]+(\[0\])?: ", must=True),
+        judge=partial(
+            any_key,
+            values=(math.nan, math.inf, -math.inf),
+            refused=r"[a-z]+\.[a-z_]+(\[0\])?: ",
+            must=True,
+        ),
     ),
     Case(
         name="1e300, -1e300 and 5e-324 in any key of a scene",
@@ -1565,8 +1868,14 @@ def worst(errors):
 
 
 def lost_in_barus():
-    law, found = Barus(), []
-    m = Conditions(viscosity=0.00517, pressure_viscosity=9.18e-9, thermoviscosity=0.0, pressure_thermoviscosity=0.0)
+    law = Barus()
+    found = []
+    m = Conditions(
+        viscosity=0.00517,
+        pressure_viscosity=9.18e-9,
+        thermoviscosity=0.0,
+        pressure_thermoviscosity=0.0,
+    )
     for p in np.linspace(59.0, 61.0, 500) / 9.18e-9:
         expected = exact("barus", law, attrs.asdict(m) | {"pressure": p})["film_viscosity"]
         found.append(off(law.at(m, p)[0], expected))
@@ -1583,15 +1892,27 @@ def lost_in_barus():
 def lost_in_roelands(m, column, formula, where):
     """Lose digits in one of the law's two results, the viscosity and the rate of its fall with temperature."""
     (law,) = (subject.model for subject in subjects() if subject.name == "roelands")
-    kappa = condition_of(lambda x: exact("roelands", law, m | x)[column], {"viscosity": m["viscosity"]})
-    got = law.at(Conditions(**{name: value for name, value in m.items() if name != "pressure"}), m["pressure"])
+    kappa = condition_of(
+        lambda x: exact("roelands", law, m | x)[column], {"viscosity": m["viscosity"]}
+    )
+    got = law.at(
+        Conditions(**{name: value for name, value in m.items() if name != "pressure"}),
+        m["pressure"],
+    )
     of = ("film_viscosity", "film_thermoviscosity").index(column)
     error = off(got[of], exact("roelands", law, m)[column])
-    return Loss(formula=formula, where=where, condition=kappa, plain=error, error=error, allowed=10 * kappa)
+    return Loss(
+        formula=formula, where=where, condition=kappa, plain=error, error=error, allowed=10 * kappa
+    )
 
 
 def lost_in_thin_oil():
-    m = {"viscosity": 6.4e-5, "pressure_viscosity": 9.18e-9, "pressure": 1e7, "thermoviscosity": 0.0227}
+    m = {
+        "viscosity": 6.4e-5,
+        "pressure_viscosity": 9.18e-9,
+        "pressure": 1e7,
+        "thermoviscosity": 0.0227,
+    }
     m |= {"pressure_thermoviscosity": 6.6e-11}
     formula = "eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5)"
     return lost_in_roelands(m, "film_viscosity", formula, "eta0 = 6.4e-5 Pa s, k = 0.013, 10 MPa")
@@ -1607,7 +1928,8 @@ def lost_in_roelands_fall():
 
 
 def lost_in_muraki(sigma, deborah, heating, where):
-    L, a = math.asinh(sigma), 1 + heating * sigma
+    L = math.asinh(sigma)
+    a = 1 + heating * sigma
     root = math.sqrt(a * a - deborah * heating * L)
     plain = (deborah * heating * L - 2 * a + 2 * root) / (deborah * heating * heating * sigma)
     with mp.workdps(DIGITS):
@@ -1625,14 +1947,19 @@ def lost_in_muraki(sigma, deborah, heating, where):
 
 def lost_in_muraki_root():
     """Beside the switch to the elastic ramp a^2 - D Phi L is 1 of a^2."""
-    sigma, heating = 1e6, 1.0
+    sigma = 1e6
+    heating = 1.0
     deborah = sigma * (2 + heating * sigma) / math.asinh(sigma) * (1 - 1e-9)
     a = 1 + heating * sigma
     with mp.workdps(DIGITS):
         discriminant = mpf(a) ** 2 - mpf(deborah) * mpf(heating) * mp.asinh(sigma)
         expected = exact_muraki(*map(mpf, (sigma, deborah, heating)))
         kappa = float(mpf(a) ** 2 / discriminant)
-    y = 2 * math.asinh(sigma) / (a + math.sqrt(max(a * a - deborah * heating * math.asinh(sigma), 0.0)))
+    y = (
+        2
+        * math.asinh(sigma)
+        / (a + math.sqrt(max(a * a - deborah * heating * math.asinh(sigma), 0.0)))
+    )
     return Loss(
         formula="Muraki, a^2 - D Phi L",
         where="beside the switch to the ramp, Phi sigma = 1e6",
@@ -1646,10 +1973,14 @@ def lost_in_muraki_root():
 def lost_in_dilogarithms():
     from scipy.special import spence
 
-    sigma, deborah = 0.1, 1e4
+    sigma = 0.1
+    deborah = 1e4
     c = math.hypot(1, sigma)
-    p, t = 2 * c / deborah, sigma / (1 + c)
-    a, b, q = t / (sigma + c), t * (sigma + c), math.exp(-p)
+    p = 2 * c / deborah
+    t = sigma / (1 + c)
+    a = t / (sigma + c)
+    b = t * (sigma + c)
+    q = math.exp(-p)
     bracket = spence(1 - a) - spence(1 - a * q) - spence(1 + b) + spence(1 + b * q)
     with mp.workdps(DIGITS):
         expected = exact_maxwell_eyring(mpf(sigma), mpf(deborah), mpf(0))
@@ -1679,12 +2010,15 @@ def lost_in_kragelsky():
 
 
 def lost_in_sliding_speed():
-    k, slip = kinematics(), 1e-9
+    k = kinematics()
+    slip = 1e-9
     wc = k.epicyclic_cage_speed * (1 - slip)
     plain = k.inner_radius * (k.inner_speed - wc) - k.roller_radius * k.epicyclic_roller_speed
     with mp.workdps(DIGITS):
         exact = exact_speeds(k, slip, 0.0)
-        kappa = float((exact["inner_rolling"] + exact["inner_sliding"] / 2) / exact["inner_sliding"])
+        kappa = float(
+            (exact["inner_rolling"] + exact["inner_sliding"] / 2) / exact["inner_sliding"]
+        )
     return Loss(
         formula="V_i = R_i (w_i - w_c) - r w_r",
         where="cage slip 1e-9, near pure rolling",
@@ -1696,12 +2030,19 @@ def lost_in_sliding_speed():
 
 
 def lost_in_epicyclic_speed():
-    found, kappa = [], 0.0
+    found = []
+    kappa = 0.0
     for nudge in np.linspace(0.9e-9, 1.1e-9, 50):
         k = kinematics(W, -W * 0.0825 / 0.0975 * (1 + nudge))
         with mp.workdps(DIGITS):
-            inner, outer = mpf(0.0825) * mpf(W), mpf(0.0975) * mpf(k.outer_speed)
-            found.append(off(k.direction * k.epicyclic_cage_speed, (inner + outer) / (mpf(0.0825) + mpf(0.0975))))
+            inner = mpf(0.0825) * mpf(W)
+            outer = mpf(0.0975) * mpf(k.outer_speed)
+            found.append(
+                off(
+                    k.direction * k.epicyclic_cage_speed,
+                    (inner + outer) / (mpf(0.0825) + mpf(0.0975)),
+                )
+            )
             kappa = max(kappa, float(abs(inner / (inner + outer))))
     return Loss(
         formula="w_ce = (R_i w_i + R_o w_o)/(R_i + R_o)",
@@ -1714,7 +2055,8 @@ def lost_in_epicyclic_speed():
 
 
 def lost_in_crown():
-    radius, x = 5.0, 0.007
+    radius = 5.0
+    x = 0.007
     with mp.workdps(DIGITS):
         expected = mpf(radius) - mp.sqrt(mpf(radius) ** 2 - mpf(x) ** 2)
         kappa = float(radius / expected)
@@ -1747,19 +2089,32 @@ def lost_in_logarithmic_profile():
 
 def lost_in_touch():
     """The crown's drop at ten slices is 0.05 um, the depth of 1e-9 N is 1e-17 m."""
-    drop, force = profile_of("iso16281", slice_positions(LENGTH, 10)), 1e-9
+    drop = profile_of("iso16281", slice_positions(LENGTH, 10))
+    force = 1e-9
     depth = 3.84e-8 * (5 * force) ** 0.9 / 15**0.8
     scene = scene_for(
         Subject("study", "friction-curve inner"),
-        {"bearing.profile": "iso16281", "accuracy.slices": 10, "study.friction-curve.normal_force": [force]},
+        {
+            "bearing.profile": "iso16281",
+            "accuracy.slices": 10,
+            "study.friction-curve.normal_force": [force],
+        },
     )
     result = run(scene, "friction-curve")
     with mp.workdps(DIGITS):
-        m = {"length": mpf(LENGTH), "radius": mpf(INNER), "modulus": mpf(assemble(scene).inner.conditions.modulus)}
+        m = {
+            "length": mpf(LENGTH),
+            "radius": mpf(INNER),
+            "modulus": mpf(assemble(scene).inner.conditions.modulus),
+        }
         m["radius"] = mpf(assemble(scene).inner.conditions.radius)
-        expected = hertz(None, m | {"load": mpf(force) / (mpf(LENGTH) / 5)})["pressure"]  # the two in the middle
+        expected = hertz(None, m | {"load": mpf(force) / (mpf(LENGTH) / 5)})[
+            "pressure"
+        ]  # the two in the middle
         approach = float(drop.min()) + depth
-        plain = float(abs((mpf(approach) - mpf(float(drop.min()))) / mpf(depth) - 1) * mpf("10") / 18)
+        plain = float(
+            abs((mpf(approach) - mpf(float(drop.min()))) / mpf(depth) - 1) * mpf("10") / 18
+        )
     return Loss(
         formula="depth of a contact, approach - P(x)",
         where="1e-9 N on a crowned roller, ten slices",
@@ -1777,7 +2132,8 @@ def lost_beside_centrifugal_force():
     with mp.workdps(DIGITS):
         expected = exact_straight(subject, case)
         error = max(
-            float(abs(mpf(q) - e) / max(expected)) for q, e in zip(solved.inner_force[0], expected, strict=False)
+            float(abs(mpf(q) - e) / max(expected))
+            for q, e in zip(solved.inner_force[0], expected, strict=False)
         )
     return Loss(
         formula="inner force, outer force less F_c",
@@ -1785,7 +2141,9 @@ def lost_beside_centrifugal_force():
         condition=174.0 / float(max(expected)),
         plain=None,
         error=error,
-        allowed=1e4 * 174.0 / float(max(expected)),  # balanced to 1e-12 of the largest force, not to its last bit
+        allowed=1e4
+        * 174.0
+        / float(max(expected)),  # balanced to 1e-12 of the largest force, not to its last bit
     )
 
 
@@ -1806,11 +2164,17 @@ def lost_in_blend():
     """The share of the boundary is ((Lambda_hd - Lambda)/band)^6; it loses digits as it vanishes, the friction none."""
     (model,) = (subject.model for subject in subjects() if subject.name == "lambda-blend")
     ratio = model.hydrodynamic_limit * (1 - 1e-6)
-    row = {name: BASE[name] for name in model.reads} | {"roughness": 2.36e-7, "film_thickness": ratio * 2.36e-7}
+    row = {name: BASE[name] for name in model.reads} | {
+        "roughness": 2.36e-7,
+        "film_thickness": ratio * 2.36e-7,
+    }
     ratio = row["film_thickness"] / row["roughness"]
-    share = ((model.hydrodynamic_limit - ratio) / (model.hydrodynamic_limit - model.boundary_limit)) ** model.exponent
+    share = (
+        (model.hydrodynamic_limit - ratio) / (model.hydrodynamic_limit - model.boundary_limit)
+    ) ** model.exponent
     with mp.workdps(DIGITS):
-        high, low = mpf(model.hydrodynamic_limit), mpf(model.boundary_limit)
+        high = mpf(model.hydrodynamic_limit)
+        low = mpf(model.boundary_limit)
         at = mpf(row["film_thickness"]) / mpf(row["roughness"])
         plain = off(share, ((high - at) / (high - low)) ** mpf(model.exponent))
     return Loss(
@@ -1818,7 +2182,10 @@ def lost_in_blend():
         where="Lambda 1e-6 below Lambda_hd",
         condition=model.exponent * 1e6,
         plain=plain,
-        error=off(answer(Chain(model), BASE | row)["friction"], exact("lambda-blend", model, row)["friction"]),
+        error=off(
+            answer(Chain(model), BASE | row)["friction"],
+            exact("lambda-blend", model, row)["friction"],
+        ),
         allowed=100,
     )
 
@@ -1833,7 +2200,8 @@ def lost_in_chain(force):
             "accuracy.tolerance": "exact",  # else a plan may take a series of its tolerance
         },
     )
-    result, assembly = run(scene, "friction-curve"), assemble(scene)
+    result = run(scene, "friction-curve")
+    assembly = assemble(scene)
     conditions = assembly.inner.conditions
     with mp.workdps(DIGITS):
         u = exact_speeds_of(assembly, 0.0, mpf(0))["inner_rolling"]
@@ -1841,7 +2209,13 @@ def lost_in_chain(force):
 
         def friction(m):
             changed = attrs.evolve(assembly.inner, conditions=attrs.evolve(conditions, **m))
-            return exact_contact(attrs.evolve(assembly, inner=changed), "inner", mpf(force) / mpf(LENGTH), u, slip * u)
+            return exact_contact(
+                attrs.evolve(assembly, inner=changed),
+                "inner",
+                mpf(force) / mpf(LENGTH),
+                u,
+                slip * u,
+            )
 
         kappa = condition_of(friction, {"pressure_viscosity": conditions.pressure_viscosity})
         error = off(result.friction[0, 1], friction({}))

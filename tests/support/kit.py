@@ -8,5 +8,7 @@ LEFT = ("process", "import", "module", "threads", "environment", "python_runs_on
 
 def failed(model):
     """Return the names of the rules that a model breaks."""
-    checks = [check for check in checks_of(model) if not any(word in check.__name__ for word in LEFT)]
+    checks = [
+        check for check in checks_of(model) if not any(word in check.__name__ for word in LEFT)
+    ]
     return {check.__name__ for check in checks if run_check(model, check)[0].status == "failed"}

@@ -54,7 +54,9 @@ BRANCHES = (
 )  # fmt: skip
 COUNTED_TOKENS = {tokenize.NAME, tokenize.OP, tokenize.NUMBER, tokenize.STRING}
 #: Tokens that open and close a string with fields. Python 3.11 reads such a string as one token and has none of them.
-STRING_OPENERS = {getattr(tokenize, name, None) for name in ("FSTRING_START", "TSTRING_START")} - {None}
+STRING_OPENERS = {getattr(tokenize, name, None) for name in ("FSTRING_START", "TSTRING_START")} - {
+    None
+}
 STRING_CLOSERS = {getattr(tokenize, name, None) for name in ("FSTRING_END", "TSTRING_END")} - {None}
 
 
@@ -73,7 +75,9 @@ class Figure:
         """Return the figure of a file or a root, rounded as it is printed."""
         if not self.per:
             return counts[self.count]
-        return round(self.scale * counts[self.count] / max(counts[self.per], 1), self.digits or None)
+        return round(
+            self.scale * counts[self.count] / max(counts[self.per], 1), self.digits or None
+        )
 
     def excess(self, value: float, limit: float) -> float:
         """Return by how much a value is on the wrong side of a limit; below zero on the right side."""
@@ -103,16 +107,24 @@ FIGURES = {
     # of lines that hold code: pluggy has 6.2, attrs 5.1, SciPy's optimize 7.9
     "tokens_per_line": Figure("tokens/line", "tokens", per="code_lines", digits=1),
     # assignments `a, b = x, y` of all assignments
-    "tuple_assignments": Figure("tuple %", "tuple_assignments", per="assignments", scale=100, digits=1),
+    "tuple_assignments": Figure(
+        "tuple %", "tuple_assignments", per="assignments", scale=100, digits=1
+    ),
     # statements of a module that define two or more constants
     "packed_constants": Figure("packed", "packed_constants"),
     # constants of a module that are numbers, without a comment in their line or above it
     "bare_constants": Figure("bare", "bare_constants"),
     # identifiers with a word of `private_words.txt`
-    "private_words": Figure("private/1000", "private_identifiers", per="identifiers", scale=1000, digits=1),
+    "private_words": Figure(
+        "private/1000", "private_identifiers", per="identifiers", scale=1000, digits=1
+    ),
     # public functions and methods of two or more parameters, promised by `__all__`, that describe all of these
     "described_parameters": Figure(
-        "described %", "described_functions", per="promised_functions", scale=100, larger_is_better=True
+        "described %",
+        "described_functions",
+        per="promised_functions",
+        scale=100,
+        larger_is_better=True,
     ),
     "branchy_functions": Figure("branchy", "branchy_functions"),
     # of compiled sources, without docstrings, comments and blank lines
@@ -122,9 +134,13 @@ FIGURES = {
 COLUMNS = [name for name in FIGURES if name != "kernel_lines"]
 
 
-def read_private_terms(path: Path = HERE / "private_words.txt") -> tuple[re.Pattern[str], re.Pattern[str]]:
+def read_private_terms(
+    path: Path = HERE / "private_words.txt",
+) -> tuple[re.Pattern[str], re.Pattern[str]]:
     """Return a pattern of private words and a pattern of sequences that are fine, for words between spaces."""
-    lines = [line.partition("#")[0].split() for line in path.read_text(encoding="utf-8").splitlines()]
+    lines = [
+        line.partition("#")[0].split() for line in path.read_text(encoding="utf-8").splitlines()
+    ]
     terms = [" ".join(line) for line in lines if line]
     private = [term for term in terms if not term.startswith("!")]
     fine = [term.removeprefix("! ") for term in terms if term.startswith("!")]
@@ -161,7 +177,9 @@ def count_statements(node: ast.AST) -> int:
 
 def docstrings(nodes: list[ast.AST]) -> list[ast.Expr]:
     """Return the docstrings of modules, classes and functions."""
-    bodies = [node.body for node in nodes if isinstance(node, (ast.Module, ast.ClassDef, *FUNCTIONS))]
+    bodies = [
+        node.body for node in nodes if isinstance(node, (ast.Module, ast.ClassDef, *FUNCTIONS))
+    ]
     return [
         body[0]
         for body in bodies
@@ -183,7 +201,9 @@ def promised_functions(module: ast.Module) -> Iterator[ast.FunctionDef]:
         node.value
         for statement in module.body
         if isinstance(statement, ast.Assign)
-        and any(isinstance(target, ast.Name) and target.id == "__all__" for target in statement.targets)
+        and any(
+            isinstance(target, ast.Name) and target.id == "__all__" for target in statement.targets
+        )
         for node in ast.walk(statement.value)
         if isinstance(node, ast.Constant)
     }
@@ -191,7 +211,9 @@ def promised_functions(module: ast.Module) -> Iterator[ast.FunctionDef]:
         if getattr(statement, "name", None) in promised:
             members = statement.body if isinstance(statement, ast.ClassDef) else [statement]
             for function in members:
-                is_public = isinstance(function, ast.FunctionDef) and not function.name.startswith("_")
+                is_public = isinstance(function, ast.FunctionDef) and not function.name.startswith(
+                    "_"
+                )
                 if is_public and len(parameters(function)) >= 2:
                     yield function
 
@@ -199,7 +221,10 @@ def promised_functions(module: ast.Module) -> Iterator[ast.FunctionDef]:
 def parameters(function: ast.FunctionDef) -> list[str]:
     """Return the names of the parameters of a function, without ``self``, ``cls``, ``*args`` and ``**kwargs``."""
     arguments = function.args
-    names = [argument.arg for argument in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)]
+    names = [
+        argument.arg
+        for argument in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)
+    ]
     return [name for name in names if name not in ("self", "cls")]
 
 
@@ -214,7 +239,9 @@ def is_number(expression: ast.expr) -> bool:
     nodes = list(ast.walk(expression))
     if any(isinstance(node, ast.Name | ast.Call | ast.Attribute) for node in nodes):
         return False
-    return any(isinstance(node, ast.Constant) and type(node.value) in (int, float) for node in nodes)
+    return any(
+        isinstance(node, ast.Constant) and type(node.value) in (int, float) for node in nodes
+    )
 
 
 def count_constants(module: ast.Module, lines: list[str]) -> Counter[str]:
@@ -227,13 +254,17 @@ def count_constants(module: ast.Module, lines: list[str]) -> Counter[str]:
             targets = [statement.target]
         else:
             continue
-        names = [node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name)]
+        names = [
+            node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name)
+        ]
         if not names or any(name != name.upper() for name in names):
             continue
         counts["packed_constants"] += len(names) > 1
         if is_number(statement.value):
             above = lines[statement.lineno - 2].strip() if statement.lineno > 1 else ""
-            counts["bare_constants"] += "#" not in lines[statement.lineno - 1] and not above.startswith("#")
+            counts["bare_constants"] += "#" not in lines[
+                statement.lineno - 1
+            ] and not above.startswith("#")
     return counts
 
 
@@ -275,12 +306,16 @@ def measure(text: str) -> Counter[str]:
     module = ast.parse(text)
     nodes = list(ast.walk(module))
     documentation = docstrings(nodes)
-    documented_lines = {line for node in documentation for line in range(node.lineno, node.end_lineno + 1)}
+    documented_lines = {
+        line for node in documentation for line in range(node.lineno, node.end_lineno + 1)
+    }
     counts = count_tokens(text, documented_lines) + count_constants(module, text.splitlines())
     counts["statements"] = sum(map(count_statements, nodes)) - len(documentation)
     counts["assignments"] = sum(isinstance(node, ast.Assign) for node in nodes)
     counts["tuple_assignments"] = sum(map(is_tuple_assignment, nodes))
-    counts["branchy_functions"] = sum(isinstance(node, FUNCTIONS) and is_branchy(node) for node in nodes)
+    counts["branchy_functions"] = sum(
+        isinstance(node, FUNCTIONS) and is_branchy(node) for node in nodes
+    )
     promised = list(promised_functions(module))
     counts["promised_functions"] = len(promised)
     counts["described_functions"] = sum(map(is_described, promised))
@@ -304,12 +339,18 @@ def count_kernel_lines(text: str, is_c: bool) -> int:
         code = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.DOTALL)
         return sum(bool(line.strip()) for line in code.splitlines())
     code = re.sub(r'^[ \t]*r?"""(.*?)"""[ \t]*$', "", text, flags=re.DOTALL | re.MULTILINE)
-    return sum(bool(line.strip()) and not line.strip().startswith("#") for line in code.splitlines())
+    return sum(
+        bool(line.strip()) and not line.strip().startswith("#") for line in code.splitlines()
+    )
 
 
 def measure_kernels(repository: Path = REPOSITORY) -> int:
     """Return the lines of code of the compiled sources, without what the build generates from them."""
-    sources = [path for path in sorted((repository / "kernels").rglob("*")) if path.suffix in KERNEL_SUFFIXES]
+    sources = [
+        path
+        for path in sorted((repository / "kernels").rglob("*"))
+        if path.suffix in KERNEL_SUFFIXES
+    ]
     texts = {path: path.read_text(encoding="utf-8") for path in sources}
     return sum(
         count_kernel_lines(text, is_c=path.suffix in (".h", ".c"))
@@ -327,7 +368,9 @@ def budgeted_figures(repository: Path = REPOSITORY) -> dict[str, dict[str, float
     """Return the figures that have a budget, in the layout of ``budgets.toml``: figure -> place -> value."""
     counts = {root: total(files) for root, files in measure_files(repository).items()}
     figures = {
-        name: {root: FIGURES[name].value(counts[root]) for root in ROOTS} for name in COLUMNS if name != "statements"
+        name: {root: FIGURES[name].value(counts[root]) for root in ROOTS}
+        for name in COLUMNS
+        if name != "statements"
     }
     product = sum(counts[root]["statements"] for root in PRODUCT)
     return {
@@ -344,7 +387,9 @@ def read_budgets(path: Path = BUDGETS) -> dict[str, dict[str, float]]:
 
 def entries(table: Mapping[str, Mapping[str, float]]) -> dict[tuple[str, str], float]:
     """Return a table of budgets or figures with pairs of figure and place as keys."""
-    return {(name, place): value for name, places in table.items() for place, value in places.items()}
+    return {
+        (name, place): value for name, places in table.items() for place, value in places.items()
+    }
 
 
 def find_violations(
@@ -354,7 +399,10 @@ def find_violations(
     values = entries(figures)
     limits = entries(budgets)
     unmatched = sorted(values.keys() ^ limits.keys())
-    violations = [f"{name} of {place}: has no budget, or a budget without a figure" for name, place in unmatched]
+    violations = [
+        f"{name} of {place}: has no budget, or a budget without a figure"
+        for name, place in unmatched
+    ]
     return violations + [
         f"{name} of {place}: {value:,} is worse than the budget, {limits[name, place]:,}"
         for (name, place), value in values.items()
@@ -402,13 +450,23 @@ def format_table(rows: Mapping[str, Counter[str]]) -> str:
 
 def format_worst(files: Mapping[Path, Counter[str]], length: int) -> str:
     """Return, for each figure, the files of the product that are worst in it."""
-    large = {path: counts for path, counts in files.items() if counts["code_lines"] >= SMALLEST_LISTED}
+    large = {
+        path: counts for path, counts in files.items() if counts["code_lines"] >= SMALLEST_LISTED
+    }
     lines = list[str]()
     for name in COLUMNS:
         figure = FIGURES[name]
         # a file that promises nothing has nothing to describe
-        values = {path: figure.value(counts) for path, counts in large.items() if not figure.per or counts[figure.per]}
-        ordered = sorted(values, key=lambda path, values=values: values[path], reverse=not figure.larger_is_better)
+        values = {
+            path: figure.value(counts)
+            for path, counts in large.items()
+            if not figure.per or counts[figure.per]
+        }
+        ordered = sorted(
+            values,
+            key=lambda path, values=values: values[path],
+            reverse=not figure.larger_is_better,
+        )
         lines += ["", f"worst by {figure.title}:"]
         lines += [f"{values[path]:10,}  {path.as_posix()}" for path in ordered[:length]]
     return "\n".join(lines)
@@ -417,8 +475,12 @@ def format_worst(files: Mapping[Path, Counter[str]], length: int) -> str:
 def main(arguments: list[str] | None = None) -> int:
     """Print the figures, or write them into the budgets; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--worst", metavar="N", type=int, default=0, help="add the N worst files of each figure")
-    parser.add_argument("--lower", action="store_true", help="write improved figures into budgets.toml")
+    parser.add_argument(
+        "--worst", metavar="N", type=int, default=0, help="add the N worst files of each figure"
+    )
+    parser.add_argument(
+        "--lower", action="store_true", help="write improved figures into budgets.toml"
+    )
     options = parser.parse_args(arguments)
     if options.lower:
         try:

@@ -34,7 +34,12 @@ class Tracer:
         """Follow the calls of functions of the product."""
         code = frame.f_code
         module = self.module(code.co_filename)
-        if event != "call" or not module or code.co_name == "<module>" or self._is_importing(frame.f_back):
+        if (
+            event != "call"
+            or not module
+            or code.co_name == "<module>"
+            or self._is_importing(frame.f_back)
+        ):
             return None
 
         def note(inner, inner_event, _):

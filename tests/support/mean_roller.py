@@ -25,9 +25,13 @@ class MeanRoller:
     def __init__(self, scene):
         self.scene, self.assembly = scene, assemble(scene).with_resistance()
         self.at = functools.cache(self._at)
-        self.case, k = self.assembly.load_case(INSTANTS), self.assembly.kinematics
-        self.Ri, self.Ro, self.r = k.inner_radius, k.outer_radius, k.roller_radius
-        Z, m = scene.bearing.rollers, self.assembly.roller_mass
+        self.case = self.assembly.load_case(INSTANTS)
+        k = self.assembly.kinematics
+        self.Ri = k.inner_radius
+        self.Ro = k.outer_radius
+        self.r = k.roller_radius
+        Z = scene.bearing.rollers
+        m = self.assembly.roller_mass
         self.orbital = self.assembly.cage.inertia + Z * m * k.orbit_radius**2
         self.spin = 0.5 * Z * m * k.roller_radius**2
 
@@ -39,7 +43,9 @@ class MeanRoller:
     def loads(self, w, W, wi, wo):
         """Loaded contacts of both rings at a cage speed."""
         a = self.at(wi, wo)
-        forced = attrs.evolve(self.case, radial_load=W, centrifugal_force=a.centrifugal_force_at(abs(w)))
+        forced = attrs.evolve(
+            self.case, radial_load=W, centrifugal_force=a.centrifugal_force_at(abs(w))
+        )
         found = solve_equilibrium(forced, a.raceways)
         return [LoadedContacts(raceway, load.reshape(-1, a.slices), a.widths, 1.0)
                 for raceway, load in zip(a.raceways, (found.inner_load, found.outer_load), strict=True)]  # fmt: skip
@@ -47,7 +53,8 @@ class MeanRoller:
     def forces(self, contacts, w, c, wi, wo):
         """Traction and resistance of inner and outer ring [N] at the roller's surface speed c beside the cage."""
         found = []
-        a, b = self.Ri * (wi - w), self.Ro * (w - wo)
+        a = self.Ri * (wi - w)
+        b = self.Ro * (w - wo)
         for of, V, u in zip(contacts, (a - c, c - b), (0.5 * (a + c), 0.5 * (b + c)), strict=True):
             film = np.hypot(u, 1e-3)
             friction = of.friction(film, abs(V))
@@ -58,8 +65,15 @@ class MeanRoller:
     def torques(self, w, c, W, wi, wo, contacts=None):
         """What is left on the spins, on the cage with its rollers, and what drives inner and outer ring [N m]."""
         Fi, Si, Fo, So = self.forces(contacts or self.loads(w, W, wi, wo), w, c, wi, wo)
-        spin, inner, outer = self.r * (Fi - Si - Fo - So), self.Ri * (Fi + Si), self.Ro * (Fo - So)
-        return spin, spin + inner + outer + self.at(wi, wo).cage.drags.torque(w, wi, wo), inner, outer
+        spin = self.r * (Fi - Si - Fo - So)
+        inner = self.Ri * (Fi + Si)
+        outer = self.Ro * (Fo - So)
+        return (
+            spin,
+            spin + inner + outer + self.at(wi, wo).cage.drags.torque(w, wi, wo),
+            inner,
+            outer,
+        )
 
     def cage_speed(self, slip, wi, wo):
         """Speed of the cage [rad/s] at a slip."""
@@ -73,17 +87,26 @@ class MeanRoller:
         """What is left on the cage where the spins balance, and what drives the inner ring [N m]."""
         w = self.cage_speed(slip, wi, wo)
         contacts = self.loads(w, W, wi, wo)
-        a, b = self.Ri * (wi - w), self.Ro * (w - wo)
+        a = self.Ri * (wi - w)
+        b = self.Ro * (w - wo)
         off = 0.1 * (abs(a) + abs(b))
-        c = brentq(lambda c: self.torques(w, c, W, wi, wo, contacts)[0], min(a, b) - off, max(a, b) + off, xtol=1e-13)
+        c = brentq(
+            lambda c: self.torques(w, c, W, wi, wo, contacts)[0],
+            min(a, b) - off,
+            max(a, b) + off,
+            xtol=1e-13,
+        )
         return self.torques(w, c, W, wi, wo, contacts)[1:3]
 
     def largest(self, slip, W, wi, wo):
         """Largest torque of the rollers on the cage [N m], the outer ring's traction no more than the inner one's."""
         w = self.cage_speed(slip, wi, wo)
-        contacts, u = self.loads(w, W, wi, wo), 0.5 * (self.Ri * (wi - w) + self.Ro * (w - wo))
+        contacts = self.loads(w, W, wi, wo)
+        u = 0.5 * (self.Ri * (wi - w) + self.Ro * (w - wo))
         slides = u * np.geomspace(1e-3, 4.0, 60)
-        inner, outer = (max(float(of.friction(u, V) @ of.force) for V in slides) / INSTANTS for of in contacts)
+        inner, outer = (
+            max(float(of.friction(u, V) @ of.force) for V in slides) / INSTANTS for of in contacts
+        )
         own = [float(of.slices.resistance @ of.width) / INSTANTS for of in contacts]
         most = min(outer, inner - sum(own))
         return self.Ri * (most + 2.0 * own[0] + own[1]) + self.Ro * (most - own[1])
@@ -98,6 +121,8 @@ class MeanRoller:
             spin, cage, _, _ = self.torques(y[0], self.r * (y[1] + y[0]), *inputs(t))
             return [cage / self.orbital, spin / self.spin]
 
-        done = solve_ivp(rates, times[[0, -1]], [w, c / self.r - w], "LSODA", times, rtol=1e-5, atol=1e-4)
+        done = solve_ivp(
+            rates, times[[0, -1]], [w, c / self.r - w], "LSODA", times, rtol=1e-5, atol=1e-4
+        )
         assert done.success
         return done.y[0]

@@ -13,11 +13,16 @@ import xarray as xr
 from rollslip.results.dataset import about
 from rollslip_studies.dynamics.findings import DynamicsAccount, compared
 
-INNER, ROLLER, ORBIT = 82.5e-3, 7.5e-3, 90e-3
+INNER = 82.5e-3
+ROLLER = 7.5e-3
+ORBIT = 90e-3
 INNER_SPEED = 667.17
 CAGE_SPEED = INNER_SPEED * INNER / (2.0 * ORBIT)
 ROLLER_SPEED = INNER * (INNER_SPEED - CAGE_SPEED) / ROLLER
-ROLLER_MASS, CAGE_INERTIA, DRAG, FRICTION = 20e-3, 3e-3, 0.3, 0.01
+ROLLER_MASS = 20e-3
+CAGE_INERTIA = 3e-3
+DRAG = 0.3
+FRICTION = 0.01
 WORKS = ("work_rings", "lost_inner", "lost_outer", "work_drag")
 
 
@@ -76,7 +81,9 @@ def motion(
     traction = FRICTION * np.tanh(sliding) * force
     known = film == "known"
     film_parameter = (
-        np.where(force > 0.0, 3.0 / (1.0 + force) ** 0.1, np.nan) if known else np.full(force.shape, np.nan)
+        np.where(force > 0.0, 3.0 / (1.0 + force) ** 0.1, np.nan)
+        if known
+        else np.full(force.shape, np.nan)
     )
 
     def since_start(power):
@@ -88,41 +95,81 @@ def motion(
     lost = [since_start(power) for power in (traction * sliding).sum(axis=2)]
     braked = since_start(DRAG * cage_speed if drag else 0.0 * time)
     gap = residual * np.sin(40.0 * time) ** 2
-    done = np.stack((energy - energy[0] + lost[0] + lost[1] + braked - gap, -lost[0], -lost[1], -braked))
+    done = np.stack(
+        (energy - energy[0] + lost[0] + lost[1] + braked - gap, -lost[0], -lost[1], -braked)
+    )
     excess = np.asarray(slip(fine), dtype=float) - critical
     found = [
         (float(fine[k]), "cage slip passes that of skidding", bool(excess[k + 1] > 0.0))
         for k in np.flatnonzero(excess[:-1] * excess[1:] < 0.0)
     ]
     happened = sorted([*found, *events])
-    over, each, contacts = ("time",), ("time", "roller"), ("ring", "time", "roller")
+    over = ("time",)
+    each = ("time", "roller")
+    contacts = ("ring", "time", "roller")
     status = {"film_status": "of the loaded laminae" if known else film}
     dataset = xr.Dataset(
         {
             "cage_speed": (over, cage_speed, about("rad/s", "cage speed")),
             "cage_slip": (over, cage_slip, about("1", "cage slip")),
-            "roller_speed": (each, roller_speed, about("rad/s", "roller spin relative to the cage")),
+            "roller_speed": (
+                each,
+                roller_speed,
+                about("rad/s", "roller spin relative to the cage"),
+            ),
             "roller_slip": (each, roller_slip, about("1", "roller slip")),
             "orbit_angle": (each, angle, about("rad", "position from the line of load")),
             "normal_force": (contacts, force, about("N", "normal force")),
             "traction_force": (contacts, traction, about("N", "traction force")),
             "sliding_speed": (contacts, sliding, about("m/s", "sliding speed")),
-            "film_parameter": (contacts, film_parameter, about("1", "smallest film parameter") | status),
+            "film_parameter": (
+                contacts,
+                film_parameter,
+                about("1", "smallest film parameter") | status,
+            ),
             "energy": (over, energy, about("J", "kinetic and elastic energy")),
             "work_done": (("work", "time"), done[: len(works)], about("J", "work since the start")),
-            "energy_residual": (over, energy - energy[0] - done.sum(axis=0), about("J", "residual of the energy")),
+            "energy_residual": (
+                over,
+                energy - energy[0] - done.sum(axis=0),
+                about("J", "residual of the energy"),
+            ),
             "angular_momentum": (over, moving, about("N m s", "angular momentum")),
-            "momentum_residual": (over, 1e-12 * moving * np.sin(time), about("N m s", "residual of the momentum")),
-            "event_time": (("event",), np.array([e[0] for e in happened], dtype=float), about("s", "when it happened")),
-            "event_what": (("event",), np.array([e[1] for e in happened], dtype=str), about("1", "what happened")),
-            "event_rising": (("event",), np.array([e[2] for e in happened], dtype=np.int8), about("1", "rising")),
+            "momentum_residual": (
+                over,
+                1e-12 * moving * np.sin(time),
+                about("N m s", "residual of the momentum"),
+            ),
+            "event_time": (
+                ("event",),
+                np.array([e[0] for e in happened], dtype=float),
+                about("s", "when it happened"),
+            ),
+            "event_what": (
+                ("event",),
+                np.array([e[1] for e in happened], dtype=str),
+                about("1", "what happened"),
+            ),
+            "event_rising": (
+                ("event",),
+                np.array([e[2] for e in happened], dtype=np.int8),
+                about("1", "rising"),
+            ),
             "regime_share": (
                 ("ring", "regime"),
                 np.array([[0.25, 0, 0, 0.75], [0, 0, 0, 1]]),
                 about("1", "share of a regime"),
             ),
-            "load_parameter": (("ring",), np.array([40.0, 50.0]), about("1", "largest Moes load parameter M")),
-            "light_share": (("ring",), np.array([0.125, 0.0]), about("1", "share of the forces at light load")),
+            "load_parameter": (
+                ("ring",),
+                np.array([40.0, 50.0]),
+                about("1", "largest Moes load parameter M"),
+            ),
+            "light_share": (
+                ("ring",),
+                np.array([0.125, 0.0]),
+                about("1", "share of the forces at light load"),
+            ),
         },
         coords={
             "time": (over, time, about("s", "time")),
@@ -159,8 +206,16 @@ def motion(
         },
     )
     if level != "cage-set":
-        dataset["pocket_force"] = (each, 30.0 * np.sin(angle), about("N", "force of a roller on the cage"))
-        dataset["pocket_displacement"] = (each, 1e-4 * np.sin(angle), about("m", "displacement in the pocket"))
+        dataset["pocket_force"] = (
+            each,
+            30.0 * np.sin(angle),
+            about("N", "force of a roller on the cage"),
+        )
+        dataset["pocket_displacement"] = (
+            each,
+            1e-4 * np.sin(angle),
+            about("m", "displacement in the pocket"),
+        )
     if level == "planar":
         swing = np.stack((np.cos(300.0 * time), np.sin(300.0 * time)))
         way = ("direction", "time")
@@ -168,8 +223,16 @@ def motion(
         ring = np.stack((20e-6 - 5e-6 * fading * swing[0], 5e-6 * fading * swing[1]))
         dataset = dataset.assign_coords(direction=["along", "across"])
         dataset["ring_displacement"] = (way, ring, about("m", "displacement of the inner ring"))
-        dataset["cage_displacement"] = (way, 60e-6 * (1 - fading) * swing, about("m", "displacement of the cage"))
-        dataset["land_eccentricity"] = (over, 0.6 * (1 - fading), about("1", "eccentricity of the cage on its lands"))
+        dataset["cage_displacement"] = (
+            way,
+            60e-6 * (1 - fading) * swing,
+            about("m", "displacement of the cage"),
+        )
+        dataset["land_eccentricity"] = (
+            over,
+            0.6 * (1 - fading),
+            about("1", "eccentricity of the cage on its lands"),
+        )
     return dataset.assign_attrs(attributes)
 
 
@@ -178,7 +241,9 @@ RUNAWAY = {"steady_status": "not steady: it grows", "steady_cage_slip": float("n
 
 def hard_cases():
     """Motions of the least, the most and the strangest that a result can hold, by name."""
-    contacts = [(1e-3 * k, "contact of roller 3 with the inner ring opens", bool(k % 2)) for k in range(400)]
+    contacts = [
+        (1e-3 * k, "contact of roller 3 with the inner ring opens", bool(k % 2)) for k in range(400)
+    ]
     return {
         "one instant": motion(
             points=1,
@@ -189,14 +254,20 @@ def hard_cases():
         ),
         "two instants": motion(points=2, duration=1e-9),
         "no roller loaded": motion(load=0.0, film="no roller was loaded", points=61),
-        "film unknown": motion(film="effective friction does not know the film", friction="effective", points=61),
+        "film unknown": motion(
+            film="effective friction does not know the film", friction="effective", points=61
+        ),
         "one roller": motion(rollers=1, points=201),
         "1000 rollers": motion(rollers=1000, points=21, level="planar"),
         "runaway": motion(running_away(), points=201, events=contacts, **RUNAWAY),
-        "nothing moves": motion(lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5),
+        "nothing moves": motion(
+            lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5
+        ),
         "no drag, no slip": motion(lambda t: 0.0 * t, drag=False, residual=0.0, points=61),
         "cage backwards": motion(relaxing(2.0, 0.03), points=61, rejected=-1),
-        "critical unknown": motion(critical=float("nan"), runaway_status="friction still rises", points=61),
+        "critical unknown": motion(
+            critical=float("nan"), runaway_status="friction still rises", points=61
+        ),
         "ledger of one entry": motion(works=("work_rings",), points=5),
     }
 
@@ -205,14 +276,18 @@ def situations():
     """Motions of which different things are said, by name."""
     away = motion(running_away(), **RUNAWAY)
     unknown = {"critical_cage_slip": float("nan"), "critical_status": "rises"}
-    opens = [(0.01 * k, "contact of roller 3 with the inner ring opens", False) for k in range(1, 31)]
+    opens = [
+        (0.01 * k, "contact of roller 3 with the inner ring opens", False) for k in range(1, 31)
+    ]
     others = [(0.1, f"event {k}", True) for k in range(9)]
     older = motion(points=61)
     for name in ("slip", "drag", "status"):
         del older.attrs[f"runaway_{name}"]
     return hard_cases() | {
         "runs away": away,
-        "runs away and is stopped": away.assign_attrs(outcome="stopped", outcome_message="stop_at = critical."),
+        "runs away and is stopped": away.assign_attrs(
+            outcome="stopped", outcome_message="stop_at = critical."
+        ),
         "slip falls again": motion(lambda t: 0.3 * np.sin(4.0 * t), **RUNAWAY),
         "settles beyond": motion(relaxing(0.0, 0.2)),
         "there and back": motion(lambda t: 0.2 * np.sin(6.0 * t)),
@@ -233,7 +308,8 @@ def situations():
 
 def told_motions():
     """Return what is said of these motions, topic by topic; after the first one what is not said of it."""
-    usual, lines = list[str](), list[str]()
+    usual = list[str]()
+    lines = list[str]()
     for name, dataset in ({"settles": motion()} | situations()).items():
         topics = DynamicsAccount.topics(dataset)
         if usual:
@@ -246,5 +322,10 @@ def told_motions():
 
 def told_together():
     """Return all that is said of two motions together."""
-    slow = motion(relaxing(0.0, 0.033, 0.1), points=501, friction="effective", real_time_factor=75.0)
-    return "\n".join(compared({"conventional": motion(relaxing(0.0, 0.03, 0.1)), "effective": slow})) + "\n"
+    slow = motion(
+        relaxing(0.0, 0.033, 0.1), points=501, friction="effective", real_time_factor=75.0
+    )
+    return (
+        "\n".join(compared({"conventional": motion(relaxing(0.0, 0.03, 0.1)), "effective": slow}))
+        + "\n"
+    )

@@ -33,14 +33,26 @@ def traction_models():
 """
 
 
-def install(folder, package, source, *, kind="traction", name=None, module=None, version="1.0", requires=("rollslip",)):
+def install(
+    folder,
+    package,
+    source,
+    *,
+    kind="traction",
+    name=None,
+    module=None,
+    version="1.0",
+    requires=("rollslip",),
+):
     """Install a package: a module with the source, METADATA, and one entry point unless ``name`` is empty."""
     name = package.removeprefix("rollslip-") if name is None else name
     module = module or package.replace("-", "_")
     info = folder / f"{package.replace('-', '_')}-{version}.dist-info"
     info.mkdir(parents=True)
     lines = ["Metadata-Version: 2.1", f"Name: {package}", f"Version: {version}"]
-    (info / "METADATA").write_text("\n".join([*lines, *(f"Requires-Dist: {r}" for r in requires)]) + "\n")
+    (info / "METADATA").write_text(
+        "\n".join([*lines, *(f"Requires-Dist: {r}" for r in requires)]) + "\n"
+    )
     if name:
         (info / "entry_points.txt").write_text(f"[rollslip.{kind}]\n{name} = {module}\n")
     if source is not None:
@@ -52,7 +64,9 @@ def process(code, *arguments, paths=(), fresh=False, **environment):
 
     ``fresh`` starts Python: where it counts what is imported, or the environment is read before anything else.
     """
-    inherited = {name: value for name, value in os.environ.items() if name != "ROLLSLIP_DISABLED_PLUGINS"}
+    inherited = {
+        name: value for name, value in os.environ.items() if name != "ROLLSLIP_DISABLED_PLUGINS"
+    }
     path = os.pathsep.join([*map(str, paths), *filter(None, [inherited.get("PYTHONPATH")])])
     environment = {**inherited, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", **environment}
     if not fresh:

@@ -22,7 +22,10 @@ from rollslip.studies.error_estimate import errors_between
 STUDY = "effective-friction"
 BASE = evolve(
     load_scene("1032930-70C"),
-    {f"study.{STUDY}": {"max_cage_slip": 0.6, "points": 21, "map_points": 0}, "accuracy.slices": "auto"},
+    {
+        f"study.{STUDY}": {"max_cage_slip": 0.6, "points": 21, "map_points": 0},
+        "accuracy.slices": "auto",
+    },
 )
 PROFILES = ("none", "iso16281", {"shape": "circular", "radius": "3 m"}, "iso16281")
 OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
@@ -68,7 +71,10 @@ def scene(x):
             f"study.{STUDY}.closure": pick(CLOSURES, x[8]),
             "models.film": pick(FILMS, x[9]),
             "models.traction": pick(TRACTIONS, x[10]),
-            **{f"surface.{part}_roughness": f"{0.02 * 20.0 ** x[11]} um" for part in ("inner_raceway", "roller")},
+            **{
+                f"surface.{part}_roughness": f"{0.02 * 20.0 ** x[11]} um"
+                for part in ("inner_raceway", "roller")
+            },
             "accuracy.tolerance": 10.0 ** (-2.0 - 3.0 * x[12]),
         },
     )

@@ -59,14 +59,28 @@ def scene(k, seed=16):
     def decades(low, high):
         return 10.0 ** even(math.log10(low), math.log10(high))
 
-    diameter, rollers = decades(5e-3, 0.35), round(decades(7, 60))
+    diameter = decades(5e-3, 0.35)
+    rollers = round(decades(7, 60))
     pitch = diameter / math.sin(math.pi / rollers) / even(0.6, 0.93)
-    inner, length = pitch - diameter, diameter * even(0.6, 2.0)
+    inner = pitch - diameter
+    length = diameter * even(0.6, 2.0)
     clearance = of((0.0, 1.0, 1.0, -0.2)) * diameter * decades(1e-5, 3e-3)
     speed = decades(3e3, 1.5e6) / (1e3 * pitch)  # rpm, from n dm of 3e3 to 1.5e6 mm/min
-    load = rollers / 4.6 * length * 2.0 * math.pi * (0.5 * diameter) * decades(0.3e9, 2.5e9) ** 2 / 2.3e11
-    law, blend = of(LAWS), of(BLENDS)
-    rough = {part: f"{decades(0.02, 0.8)} um" for part in ("inner_raceway", "outer_raceway", "roller")}
+    load = (
+        rollers
+        / 4.6
+        * length
+        * 2.0
+        * math.pi
+        * (0.5 * diameter)
+        * decades(0.3e9, 2.5e9) ** 2
+        / 2.3e11
+    )
+    law = of(LAWS)
+    blend = of(BLENDS)
+    rough = {
+        part: f"{decades(0.02, 0.8)} um" for part in ("inner_raceway", "outer_raceway", "roller")
+    }
     crown = {"shape": "circular", "radius": length**2 / diameter * even(20, 2e3)}
     profile = of(("none", "iso16281", "iso16281", crown))
     changes = {
@@ -112,9 +126,16 @@ def scene(k, seed=16):
 
 def described(one):
     """What a scene is, in one line."""
-    b, o, m, s = one.bearing, one.operation, one.models, one.study[STUDY]
+    b = one.bearing
+    o = one.operation
+    m = one.models
+    s = one.study[STUDY]
     law = m.traction.parameters.get("hydrodynamic")
-    law = m.traction.name if law is None else f"{m.traction.name} of {law['model'] if hasattr(law, 'keys') else law}"
+    law = (
+        m.traction.name
+        if law is None
+        else f"{m.traction.name} of {law['model'] if hasattr(law, 'keys') else law}"
+    )
     return (
         f"{b.rollers} rollers of {b.roller_diameter * 1e3:.0f} mm; {o.inner_speed * 30 / np.pi:.3g} rpm; "
         f"{o.radial_load:.3g} N; {o.temperature - 273.15:.0f} degC; clearance {b.radial_clearance * 1e6:.0f} um; "
@@ -158,7 +179,8 @@ def finer(study, one, own, times):
 
 def work(made):
     """About how many slices are evaluated for the reference of a plan."""
-    study, own = made.studies[STUDY], made.estimated[STUDY].resolution
+    study = made.studies[STUDY]
+    own = made.estimated[STUDY].resolution
     spins = 12 * 4 if study.closure == "free-roller" else 1
     slices = 1 if made.assembly.slices == 1 else own.slices
     return 16 * slices * (own.instants or 1) * made.scene.bearing.rollers * study.points * spins
@@ -174,7 +196,8 @@ def judge(one):
         if made.estimated[STUDY].failed:
             return Promise(one, refused=made.estimated[STUDY].failed)
         result = execute(made, STUDY)
-        study, planned = made.studies[STUDY], made.estimated[STUDY].resolution
+        study = made.studies[STUDY]
+        planned = made.estimated[STUDY].resolution
         taken = json.loads(result.attrs["resolution"])
         own = attrs.evolve(planned, slices=taken["slices"], instants=taken["instants"])
         for times in (4, 8):
@@ -191,5 +214,7 @@ def judge(one):
         estimated={row["result"]: row["estimated"] for row in rows},
         witnessed={row["result"]: row["found"] for row in rows},
         actual=actual,
-        warned=tuple(w for w in json.loads(result.attrs["warnings"]) if " is off " in w and "accuracy." in w),
+        warned=tuple(
+            w for w in json.loads(result.attrs["warnings"]) if " is off " in w and "accuracy." in w
+        ),
     )

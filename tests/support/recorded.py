@@ -39,7 +39,8 @@ STORED = ROOT / "tests" / "results" / "stored"
 EXAMPLES = ROOT / "docs" / "examples"
 #: Values that are none but for rounding.
 _NOTHING = 1e-13
-SCENE, COARSE = "1032930-70C", "--set accuracy.slices=7 --no-plots"
+SCENE = "1032930-70C"
+COARSE = "--set accuracy.slices=7 --no-plots"
 #: Name -> arguments of `rollslip` that compute it, without --out.
 RESULTS = {
     "friction-curve": f"run {SCENE} --study friction-curve --set study.friction-curve.points=11 {COARSE}",
@@ -82,7 +83,14 @@ TEXTS: dict[str, Callable[[], str]] = {
 def compute(name: str) -> None:
     """Compute a result and store it."""
     with tempfile.TemporaryDirectory() as place:
-        command = [sys.executable, "-c", "from rollslip.cli import main; main()", *RESULTS[name].split(), "--out", "o"]
+        command = [
+            sys.executable,
+            "-c",
+            "from rollslip.cli import main; main()",
+            *RESULTS[name].split(),
+            "--out",
+            "o",
+        ]
         done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
         found = sorted(Path(place, "o").rglob("*.nc"), key=lambda path: (len(path.parts), path))
         if not found:
@@ -99,20 +107,37 @@ def stored(name: str) -> "xr.Dataset":
 
 def told(dataset: "xr.Dataset") -> str:
     """Return all that is said of a result and stands on its figures."""
-    account, answer = account_of(dataset), answer_of(dataset)
-    said, (first, bounds) = account.lines(dataset), warned([dataset])
-    others = [text for texts in account.topics(dataset).values() for text in texts if text not in said]
+    account = account_of(dataset)
+    answer = answer_of(dataset)
+    said = account.lines(dataset)
+    (first, bounds) = warned([dataset])
+    others = [
+        text for texts in account.topics(dataset).values() for text in texts if text not in said
+    ]
     parts = {
         "answer": answer.lines(80) if answer.rows or answer.verdict else [],
         "lines": said,
         "topics": [", ".join(account.topics(dataset)), *others],
-        "warned": [*first, *([counted(bounds)] if bounds else []), *filter(None, [confidence([dataset])])],
+        "warned": [
+            *first,
+            *([counted(bounds)] if bounds else []),
+            *filter(None, [confidence([dataset])]),
+        ],
     }
     for table in account.tables(dataset):
-        parts[f"table {table.caption}".rstrip()] = aligned([table.head, *map(tuple, table.rows)], math.inf)
+        parts[f"table {table.caption}".rstrip()] = aligned(
+            [table.head, *map(tuple, table.rows)], math.inf
+        )
     figures = plot(dataset)
-    parts |= {f"figure {name}: {figures.captions[name]}": list(_on(figure)) for name, figure in figures.items()}
-    return "\n".join(f"== {part}\n" + "".join(f"{line}\n" for line in lines) for part, lines in parts.items() if lines)
+    parts |= {
+        f"figure {name}: {figures.captions[name]}": list(_on(figure))
+        for name, figure in figures.items()
+    }
+    return "\n".join(
+        f"== {part}\n" + "".join(f"{line}\n" for line in lines)
+        for part, lines in parts.items()
+        if lines
+    )
 
 
 def text_of(name: str) -> str:
@@ -127,13 +152,19 @@ def _on(figure: "Figure") -> Iterator[str]:
         ends = f"x {_range(axes.get_xlim())} {axes.get_xscale()}, y {_range(axes.get_ylim())} {axes.get_yscale()}"
         yield f"axes {k}: {axes.get_title()!r}, {axes.get_xlabel()!r}, {axes.get_ylabel()!r}; {ends}"
         for axis in (axes.xaxis, axes.yaxis):
-            labels = axis.get_ticklabels() if isinstance(axis.get_major_locator(), FixedLocator) else []
-            names = [label.get_text() for label in labels if label.get_text()[:1] not in ("", "$")]  # no numbers
+            labels = (
+                axis.get_ticklabels() if isinstance(axis.get_major_locator(), FixedLocator) else []
+            )
+            names = [
+                label.get_text() for label in labels if label.get_text()[:1] not in ("", "$")
+            ]  # no numbers
             yield from [f"  ticks: {'; '.join(names)}"] * bool(names)
         yield from _lines(axes)
         areas = len(axes.collections) + len(axes.patches) + len(axes.images)
         yield from [f"  {areas} areas or bars"] * bool(areas)
-        yield from [f"  texts: {'; '.join(text.get_text() for text in axes.texts)}"] * bool(axes.texts)
+        yield from [f"  texts: {'; '.join(text.get_text() for text in axes.texts)}"] * bool(
+            axes.texts
+        )
         if axes.get_legend() is not None:
             yield _legend(axes.get_legend())
 
@@ -143,7 +174,9 @@ def _lines(axes: "Axes") -> Iterator[str]:
     alike = dict[str, list["NDArray[np.float64]"]]()
     for line in axes.lines:
         marker = "" if line.get_marker() in ("", "None", None) else line.get_marker()
-        colour = "" if marker else to_hex(line.get_color())  # single points go through the colours by themselves
+        colour = (
+            "" if marker else to_hex(line.get_color())
+        )  # single points go through the colours by themselves
         style = f"line {line.get_linestyle()} {marker}{colour}"
         alike.setdefault(style, []).append(np.array(line.get_data(), float))
     for style, drawn in alike.items():
@@ -160,7 +193,11 @@ def _legend(legend: "Legend") -> str:
 def _extent(values: "NDArray[np.float64]") -> str:
     """Return first, least, largest and last value: what a wrong unit or order moves."""
     known = values[np.isfinite(values)]
-    return " ".join(map(_short, (known[0], known.min(), known.max(), known[-1]))) if known.size else "none"
+    return (
+        " ".join(map(_short, (known[0], known.min(), known.max(), known[-1])))
+        if known.size
+        else "none"
+    )
 
 
 def _range(ends: tuple[float, float]) -> str:

@@ -21,4 +21,6 @@ def uncertain(scene, **table):
 
 def constant(size):
     """A cage that a torque of one size [N m] drags."""
-    return rollslip.evolve(SCATTERED, {"cage.drag": [{"model": "constant-torque", "size": f"{size} N m"}]})
+    return rollslip.evolve(
+        SCATTERED, {"cage.drag": [{"model": "constant-torque", "size": f"{size} N m"}]}
+    )

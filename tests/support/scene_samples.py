@@ -37,7 +37,10 @@ LINES = SCENE.splitlines()
 
 def scene_with(*additions: str, **replaced: str) -> str:
     """Replace the lines of some keys, which keeps all line numbers, and add lines at the end."""
-    lines = [next((new for key, new in replaced.items() if line.startswith(f"{key} ")), line) for line in LINES]
+    lines = [
+        next((new for key, new in replaced.items() if line.startswith(f"{key} ")), line)
+        for line in LINES
+    ]
     return "\n".join([*lines, *additions]) + "\n"
 
 
@@ -48,4 +51,8 @@ def problems_of(text: str) -> list[str]:
 
 
 def line_of(key: str) -> int:
-    return next(number for number, line in enumerate(LINES, 1) if line.startswith(f"{key} ")) if key else 0
+    return (
+        next(number for number, line in enumerate(LINES, 1) if line.startswith(f"{key} "))
+        if key
+        else 0
+    )

@@ -87,7 +87,12 @@ def sentences(root: Path = ROOT) -> list[Sentence]:
 def is_prose(text: str) -> bool:
     """Whether a text reads as words, without what fills its gaps."""
     words = re.findall(r"[A-Za-z][a-z']*(?![\w(])", _GAP.sub(" ", text))
-    return len(words) >= 2 and " " in text.strip() and any(len(word) > 2 for word in words) and not _CODE.search(text)
+    return (
+        len(words) >= 2
+        and " " in text.strip()
+        and any(len(word) > 2 for word in words)
+        and not _CODE.search(text)
+    )
 
 
 def of_python(text: str, module: str) -> Iterator[Sentence]:
@@ -98,9 +103,12 @@ def of_python(text: str, module: str) -> Iterator[Sentence]:
 def _below(node: ast.AST, module: str, where: str, way: str) -> Iterator[Sentence]:
     """Yield the sentences below a node; one within the gap of another is part of that."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-        where, way = f"{where}.{node.name}".removeprefix("."), ""
+        where = f"{where}.{node.name}".removeprefix(".")
+        way = ""
     elif isinstance(node, ast.Call):
-        called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+        called = (
+            node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+        )
         if called in _UNREAD:
             return
         way = way if called in ("join", "append", "extend") else called
@@ -108,7 +116,9 @@ def _below(node: ast.AST, module: str, where: str, way: str) -> Iterator[Sentenc
         way = "raise"
     elif isinstance(node, ast.Assign | ast.AnnAssign):
         way = f"{ast.unparse(node.targets[0] if isinstance(node, ast.Assign) else node.target)} ="
-    if isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str)):
+    if isinstance(node, ast.JoinedStr) or (
+        isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ):
         if is_prose(said := _said(node)):
             yield Sentence(module, where, _kind(way), said)
         return
@@ -142,14 +152,18 @@ def _said(node: ast.expr) -> str:
 
 def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
     """Yield the tokens of a text, an f-string as one: from Python 3.12 on it comes in pieces."""
-    rows, depth, begin = text.splitlines(keepends=True), 0, (0, 0)
+    rows = text.splitlines(keepends=True)
+    depth = 0
+    begin = (0, 0)
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         kind = tokenize.tok_name[token.type]
         if kind == "FSTRING_START":
-            depth, begin = depth + 1, begin if depth else token.start
+            begin = begin if depth else token.start
+            depth = depth + 1
         depth -= kind == "FSTRING_END"
         if kind == "FSTRING_END" and not depth:
-            (first, left), (last, right) = begin, token.end
+            (first, left) = begin
+            (last, right) = token.end
             whole = "".join(rows[first - 1 : last])[left : right - len(rows[last - 1]) or None]
             yield tokenize.TokenInfo(tokenize.STRING, whole, begin, token.end, token.line)
         elif not depth:
@@ -158,7 +172,8 @@ def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
 
 def of_cython(text: str, module: str) -> Iterator[Sentence]:
     """Yield the sentences of a module of Cython, which has the words of Python but another grammar."""
-    parts, begins = list[str](), True
+    parts = list[str]()
+    begins = True
     for token in _tokens(text):
         if token.type == tokenize.STRING:
             bare = token.string.lstrip("bBfFrRuU")
@@ -167,7 +182,8 @@ def of_cython(text: str, module: str) -> Iterator[Sentence]:
             said = " ".join("".join(parts).split())
             if is_prose(said):
                 yield Sentence(module, "", "error", said)
-            parts, begins = [], token.type in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
+            parts = []
+            begins = token.type in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
 
 
 def as_csv(found: list[Sentence]) -> str:

@@ -8,14 +8,18 @@ from rollslip.bearing.equilibrium import solve_equilibrium
 
 def by_differences(assembly, speed, instants):
     """Inverse of what the ring yields to forces along and across its load, which turn the load a little."""
-    case = attrs.evolve(assembly.load_case(instants), centrifugal_force=assembly.centrifugal_force_at(speed))
+    case = attrs.evolve(
+        assembly.load_case(instants), centrifugal_force=assembly.centrifugal_force_at(speed)
+    )
     F = case.radial_load
 
     def displaced(along, across):
         angle = np.arctan2(across, F + along)
         turned = attrs.evolve(case, radial_load=np.hypot(F + along, across), psi=case.psi - angle)
         x, y = solve_equilibrium(turned, assembly.raceways).displacement.T
-        return np.array([x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)])
+        return np.array(
+            [x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)]
+        )
 
     step = 1e-4 * F
     yields = [(displaced(*(step * e)) - displaced(*(-step * e))) / (2.0 * step) for e in np.eye(2)]

@@ -46,9 +46,18 @@ GECIM = (
 )
 HARRIS = "Harris T.A., Kotzalas M.N. Essential Concepts of Bearing Technology. CRC Press, 2007."
 SHEARED = MappingProxyType(
-    {"pressure": POSITIVE, "film_thickness": POSITIVE, "sliding_speed": FINITE, "film_viscosity": POSITIVE}
+    {
+        "pressure": POSITIVE,
+        "film_thickness": POSITIVE,
+        "sliding_speed": FINITE,
+        "film_viscosity": POSITIVE,
+    }
 )
-LIMIT = {"limit": parameter(default=0.06, unit="1", validator=positive, doc="limiting stress over pressure lambda")}
+LIMIT = {
+    "limit": parameter(
+        default=0.06, unit="1", validator=positive, doc="limiting stress over pressure lambda"
+    )
+}
 
 
 # Compiled -------------------------------------------------------------------------------------------------------------
@@ -80,7 +89,9 @@ class LimitedEyring(TractionModel):
     reads = frozenset(SHEARED)
     domain = SHEARED
     stress: float = parameter(default=5e6, unit="Pa", validator=positive, doc="Eyring stress tau_E")
-    limit: float = parameter(default=0.06, unit="1", validator=positive, doc="limiting stress over pressure lambda")
+    limit: float = parameter(
+        default=0.06, unit="1", validator=positive, doc="limiting stress over pressure lambda"
+    )
 
     def evaluate(self, slices):
         s = slices
@@ -98,15 +109,25 @@ class LimitedEyring(TractionModel):
 def groups(slices, hardness):
     """W, U, G, sigma/R and V = hardness/E' of Masjedi and Khonsari."""
     c = slices.conditions
-    radius, modulus = np.float64(c.radius), np.float64(c.modulus)  # overflow is infinite then, which a chain refuses
+    # overflow is infinite then, which a chain refuses
+    radius = np.float64(c.radius)
+    modulus = np.float64(c.modulus)
     speed = c.viscosity * slices.rolling_speed / (modulus * radius)
     material = modulus * c.pressure_viscosity
-    return slices.load / (modulus * radius), speed, material, c.roughness / radius, hardness / modulus
+    return (
+        slices.load / (modulus * radius),
+        speed,
+        material,
+        c.roughness / radius,
+        hardness / modulus,
+    )
 
 
 def of_surfaces():
     """The parameter that film and traction have in common."""
-    return parameter(default=7e9, unit="Pa", validator=positive, doc="hardness of the softer surface")
+    return parameter(
+        default=7e9, unit="Pa", validator=positive, doc="hardness of the softer surface"
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -119,7 +140,9 @@ class RoughFilm(FilmModel):
     location = "central"
     regime = "VE"
     reads = FilmModel.reads | {"roughness"}
-    domain = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE, "roughness": NON_NEGATIVE})
+    domain = MappingProxyType(
+        {**FilmModel.domain, "pressure_viscosity": POSITIVE, "roughness": NON_NEGATIVE}
+    )
     expected_failures = MappingProxyType(
         {
             "check_film_grows_with_the_rolling_speed": "U^-0.748 of the rough part falls faster than U^0.705 rises: "
@@ -144,7 +167,9 @@ class LoadSharing(TractionModel):
     references = (MASJEDI,)
     outputs = MappingProxyType({"asperity_share": ("1", "share of the load that asperities carry")})
     hardness: float = of_surfaces()
-    boundary: TractionModel = submodel("traction", default="kragelsky", doc="friction of asperities")
+    boundary: TractionModel = submodel(
+        "traction", default="kragelsky", doc="friction of asperities"
+    )
     hydrodynamic: TractionModel = submodel("traction", default="eyring", doc="friction of the film")
 
     @property
@@ -184,9 +209,15 @@ class FlangeDrag(DragModel):
     references = (HARRIS,)
     load: float = from_scene("radial_load", doc="radial load F_r")
     orbit: float = from_scene("orbit_radius", doc="radius of the orbit R_c")
-    friction: float = parameter(default=0.006, unit="1", validator=non_negative, doc="coefficient f_f (C)")
-    share: float = parameter(default=0.02, unit="1", validator=in_range(0, 1), doc="axial over radial load c (D)")
-    slow: float = parameter(default=1.0, unit="rad/s", validator=positive, doc="speed w_s below which it fades")
+    friction: float = parameter(
+        default=0.006, unit="1", validator=non_negative, doc="coefficient f_f (C)"
+    )
+    share: float = parameter(
+        default=0.02, unit="1", validator=in_range(0, 1), doc="axial over radial load c (D)"
+    )
+    slow: float = parameter(
+        default=1.0, unit="rad/s", validator=positive, doc="speed w_s below which it fades"
+    )
 
     def torque(self, cage_speed, inner_speed, outer_speed):
         size = self.friction * self.share * self.load * 2 * self.orbit
@@ -206,8 +237,12 @@ class SeatedDeflection(SliceModel):
     reads = frozenset({"approach", "length"})
     writes = frozenset({"load", "stiffness"})
     domain = MappingProxyType({"approach": FINITE, "length": POSITIVE})
-    coefficient: float = parameter(default=8.06e10, unit="Pa", validator=positive, doc="coefficient k0 of steel")
-    seat: float = parameter(default=2e10, unit="Pa", validator=positive, doc="stiffness of the seat c")
+    coefficient: float = parameter(
+        default=8.06e10, unit="Pa", validator=positive, doc="coefficient k0 of steel"
+    )
+    seat: float = parameter(
+        default=2e10, unit="Pa", validator=positive, doc="stiffness of the seat c"
+    )
 
     def evaluate(self, slices):
         k = self.coefficient * slices.conditions.length ** (-1 / 9)
@@ -228,7 +263,9 @@ class Seated(ContactModel):
     name = "seated"
     equation = "b = sqrt(8 w R/(pi E')), p = w/(2 b)"
     references = (HARRIS,)
-    seat: float = parameter(default=2e10, unit="Pa", validator=positive, doc="stiffness of the seat c")
+    seat: float = parameter(
+        default=2e10, unit="Pa", validator=positive, doc="stiffness of the seat c"
+    )
 
     def evaluate(self, slices):
         c = slices.conditions
@@ -249,9 +286,13 @@ def in_numba():
     @numba.njit(error_model="numpy")  # division by zero is infinite then, which a chain refuses
     def fill(viscosity, speed, film, pressure, limit, friction):
         for i in range(friction.size):
-            friction[i] = limit * math.tanh(viscosity[i] * speed[i] / (film[i] * limit * pressure[i]))
+            friction[i] = limit * math.tanh(
+                viscosity[i] * speed[i] / (film[i] * limit * pressure[i])
+            )
 
-    @rollslip.model("traction", "in-numba", reads=SHEARED, domain=SHEARED, parameters=LIMIT, references=(GECIM,))
+    @rollslip.model(
+        "traction", "in-numba", reads=SHEARED, domain=SHEARED, parameters=LIMIT, references=(GECIM,)
+    )
     def in_numba(s, limit):
         fill(s.film_viscosity, s.sliding_speed, s.film_thickness, s.pressure, limit, s.friction)
 
@@ -266,9 +307,13 @@ def in_jax():
     def friction(viscosity, speed, film, pressure, limit):
         return limit * jax.numpy.tanh(viscosity * speed / (film * limit * pressure))
 
-    @rollslip.model("traction", "in-jax", reads=SHEARED, domain=SHEARED, parameters=LIMIT, references=(GECIM,))
+    @rollslip.model(
+        "traction", "in-jax", reads=SHEARED, domain=SHEARED, parameters=LIMIT, references=(GECIM,)
+    )
     def in_jax(s, limit):
-        return np.asarray(friction(s.film_viscosity, s.sliding_speed, s.film_thickness, s.pressure, limit))
+        return np.asarray(
+            friction(s.film_viscosity, s.sliding_speed, s.film_thickness, s.pressure, limit)
+        )
 
 
 # How long they are ----------------------------------------------------------------------------------------------------
@@ -298,7 +343,9 @@ def lengths(parts):
         (tree,) = ast.parse(source).body
         numbers = {k for k, line in enumerate(source.splitlines(), 1) if line.strip()}
         numbers -= {k for node in ast.walk(tree) for k in docstring(node)}
-        laws = {k for node in law_nodes(tree) for k in range(node.lineno, node.end_lineno + 1)} & numbers
+        laws = {
+            k for node in law_nodes(tree) for k in range(node.lineno, node.end_lineno + 1)
+        } & numbers
         total += len(numbers)
         other += len(numbers) - len(laws)
     return total, other

@@ -17,7 +17,14 @@ from rollslip.bearing.chain import Chain
 from rollslip.testing.samples import NumpyForm, signed
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
-__all__ = ["NumpyForm", "decades", "evaluated", "law_of", "or_zero", "signed"]  # two of them are the kit's
+__all__ = [
+    "NumpyForm",
+    "decades",
+    "evaluated",
+    "law_of",
+    "or_zero",
+    "signed",
+]  # two of them are the kit's
 
 
 def decades(low, high):
@@ -107,7 +114,9 @@ def films(deborah=None, heating=None):
     return st.builds(
         _film,
         pressure=decades(6, 9.6),
-        eta=st.tuples(decades(-3, 0.5), or_zero(st.floats(1e-3, 40.0))).map(lambda of: of[0] * float(np.exp(of[1]))),
+        eta=st.tuples(decades(-3, 0.5), or_zero(st.floats(1e-3, 40.0))).map(
+            lambda of: of[0] * float(np.exp(of[1]))
+        ),
         eyring_stress=decades(5, 8),
         half_width=decades(-6, -3),
         film_thickness=decades(-9, -4),
@@ -124,7 +133,9 @@ def _film(  # drawn by builds and not by a composite, which makes and checks its
     pressure, eta, eyring_stress, half_width, film_thickness, rolling_speed, effusivity, conductivity, film_parameter,
     deborah, heating,
 ):  # fmt: skip
-    zeta = FLASH * np.sqrt(half_width / (np.pi * rolling_speed)) / effusivity + film_thickness / (12 * conductivity)
+    zeta = FLASH * np.sqrt(half_width / (np.pi * rolling_speed)) / effusivity + film_thickness / (
+        12 * conductivity
+    )
     softening = heating * eta / (zeta * eyring_stress**2 * film_thickness)
     return Film(
         conditions=Conditions(
@@ -164,7 +175,11 @@ class Contact:
     def groups(self):
         """U, G, W."""
         ER = self.modulus * self.radius
-        return self.viscosity * self.rolling_speed / ER, self.pressure_viscosity * self.modulus, self.load / ER
+        return (
+            self.viscosity * self.rolling_speed / ER,
+            self.pressure_viscosity * self.modulus,
+            self.load / ER,
+        )
 
     def conditions(self):
         return Conditions(

@@ -41,7 +41,13 @@ def exact(law, count=None):
 def _data(columns):
     n = columns["temperature"].size
     sha256 = hashlib.sha256(columns["friction"].tobytes()).hexdigest()
-    return RigData(source="synthetic.csv", text="", sha256=sha256, columns=columns, lines=tuple(range(2, n + 2)))
+    return RigData(
+        source="synthetic.csv",
+        text="",
+        sha256=sha256,
+        columns=columns,
+        lines=tuple(range(2, n + 2)),
+    )
 
 
 def synthetic(friction, noise, seed, count=None):
@@ -62,7 +68,13 @@ def synthetic(friction, noise, seed, count=None):
         for k in range(friction.size)
     )
     series = ContactSeries(
-        name="traction", quantity="friction", unit="1", rows=rows, about_uncertainty="made", rig=RIG, data=data
+        name="traction",
+        quantity="friction",
+        unit="1",
+        rows=rows,
+        about_uncertainty="made",
+        rig=RIG,
+        data=data,
     )
     return Measurement(
         name="synthetic", description="A law with noise", references=("Nobody N. Made for tests. 2000.",),

@@ -20,6 +20,10 @@ def numbers_of(path: Path) -> list[dict[str, float]]:
 
 def cell(table: str, column: str, **where: str) -> str:
     """Return what a table of the docs has in a column of the only row that fits."""
-    found = [row for row in rows_of(TABLES / f"{table}.csv") if all(row[key] == value for key, value in where.items())]
+    found = [
+        row
+        for row in rows_of(TABLES / f"{table}.csv")
+        if all(row[key] == value for key, value in where.items())
+    ]
     assert len(found) == 1, (table, where)
     return found[0][column]

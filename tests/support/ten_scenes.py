@@ -27,7 +27,14 @@ NEW: dict[str, tuple[str, str, str, str, str, dict[str, str]]] = {
     "preloaded": ("NU2216", "iso-vg-68", "4500 rpm", "1.5 kN", "75 degC", {"cage": "polyamide"}),
     "slow": ("NU422", "iso-vg-220", "50 rpm", "2 kN", "40 degC", {}),
     "fast": ("N1012", "fva-3", "14000 rpm", "300 N", "80 degC", {}),
-    "starved": ("NU205", "iso-vg-32", "12000 rpm", "100 N", "60 degC", {"cage": "polyamide", "supply": "grease"}),
+    "starved": (
+        "NU205",
+        "iso-vg-32",
+        "12000 rpm",
+        "100 N",
+        "60 degC",
+        {"cage": "polyamide", "supply": "grease"},
+    ),
     "both-rings": ("NU2216", "iso-vg-68", "3000 rpm", "2 kN", "75 degC", {"cage": "polyamide"}),
 }
 #: What is changed in the text that `new_scene` returns.
@@ -46,7 +53,9 @@ def texts() -> dict[str, str]:
         found[name] = new_scene(f"{name}.toml", **_USUAL | given | others)
         assert old in found[name], f"{name}: {old}"
         found[name] = found[name].replace(old, new) if old else found[name]
-    return found | {"own": (ROOT / "docs" / "examples" / "my-bearing.toml").read_text(encoding="utf-8")}
+    return found | {
+        "own": (ROOT / "docs" / "examples" / "my-bearing.toml").read_text(encoding="utf-8")
+    }
 
 
 def scenes() -> dict[str, Scene]:

@@ -39,7 +39,8 @@ def _run(code, arguments, cwd, told, paths, environment):
         os.environ.clear()
         os.environ.update(environment)
         warnings.simplefilter("error")
-    sys.argv[1:], sys.path[:0] = arguments, paths
+    sys.argv[1:] = arguments
+    sys.path[:0] = paths
     exec(code, {"__name__": "__main__"})
 
 
@@ -49,7 +50,14 @@ def python(code, *arguments, cwd=".", paths=(), environment=None):
         told = [Path(folder, name) for name in ("out", "err")]
         for path in told:
             path.touch()
-        given = code, tuple(map(str, arguments)), os.path.abspath(cwd), told, tuple(map(str, paths)), environment
+        given = (
+            code,
+            tuple(map(str, arguments)),
+            os.path.abspath(cwd),
+            told,
+            tuple(map(str, paths)),
+            environment,
+        )
         process = _FORKING.Process(target=_run, args=given)
         process.start()
         process.join()

@@ -16,7 +16,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip_studies.motion.torque_balance import TorqueBalance
 
-FREE, CATALOGUE, WIDE = 7, 11, 13
+FREE = 7
+CATALOGUE = 11
+WIDE = 13
 OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
 GRADES = (32, 46, 68, 100, 150, 220)
 SERIES = {
@@ -34,7 +36,8 @@ FASTEST = 1.5e6
 def free(number, *, even=False):
     """A free bearing; ``even`` without profile and tilt, so that one slice stands for all."""
     u = np.random.default_rng([FREE, number]).uniform(size=16)
-    base, size = load_scene("1032930-70C"), 0.4 * 3.5 ** u[0]
+    base = load_scene("1032930-70C")
+    size = 0.4 * 3.5 ** u[0]
     roughness = f"{0.02 * 20.0 ** u[11]} um"
     sizes = ("roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter")
     return evolve(
@@ -77,7 +80,9 @@ def catalogue(number, *, resists=True, even=False):
     }
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.toml"
-        made = CliRunner().invoke(cli, ["new", str(path), *(part for pair in asked.items() for part in pair)])
+        made = CliRunner().invoke(
+            cli, ["new", str(path), *(part for pair in asked.items() for part in pair)]
+        )
         assert made.exit_code == 0, made.output
         scene = load_scene(path)
     changes = {"cage.drag": RESISTING if resists else ["churning"]}
@@ -98,7 +103,9 @@ def wide(number):
         {
             "operation.inner_speed": f"{speed} rpm",
             "operation.outer_speed": f"{speed * (-0.5 + 1.2 * u[5]) if u[6] < 0.3 else 0.0} rpm",
-            "operation.radial_load": 0.0 if u[7] < 0.1 else scene.operation.radial_load * 100.0 ** -u[7],
+            "operation.radial_load": 0.0
+            if u[7] < 0.1
+            else scene.operation.radial_load * 100.0 ** -u[7],
             "bearing.radial_clearance": f"{-6.0 + 20.0 * u[8]} um",
             "cage.drag": drags,
         },
@@ -116,4 +123,6 @@ def balance(scene, *, slices=12, positions=56, inertia=True):
 
 def finer(one, times):
     """The same with so many times the positions."""
-    return TorqueBalance(one.assembly, one.drags, instants=times * one.instants, inertia=one.inertia)
+    return TorqueBalance(
+        one.assembly, one.drags, instants=times * one.instants, inertia=one.inertia
+    )

@@ -41,15 +41,23 @@ NINE = {
     },
 }
 LOADS = 1e-4  # of them may be at the wrong place at level pocket
-SAMPLE, SHOWN = 1e-5, 9  # s between instants, and rollers of the reference
+# s between instants, and rollers of the reference
+SAMPLE = 1e-5
+SHOWN = 9
 
 
 def bearing(name):
     """The assembly of a bearing, its friction, and the mass of its inner ring."""
     if name == "nine":
-        friction = FrictionSettings(name="constant", coefficient=0.02, transition=0.5, tolerance=LOADS)
+        friction = FrictionSettings(
+            name="constant", coefficient=0.02, transition=0.5, tolerance=LOADS
+        )
         return assemble(evolve(SCENE, NINE)), friction, 0.5
-    return assemble(evolve(SCENE, {"accuracy.slices": 5})), FrictionSettings(name="conventional", tolerance=LOADS), 3.0
+    return (
+        assemble(evolve(SCENE, {"accuracy.slices": 5})),
+        FrictionSettings(name="conventional", tolerance=LOADS),
+        3.0,
+    )
 
 
 @functools.cache
@@ -61,19 +69,29 @@ def motion(name, level, seed=None):
     """
     assembly, friction, mass = bearing(name)
     if level == "planar":
-        moving, share = planar_motion(assembly, PlanarSettings(inner_ring_mass=mass), friction), left_out(name)
+        moving = planar_motion(assembly, PlanarSettings(inner_ring_mass=mass), friction)
+        share = left_out(name)
     else:
-        moving, share = carried_motion(assembly, friction, level=level), 1e-6
-    system, t, start = moving.system, np.linspace(0.0, 20e-3, 2001), moving.initial()
+        moving = carried_motion(assembly, friction, level=level)
+        share = 1e-6
+    system = moving.system
+    t = np.linspace(0.0, 20e-3, 2001)
+    start = moving.initial()
     if seed is not None:
         place = moving.split(start)["pocket_position"]
-        place += share * assembly.cage.pocket_clearance * np.random.default_rng(seed).uniform(-1.0, 1.0, place.size)
+        place += (
+            share
+            * assembly.cage.pocket_clearance
+            * np.random.default_rng(seed).uniform(-1.0, 1.0, place.size)
+        )
     y = np.empty((t.size, system.n))
     # steps of a thirtieth of an impact; ten times finer tolerances change what is compared by up to 5e-5
     solver = DormandPrince(system.capsule, 0.0, start, t[-1], 1e-9, 1e-9 * system.scale, 2e-6)
     assert solver.advance(t_out=t, y_out=y) == ("finished", t.size), solver.message
     names = {"pocket_position": "position", "roller_spin": "spin"}
-    return {names.get(key, key): values for key, values in moving.split(y).items()} | moving.outputs(t, y)
+    return {
+        names.get(key, key): values for key, values in moving.split(y).items()
+    } | moving.outputs(t, y)
 
 
 def left_out(name):
@@ -97,12 +115,16 @@ def reference(name, level):
             columns.setdefault(kind, []).append(values)
         else:
             columns[key] = values
-    return {key: np.array(values).T if isinstance(values, list) else values for key, values in columns.items()}
+    return {
+        key: np.array(values).T if isinstance(values, list) else values
+        for key, values in columns.items()
+    }
 
 
 def compared(name, level):
     """Times of the reference, and by name the largest difference at each and what it is measured by."""
-    ours, theirs = motion(name, level), reference(name, level)
+    ours = motion(name, level)
+    theirs = reference(name, level)
     at = np.round(theirs["t"] / SAMPLE).astype(int)
     differences = {}
     for key, values in theirs.items():
@@ -116,7 +138,11 @@ def compared(name, level):
             mine = mine[:, np.arange(SHOWN) * mine.shape[1] // SHOWN]
         off = np.abs(mine - values)
         # angles and speeds turn on at large: what counts is by how much they change
-        size = np.abs(ours[kind]).max() if "speed" not in kind and kind != "spin" else np.ptp(ours[kind])
+        size = (
+            np.abs(ours[kind]).max()
+            if "speed" not in kind and kind != "spin"
+            else np.ptp(ours[kind])
+        )
         differences[key] = (off.max(axis=1) if off.ndim == 2 else off) / size
     return theirs["t"], differences
 
@@ -126,7 +152,9 @@ def on_the_whole(name, level, seed=None):
     ours = motion(name, level, seed)
     rows = np.round(reference(name, level)["t"] / SAMPLE).astype(int)
     speed = ours["cage_speed"]
-    return np.sqrt(np.mean(ours["pocket_force"][1:] ** 2)), speed[0] - speed[rows[rows.size // 2 :]].mean()
+    return np.sqrt(np.mean(ours["pocket_force"][1:] ** 2)), speed[0] - speed[
+        rows[rows.size // 2 :]
+    ].mean()
 
 
 def their_whole(name, level):

@@ -36,13 +36,17 @@ RANGES = {
 @cache
 def laws():
     """Law -> its subject, of all that are compiled and known in 50 digits."""
-    return {one.name: one for one in subjects() if one.name in LAWS and one.model.kernel() is not None}
+    return {
+        one.name: one for one in subjects() if one.name in LAWS and one.model.kernel() is not None
+    }
 
 
 def drawn(law, random):
     """Return the members of a slice that a law reads."""
     return {
-        name: float(math.exp(random.uniform(*map(math.log, RANGES[name])))) if name in RANGES else BASE[name]
+        name: float(math.exp(random.uniform(*map(math.log, RANGES[name]))))
+        if name in RANGES
+        else BASE[name]
         for name in sorted(laws()[law].reads)
     }
 
@@ -50,15 +54,22 @@ def drawn(law, random):
 def near(members, random):
     """Return a slice some thousandths away from another, within the ranges."""
     moved = {name: value * (1.0 + 1e-3 * random.normal()) for name, value in members.items()}
-    return {name: float(np.clip(value, *RANGES[name])) if name in RANGES else value for name, value in moved.items()}
+    return {
+        name: float(np.clip(value, *RANGES[name])) if name in RANGES else value
+        for name, value in moved.items()
+    }
 
 
 def error_of(law, members, got):
     """Return the largest relative error of what was filled, and of which column; the regime has to be the very one."""
-    expected, worst = exact(law, laws()[law].model, members), (0.0, "")
+    expected = exact(law, laws()[law].model, members)
+    worst = (0.0, "")
     for column, value in got.items():
         with mp.workdps(50):
-            error = float(abs(mpf(value) - expected[column]) / max(abs(expected[column]), mpf(sys.float_info.min)))
+            error = float(
+                abs(mpf(value) - expected[column])
+                / max(abs(expected[column]), mpf(sys.float_info.min))
+            )
         worst = max(worst, (math.inf if column == "regime" and error else error, column))
     return worst
 
@@ -89,7 +100,8 @@ def _filled(law, rows):
 
 def _bound(law, rows, n):
     """A call of a law on so many slices: those given, over and over, with the conditions of the first."""
-    model, columns = laws()[law].model, {}
+    model = laws()[law].model
+    columns = {}
     for name in model.reads & COLUMNS.keys():
         columns[name] = np.resize([row[name] for row in rows], n)
     conditions = Conditions(**{name: rows[0][name] for name in model.reads & CONDITIONS.keys()})
@@ -105,7 +117,8 @@ def main():
     sys.path.insert(0, str(HERE.parents[1] / "tools" / "benchmarks"))
     from timing import interleaved
 
-    n, calls = 1024, {}
+    n = 1024
+    calls = {}
     for law, rows in asked.items():
         calls[law] = _bound(law, rows, n)
         calls[law]()

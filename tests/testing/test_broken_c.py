@@ -51,7 +51,9 @@ class Broken(LimitedEyring):
 def test_a_compiled_law_that_breaks_the_contract_is_refused(way):
     assert WAYS[way][0] in LIMITED_EYRING
     model = Broken(way=way)
-    finding, _ = run_check(model, next(check for check in checks_of(model) if check.__name__ == WAYS[way][2]))
+    finding, _ = run_check(
+        model, next(check for check in checks_of(model) if check.__name__ == WAYS[way][2])
+    )
     assert finding.status == "failed"
     assert len(finding.message) > 20
 
@@ -59,7 +61,10 @@ def test_a_compiled_law_that_breaks_the_contract_is_refused(way):
 @pytest.mark.parametrize(
     ("changed", "sentence"),
     [
-        ({"name": b"rollslip.drag.v1"}, "must return None or a capsule named 'rollslip.slice_model.v1'"),
+        (
+            {"name": b"rollslip.drag.v1"},
+            "must return None or a capsule named 'rollslip.slice_model.v1'",
+        ),
         ({"abi": 2}, "was built for ABI 2 of rollslip.h, this is 1"),
         ({"size": 64}, "reads 64 bytes of rs_slices, which never had less than"),
         ({"size": SIZE + 8}, "bytes"),

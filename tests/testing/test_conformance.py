@@ -73,8 +73,12 @@ class TestTraction(Conformance):
         MaxwellEyring(flash=1.0),
         Kragelsky(limit=0.05, rise=10.0, decay=400.0),
         Constant(coefficient=0.2, transition=0.05),
-        LambdaBlend(boundary=Constant(), hydrodynamic=MaxwellEyring(), boundary_limit=0.0, exponent=1.0),
-        LambdaBlend(hydrodynamic=LambdaBlend(hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)),
+        LambdaBlend(
+            boundary=Constant(), hydrodynamic=MaxwellEyring(), boundary_limit=0.0, exponent=1.0
+        ),
+        LambdaBlend(
+            hydrodynamic=LambdaBlend(hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)
+        ),
         LambdaBlend(hydrodynamic=MaxwellEyring(flash=1.0)),
     )
 
@@ -93,7 +97,11 @@ class TestIntegrator(Conformance):
 
 
 class TestEngine(Conformance):
-    models = (get_model("engine", "serial"), get_model("engine", "threads"), get_model("engine", "processes"))
+    models = (
+        get_model("engine", "serial"),
+        get_model("engine", "threads"),
+        get_model("engine", "processes"),
+    )
 
 
 class TestThermal(Conformance):
@@ -105,7 +113,11 @@ class TestDamage(Conformance):
         *box("damage"),
         get_model("damage", "power-density", over="maximum", allowed="50 MW/m2"),
         get_model("damage", "flash-temperature", conduction="fast", roller_conductivity=25.0),
-        get_model("damage", "contact-temperature", flash={"model": "flash-temperature", "conduction": "fast"}),
+        get_model(
+            "damage",
+            "contact-temperature",
+            flash={"model": "flash-temperature", "conduction": "fast"},
+        ),
         get_model("damage", "scuffing-iso", fzg_stage=10, viscosity="15 mPa s", oil="polyglycol"),
         get_model("damage", "scuffing-agma", oil="MIL-PRF-23699", risk=0.01),
     )
@@ -132,7 +144,18 @@ class TestData(Conformance):
 
 
 def test_no_kind_is_left_out():
-    classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
+    classes = {
+        "contact",
+        "film",
+        "traction",
+        "drag",
+        "integrator",
+        "engine",
+        "study",
+        "thermal",
+        "damage",
+        "torque",
+    }
     assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "ring", *DATA}
 
 
@@ -152,18 +175,29 @@ def test_a_contact_is_checked_with_its_deflection():
     findings = conformance(get_model("contact", "lundberg"))
     assert {finding.model for finding in findings} == {"lundberg", "lundberg-deflection"}
     assert {finding.status for finding in findings} == {"ok", "skipped"}
-    assert [f.check for f in findings if f.status == "skipped"] == ["check_is_named_as_its_entry_point"]
+    assert [f.check for f in findings if f.status == "skipped"] == [
+        "check_is_named_as_its_entry_point"
+    ]
 
 
 @pytest.mark.quick
 def test_an_expected_failure_has_to_happen_and_a_reason():
     model = get_model("film", "moes")
-    finding = by_check(conformance(model, {"check_film_is_positive": "negative films exist, doi:none"}))
+    finding = by_check(
+        conformance(model, {"check_film_is_positive": "negative films exist, doi:none"})
+    )
     assert finding["check_film_is_positive"].status == "failed"
-    assert "it passes, but is listed as an expected failure" in finding["check_film_is_positive"].message
-    with pytest.raises(PluginError, match="'check_film_is_nice', which is no check; there are: check_a"):
+    assert (
+        "it passes, but is listed as an expected failure"
+        in finding["check_film_is_positive"].message
+    )
+    with pytest.raises(
+        PluginError, match="'check_film_is_nice', which is no check; there are: check_a"
+    ):
         conformance(model, {"check_film_is_nice": "it is not"})
-    with pytest.raises(PluginError, match="expected failure of check_film_is_positive has no reason"):
+    with pytest.raises(
+        PluginError, match="expected failure of check_film_is_positive has no reason"
+    ):
         conformance(model, {"check_film_is_positive": " "})
     with pytest.raises(PluginError, match="Moes is a class; the checks take a model"):
         conformance(type(model))
@@ -229,14 +263,18 @@ def test_a_test_class_gives_one_test_a_model_and_check(pytester):
     result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-n0", "-q", "-W", "error")
     # LSODA: one declared by its class, one without a fixed order
     result.assert_outcomes(passed=3 * checks - 3, failed=1, xfailed=1, skipped=1)
-    result.stdout.fnmatch_lines(["*it passes, but is listed as an expected failure (no reason at all)*"])
+    result.stdout.fnmatch_lines(
+        ["*it passes, but is listed as an expected failure (no reason at all)*"]
+    )
 
 
 def test_a_class_without_models_is_an_error():
     class TestNothing(Conformance):
         pass
 
-    with pytest.raises(PluginError, match=r"^TestNothing\.models is empty; list the models to check$"):
+    with pytest.raises(
+        PluginError, match=r"^TestNothing\.models is empty; list the models to check$"
+    ):
         TestNothing().pytest_generate_tests(SimpleNamespace(fixturenames=["conformance_case"]))
 
 

@@ -35,25 +35,36 @@ def as_long_as_users_search():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", [*SOUND, *SOUND_NUMBERS, *SOUND_PRESSURES], ids=lambda model: model.name)
+@pytest.mark.parametrize(
+    "model", [*SOUND, *SOUND_NUMBERS, *SOUND_PRESSURES], ids=lambda model: model.name
+)
 def test_what_the_faults_are_laid_over_is_sound(model):
     failed = [finding for finding in conformance(model) if finding.status not in ("ok", "skipped")]
     assert not failed
 
 
-@pytest.mark.parametrize(("rule", "model"), BROKEN, ids=[f"{rule}-{fault_of(model)}" for rule, model in BROKEN])
+@pytest.mark.parametrize(
+    ("rule", "model"), BROKEN, ids=[f"{rule}-{fault_of(model)}" for rule, model in BROKEN]
+)
 def test_a_broken_model_is_refused_by_the_rule_it_breaks(rule, model):
     check = next(check for check in checks_of(model) if check.__name__ == rule)
     finding, error = run_check(model, check)
     assert finding.status == ("warning" if rule in WARNS else "failed"), finding
     assert len(finding.message) > 20
-    if not isinstance(error, Nonconformance | Questionable):  # an error of the model itself, not a fault of the check
+    if not isinstance(
+        error, Nonconformance | Questionable
+    ):  # an error of the model itself, not a fault of the check
         assert type(error).__name__ in finding.message
 
 
 def test_the_kit_needs_hypothesis_and_pytest_alone():
-    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert [one.partition(">")[0] for one in project["optional-dependencies"]["kit"]] == ["hypothesis", "pytest"]
+    project = tomllib.loads(
+        (Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8")
+    )["project"]
+    assert [one.partition(">")[0] for one in project["optional-dependencies"]["kit"]] == [
+        "hypothesis",
+        "pytest",
+    ]
 
 
 def test_every_rule_has_a_broken_model():
@@ -81,12 +92,18 @@ def test_what_all_rules_rest_on_is_said_once(name):
     """A fault that would fail fourteen rules, each in other words, is one failure with its cause."""
     findings = conformance(broken(name))
     evaluating = {check.__name__ for check in all_checks() if rests_on_evaluation(check)}
-    failed = {f.check: f.message for f in findings if f.status == "failed" and f.check in evaluating}
+    failed = {
+        f.check: f.message for f in findings if f.status == "failed" and f.check in evaluating
+    }
     (message,) = failed.values()
     assert [*failed] == ["check_keeps_to_what_it_declares"]
     raised = message != ONCE[name]
-    assert message == ONCE[name] or re.fullmatch(re.escape(ONCE[name]) + r" \(broken_models\.py:\d+\)", message)
-    assert raised == (name in ("Overwrites", "WritesRegime", "Misspelt"))  # then its own line is named, not the kit's
+    assert message == ONCE[name] or re.fullmatch(
+        re.escape(ONCE[name]) + r" \(broken_models\.py:\d+\)", message
+    )
+    assert raised == (
+        name in ("Overwrites", "WritesRegime", "Misspelt")
+    )  # then its own line is named, not the kit's
     because = "not run: it rests on check_keeps_to_what_it_declares, which fails"
     assert sum(finding.message == because for finding in findings) > 10
 
@@ -94,7 +111,10 @@ def test_what_all_rules_rest_on_is_said_once(name):
 def test_a_jump_is_told_in_units_that_people_read():
     (failed,) = [finding for finding in conformance(broken("Jumps")) if finding.status == "failed"]
     assert failed.message.startswith("counted in units of ")
-    assert "a number in it, such as the place of a jump, has a dimension that no parameter declares" in failed.message
+    assert (
+        "a number in it, such as the place of a jump, has a dimension that no parameter declares"
+        in failed.message
+    )
 
 
 # Processes -----------------------------------------------------------------------------------------------------------
@@ -107,7 +127,9 @@ def installed(tmp_path, monkeypatch):
     def offer(name, source):
         install(tmp_path, name, source)
         monkeypatch.syspath_prepend(str(tmp_path))
-        monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]))
+        monkeypatch.setenv(
+            "PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+        )
         discovery._installed.cache_clear()
 
     yield offer
@@ -131,9 +153,13 @@ def test_what_ends_the_process_is_a_finding_and_the_other_checks_run(installed, 
 
 @pytest.mark.faults
 def test_a_model_that_hangs_in_every_check_is_given_up(installed):
-    source = FATAL["hangs"][3].replace("if caller is not None and caller.f_code.co_name in", "if caller is not None or")
+    source = FATAL["hangs"][3].replace(
+        "if caller is not None and caller.f_code.co_name in", "if caller is not None or"
+    )
     installed("hangs", source)
-    findings = check_in_subprocess("film", "hangs", time_limit=5.0)  # of which a busy machine may load for two
+    findings = check_in_subprocess(
+        "film", "hangs", time_limit=5.0
+    )  # of which a busy machine may load for two
     assert [finding.status for finding in findings].count("failed") == 2
     rest = [finding for finding in findings if finding.status == "skipped"]
     assert len(rest) > 8

@@ -25,14 +25,19 @@ def marks(case, subject):
 
 @pytest.mark.parametrize(
     ("case", "subject"),
-    [pytest.param(*pair, id=f"{pair[0].name}-{pair[1].name}", marks=list(marks(*pair))) for pair in PAIRS],
+    [
+        pytest.param(*pair, id=f"{pair[0].name}-{pair[1].name}", marks=list(marks(*pair)))
+        for pair in PAIRS
+    ],
 )
 def test_hard_case_is_right_or_refused_in_words(case, subject):
     assert case.run(subject).outcome
 
 
 @pytest.mark.parametrize(
-    "loss", LOSSES, ids=lambda loss: getattr(loss, "__name__", None) or f"{loss.func.__name__}-{loss.args[0]:g}"
+    "loss",
+    LOSSES,
+    ids=lambda loss: getattr(loss, "__name__", None) or f"{loss.func.__name__}-{loss.args[0]:g}",
 )
 def test_no_more_digits_are_lost_than_the_condition_number_says(loss):
     found = loss()
@@ -47,11 +52,19 @@ def test_no_more_digits_are_lost_than_the_condition_number_says(loss):
 def test_every_model_law_study_and_part_of_the_mechanics_is_a_subject():
     named = {(subject.kind, subject.name) for subject in subjects()}
     for kind in ("contact", "film", "traction"):
-        assert {(kind, name) for name, offer in available(kind).items() if offer.package == "rollslip"} <= named
+        assert {
+            (kind, name) for name, offer in available(kind).items() if offer.package == "rollslip"
+        } <= named
     contacts = [name for kind, name in named if kind == "contact"]
     assert {("deflection", f"{name} deflection") for name in contacts} <= named
-    assert {name for kind, name in named if kind == "viscosity"} >= {"barus", "roelands", "yasutomi"}
-    assert len([1 for kind, _ in named if kind == "viscosity"]) == len(list(available("pressure-viscosity")))
+    assert {name for kind, name in named if kind == "viscosity"} >= {
+        "barus",
+        "roelands",
+        "yasutomi",
+    }
+    assert len([1 for kind, _ in named if kind == "viscosity"]) == len(
+        list(available("pressure-viscosity"))
+    )
     assert {name.removesuffix("_stress") for name in vars(stress) if name.endswith("_stress")} == {
         name.removesuffix(" stress").replace("-", "_") for name in STRESS_LAWS
     }

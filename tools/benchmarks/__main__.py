@@ -23,15 +23,35 @@ ROOT = Path(__file__).parents[2]
 
 def main():
     """Run what is asked for; the exit code is 1 if a part failed."""
-    parser = argparse.ArgumentParser(prog="python tools/benchmarks", description=__doc__.partition("\n")[0])
-    parser.add_argument("--quick", action="store_true", help="fewer sizes and rounds: does all of it work?")
-    parser.add_argument("--docs", action="store_true", help="write the tables of docs/theory/kernels.rst as well")
-    parser.add_argument("--out", type=Path, default=Path("benchmark-results/report.md"), help="where the report goes")
-    parser.add_argument("--svml-python", help="interpreter that has numba==0.61.2 and intel-cmplr-lib-rt")
-    parser.add_argument("--only", nargs="+", metavar="PART", help="parts to run, of those that are named as they begin")
+    parser = argparse.ArgumentParser(
+        prog="python tools/benchmarks", description=__doc__.partition("\n")[0]
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="fewer sizes and rounds: does all of it work?"
+    )
+    parser.add_argument(
+        "--docs", action="store_true", help="write the tables of docs/theory/kernels.rst as well"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("benchmark-results/report.md"),
+        help="where the report goes",
+    )
+    parser.add_argument(
+        "--svml-python", help="interpreter that has numba==0.61.2 and intel-cmplr-lib-rt"
+    )
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        metavar="PART",
+        help="parts to run, of those that are named as they begin",
+    )
     given = parser.parse_args()
 
-    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"  # read when NumPy is imported
+    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = (
+        "1"  # read when NumPy is imported
+    )
     cores = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
     sys.path.insert(1, str(ROOT / "tests" / "support"))
     import bench_calls
@@ -55,7 +75,9 @@ def main():
     }
     if unknown := set(given.only or ()) - set(parts):
         parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(parts)}")
-    tables, texts, failed = [report.machine()], [], False
+    tables = [report.machine()]
+    texts = []
+    failed = False
     if cores:
         os.sched_setaffinity(0, {max(cores)})
     for name, part in parts.items():

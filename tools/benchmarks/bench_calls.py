@@ -31,7 +31,8 @@ def table(given):
 
 def stress_error(model):
     """Return the largest relative error of a law alone, at the very floats that it got."""
-    worst, before = 0.0, Chain(CONTACT, FILM, OIL)
+    worst = 0.0
+    before = Chain(CONTACT, FILM, OIL)
     for given in samples(32):
         slices = table(given)
         before(slices)
@@ -40,7 +41,12 @@ def stress_error(model):
         with mp.workdps(DIGITS):
             friction = [
                 LAWS[model.name](
-                    model, members | {name: mpf(float(getattr(slices, name)[i])) for name in model.reads - set(members)}
+                    model,
+                    members
+                    | {
+                        name: mpf(float(getattr(slices, name)[i]))
+                        for name in model.reads - set(members)
+                    },
                 )["friction"]
                 for i in range(len(slices))
             ]
@@ -50,12 +56,16 @@ def stress_error(model):
 
 def stresses(rounds, n=1024):
     """Return the table of the laws of stress, alone and in the chain."""
-    before, alone, inside = Chain(CONTACT, FILM, OIL), {}, {}
+    before = Chain(CONTACT, FILM, OIL)
+    alone = {}
+    inside = {}
     for name, model in LAWS_OF_STRESS.items():
         slices = table(contacts(n))
         before(slices)
         alone[name] = partial(Chain(model), slices)
-        blend = get_model("traction", "lambda-blend", hydrodynamic=model, boundary=TRACTION.boundary)
+        blend = get_model(
+            "traction", "lambda-blend", hydrodynamic=model, boundary=TRACTION.boundary
+        )
         inside[name] = partial(Chain(CONTACT, FILM, OIL, blend), table(contacts(n)))
     times = [medians(interleaved(calls, rounds), "muraki") for calls in (alone, inside)]
     rows = [
@@ -63,24 +73,28 @@ def stresses(rounds, n=1024):
         for name, error in ((name, stress_error(model)) for name, model in LAWS_OF_STRESS.items())
     ]
     header = ("law", "alone", "in the chain", "error, all branches")
-    title = f"Hydrodynamic traction: ns per slice at N = {n} (ratio to muraki), largest relative error"
+    title = (
+        f"Hydrodynamic traction: ns per slice at N = {n} (ratio to muraki), largest relative error"
+    )
     return Table("benchmark_stress", title, header, rows)
 
 
 def overhead(rounds, sizes=(1, 16, 256)):
     """Return the table of ways to call a chain."""
-    peers, rows = Peers(only={SET_PEER, "NumPy, in place"}), {}
+    peers = Peers(only={SET_PEER, "NumPy, in place"})
+    rows = {}
     for n in sizes:
-        given, chain = contacts(n), Chain(CONTACT, FILM, OIL, TRACTION)
+        given = contacts(n)
+        chain = Chain(CONTACT, FILM, OIL, TRACTION)
         same = table(given)
 
         def fresh(given=given, chain=chain):
             chain(table(given))
 
         def refilled(given=given, chain=chain, same=same):
-            same.load[:], same.rolling_speed[:], same.sliding_speed[:] = (
-                given.load, given.rolling_speed, given.sliding_speed,
-            )  # fmt: skip
+            same.load[:] = given.load
+            same.rolling_speed[:] = given.rolling_speed
+            same.sliding_speed[:] = given.sliding_speed
             chain(same)
 
         ways = {
@@ -89,7 +103,11 @@ def overhead(rounds, sizes=(1, 16, 256)):
             "chain(slices), its three inputs written": refilled,
             "chain(Slices(...)), a new table": fresh,
             "with the friction force": ours("moes", given)[0],
-            **{name: peer("moes", given)[0] for name, peer in peers.ready.items() if peer is not ours},
+            **{
+                name: peer("moes", given)[0]
+                for name, peer in peers.ready.items()
+                if peer is not ours
+            },
         }
         for name, (seconds, ratio) in medians(interleaved(ways, rounds), next(iter(ways))).items():
             rows.setdefault(name, []).append(cell(1e6 * seconds, ratio))
@@ -105,7 +123,9 @@ def threads(rounds, sizes=(256, 1024, 4096, 16384, 65536)):
     """Return the table of two load cases, one after the other and in two threads, and of one that two threads share."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     if cores < 2:
-        return Table("benchmark_threads", "Two threads", ("",), [], ["One core only: not measured."])
+        return Table(
+            "benchmark_threads", "Two threads", ("",), [], ["One core only: not measured."]
+        )
     rows = []
     with ThreadPoolExecutor(2) as pool:
         for n in sizes:
@@ -118,7 +138,9 @@ def threads(rounds, sizes=(256, 1024, 4096, 16384, 65536)):
                     chain(slices)
 
             def beside(chains=chains, tables=tables):
-                for done in [pool.submit(chain, slices) for chain, slices in zip(chains, tables, strict=True)]:
+                for done in [
+                    pool.submit(chain, slices) for chain, slices in zip(chains, tables, strict=True)
+                ]:
                     done.result()
 
             def shared(whole=whole, tables=tables):
@@ -127,9 +149,16 @@ def threads(rounds, sizes=(256, 1024, 4096, 16384, 65536)):
 
             ways = {"after": after, "beside": beside, "shared": shared}
             spent = medians(interleaved(ways, rounds), "after")
-            wall = {name: t.min() for name, t in interleaved(ways, 3 * rounds, clock=time.perf_counter).items()}
+            wall = {
+                name: t.min()
+                for name, t in interleaved(ways, 3 * rounds, clock=time.perf_counter).items()
+            }
             price = (spent["beside"][0] - spent["after"][0]) / 2
-            cells = [1e6 * spent["after"][0] / 2, 1e6 * price, *(wall["after"] / wall[way] for way in list(ways)[1:])]
+            cells = [
+                1e6 * spent["after"][0] / 2,
+                1e6 * price,
+                *(wall["after"] / wall[way] for way in list(ways)[1:]),
+            ]
             rows.append((n, *map(number, cells)))
     return Table(
         "benchmark_threads",

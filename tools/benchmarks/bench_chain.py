@@ -35,12 +35,17 @@ def bound(film, given):
         rolling_speed=given.rolling_speed,
         sliding_speed=given.sliding_speed,
     )
-    return Chain(CONTACT, get_model("film", film), OIL, TRACTION).bind(slices), slices.friction, slices.load
+    return (
+        Chain(CONTACT, get_model("film", film), OIL, TRACTION).bind(slices),
+        slices.friction,
+        slices.load,
+    )
 
 
 def ours(film, given):
     """The bound chain, and NumPy's dot product for the force."""
-    (evaluate, friction, load), width = bound(film, given), given.width
+    (evaluate, friction, load) = bound(film, given)
+    width = given.width
 
     def call():
         evaluate()
@@ -65,13 +70,18 @@ class Peers:
     bound = 1e-12
 
     def __init__(self, svml_python=None, only=None):
-        self.ready, self.missing, self.closing, self.notes = {OURS: ours}, {}, [], []
+        self.ready = {OURS: ours}
+        self.missing = {}
+        self.closing = []
+        self.notes = []
         for name, get in self.sources(svml_python).items():
             if only is not None and name not in only:
                 continue
             try:
                 self.ready[name] = get()
-            except Exception as error:  # whatever it is that keeps a peer from being there is reported
+            except (
+                Exception
+            ) as error:  # whatever it is that keeps a peer from being there is reported
                 self.missing[name] = f"{type(error).__name__}: {error}"
 
     def sources(self, svml_python):
@@ -80,8 +90,13 @@ class Peers:
         def loops(module, form):
             peer = compiled_peers.peer(module, form)
             if module == "loops_unfair":
-                used = ", ".join(compiled_peers.vector_functions(compiled_peers.module(module))) or "no vector function"
-                self.notes.append(f"C, unfair: {' '.join(compiled_peers.UNFAIR)}; calls of libmvec: {used}.")
+                used = (
+                    ", ".join(compiled_peers.vector_functions(compiled_peers.module(module)))
+                    or "no vector function"
+                )
+                self.notes.append(
+                    f"C, unfair: {' '.join(compiled_peers.UNFAIR)}; calls of libmvec: {used}."
+                )
             return peer
 
         def numba():
@@ -100,7 +115,9 @@ class Peers:
             peer = numba_peer.Elsewhere(svml_python)
             self.closing.append(peer)
             versions = ", ".join(f"{name} {version}" for name, version in peer.versions.items())
-            self.notes.append(f"Numba, SVML: {versions}, in a process of its own; its code was seen to call SVML.")
+            self.notes.append(
+                f"Numba, SVML: {versions}, in a process of its own; its code was seen to call SVML."
+            )
             return peer
 
         def jax():
@@ -126,26 +143,37 @@ class Peers:
         for name, peer in list(self.ready.items()):
             found = {}
             try:
-                with np.errstate(all="ignore"):  # the textbook divides by zero where its result is not used
+                with np.errstate(
+                    all="ignore"
+                ):  # the textbook divides by zero where its result is not used
                     for given, friction in reference(film)[0]:
                         call, values = peer(film, given)
                         force = call()
                         found[given.name] = worst_error(friction, np.array(values()))
-                        want = math.fsum(float(mu) * w for mu, w in zip(friction, given.load, strict=True))
-                        scale = math.fsum(abs(float(mu)) * w for mu, w in zip(friction, given.load, strict=True))
+                        want = math.fsum(
+                            float(mu) * w for mu, w in zip(friction, given.load, strict=True)
+                        )
+                        scale = math.fsum(
+                            abs(float(mu)) * w for mu, w in zip(friction, given.load, strict=True)
+                        )
                         apart = abs(force / given.width - want) / scale
                         if given.name == "timed":
                             found["timed"] = max(found["timed"], apart)
-            except Exception as error:  # a peer that fails is reported, and does not stop the others
+            except (
+                Exception
+            ) as error:  # a peer that fails is reported, and does not stop the others
                 del self.ready[name]
                 self.missing[name] = f"fails: {type(error).__name__}: {error}"
                 continue
-            timed, every = found["timed"], max(found.values())
+            timed = found["timed"]
+            every = max(found.values())
             bound = self.bounds.get(name, self.bound)
             kept = timed if name in self.bounds else every
             if not kept <= bound:
                 del self.ready[name]
-                self.missing[name] = f"does other work: its friction is off by {kept:.1e}, allowed is {bound:.0e}"
+                self.missing[name] = (
+                    f"does other work: its friction is off by {kept:.1e}, allowed is {bound:.0e}"
+                )
             errors[name] = timed, every
         return errors
 
@@ -169,16 +197,20 @@ def by_kind(peers, rounds, n=1024):
     """Return the table of all peers for films of one kind."""
     found = times(peers, FILMS[0], kinds(n), rounds)
     rows = [
-        (name, *(cell(1e9 * found[kind][name][0] / n, found[kind][name][1]) for kind in found)) for name in peers.ready
+        (name, *(cell(1e9 * found[kind][name][0] / n, found[kind][name][1]) for kind in found))
+        for name in peers.ready
     ]
-    title = f"Contact chain with film {FILMS[0]} by kind of film, N = {n}: ns per slice (ratio to ours)"
+    title = (
+        f"Contact chain with film {FILMS[0]} by kind of film, N = {n}: ns per slice (ratio to ours)"
+    )
     return Table("benchmark_kinds", title, ("", *found), rows)
 
 
 def run(quick=False, svml_python=None):
     """Return the tables: each chain with all peers, and our instruction sets."""
     sizes, rounds = (SIZES[:3], 5) if quick else (SIZES, 21)
-    peers, tables = Peers(svml_python), []
+    peers = Peers(svml_python)
+    tables = []
     try:
         for film in FILMS:
             peers.ready.pop(CALL, None)
@@ -197,13 +229,17 @@ def run(quick=False, svml_python=None):
             rows += [(name, *("-",) * (len(sizes) + 2)) for name in peers.missing]
             header = ("", *(f"N = {n}" for n in sizes), "error, timed", "error, all branches")
             title = f"Contact chain with film {film}: ns per slice (ratio to ours), largest relative error of friction"
-            counts = ", ".join(f"{name} {count}" for name, count in sorted(reference(film)[1].items()))
+            counts = ", ".join(
+                f"{name} {count}" for name, count in sorted(reference(film)[1].items())
+            )
             notes = [f"Slices behind the last column, by branch: {counts}."]
             tables.append(Table(f"benchmark_{film}", title, header, rows, notes))
         tables.append(by_kind(peers, rounds))
     finally:
         peers.close()
-    tables[0].notes[:0] = peers.notes + [f"Not measured: {name}: {why}" for name, why in peers.missing.items()]
+    tables[0].notes[:0] = peers.notes + [
+        f"Not measured: {name}: {why}" for name, why in peers.missing.items()
+    ]
     return [*tables, sets(sizes, rounds)]
 
 
@@ -225,7 +261,8 @@ def in_this_set(sizes, rounds):
 
 def sets(sizes, rounds):
     """Return the table of all instruction sets, each in a process of its own."""
-    rows, environment = [], dict(os.environ)
+    rows = []
+    environment = dict(os.environ)
     with contextlib.suppress(RuntimeError):  # without a compiler there is no C loop beside ours
         environment[compiled_peers.BUILT] = str(compiled_peers.built())
     for name in simd.available():

@@ -25,7 +25,10 @@ def chain(sizes, rounds):
 def equilibrium(name, sizes, rounds):
     """Return the times of a load distribution against one of its sizes."""
     contacts = bearing().raceways
-    return best_of({n: partial(solve_equilibrium, case(2e-5, 2e-4, **{name: n}), contacts) for n in sizes}, rounds)
+    return best_of(
+        {n: partial(solve_equilibrium, case(2e-5, 2e-4, **{name: n}), contacts) for n in sizes},
+        rounds,
+    )
 
 
 def run(quick=False):
@@ -52,7 +55,14 @@ def run(quick=False):
         Table(
             "benchmark_growth",
             "Growth: time as a power of a size",
-            ("what", "range", "time at the first, ms", "at the last, ms", "exponent", "exponent, upper half"),
+            (
+                "what",
+                "range",
+                "time at the first, ms",
+                "at the last, ms",
+                "exponent",
+                "exponent, upper half",
+            ),
             rows,
             [
                 "Load distributions of 28 rollers with 41 slices at one instant, with clearance and tilt; one of these "

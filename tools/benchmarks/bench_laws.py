@@ -23,17 +23,28 @@ def run():
     random = np.random.default_rng(1)
     same = {name: value for name, value in BASE.items() if name in CONDITIONS}
     asked = {law: [drawn(law, random) for _ in range(DRAWN)] for law in laws()}
-    asked = {law: [row | {k: same[k] for k in row.keys() & same.keys()} for row in rows] for law, rows in asked.items()}
+    asked = {
+        law: [row | {k: same[k] for k in row.keys() & same.keys()} for row in rows]
+        for law, rows in asked.items()
+    }
     taken = by_set(simd.available()[-1], asked)
-    kept = {law: [row for row, got in zip(rows, taken[law], strict=True) if got] for law, rows in asked.items()}
+    kept = {
+        law: [row for row, got in zip(rows, taken[law], strict=True) if got]
+        for law, rows in asked.items()
+    }
     times = {name: by_set(name, kept, "--times") for name in simd.available()}
     with FOUND.open(newline="", encoding="utf-8") as file:
         found = {(row["law"], row["set"]): row for row in csv.DictReader(file)}
     rows = []
     for law in laws():
         worst = max((found[law, name] for name in times), key=lambda row: float(row["error"]))
-        cells = (f"{float(found[law, name]['error']):.0e}, {number(1e9 * times[name][law])}" for name in times)
-        at = ", ".join(f"{name} {value:.3g}" for name, value in json.loads(worst["members"]).items())
+        cells = (
+            f"{float(found[law, name]['error']):.0e}, {number(1e9 * times[name][law])}"
+            for name in times
+        )
+        at = ", ".join(
+            f"{name} {value:.3g}" for name, value in json.loads(worst["members"]).items()
+        )
         rows.append((law, *cells, worst["column"], at))
     title = "Every compiled law: worst relative error found, ns per slice of 1024; where the error was found"
     return [Table("benchmark_laws", title, ("law", *times, "in", "at, SI"), rows)]

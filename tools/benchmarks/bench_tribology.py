@@ -25,7 +25,10 @@ from rollslip.profile import profile_drop, slice_positions
 from rollslip_plugins.film.formulas import DowsonHigginson
 from timing import interleaved, medians
 
-ROLLERS, SLICES, LENGTH, DIAMETER = 28, 41, 0.015, 0.015
+ROLLERS = 28
+SLICES = 41
+LENGTH = 0.015
+DIAMETER = 0.015
 
 
 def tribology(name):
@@ -52,7 +55,9 @@ def exact(given):
     """Return the film thicknesses in 50 digits."""
     c = given.conditions
     with mp.workdps(DIGITS):
-        eta, modulus, radius, alpha = map(mpf, (c.viscosity, c.modulus, c.radius, c.pressure_viscosity))
+        eta, modulus, radius, alpha = map(
+            mpf, (c.viscosity, c.modulus, c.radius, c.pressure_viscosity)
+        )
         return [
             mpf("2.69") * radius * (eta * mpf(u) / (modulus * radius)) ** mpf("0.67") * (alpha * modulus) ** mpf("0.53")
             * (mpf(w) / (modulus * radius)) ** mpf("-0.067")
@@ -63,7 +68,9 @@ def exact(given):
 def films(rounds, sizes=(16, 1024, 65536)):
     """Return the table of one film formula in both."""
     theirs = tribology("dowson_hamrock").dowhamline
-    model, rows, c = Same(), {}, BEARING
+    model = Same()
+    rows = {}
+    c = BEARING
     errors = {}
     for n in sizes:
         given = contacts(n)
@@ -84,7 +91,9 @@ def films(rounds, sizes=(16, 1024, 65536)):
             want = exact(given)
             for name, call in ways.items():
                 values = call()
-                errors[name] = worst_error(want, slices.film_thickness if values is None else values)
+                errors[name] = worst_error(
+                    want, slices.film_thickness if values is None else values
+                )
                 assert errors[name] < 1e-13, (name, errors[name])
         for name, (seconds, ratio) in medians(interleaved(ways, rounds), next(iter(ways))).items():
             rows.setdefault(name, []).append(cell(1e9 * seconds / n, ratio))
@@ -108,12 +117,16 @@ def case(clearance, tilt=0.0, *, rollers=ROLLERS, slices=SLICES, instants=1, loa
     """A bearing with the profile of ISO/TS 16281."""
     drop = profile_drop("iso16281", slice_positions(LENGTH, slices), LENGTH, DIAMETER)
     psi = angular_positions(rollers, instants)
-    return LoadCase(psi, LENGTH, drop, radial_clearance=clearance, radial_load=load, misalignment=tilt)
+    return LoadCase(
+        psi, LENGTH, drop, radial_clearance=clearance, radial_load=load, misalignment=tilt
+    )
 
 
 def loads(rounds):
     """Return the table of one load distribution in both."""
-    theirs, contacts, rows = tribology("roller_bearings").fcylrolbear, bearing().raceways, []
+    theirs = tribology("roller_bearings").fcylrolbear
+    contacts = bearing().raceways
+    rows = []
     for clearance in (0.0, 2e-5):
         given = case(clearance)
         axis = 1e3 * LENGTH * np.linspace(-0.5, 0.5, SLICES)
@@ -129,12 +142,14 @@ def loads(rounds):
         times = medians(interleaved(ways, rounds, turn=0.0), "rollslip")
         for name, result in results.items():
             if isinstance(result, tuple):
-                residual, forces = abs(result[2]) / given.radial_load, result[0]
+                residual = abs(result[2]) / given.radial_load
+                forces = result[0]
                 apart = np.abs(forces - best).max() / best.max()
                 assert apart < 3 * max(residual, 1e-11), (name, apart, residual)
                 off = f"{apart:.0e}"
             else:
-                residual, off = max(result.force_residual, result.moment_residual), ""
+                residual = max(result.force_residual, result.moment_residual)
+                off = ""
             seconds, ratio = times[name]
             cells = f"{1e6 * clearance:g}", cell(1e3 * seconds, ratio), f"{residual:.0e}", off
             rows.append((name, *cells))
@@ -156,5 +171,7 @@ def run(quick=False):
     try:
         tribology("dowson_hamrock")
     except ModuleNotFoundError as error:
-        return [Table("benchmark_film", "The package tribology", ("",), [], [f"Not measured: {error}"])]
+        return [
+            Table("benchmark_film", "The package tribology", ("",), [], [f"Not measured: {error}"])
+        ]
     return [films(5 if quick else 21), loads(3 if quick else 11)]

@@ -25,7 +25,13 @@ from constants import Constants, constants
 #: Environment variable with the folder of loops that are built already.
 BUILT = "ROLLSLIP_BENCHMARK_LOOPS"
 HERE = Path(__file__).parent
-PROTOTYPE = ("-O3", "-march=native", "-mprefer-vector-width=512", "-fno-math-errno", "-fno-trapping-math")
+PROTOTYPE = (
+    "-O3",
+    "-march=native",
+    "-mprefer-vector-width=512",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+)
 UNFAIR = ("-O3", "-march=native", "-mprefer-vector-width=512", "-ffast-math")
 
 SETUP = """
@@ -54,16 +60,22 @@ def build(folder):
     """Compile the loops with all sets of flags into a folder."""
     flags = {"loops": [*own_flags()], "loops_unfair": [*UNFAIR], "loops_prototype": [*PROTOTYPE]}
     fields = " ".join(f"double {name};" for name in Constants._fields)
-    (folder / "constants.h").write_text(f"#pragma once\ntypedef struct {{ {fields} }} constants;\n", encoding="utf-8")
+    (folder / "constants.h").write_text(
+        f"#pragma once\ntypedef struct {{ {fields} }} constants;\n", encoding="utf-8"
+    )
     for name in flags:
-        (folder / f"{name}.pyx").write_text((HERE / "loops.pyx").read_text(encoding="utf-8"), encoding="utf-8")
+        (folder / f"{name}.pyx").write_text(
+            (HERE / "loops.pyx").read_text(encoding="utf-8"), encoding="utf-8"
+        )
     libraries = [] if os.name == "nt" else ["m"]
     setup = SETUP.format(here=str(HERE), modules=flags, libraries=libraries)
     (folder / "setup.py").write_text(setup, encoding="utf-8")
     command = [sys.executable, "setup.py", "-q", "build_ext", "--inplace"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise RuntimeError("cannot be built: " + " / ".join((done.stdout + done.stderr).strip().splitlines()[-3:]))
+        raise RuntimeError(
+            "cannot be built: " + " / ".join((done.stdout + done.stderr).strip().splitlines()[-3:])
+        )
 
 
 @functools.cache
@@ -85,7 +97,9 @@ def module(name):
 
 def vector_functions(module):
     """Return the vector functions of the C library that a module calls."""
-    found = subprocess.run(["nm", "-D", "-u", module.__file__], capture_output=True, text=True, check=False).stdout
+    found = subprocess.run(
+        ["nm", "-D", "-u", module.__file__], capture_output=True, text=True, check=False
+    ).stdout
     return sorted(set(re.findall(r"_ZGV\w+?_(\w+)", found)))
 
 

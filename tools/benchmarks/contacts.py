@@ -24,8 +24,11 @@ from rollslip_plugins.pressure_viscosity import Barus
 FILMS = ("moes", "regime")
 CONTACT = get_model("contact", "palmgren")
 OIL = Barus()
-TRACTION = get_model("traction", "lambda-blend", hydrodynamic="muraki")  # the law that the tables are of
-MURAKI, KRAGELSKY = TRACTION.hydrodynamic, TRACTION.boundary
+TRACTION = get_model(
+    "traction", "lambda-blend", hydrodynamic="muraki"
+)  # the law that the tables are of
+MURAKI = TRACTION.hydrodynamic
+KRAGELSKY = TRACTION.boundary
 
 #: Inner contact of the bearing 1032930 with MIL-L-7808 at 50 degC.
 BEARING = Conditions(
@@ -66,7 +69,9 @@ def wave(n, length, low, high):
     return low * (high / low) ** (0.5 + 0.5 * np.sin(2 * np.pi / length * np.arange(n) + length))
 
 
-def contacts(n, name="timed", conditions=BEARING, *, load=(3e3, 6e4), speed=(5.0, 30.0), slip=(1e-4, 0.2)):
+def contacts(
+    n, name="timed", conditions=BEARING, *, load=(3e3, 6e4), speed=(5.0, 30.0), slip=(1e-4, 0.2)
+):
     """Contacts whose loads [N/m], rolling speeds [m/s] and slide-roll ratios, of both signs, run between limits."""
     u = wave(n, 97.3, *speed)
     direction = np.sign(np.sin(2 * np.pi / 61.7 * (np.arange(n) + 0.5)))
@@ -89,7 +94,9 @@ def samples(n=96):
         contacts(n),
         contacts(n, "small slip", slip=(1e-12, 1e-5)),
         contacts(n, "elastic ramp", given(shear_modulus=2e4), slip=(1e-6, 1e-2)),
-        contacts(n, "elastic in part", given(shear_modulus=3e7, pressure_viscosity=2e-8), load=(2e5, 1e6)),
+        contacts(
+            n, "elastic in part", given(shear_modulus=3e7, pressure_viscosity=2e-8), load=(2e5, 1e6)
+        ),
         contacts(n, "no film", given(roughness=1e-4)),
         contacts(n, "thick film", given(roughness=2e-8)),
         contacts(
@@ -109,16 +116,25 @@ def samples(n=96):
 def _members(given, i):
     """Members of a slice, the very floats that the program gets."""
     members = {name: mpf(value) for name, value in attrs.asdict(given.conditions).items()}
-    return members | {name: mpf(float(getattr(given, name)[i])) for name in ("load", "rolling_speed", "sliding_speed")}
+    return members | {
+        name: mpf(float(getattr(given, name)[i]))
+        for name in ("load", "rolling_speed", "sliding_speed")
+    }
 
 
 def exact(film, given):
     """Return the friction of all slices, and the members that stages filled, without rounding between stages."""
-    friction, filled = [], []
+    friction = []
+    filled = []
     with mp.workdps(DIGITS):
         for i in range(len(given.load)):
             members = _members(given, i)
-            for name, model in ((CONTACT.name, CONTACT), (film, None), (OIL.name, OIL), (TRACTION.name, TRACTION)):
+            for name, model in (
+                (CONTACT.name, CONTACT),
+                (film, None),
+                (OIL.name, OIL),
+                (TRACTION.name, TRACTION),
+            ):
                 members |= LAWS[name](model, members)
             friction.append(members["friction"])
             filled.append(members)
@@ -131,12 +147,22 @@ def branches(film, filled):
     with mp.workdps(DIGITS):
         for m in filled:
             ratio = m["film_thickness"] / m["roughness"]
-            low, high = TRACTION.boundary_limit, TRACTION.hydrodynamic_limit
+            low = TRACTION.boundary_limit
+            high = TRACTION.hydrodynamic_limit
             taken["boundary" if ratio <= low else "full film" if ratio >= high else "mixed"] += 1
-            u, v, h, eta = (m[name] for name in ("rolling_speed", "sliding_speed", "film_thickness", "film_viscosity"))
-            sigma, deborah = eta * abs(v) / (m["eyring_stress"] * h), eta * u / (m["shear_modulus"] * m["half_width"])
+            u, v, h, eta = (
+                m[name]
+                for name in ("rolling_speed", "sliding_speed", "film_thickness", "film_viscosity")
+            )
+            sigma = eta * abs(v) / (m["eyring_stress"] * h)
+            deborah = eta * u / (m["shear_modulus"] * m["half_width"])
             flash = mpf(MURAKI.flash) * mp.sqrt(m["half_width"] / (mp.pi * u)) / m["effusivity"]
-            w = m["film_thermoviscosity"] * (flash + h / (12 * m["conductivity"])) * m["eyring_stress"] * abs(v)
+            w = (
+                m["film_thermoviscosity"]
+                * (flash + h / (12 * m["conductivity"]))
+                * m["eyring_stress"]
+                * abs(v)
+            )
             ramp = muraki_stress(sigma, deborah, w / sigma) == sigma / deborah
             taken["elastic ramp" if ramp else "plateau"] += 1
             taken["hot" if w * mp.asinh(sigma) > 1 else "cool"] += 1
@@ -150,7 +176,18 @@ def branches(film, filled):
 
 
 BRANCHES = {
-    film: {"boundary", "mixed", "full film", "elastic ramp", "plateau", "hot", "cool", "small slip", "slip", *more}
+    film: {
+        "boundary",
+        "mixed",
+        "full film",
+        "elastic ramp",
+        "plateau",
+        "hot",
+        "cool",
+        "small slip",
+        "slip",
+        *more,
+    }
     for film, more in {
         "moes": ("rigid", "elastic", "isoviscous", "piezoviscous"),
         "regime": ("IR", "VR", "IE", "VE"),
@@ -167,7 +204,8 @@ def reference(film):
     AssertionError
         If a branch is not taken by five slices at least.
     """
-    found, taken = [], Counter()
+    found = []
+    taken = Counter()
     for given in samples():
         friction, filled = exact(film, given)
         found.append((given, friction))
@@ -181,4 +219,7 @@ def worst_error(friction, values):
     if not np.all(np.isfinite(values)):
         return math.inf
     with mp.workdps(DIGITS):
-        return max(float(abs(mpf(float(got)) - want) / abs(want)) for got, want in zip(values, friction, strict=True))
+        return max(
+            float(abs(mpf(float(got)) - want) / abs(want))
+            for got, want in zip(values, friction, strict=True)
+        )

@@ -33,10 +33,13 @@ CONDITIONS = {
     "eyring_stress": 4e6,
     "shear_modulus": 3e8,
 }
-MARTIN, BLOK = (4.89497, 1.0, 0.0, -1.0), (1.6663, 2 / 3, 2 / 3, 0.0)
-HERREBRUGH, DOWSON = (3.1, 0.6, 0.0, -0.2), (2.65, 0.7, 0.54, -0.13)
+MARTIN = (4.89497, 1.0, 0.0, -1.0)
+BLOK = (1.6663, 2 / 3, 2 / 3, 0.0)
+HERREBRUGH = (3.1, 0.6, 0.0, -0.2)
+DOWSON = (2.65, 0.7, 0.54, -0.13)
 
-kragelsky, muraki = traction.kragelsky(0.1, 22.28, 181.46), traction.muraki(0.97)
+kragelsky = traction.kragelsky(0.1, 22.28, 181.46)
+muraki = traction.muraki(0.97)
 #: In the order of a chain: each fills what the next ones read. The name is that of the C function.
 STAGES = {
     "power_deflection": contact.power_deflection(5.2e10),
@@ -72,10 +75,13 @@ def main(n):
         ("PyCapsule_GetPointer", ctypes.pythonapi)
     )
     evaluate = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
-    given, calls = ctypes.addressof(slices), []
+    given = ctypes.addressof(slices)
+    calls = []
     for name, capsule in STAGES.items():
         at = pointer(capsule, b"rollslip.slice_model.v1")
-        function, parameters = (ctypes.c_void_p.from_address(at + offset).value for offset in (8, 16))
+        function, parameters = (
+            ctypes.c_void_p.from_address(at + offset).value for offset in (8, 16)
+        )
         calls.append((evaluate(function), parameters))
         if status := calls[-1][0](given, parameters):  # and so what is done once is done
             sys.exit(f"{name} returns status {status}")

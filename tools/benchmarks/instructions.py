@@ -36,7 +36,13 @@ def counts(name, slices=N):
     folder = Path(rollslip_kernels.__file__).parents[1]
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "callgrind"
-        command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", "--dump-before=getppid", "--"]
+        command = [
+            "valgrind",
+            "--tool=callgrind",
+            f"--callgrind-out-file={out}",
+            "--dump-before=getppid",
+            "--",
+        ]
         done = subprocess.run(
             [*command, sys.executable, "-I", "-S", str(COUNTED), str(folder), str(slices)],
             env=os.environ | {"ROLLSLIP_SIMD": name},
@@ -63,6 +69,18 @@ def run():
     try:
         found = {name: counts(name) for name in SETS}
     except CannotCountError as reason:
-        return [Table("benchmark_instructions", "Instructions per slice", ("stage", *SETS), [], [f"{reason}."])]
+        return [
+            Table(
+                "benchmark_instructions",
+                "Instructions per slice",
+                ("stage", *SETS),
+                [],
+                [f"{reason}."],
+            )
+        ]
     rows = [(stage, *(f"{found[name][stage]:.1f}" for name in SETS)) for stage in found[SETS[0]]]
-    return [Table("benchmark_instructions", f"Instructions per slice, {N} slices", ("stage", *SETS), rows)]
+    return [
+        Table(
+            "benchmark_instructions", f"Instructions per slice, {N} slices", ("stage", *SETS), rows
+        )
+    ]

@@ -14,7 +14,8 @@ jax.config.update("jax_platforms", "cpu")
 def moes(k, log_u, log_w):
     """ln(h/R) of the composite film."""
     root = 0.5 * (math.log(2.0) + k.log_speed + log_u)
-    M, L = k.log_load + log_w - root, k.log_material + 0.5 * root
+    M = k.log_load + log_w - root
+    L = k.log_material + 0.5 * root
     ei_ri = math.log(2.621 / 3) + 0.8 * M
     ep = math.log(1.311) - 0.125 * M + 0.75 * L
     ep_rp = ep - math.log(1.287) - 2 / 3 * L
@@ -26,9 +27,13 @@ def moes(k, log_u, log_w):
 
 def regime(k, log_u, log_w):
     """ln(h/R) of the film that the regime has."""
-    U, G, W = k.log_speed + log_u, k.log_material, k.log_load + log_w
+    U = k.log_speed + log_u
+    G = k.log_material
+    W = k.log_load + log_w
     isoviscous = jnp.maximum(math.log(4.89497) + U - W, math.log(3.10) + 0.6 * U - 0.2 * W)
-    piezoviscous = jnp.minimum(math.log(1.66630) + 2 / 3 * (G + U), math.log(2.65) + 0.7 * U + 0.54 * G - 0.13 * W)
+    piezoviscous = jnp.minimum(
+        math.log(1.66630) + 2 / 3 * (G + U), math.log(2.65) + 0.7 * U + 0.54 * G - 0.13 * W
+    )
     return jnp.maximum(isoviscous, piezoviscous)
 
 
@@ -41,13 +46,17 @@ def jitted(film, given):
     def chain(w, u, sliding):
         v = jnp.abs(sliding)
         b = jnp.sqrt(k.per_load * w)
-        h, p = k.radius * jnp.exp(thickness(k, jnp.log(u), jnp.log(w))), k.per_width * b
+        h = k.radius * jnp.exp(thickness(k, jnp.log(u), jnp.log(w)))
+        p = k.per_width * b
         eta = k.viscosity * jnp.exp(k.pressure_viscosity * p)
         sigma = eta * v / (k.eyring_stress * h)
         rate = v / u * (k.shear_modulus * b / (k.eyring_stress * h))
-        heat = (k.thermoviscosity + k.pressure_thermoviscosity * p) * (k.flash * jnp.sqrt(b / u) + k.across * h)
+        heat = (k.thermoviscosity + k.pressure_thermoviscosity * p) * (
+            k.flash * jnp.sqrt(b / u) + k.across * h
+        )
         heating = heat * k.eyring_stress * v
-        a, plateau = 1 + heating, jnp.arcsinh(sigma)
+        a = 1 + heating
+        plateau = jnp.arcsinh(sigma)
         half = plateau / (a + jnp.sqrt(jnp.maximum(a * a - heating * plateau / rate, 0.0)))
         full = k.eyring_stress / p * jnp.where(half > rate, rate, half * (2 - half / rate))
         gone = jnp.expm1(-k.decay * v / u)

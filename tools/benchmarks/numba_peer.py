@@ -32,7 +32,8 @@ njit = numba.njit(error_model="numpy")
 def moes(k, log_u, log_w):
     """ln(h/R) of the composite film."""
     root = 0.5 * (math.log(2.0) + k.log_speed + log_u)
-    M, L = k.log_load + log_w - root, k.log_material + 0.5 * root
+    M = k.log_load + log_w - root
+    L = k.log_material + 0.5 * root
     ei_ri = math.log(2.621 / 3.0) + 0.8 * M
     ep = math.log(1.311) - 0.125 * M + 0.75 * L
     ep_rp = ep - math.log(1.287) - 2.0 / 3.0 * L
@@ -45,9 +46,13 @@ def moes(k, log_u, log_w):
 @njit
 def regime(k, log_u, log_w):
     """ln(h/R) of the film that the regime has."""
-    U, G, W = k.log_speed + log_u, k.log_material, k.log_load + log_w
+    U = k.log_speed + log_u
+    G = k.log_material
+    W = k.log_load + log_w
     isoviscous = max(math.log(4.89497) + U - W, math.log(3.10) + 0.6 * U - 0.2 * W)
-    piezoviscous = min(math.log(1.66630) + 2.0 / 3.0 * (G + U), math.log(2.65) + 0.7 * U + 0.54 * G - 0.13 * W)
+    piezoviscous = min(
+        math.log(1.66630) + 2.0 / 3.0 * (G + U), math.log(2.65) + 0.7 * U + 0.54 * G - 0.13 * W
+    )
     return max(isoviscous, piezoviscous)
 
 
@@ -57,9 +62,12 @@ def full(k, b, p, h, u, v):
     eta = k.viscosity * math.exp(k.pressure_viscosity * p)
     sigma = eta * v / (k.eyring_stress * h)
     rate = v / u * (k.shear_modulus * b / (k.eyring_stress * h))  # sigma/D
-    heat = (k.thermoviscosity + k.pressure_thermoviscosity * p) * (k.flash * math.sqrt(b / u) + k.across * h)
+    heat = (k.thermoviscosity + k.pressure_thermoviscosity * p) * (
+        k.flash * math.sqrt(b / u) + k.across * h
+    )
     w = heat * k.eyring_stress * v
-    a, plateau = 1.0 + w, math.asinh(sigma)
+    a = 1.0 + w
+    plateau = math.asinh(sigma)
     half = plateau / (a + math.sqrt(max(a * a - w * plateau / rate, 0.0)))
     stress = rate if half > rate else half * (2.0 - half / rate)
     return k.eyring_stress / p * stress
@@ -88,9 +96,12 @@ def with_branches(film):
     def chain(k, load, speed, sliding, friction):
         force = 0.0
         for i in range(load.size):
-            w, u, v = load[i], speed[i], abs(sliding[i])
+            w = load[i]
+            u = speed[i]
+            v = abs(sliding[i])
             b = math.sqrt(k.per_load * w)
-            h, p = k.radius * math.exp(film(k, math.log(u), math.log(w))), k.per_width * b
+            h = k.radius * math.exp(film(k, math.log(u), math.log(w)))
+            p = k.per_width * b
             part = share(k, h)
             mu = full(k, b, p, h, u, v) if part < 1.0 else 0.0
             if part > 0.0:
@@ -109,9 +120,12 @@ def without_branches(film):
     @njit
     def chain(k, load, speed, sliding, friction):
         for i in range(load.size):
-            w, u, v = load[i], speed[i], abs(sliding[i])
+            w = load[i]
+            u = speed[i]
+            v = abs(sliding[i])
             b = math.sqrt(k.per_load * w)
-            h, p = k.radius * math.exp(film(k, math.log(u), math.log(w))), k.per_width * b
+            h = k.radius * math.exp(film(k, math.log(u), math.log(w)))
+            p = k.per_width * b
             mu = full(k, b, p, h, u, v)
             mu += (boundary(k, v / u) - mu) * share(k, h)
             friction[i] = math.copysign(mu, sliding[i])
@@ -125,7 +139,8 @@ def without_branches(film):
 
 def loop(form, film, k, load, speed, sliding):
     """Return a call of a compiled loop, its result, and the loop."""
-    chain, mu = form({"moes": moes, "regime": regime}[film]), np.empty_like(load)
+    chain = form({"moes": moes, "regime": regime}[film])
+    mu = np.empty_like(load)
 
     def call():
         return chain(k, load, speed, sliding, mu)
@@ -175,8 +190,12 @@ class Elsewhere:
         from constants import constants
 
         with tempfile.NamedTemporaryFile(suffix=".npz") as file:
-            np.savez(file.name, load=given.load, speed=given.rolling_speed, sliding=given.sliding_speed)
-            loop = self._ask(do="make", film=film, constants=constants(given)._asdict(), file=file.name)
+            np.savez(
+                file.name, load=given.load, speed=given.rolling_speed, sliding=given.sliding_speed
+            )
+            loop = self._ask(
+                do="make", film=film, constants=constants(given)._asdict(), file=file.name
+            )
 
         def call():
             return self._ask(do="call", loop=loop)
@@ -194,13 +213,19 @@ def serve():
     """Answer requests, one JSON value a line."""
     from typing import NamedTuple
 
-    made, kind = [], []
+    made = []
+    kind = []
 
     def make(film, constants, file):
-        if not kind:  # one type for all: what Numba compiles for a second one is no longer inlined, and slow
+        if (
+            not kind
+        ):  # one type for all: what Numba compiles for a second one is no longer inlined, and slow
             kind.append(NamedTuple("Constants", [(name, float) for name in constants]))
-        k, arrays = kind[0](**constants), np.load(file)
-        call, friction, chain = loop(without_branches, film, k, arrays["load"], arrays["speed"], arrays["sliding"])
+        k = kind[0](**constants)
+        arrays = np.load(file)
+        call, friction, chain = loop(
+            without_branches, film, k, arrays["load"], arrays["speed"], arrays["sliding"]
+        )
         symbols = set(re.findall(r"__svml_(\w+)", "".join(chain.inspect_asm().values())))
         if not {"exp", "log", "asinh"} <= {re.sub(r"\d.*", "", symbol) for symbol in symbols}:
             raise RuntimeError(f"the loop calls no SVML: {symbols}")
@@ -217,7 +242,11 @@ def serve():
         request = json.loads(line)
         match request.pop("do"):
             case "versions":
-                answer = {"python": sys.version.split()[0], "numba": numba.__version__, "numpy": np.__version__}
+                answer = {
+                    "python": sys.version.split()[0],
+                    "numba": numba.__version__,
+                    "numpy": np.__version__,
+                }
             case "make":
                 answer = make(**request)
             case "call":

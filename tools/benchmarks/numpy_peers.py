@@ -11,20 +11,26 @@ from contacts import KRAGELSKY, MURAKI, TRACTION
 def textbook(film, given):
     """Formulas as they stand in the paper, its Eq. (8) with the misprint corrected, and np.where for the branches."""
     c = given.conditions
-    low, high = TRACTION.boundary_limit, TRACTION.hydrodynamic_limit
+    low = TRACTION.boundary_limit
+    high = TRACTION.hydrodynamic_limit
 
     def moes(U, G, W):
-        M, L = W / np.sqrt(2 * U), G * (2 * U) ** 0.25
-        ri, rp = 3 / M, 1.287 * L ** (2 / 3)
-        ei, ep = 2.621 * M**-0.2, 1.311 * M**-0.125 * L**0.75
+        M = W / np.sqrt(2 * U)
+        L = G * (2 * U) ** 0.25
+        ri = 3 / M
+        rp = 1.287 * L ** (2 / 3)
+        ei = 2.621 * M**-0.2
+        ep = 1.311 * M**-0.125 * L**0.75
         s = (7 + 8 * np.exp(-2 * ei / ri)) / 5
         isoviscous = (ri ** (7 / 3) + ei ** (7 / 3)) ** (3 * s / 7)
         piezoviscous = (rp ** (-7 / 2) + ep ** (-7 / 2)) ** (-2 * s / 7)
         return c.radius * np.sqrt(2 * U) * (isoviscous + piezoviscous) ** (1 / s)
 
     def regime(U, G, W):
-        ri, rp = 4.89497 * U / W, 1.66630 * (G * U) ** (2 / 3)
-        ei, ep = 3.10 * U**0.6 * W**-0.2, 2.65 * U**0.7 * G**0.54 * W**-0.13
+        ri = 4.89497 * U / W
+        rp = 1.66630 * (G * U) ** (2 / 3)
+        ei = 3.10 * U**0.6 * W**-0.2
+        ep = 2.65 * U**0.7 * G**0.54 * W**-0.13
         return c.radius * np.maximum(np.maximum(ri, ei), np.minimum(rp, ep))
 
     thickness = {"moes": moes, "regime": regime}[film]
@@ -39,18 +45,31 @@ def textbook(film, given):
         s = V / speed
         sigma = eta * V / (c.eyring_stress * h)
         D = eta * speed / (c.shear_modulus * b)
-        zeta = MURAKI.flash * np.sqrt(b / (np.pi * speed)) / c.effusivity + h / (12 * c.conductivity)
-        Phi = (c.thermoviscosity + c.pressure_thermoviscosity * p) * zeta * c.eyring_stress**2 * h / eta
-        a, L = 1 + Phi * sigma, np.arcsinh(sigma)
+        zeta = MURAKI.flash * np.sqrt(b / (np.pi * speed)) / c.effusivity + h / (
+            12 * c.conductivity
+        )
+        Phi = (
+            (c.thermoviscosity + c.pressure_thermoviscosity * p)
+            * zeta
+            * c.eyring_stress**2
+            * h
+            / eta
+        )
+        a = 1 + Phi * sigma
+        L = np.arcsinh(sigma)
         root = a**2 - D * Phi * L
         S = (D * Phi * L - 2 * a + 2 * np.sqrt(np.maximum(root, 0))) / (D * Phi**2 * sigma)
         y = 2 * (a - np.sqrt(np.maximum(root, 0))) / (D * Phi)
         S = np.where((root < 0) | (y > 2 * sigma / D), sigma / D, S)
         full = c.eyring_stress * S / p
-        boundary = (-KRAGELSKY.limit + KRAGELSKY.rise * s) * np.exp(-KRAGELSKY.decay * s) + KRAGELSKY.limit
+        boundary = (-KRAGELSKY.limit + KRAGELSKY.rise * s) * np.exp(
+            -KRAGELSKY.decay * s
+        ) + KRAGELSKY.limit
         ratio = h / c.roughness
         mixed = full + (boundary - full) * ((ratio - high) / (low - high)) ** 6
-        return np.sign(sliding) * np.where(ratio < low, boundary, np.where(ratio >= high, full, mixed))
+        return np.sign(sliding) * np.where(
+            ratio < low, boundary, np.where(ratio >= high, full, mixed)
+        )
 
     result = [None]
 
@@ -64,8 +83,11 @@ def textbook(film, given):
 
 def careful(film, given):
     """In place in ten arrays made once: no temporaries, one pass an operation, shared subexpressions."""
-    k, n = constants(given), len(given.load)
-    w, u, sliding = given.load, given.rolling_speed, given.sliding_speed
+    k = constants(given)
+    n = len(given.load)
+    w = given.load
+    u = given.rolling_speed
+    sliding = given.sliding_speed
     b, p, h, v, x, y, z, t, a, mu = np.empty((10, n))
     flag = np.empty(n, dtype=bool)
     band = 1 / (k.hydrodynamic_limit - k.boundary_limit)

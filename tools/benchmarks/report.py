@@ -13,7 +13,17 @@ import attrs
 from rollslip_kernels.stages import simd
 
 DOCS = Path(__file__).parents[2] / "docs"
-VERSIONS = ("rollslip", "numpy", "scipy", "numba", "llvmlite", "jax", "jaxlib", "cython", "tribology")
+VERSIONS = (
+    "rollslip",
+    "numpy",
+    "scipy",
+    "numba",
+    "llvmlite",
+    "jax",
+    "jaxlib",
+    "cython",
+    "tribology",
+)
 
 
 @attrs.frozen
@@ -54,7 +64,9 @@ def _version(package):
 def _first_line(command):
     if shutil.which(command) is None:
         return "not there"
-    return subprocess.run([command, "--version"], capture_output=True, text=True, check=False).stdout.partition("\n")[0]
+    return subprocess.run(
+        [command, "--version"], capture_output=True, text=True, check=False
+    ).stdout.partition("\n")[0]
 
 
 def _processor():
@@ -73,7 +85,12 @@ def machine():
         ("date", datetime.date.today().isoformat()),
         ("processor", _processor()),
         ("instruction sets", ", ".join(simd.available())),
-        ("system", f"{platform.system()} {platform.machine()}, {' '.join(platform.libc_ver())}".rstrip(", ")),
+        (
+            "system",
+            f"{platform.system()} {platform.machine()}, {' '.join(platform.libc_ver())}".rstrip(
+                ", "
+            ),
+        ),
         ("compiler", _first_line("cc")),
         ("Python", f"{platform.python_implementation()} {platform.python_version()}"),
         *((name, _version(name)) for name in VERSIONS),
@@ -95,7 +112,9 @@ def write(tables, out, texts=()):
 def write_docs(tables):
     """Write the tables where the documentation takes them from; those that could not be measured stay as they are."""
     for table in filter(lambda table: table.rows, tables):
-        with (DOCS / "tables" / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
+        with (DOCS / "tables" / f"{table.name}.csv").open(
+            "w", newline="", encoding="utf-8"
+        ) as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(table.header)
             writer.writerows(table.rows)

@@ -25,7 +25,9 @@ def interleaved(calls, rounds, turn=TURN, clock=time.process_time):
     repeats = {}
     for name, call in calls.items():
         _seconds(call, 1, clock)
-        repeats[name] = max(1, round(turn / max(min(_seconds(call, 1, clock) for _ in range(3)), 1e-7)))
+        repeats[name] = max(
+            1, round(turn / max(min(_seconds(call, 1, clock) for _ in range(3)), 1e-7))
+        )
     times = {name: np.empty(rounds) for name in calls}
     for k in range(rounds):
         for name, call in calls.items():
@@ -35,7 +37,9 @@ def interleaved(calls, rounds, turn=TURN, clock=time.process_time):
 
 def medians(times, base):
     """Return the median time of each variant and the median of its ratios to a base, round by round."""
-    return {name: (float(np.median(t)), float(np.median(t / times[base]))) for name, t in times.items()}
+    return {
+        name: (float(np.median(t)), float(np.median(t / times[base]))) for name, t in times.items()
+    }
 
 
 def exponent(sizes, times):

@@ -47,10 +47,14 @@ from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 
 #: First number of scenes of the way up, and seed of those of effective friction, that nothing else uses.
-FIRST, SEED = 100_000, 35
+FIRST = 100_000
+SEED = 35
 #: Times as many of all in the reference, and in that of close verdicts, told by what numbers are off over what they may
 #: be; time of the processor for a scene [s].
-TIMES, TWICE, CLOSE, SECONDS = 4, 8, (0.8, 1.25), 60.0
+TIMES = 4
+TWICE = 8
+CLOSE = (0.8, 1.25)
+SECONDS = 60.0
 #: Number of the answer -> variable of study steady-slip; those of one steady slip are told of the least that lasts.
 NUMBERS = {
     "cage slip": "steady_slip",
@@ -68,12 +72,26 @@ UNSETTLED = ("does not settle", "largest drag", "slip of the largest drag", "res
 CLAIMS = {"largest drag": "largest_drag_error"}
 #: Reserves that the answer shows.
 RESERVES = (("reserve to slipping", 0.0, 1e3), ("reserve to skidding", 0.0, 1e3))
-HEADER = ["scene", "what", "tolerance", "claimed", "number", "off", "slices", "instants", "verdict", "seconds"]
-DEAR, ENDS = "too dear", {"kept", "told", "silent"}
+HEADER = [
+    "scene",
+    "what",
+    "tolerance",
+    "claimed",
+    "number",
+    "off",
+    "slices",
+    "instants",
+    "verdict",
+    "seconds",
+]
+DEAR = "too dear"
+ENDS = {"kept", "told", "silent"}
 SUMMARY = Path(__file__).parents[2] / "docs" / "tables" / "accuracy_scenes.csv"
 #: Times as many of all in the first reference of dear scenes, the most that an error is over what these show of it,
 #: where it falls with the first order at least, and time of the processor for one [s].
-FEW, FEW_ERR, LONG = 2, 2.0, 900.0
+FEW = 2
+FEW_ERR = 2.0
+LONG = 900.0
 
 
 class TooDearError(Exception):
@@ -88,7 +106,9 @@ def stop(*_):
 def scene(k):
     """The k-th scene, and the study that it asks."""
     if k % 2:
-        return evolve(promise_scenes.scene(k, SEED), {"accuracy.tolerance": 1e-3}), promise_scenes.STUDY
+        return evolve(
+            promise_scenes.scene(k, SEED), {"accuracy.tolerance": 1e-3}
+        ), promise_scenes.STUDY
     return way_up_scenes.wide(FIRST + k), "steady-slip"
 
 
@@ -124,7 +144,11 @@ def numbers(result):
             value = value.isel(steady=lasting[0]).min() if lasting.size else math.nan
         found[name] = float(value)
     weight = float(result.attrs["rollers_weight"])
-    for name, low, high in (("cage slip", 1e-3, math.inf), ("minimum load", weight, math.inf), *RESERVES):
+    for name, low, high in (
+        ("cage slip", 1e-3, math.inf),
+        ("minimum load", weight, math.inf),
+        *RESERVES,
+    ):
         found[name] = min(max(found[name], low), high) if found[name] >= -low else found[name]
     low, high = (float(result[f"largest_drag_{end}"]) for end in ("low", "high"))
     found["slip of the largest drag"] = (low, found["slip of the largest drag"], high)
@@ -136,7 +160,8 @@ def apart(one, other):
     if isinstance(one, np.ndarray):
         return float(np.abs(one - other).max() / (np.abs(other).max() or 1.0))
     if isinstance(one, tuple):  # a maximum is told as an interval, too
-        (low, one, high), other = one, other[1]
+        (low, one, high) = one
+        other = other[1]
         if low <= other <= high:
             return 0.0
     if (math.isnan(one) and math.isnan(other)) or one == other:
@@ -153,7 +178,8 @@ def judged(k, *, dear=False):
     if made.estimated[name].failed:
         return [k, made.estimated[name].failed[:120], "", "", "", "", "", "", "refused"]
     result = execute(made, name)
-    study, own = made.studies[name], made.estimated[name].resolution
+    study = made.studies[name]
+    own = made.estimated[name].resolution
     taken = json.loads(result.attrs["resolution"])
     own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
     slices = f"{own.slices} {own.quadrature}"
@@ -165,7 +191,8 @@ def judged(k, *, dear=False):
         worst, off, most, verdict = compared(one, result, held(FEW if dear else TIMES))
         by_few = dear and FEW_ERR * off <= 1.0
         if by_few:
-            off, verdict = FEW_ERR * off, f"{verdict}, by {FEW} times"
+            off = FEW_ERR * off
+            verdict = f"{verdict}, by {FEW} times"
         elif dear:
             worst, off, most, verdict = compared(one, result, held(TIMES))
     except RollslipError as error:
@@ -180,21 +207,37 @@ def judged(k, *, dear=False):
 
 def claim(result):
     """The largest error that a result claims of itself."""
-    return max((row["found"] or row["estimated"] or 0.0 for row in json.loads(result.attrs["accuracy"])), default=0.0)
+    return max(
+        (row["found"] or row["estimated"] or 0.0 for row in json.loads(result.attrs["accuracy"])),
+        default=0.0,
+    )
 
 
 def compared(one, result, exact):
     """The number of a result that is off most, by how many times what it may be, what it may be, and the verdict."""
-    said = [text for text in json.loads(result.attrs["warnings"]) if " is off " in text or text.startswith("how far ")]
-    values, references = numbers(result), numbers(exact)
+    said = [
+        text
+        for text in json.loads(result.attrs["warnings"])
+        if " is off " in text or text.startswith("how far ")
+    ]
+    values = numbers(result)
+    references = numbers(exact)
     unknown = UNSETTLED[1:] if UNSETTLED[0] in str(exact.get("largest_drag_status", "")) else ()
-    worst, off, most = "", -1.0, 0.0
+    worst = ""
+    off = -1.0
+    most = 0.0
     for of in (of for of in values if of not in unknown):
         own = float(result[CLAIMS[of]]) if of in CLAIMS else 0.0
         limit = max(claim(result), one.accuracy.tolerance, own if own == own else 0.0)
         if (ratio := apart(values[of], references[of]) / limit) > off:
-            worst, off, most = of, ratio, limit
-    named = any(name in text for text in said for name in (worst.split(",")[0], "friction is off", "how far friction"))
+            worst = of
+            off = ratio
+            most = limit
+    named = any(
+        name in text
+        for text in said
+        for name in (worst.split(",")[0], "friction is off", "how far friction")
+    )
     return worst, off, most, "kept" if off <= 1.0 else "told" if named else "silent"
 
 
@@ -202,7 +245,8 @@ def described(one, study):
     """What a scene is, in one line."""
     if study == promise_scenes.STUDY:
         return promise_scenes.described(one)
-    b, o = one.bearing, one.operation
+    b = one.bearing
+    o = one.operation
     return (
         f"{b.rollers} rollers of {b.roller_diameter * 1e3:.0f} mm; {o.inner_speed * 30 / np.pi:.3g} rpm, outer ring "
         f"{o.outer_speed * 30 / np.pi:.3g} rpm; {o.radial_load:.3g} N; {o.temperature - 273.15:.0f} degC; clearance "
@@ -228,7 +272,8 @@ def row(k, *, dear=False):
 def summary(rows):
     """Rows of how many scenes of each study ended how, and the errors of those that have one, over the tolerance."""
     heads = (
-        "study|scenes|refused in words|within the tolerance|off by no more than claimed|off, and told|off in silence"
+        "study|scenes|refused in words|within the tolerance|off by no more than "
+        "claimed|off, and told|off in silence"
     )
     yield f"{heads}|not known|error over tolerance, median|of nine in ten below".split("|")
     for parity, study in enumerate(("steady-slip", promise_scenes.STUDY)):
@@ -237,7 +282,12 @@ def summary(rows):
         judged = [float(one[5]) / float(one[2]) for one in of if one[8].partition(",")[0] in ENDS]
         kept = sum(float(one[5]) <= float(one[2]) for one in of if one[8].startswith("kept"))
         ended = len(of), ends["refused"], kept, ends["kept"] - kept, ends["told"], ends["silent"]
-        yield [study, *ended, len(of) - sum(ended[1:]), *(f"{np.quantile(judged, share):.2f}" for share in (0.5, 0.9))]
+        yield [
+            study,
+            *ended,
+            len(of) - sum(ended[1:]),
+            *(f"{np.quantile(judged, share):.2f}" for share in (0.5, 0.9)),
+        ]
 
 
 def main(count=1000, seconds=1500.0, first=0, again=""):

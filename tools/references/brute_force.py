@@ -58,8 +58,21 @@ from rollslip.studies.surface_damage.model import OWN
 from rollslip.studies.thermal_balance.model import ROLES, thermal_model
 
 #: Seed and first number that nothing else uses, tolerance, and share of a value to which a limit is asked for.
-SEED, FIRST, TOLERANCE, WITHIN = 350, 350_000, 1e-3, 2e-3
-HEADER = ["what", "scene", "quantity", "told", "reference", "difference", "allowed", "verdict", "seconds"]
+SEED = 350
+FIRST = 350_000
+TOLERANCE = 1e-3
+WITHIN = 2e-3
+HEADER = [
+    "what",
+    "scene",
+    "quantity",
+    "told",
+    "reference",
+    "difference",
+    "allowed",
+    "verdict",
+    "seconds",
+]
 #: What effective friction is asked for curves alone.
 CURVES = {"study.effective-friction": {"map_points": 0, "runaway_range": 0.0}}
 #: Study, result, which side of the limit is kept, and what the scene has beside: what limits are searched of.
@@ -72,7 +85,12 @@ QUESTIONS = (
     ("steady-slip", "film_parameter", ">=", {}),
     ("steady-slip", "friction_torque", "<=", {}),
     ("steady-slip", "least_load", "<=", {}),
-    ("surface-damage", "worst", "<=", {"models.damage": ["power-density"], "study.surface-damage.cage_slip": 0.1}),
+    (
+        "surface-damage",
+        "worst",
+        "<=",
+        {"models.damage": ["power-density"], "study.surface-damage.cage_slip": 0.1},
+    ),
     ("thermal-balance", "settled_temperature", "<=", {"models.thermal": "network"}),
 )
 #: Key, its unit, and how far to either side of its own value it goes: by a share of that, or by a step.
@@ -90,7 +108,8 @@ MIXED = {"fatol": 2e-5, "maxiter": 60, "line_search": None, "jac_options": {"alp
 #: Time of the processor that a scene may take [s].
 SECONDS = {"limit": 600.0, "balance": 300.0, "damage": 240.0, "steady damage": 300.0}
 #: Scenes that are judged of each, and verdicts of one that is not.
-COUNTS, UNJUDGED = (50, 50, 50, 20), ("refused", "no slip", "no balance", "no reference", "too dear")
+COUNTS = (50, 50, 50, 20)
+UNJUDGED = ("refused", "no slip", "no balance", "no reference", "too dear")
 #: Measures of damage; contact temperature and that after AGMA 925 are the sum that the one after ISO is.
 MEASURES = [
     "power-density", "pass-energy", "flash-temperature", "film-parameter", {"model": "scuffing-iso", "fzg_stage": 12},
@@ -112,18 +131,24 @@ def limits(k):
     scene = evolve(kind(FIRST + k, even=k % 4 > 0), {"accuracy.tolerance": TOLERANCE, **own})
     table, name_varied = key.split(".")
     here = getattr(getattr(scene, table), name_varied, 1.0)
-    low, high = ((1.0 - share) * here, (1.0 + share) * here) if share else (here - step, here + step)
+    low, high = (
+        ((1.0 - share) * here, (1.0 + share) * here) if share else (here - step, here + step)
+    )
     start = low + float(np.random.default_rng([SEED, k]).uniform(0.1, 0.9)) * (high - low)
-    worst, cls = np.nanmax if sense == "<=" else np.nanmin, study_class(study)
+    worst = np.nanmax if sense == "<=" else np.nanmin
+    cls = study_class(study)
     others = cls.outputs.keys() - {name, cls.outputs[name].status, *cls.judged.values()}
 
     @cache
     def result(at, tolerance=0.1 * TOLERANCE):
-        made = plan(evolve(scene, {key: at, "accuracy.tolerance": tolerance}), study, without=others)
+        made = plan(
+            evolve(scene, {key: at, "accuracy.tolerance": tolerance}), study, without=others
+        )
         values = execute(made, study)[name].values
         return float(worst(values)) if np.isfinite(values).any() else math.nan
 
-    kept, shown = float(f"{result(start):.9g}"), f"{name} {sense} {{}} over {key}"
+    kept = float(f"{result(start):.9g}")
+    shown = f"{name} {sense} {{}} over {key}"
     what = shown.format(f"{kept:.6g}")
     if not math.isfinite(kept):
         yield what, "", "", "", "", "no value"
@@ -136,11 +161,20 @@ def limits(k):
             scene, {key: f"{low!r} {unit}:{high!r} {unit}:5"}, f"{name} {sense} {output}", study=study, within=WITHIN,
             engine="serial", out=Path(folder) / "limit",
         )  # fmt: skip
-    edges = sorted(tuple(sorted(pair)) for pair in zip(found.edge_kept.values, found.edge_passed.values, strict=True))
+    edges = sorted(
+        tuple(sorted(pair))
+        for pair in zip(found.edge_kept.values, found.edge_passed.values, strict=True)
+    )
     if not edges or (found.status != "ok").any():
         course = " ".join(account_of(found).topics(found).get("course", []))
         nearest = float(np.nanmin(np.abs(found.result / kept - 1.0)))
-        verdict = "within tolerance" if nearest <= TOLERANCE else "touched" if "turns back" in course else "missed"
+        verdict = (
+            "within tolerance"
+            if nearest <= TOLERANCE
+            else "touched"
+            if "turns back" in course
+            else "missed"
+        )
         verdict = "a point failed" if (found.status != "ok").any() else verdict
         yield what, "", f"{start:.8g}", "", "", verdict
         return
@@ -148,11 +182,24 @@ def limits(k):
     for n, (a, b) in enumerate(edges):
         begin = 0.5 * (edges[n - 1][1] + a) if n else low
         end = 0.5 * (edges[n + 1][0] + b) if n + 1 < len(edges) else high
-        exact = start if (a, b) == nearest else brentq(lambda at: result(at) - kept, begin, end, rtol=1e-2 * WITHIN)
+        exact = (
+            start
+            if (a, b) == nearest
+            else brentq(lambda at: result(at) - kept, begin, end, rtol=1e-2 * WITHIN)
+        )
         off = max(a - exact, exact - b, 0.0) / (high - low)
         near = abs(result(min((a, b), key=lambda at: abs(at - exact))) / kept - 1.0)
-        verdict = "kept" if off == 0.0 else "within tolerance" if near <= 1.1 * TOLERANCE else "missed"
-        yield what, f"{a:.8g} to {b:.8g}", f"{exact:.8g}", f"{off:.1e}", f"{(b - a) / (high - low):.1e}", verdict
+        verdict = (
+            "kept" if off == 0.0 else "within tolerance" if near <= 1.1 * TOLERANCE else "missed"
+        )
+        yield (
+            what,
+            f"{a:.8g} to {b:.8g}",
+            f"{exact:.8g}",
+            f"{off:.1e}",
+            f"{(b - a) / (high - low):.1e}",
+            verdict,
+        )
 
 
 def balances(k):
@@ -164,17 +211,24 @@ def balances(k):
         kind(FIRST + k, even=True),
         {"accuracy.tolerance": TOLERANCE, "models.thermal": {"model": "network", **flow}},
     )
-    found = execute(plan(scene, "thermal-balance", without=study.outputs.keys() - SETTLED), "thermal-balance")
-    told, nodes = found.settled_temperature.values, found.node.values.tolist()
+    found = execute(
+        plan(scene, "thermal-balance", without=study.outputs.keys() - SETTLED), "thermal-balance"
+    )
+    told = found.settled_temperature.values
+    nodes = found.node.values.tolist()
     if np.isnan(told).any():
         yield "temperatures", found.settled_status.item()[:100], "", "", "", "no balance"
         return
     made = assemble(scene)
     model = thermal_model(scene).of(made)
-    matrix, fixed = np.zeros((len(nodes),) * 2), np.zeros(len(nodes))
+    matrix = np.zeros((len(nodes),) * 2)
+    fixed = np.zeros(len(nodes))
     for name, ends in LINKS.items():
-        rows, conductance = [nodes.index(end) for end in ends.split(",")], getattr(model, name)
-        matrix[np.ix_(rows, rows)] += conductance * (2.0 * np.eye(len(rows)) - 1.0 if len(rows) == 2 else 1.0)
+        rows = [nodes.index(end) for end in ends.split(",")]
+        conductance = getattr(model, name)
+        matrix[np.ix_(rows, rows)] += conductance * (
+            2.0 * np.eye(len(rows)) - 1.0 if len(rows) == 2 else 1.0
+        )
         fixed[rows] += conductance * model.ambient_temperature * (len(rows) == 1)
     carried = model.oil_flow * model.oil_specific_heat
     matrix[0, 0] += carried
@@ -184,14 +238,19 @@ def balances(k):
     def given(at):
         known = dict(zip(nodes, at.tolist(), strict=True))
         named = {key: known[part] for key, part in ROLES.items()}
-        return evolve(scene, named | {"models.thermal": "given", "accuracy.tolerance": 0.1 * TOLERANCE})
+        return evolve(
+            scene, named | {"models.thermal": "given", "accuracy.tolerance": 0.1 * TOLERANCE}
+        )
 
     def heat(at):
         there = assemble(given(at), resolution)
-        losses, into = study.of(there.scene).run(there), dict.fromkeys(nodes, 0.0)
+        losses = study.of(there.scene).run(there)
+        into = dict.fromkeys(nodes, 0.0)
         if np.isnan(losses.given_slip):
             raise DomainError(losses.given_status.item())
-        for source, power in zip(losses.source.values.tolist(), losses.loss.values[:, 0].tolist(), strict=True):
+        for source, power in zip(
+            losses.source.values.tolist(), losses.loss.values[:, 0].tolist(), strict=True
+        ):
             name, _, raceway = source.partition(", ")
             if raceway:  # half of it warms the ring, half the rollers
                 parts = raceway.replace("raceway", "ring"), "rollers"
@@ -205,16 +264,30 @@ def balances(k):
     at = model.start(scene)
     for _ in range(2):  # once more with what a run takes where it settled
         own = estimate(study.of(scene), assemble(given(at))).resolution
-        resolution = attrs.evolve(own, traction="named", boundary=True, inlet_heating=True, light_contacts=True)
-        with np.errstate(invalid="ignore"):  # SciPy divides by a step of nought where nothing is left to do
-            settled = root(lambda T: np.linalg.solve(matrix, fixed + heat(T)) - T, at, method="anderson", options=MIXED)
+        resolution = attrs.evolve(
+            own, traction="named", boundary=True, inlet_heating=True, light_contacts=True
+        )
+        with np.errstate(
+            invalid="ignore"
+        ):  # SciPy divides by a step of nought where nothing is left to do
+            settled = root(
+                lambda T: np.linalg.solve(matrix, fixed + heat(T)) - T,
+                at,
+                method="anderson",
+                options=MIXED,
+            )
         at = settled.x
         if not settled.success:
             yield "temperatures", "", "", "", "", "no reference"
             return
     worst = int(np.argmax(np.abs(at - told)))
-    base = model.ambient_temperature if not carried else min(model.ambient_temperature, model.oil_inlet_temperature)
-    off, allowed = abs(at[worst] - told[worst]), 1.1 * TOLERANCE * float(np.abs(at - base).max())
+    base = (
+        model.ambient_temperature
+        if not carried
+        else min(model.ambient_temperature, model.oil_inlet_temperature)
+    )
+    off = abs(at[worst] - told[worst])
+    allowed = 1.1 * TOLERANCE * float(np.abs(at - base).max())
     verdict = "kept" if off <= allowed else "missed"
     if verdict == "missed":
         every = run(scene, "thermal-balance")
@@ -227,7 +300,11 @@ def balances(k):
 
 def damages(k, slip=0.1):
     """Rows of a scene whose surfaces are measured, at its own steady slip where none is given."""
-    changes = {"accuracy.tolerance": TOLERANCE, "cage.drag": ["churning"], "models.damage": MEASURES}
+    changes = {
+        "accuracy.tolerance": TOLERANCE,
+        "cage.drag": ["churning"],
+        "models.damage": MEASURES,
+    }
     changes |= {} if slip is None else {"study.surface-damage.cage_slip": slip}
     scene = evolve(promise_scenes.scene(k, SEED), changes)
     made = plan(scene, "surface-damage")
@@ -253,14 +330,31 @@ def damages(k, slip=0.1):
     for measure in result.measure.values.tolist():
         told, reference = (one.worst.sel(measure=measure).values for one in (result, exact))
         apart = np.abs(told / reference - 1.0)
-        ring, name = int(np.nanargmax(apart)), f"worst {result.meaning.sel(measure=measure).item()}"
+        ring = int(np.nanargmax(apart))
+        name = f"worst {result.meaning.sel(measure=measure).item()}"
         off = float(apart[ring])
-        warned = any(text.startswith(f"{name} is off by") for text in json.loads(result.attrs["warnings"]))
-        verdict = "kept" if off <= TOLERANCE else "told" if warned and off <= claims[name] else "silent"
-        yield measure, f"{told[ring]:.6g}", f"{reference[ring]:.6g}", f"{off:.1e}", f"{TOLERANCE:.0e}", verdict
+        warned = any(
+            text.startswith(f"{name} is off by") for text in json.loads(result.attrs["warnings"])
+        )
+        verdict = (
+            "kept" if off <= TOLERANCE else "told" if warned and off <= claims[name] else "silent"
+        )
+        yield (
+            measure,
+            f"{told[ring]:.6g}",
+            f"{reference[ring]:.6g}",
+            f"{off:.1e}",
+            f"{TOLERANCE:.0e}",
+            verdict,
+        )
 
 
-KINDS = {"limit": limits, "balance": balances, "damage": damages, "steady damage": partial(damages, slip=None)}
+KINDS = {
+    "limit": limits,
+    "balance": balances,
+    "damage": damages,
+    "steady damage": partial(damages, slip=None),
+}
 
 
 def rows(kind, k):
@@ -291,7 +385,9 @@ def main(*counts):
                 break
             if any(one[:2] == [kind, str(k)] for one in known):
                 continue
-            known = sorted([*known, *rows(kind, k)], key=lambda one: ([*KINDS].index(one[0]), int(one[1])))
+            known = sorted(
+                [*known, *rows(kind, k)], key=lambda one: ([*KINDS].index(one[0]), int(one[1]))
+            )
             with path.open("w", newline="", encoding="utf-8") as file:
                 csv.writer(file, lineterminator="\n").writerows([HEADER, *known])
     print(Counter((one[0], one[7]) for one in known))

@@ -25,13 +25,18 @@ def printed(path):
     with Path(path).open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(line for line in file if not line.startswith("#")):
             design = "E" if row["reinforced_E"] == "True" else ""
-            yield row["series"] + design, f"NU{row['series']}{row['bore_code']}{design}", 1e3 * float(row["C0_kN"])
+            yield (
+                row["series"] + design,
+                f"NU{row['series']}{row['bore_code']}{design}",
+                1e3 * float(row["C0_kN"]),
+            )
 
 
 def rating(bearing):
     """Static rating [N] by ISO 76 of a bearing of one row of rollers."""
     pitch = 500 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter)
-    diameter, length = 1e3 * bearing.roller_diameter, 1e3 * bearing.roller_length
+    diameter = 1e3 * bearing.roller_diameter
+    length = 1e3 * bearing.roller_length
     return 44 * (1 - diameter / pitch) * bearing.rollers * length * diameter
 
 
@@ -40,7 +45,9 @@ def ratios(path, bearing_of):
     found = {}
     for series, name, c0 in printed(path):
         bearing = bearing_of(name)
-        found.setdefault(series, {})[name] = float("nan") if bearing is None else rating(bearing) / c0
+        found.setdefault(series, {})[name] = (
+            float("nan") if bearing is None else rating(bearing) / c0
+        )
     return found
 
 

@@ -24,7 +24,8 @@ from scipy.optimize import brentq
 ISOTHERMAL = (0.01, 0.1, 1.0)
 THERMAL_LOADS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 SLIDES = (0.0, 0.2, 1.0)
-FAR, TOLERANCE = 1e4, 1e-11
+FAR = 1e4
+TOLERANCE = 1e-11
 
 
 def gap(X):
@@ -43,13 +44,17 @@ def missing(K, H0, L, slide):
         g = gap(1 + e)
         H = H0 + g
         left = max(z[0], 1e-300)
-        F, S = L * (g / H) ** 2 / left, L * slide**2 / left
+        F = L * (g / H) ** 2 / left
+        S = L * slide**2 / left
         return [K * g / H**3 / (1 + 0.5 * F**0.85 + 0.2 * S**0.9) * e]
 
     arrives = lambda t, z: z[0] - 1e-9  # noqa: E731
     arrives.terminal = True
-    start, end = np.log(FAR), np.log(1e-7)
-    done = solve_ivp(right, (start, end), [1.0], method="LSODA", rtol=TOLERANCE, atol=1e-13, events=arrives)
+    start = np.log(FAR)
+    end = np.log(1e-7)
+    done = solve_ivp(
+        right, (start, end), [1.0], method="LSODA", rtol=TOLERANCE, atol=1e-13, events=arrives
+    )
     return done.y[0, -1] if done.status == 0 else -(done.t[-1] - end)
 
 
@@ -76,4 +81,10 @@ if __name__ == "__main__":
                 for L in THERMAL_LOADS:
                     c = factor(isothermal, L, slide)
                     rows.writerow([isothermal, slide, L, f"{c:.6f}"])
-                    print(isothermal, slide, L, f"{c:.5f}", *(f"{law / c - 1:+.3f}" for law in published(L, slide)))
+                    print(
+                        isothermal,
+                        slide,
+                        L,
+                        f"{c:.5f}",
+                        *(f"{law / c - 1:+.3f}" for law in published(L, slide)),
+                    )

@@ -15,7 +15,9 @@ RADIUS = 0.01
 STEEL = 210e9 / (1 - 0.3**2)
 STIFF = 2e12 / (1 - 0.3**2)
 #: Viscosity [Pa s] and pressure-viscosity coefficient [1/Pa] of the oils in the rig files.
-OIL, THICK, WATER = (0.01, 20e-9), (1.0, 50e-9), (0.01, 1e-12)
+OIL = (0.01, 20e-9)
+THICK = (1.0, 50e-9)
+WATER = (0.01, 1e-12)
 COLUMNS = ("rolling_speed [m/s]", "temperature [degC]", "load_per_length [N/m]", "film_thickness [um]",
            "film_thickness_uncertainty [um]")  # fmt: skip
 
@@ -33,7 +35,10 @@ def rows_of(table):
 
 def written(name, note, rows):
     lines = [f"# {note}", "# Written by tools/references/film_limits.py.", ", ".join(COLUMNS)]
-    lines += [", ".join(f"{value:.8g}" for value in (u, 40.0, w, 1e6 * h, 1e6 * h * error)) for u, w, h, error in rows]
+    lines += [
+        ", ".join(f"{value:.8g}" for value in (u, 40.0, w, 1e6 * h, 1e6 * h * error))
+        for u, w, h, error in rows
+    ]
     (DATA / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -41,7 +46,9 @@ def main():
     """Write all tables."""
     martin = []
     for m, sum_speed in ((0.02, 1e-9), (0.01, 1e-9), (0.02, 1e-10)):  # 2 H M = 4.89497
-        martin.append((*contact(m, sum_speed, 4.89497 / (2 * m), WATER[0], STEEL), 0.0012))  # 2.45 with both speeds
+        martin.append(
+            (*contact(m, sum_speed, 4.89497 / (2 * m), WATER[0], STEEL), 0.0012)
+        )  # 2.45 with both speeds
     written(
         "rigid-isoviscous",
         "2 H M = 4.89497, in print 2.45 with the sum of speeds; that last digit is its error.",
@@ -49,17 +56,23 @@ def main():
     )
     barus = []
     for row in rows_of("reynolds_line_rigid.csv"):
-        g_v, film = float(row["gV"]), float(row["hhat_minimum"])
+        g_v = float(row["gV"])
+        film = float(row["hhat_minimum"])
         if not 3.0 < g_v < 15.0:
             continue
         g_e = 0.1  # nearly rigid
         u = (g_v / (g_e**1.5 * THICK[1] * STIFF)) ** 4
         m = g_e / math.sqrt(2)
         barus.append((*contact(m, 2 * u, film / (2 * m), THICK[0], STIFF), 0.02))
-    written("rigid-piezoviscous", "Closed form and quadrature, rigid; 2 % for what is left of elasticity.", barus)
+    written(
+        "rigid-piezoviscous",
+        "Closed form and quadrature, rigid; 2 % for what is left of elasticity.",
+        barus,
+    )
     soft, hard = ({place: [] for place in ("minimum", "zero_gradient")} for _ in range(2))
     for row in rows_of("reynolds_line.csv"):
-        m, lubricant = float(row["M"]), float(row["L"])
+        m = float(row["M"])
+        lubricant = float(row["L"])
         oil, into = (WATER, soft) if lubricant == 0.0 else (OIL, hard)
         sum_speed = 1e-11 if lubricant == 0.0 else (lubricant / (oil[1] * STEEL)) ** 4
         for place in into:
@@ -67,11 +80,25 @@ def main():
             film = contact(m, sum_speed, float(row[place]), oil[0], STEEL)
             into[place].append((*film, error))
     for place, rows in soft.items():
-        written(f"elastic-isoviscous-{place}".replace("_", "-"), "Finite volumes, elastic, constant viscosity.", rows)
+        written(
+            f"elastic-isoviscous-{place}".replace("_", "-"),
+            "Finite volumes, elastic, constant viscosity.",
+            rows,
+        )
     for place, rows in hard.items():
-        written(f"elastic-piezoviscous-{place}".replace("_", "-"), "Finite volumes, elastic, Barus.", rows)
-    herrebrugh = [(*contact(m, 1e-11, 2.04524 * m**-0.2, WATER[0], STEEL), 0.03) for m in (20.0, 50.0, 100.0)]
-    written("published-herrebrugh", "H M^0.2 = 2.04524 of the fit 3.10 g_E^0.8; 3 % for the fit.", herrebrugh)
+        written(
+            f"elastic-piezoviscous-{place}".replace("_", "-"),
+            "Finite volumes, elastic, Barus.",
+            rows,
+        )
+    herrebrugh = [
+        (*contact(m, 1e-11, 2.04524 * m**-0.2, WATER[0], STEEL), 0.03) for m in (20.0, 50.0, 100.0)
+    ]
+    written(
+        "published-herrebrugh",
+        "H M^0.2 = 2.04524 of the fit 3.10 g_E^0.8; 3 % for the fit.",
+        herrebrugh,
+    )
 
 
 if __name__ == "__main__":

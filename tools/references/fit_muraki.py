@@ -11,12 +11,30 @@ import csv
 import random
 from pathlib import Path
 
-from mpmath import asinh, betainc, diff, erf, erfinv, exp, findroot, inverse, log, matrix, mp, mpf, nstr, pi, sqrt
+from mpmath import (
+    asinh,
+    betainc,
+    diff,
+    erf,
+    erfinv,
+    exp,
+    findroot,
+    inverse,
+    log,
+    matrix,
+    mp,
+    mpf,
+    nstr,
+    pi,
+    sqrt,
+)
 
 mp.dps = 30
 
 # Rig: two steel discs of 40 mm.
-RADIUS, MODULUS, POISSON = mpf("0.01"), mpf("208e9"), mpf("0.3")
+RADIUS = mpf("0.01")
+MODULUS = mpf("208e9")
+POISSON = mpf("0.3")
 E = MODULUS / (1 - POISSON**2)
 EFFUSIVITY = sqrt(mpf(46) * 7800 * 470)
 CONDUCTIVITY = {40: mpf("0.144"), 70: mpf("0.1386")}
@@ -40,19 +58,24 @@ def alpha(T):
 def film(eta, a, w, u):
     """Moes (1992), central, over all regimes; U with the mean speed."""
     speed = 2 * eta * u / (E * RADIUS)
-    M, L = w / (E * RADIUS) / sqrt(speed), a * E * speed ** mpf("0.25")
-    ri, rp = 3 / M, mpf("1.287") * L ** (mpf(2) / 3)
-    ei, ep = mpf("2.621") * M ** mpf("-0.2"), mpf("1.311") * M ** mpf("-0.125") * L ** mpf("0.75")
+    M = w / (E * RADIUS) / sqrt(speed)
+    L = a * E * speed ** mpf("0.25")
+    ri = 3 / M
+    rp = mpf("1.287") * L ** (mpf(2) / 3)
+    ei = mpf("2.621") * M ** mpf("-0.2")
+    ep = mpf("1.311") * M ** mpf("-0.125") * L ** mpf("0.75")
     s = (7 + 8 * exp(-2 * ei / ri)) / 5
-    H = (ri ** (mpf(7) / 3) + ei ** (mpf(7) / 3)) ** (3 * s / 7) + (rp ** mpf("-3.5") + ep ** mpf("-3.5")) ** (
-        -2 * s / 7
-    )
+    H = (ri ** (mpf(7) / 3) + ei ** (mpf(7) / 3)) ** (3 * s / 7) + (
+        rp ** mpf("-3.5") + ep ** mpf("-3.5")
+    ) ** (-2 * s / 7)
     return RADIUS * sqrt(speed) * H ** (1 / s)
 
 
 def conditions(celsius, giga_pascal, speed):
     """Oil and contact of one operating point at a factor of one on alpha."""
-    T, p, u = celsius + mpf("273.15"), mpf(giga_pascal) * 10**9 * pi / 4, mpf(speed)
+    T = celsius + mpf("273.15")
+    p = mpf(giga_pascal) * 10**9 * pi / 4
+    u = mpf(speed)
     w = 32 * RADIUS * p**2 / (pi * E)
     b = sqrt(8 * w * RADIUS / (pi * E))
     return T, p, u, w, b
@@ -69,14 +92,16 @@ POINTS = {
 def friction(operation, slip, x):
     """Traction coefficient; x are the logarithms of eyring_stress and of the factor on alpha, over their starts."""
     _, p, u, w, b, eta, beta0, a, gamma = POINTS[operation]
-    tau0, factor = START["eyring_stress"] * exp(x[0]), exp(x[1])
+    tau0 = START["eyring_stress"] * exp(x[0])
+    factor = exp(x[1])
     h = film(eta, factor * a, w, u)
     viscosity = eta * exp(factor * a * p)
     zeta = mpf("0.97") * sqrt(b / (pi * u)) / EFFUSIVITY + h / (12 * CONDUCTIVITY[operation[0]])
     phi = (beta0 + factor * gamma * p) * zeta * tau0**2 * h / viscosity
     deborah = viscosity * u / (SHEAR_MODULUS * b)
     sigma = viscosity * mpf(slip) * u / (tau0 * h)
-    L, c = asinh(sigma), 1 + phi * sigma
+    L = asinh(sigma)
+    c = 1 + phi * sigma
     root = c**2 - deborah * phi * L
     y = 2 * L / (c + sqrt(root)) if root > 0 else None
     if y is None or y > 2 * sigma / deborah:
@@ -100,7 +125,12 @@ def rows():
 def student(level, freedom):
     """Quantile of Student's t for a two-sided level."""
     n = mpf(freedom)
-    return abs(findroot(lambda t: 1 - betainc(n / 2, mpf("0.5"), 0, n / (n + t**2), regularized=True) - level, mpf(2)))
+    return abs(
+        findroot(
+            lambda t: 1 - betainc(n / 2, mpf("0.5"), 0, n / (n + t**2), regularized=True) - level,
+            mpf(2),
+        )
+    )
 
 
 def solve(data, *, known):
@@ -108,7 +138,9 @@ def solve(data, *, known):
     weight = [u if known else mpf(1) for *_, u in data]
 
     def residuals(x):
-        return [(friction(o, s, x) - m) / one for (o, s, m, _), one in zip(data, weight, strict=True)]
+        return [
+            (friction(o, s, x) - m) / one for (o, s, m, _), one in zip(data, weight, strict=True)
+        ]
 
     def chi2(x, y):
         return sum(r**2 for r in residuals((x, y)))
@@ -157,7 +189,12 @@ def solve(data, *, known):
                     pair[1 - k] = findroot(fall, (guess, guess + error / 100), tol=mpf("1e-36"))
                     return (chi2(*pair) - smallest) / variance - t**2
 
-                end = findroot(beyond, (best[k] + reach / 2, best[k] + 2 * reach), solver="anderson", tol=mpf("1e-20"))
+                end = findroot(
+                    beyond,
+                    (best[k] + reach / 2, best[k] + 2 * reach),
+                    solver="anderson",
+                    tol=mpf("1e-20"),
+                )
                 yield f"{name} {word} {side}", START[name] * exp(end)
 
 

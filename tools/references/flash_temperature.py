@@ -25,7 +25,8 @@ CELLS = 800
 
 
 def rise(peclet, place):
-    Pe, X = mp.mpf(peclet), mp.mpf(place)
+    Pe = mp.mpf(peclet)
+    X = mp.mpf(place)
 
     def kernel(s):
         z = Pe * abs(X - s)
@@ -38,29 +39,39 @@ def rise(peclet, place):
 
 def largest(peclet):
     """Largest rise over the contact: by golden sections, then the vertex of a parabola through three places."""
-    low, high, ratio = mp.mpf("-0.1"), mp.mpf("0.8"), (mp.sqrt(5) - 1) / 2
+    low = mp.mpf("-0.1")
+    high = mp.mpf("0.8")
+    ratio = (mp.sqrt(5) - 1) / 2
     places = [high - ratio * (high - low), low + ratio * (high - low)]
     values = [rise(peclet, place) for place in places]
     for _ in range(7):
         if values[0] < values[1]:
             low = places[0]
-            places, values = [places[1], low + ratio * (high - low)], [values[1], None]
+            places = [places[1], low + ratio * (high - low)]
+            values = [values[1], None]
         else:
             high = places[1]
-            places, values = [high - ratio * (high - low), places[0]], [None, values[0]]
-        values = [rise(peclet, place) if value is None else value for place, value in zip(places, values, strict=True)]
+            places = [high - ratio * (high - low), places[0]]
+            values = [None, values[0]]
+        values = [
+            rise(peclet, place) if value is None else value
+            for place, value in zip(places, values, strict=True)
+        ]
     step = mp.mpf("0.01")
     centre = (low + high) / 2
     for _ in range(2):  # the second through places around the vertex of the first
         before, at, after = (rise(peclet, centre + k * step) for k in (-1, 0, 1))
         curvature = before - 2 * at + after
         vertex = at - (after - before) ** 2 / (8 * curvature)
-        centre, step = centre + step * (before - after) / (2 * curvature), step / 10
+        centre = centre + step * (before - after) / (2 * curvature)
+        step = step / 10
     return vertex
 
 
 def fast(X):
-    return mp.quad(lambda t: mp.sqrt(2 / mp.pi) * mp.sqrt(1 - (X - t * t) ** 2), [0, mp.sqrt(1 + X)])
+    return mp.quad(
+        lambda t: mp.sqrt(2 / mp.pi) * mp.sqrt(1 - (X - t * t) ** 2), [0, mp.sqrt(1 + X)]
+    )
 
 
 def influence(peclet, cells):
@@ -68,7 +79,9 @@ def influence(peclet, cells):
     ends = np.linspace(-1.0, 1.0, cells + 1)
     middle = 0.5 * (ends[1:] + ends[:-1])
 
-    def integral(x):  # of exp(u) K_0(|u|) from 0 to x, over u; scaled Bessel functions carry their exponentials
+    def integral(
+        x,
+    ):  # of exp(u) K_0(|u|) from 0 to x, over u; scaled Bessel functions carry their exponentials
         z = np.abs(x)
         with np.errstate(invalid="ignore"):
             behind = z * (k0e(z) + k1e(z)) - 1.0
@@ -103,7 +116,9 @@ def main():
         out = csv.writer(file, lineterminator="\n")
         out.writerow(("what", "peclet", "place", "value"))
         for what, Pe, X, value in rows:
-            out.writerow((what, Pe, mp.nstr(X, 12) if what == "fast" else X, mp.nstr(mp.mpf(value), 15)))
+            out.writerow(
+                (what, Pe, mp.nstr(X, 12) if what == "fast" else X, mp.nstr(mp.mpf(value), 15))
+            )
 
 
 if __name__ == "__main__":

@@ -11,7 +11,23 @@ Run it to write greenwood_tripp.csv anew, and to print the constants in ``rollsl
 import csv
 from pathlib import Path
 
-from mpmath import chebyt, cos, exp, findroot, fsum, gamma, inf, log, mp, mpf, nstr, pcfd, pi, quad, sqrt
+from mpmath import (
+    chebyt,
+    cos,
+    exp,
+    findroot,
+    fsum,
+    gamma,
+    inf,
+    log,
+    mp,
+    mpf,
+    nstr,
+    pcfd,
+    pi,
+    quad,
+    sqrt,
+)
 
 mp.dps = 40
 TERMS = 26
@@ -24,7 +40,9 @@ def integral(x):
 
 def definition(x):
     """F_5/2 by quadrature."""
-    return quad(lambda t: t ** mpf("2.5") * exp(-((t + x) ** 2) / 2), [0, 1, 3, 6, 12, inf]) / sqrt(2 * pi)
+    return quad(lambda t: t ** mpf("2.5") * exp(-((t + x) ** 2) / 2), [0, 1, 3, 6, 12, inf]) / sqrt(
+        2 * pi
+    )
 
 
 def pressure(x, density, sigma, beta, modulus):
@@ -34,7 +52,9 @@ def pressure(x, density, sigma, beta, modulus):
         # two tips of radius beta are one of radius beta/2 against a plane; apart by r they overlap r^2/(4 beta) less
         reach = sqrt(4 * beta * w)
         hertz = mpf(4) / 3 * modulus * sqrt(beta / 2) * w ** mpf("1.5")
-        return density * quad(lambda v: 2 * pi * reach**2 * v * hertz * (1 - v * v) ** mpf("1.5"), [0, 1])
+        return density * quad(
+            lambda v: 2 * pi * reach**2 * v * hertz * (1 - v * v) ** mpf("1.5"), [0, 1]
+        )
 
     cuts = [j / (1 + x / 4) for j in (0, 0.25, 0.5, 1, 2, 4, 12)]
     with mp.workdps(25):
@@ -45,7 +65,10 @@ def pressure(x, density, sigma, beta, modulus):
 def series(reach):
     """Chebyshev coefficients of ln[F_5/2(x) exp(x^2/2)] in 2 x/reach - 1, by interpolation."""
     angles = [pi * (2 * j + 1) / (2 * TERMS) for j in range(TERMS)]
-    values = [log(integral(reach * (1 + cos(a)) / 2)) + (reach * (1 + cos(a)) / 2) ** 2 / 2 for a in angles]
+    values = [
+        log(integral(reach * (1 + cos(a)) / 2)) + (reach * (1 + cos(a)) / 2) ** 2 / 2
+        for a in angles
+    ]
     return [(2 if k else 1) * fsum(v * cos(k * a) for v, a in zip(values, angles, strict=True)) / TERMS
             for k in range(TERMS)]  # fmt: skip
 
@@ -59,11 +82,36 @@ if __name__ == "__main__":
             ("5e11", "1e-8", "1e-5"),
             ("3e9", "3.1622776601683795e-7", "3.1622776601683795e-5"),
         ):
-            for separation in ("0", "0.25", "0.5", "1", "1.5", "2", "2.5", "3", "3.5", "4", "5", "6", "7", "7.75"):
+            for separation in (
+                "0",
+                "0.25",
+                "0.5",
+                "1",
+                "1.5",
+                "2",
+                "2.5",
+                "3",
+                "3.5",
+                "4",
+                "5",
+                "6",
+                "7",
+                "7.75",
+            ):
                 x = mpf(separation)
                 assert abs(definition(x) / integral(x) - 1) < mpf("1e-25")
                 p = pressure(x, mpf(density), mpf(sigma), mpf(beta), mpf("1.143e11"))
-                rows.writerow([separation, nstr(integral(x), 20), density, sigma, beta, "1.143e11", nstr(p, 16)])
+                rows.writerow(
+                    [
+                        separation,
+                        nstr(integral(x), 20),
+                        density,
+                        sigma,
+                        beta,
+                        "1.143e11",
+                        nstr(p, 16),
+                    ]
+                )
 
     reach = findroot(lambda x: log(integral(x) / integral(mpf(0))) + 53 * log(2), 7.7)
     print("integral is 2^-53 of its value at zero at", nstr(reach, 20))

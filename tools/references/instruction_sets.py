@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 SUPPORT = Path(__file__).parents[2] / "tests" / "support"
-BLOCK, SEED = 256, 35
+BLOCK = 256
+SEED = 35
 HEADER = ["law", "inputs", "refused", "sets", "v3 and v4", "baseline apart", "arm64 and v3"]
 
 
@@ -32,11 +33,20 @@ def fill(path, inputs):
     single, *_ = stages.stages()
     for k, model in enumerate(single):
         rng = np.random.default_rng(SEED)
-        slices, before = stages.table(stages.typical(BLOCK)), stages.table(stages.typical(BLOCK))
-        for column in (getattr(of, name) for of in (slices, before) for name in COLUMNS if hasattr(of, name)):
-            column[:] = column.astype(np.float32)  # NumPy's powers differ by a last digit from machine to machine
-        varied = sorted(model.reads & {"load", "approach", "rolling_speed", "sliding_speed", "film_thickness"})
-        chain, found, refused = Chain(model), [], []
+        slices = stages.table(stages.typical(BLOCK))
+        before = stages.table(stages.typical(BLOCK))
+        for column in (
+            getattr(of, name) for of in (slices, before) for name in COLUMNS if hasattr(of, name)
+        ):
+            column[:] = column.astype(
+                np.float32
+            )  # NumPy's powers differ by a last digit from machine to machine
+        varied = sorted(
+            model.reads & {"load", "approach", "rolling_speed", "sliding_speed", "film_thickness"}
+        )
+        chain = Chain(model)
+        found = []
+        refused = []
         for block in range(-(-inputs // BLOCK)):
             for column in varied:
                 getattr(slices, column)[:] = getattr(before, column) * np.ldexp(
@@ -65,7 +75,9 @@ def apart(one, other):
 
 def same_bits(one, other):
     """Say whether two sets gave the same bits, and refused the same."""
-    return "the same bits" if all(one[of].tobytes() == other[of].tobytes() for of in one) else "differ"
+    return (
+        "the same bits" if all(one[of].tobytes() == other[of].tobytes() for of in one) else "differ"
+    )
 
 
 def main(inputs=2_000_000, arm64=""):
@@ -75,24 +87,41 @@ def main(inputs=2_000_000, arm64=""):
     from rollslip_kernels.stages import simd
 
     single, *_ = stages.stages()
-    with tempfile.TemporaryDirectory() as folder, Path(__file__).with_suffix(".csv").open("w", newline="") as file:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Path(__file__).with_suffix(".csv").open("w", newline="") as file,
+    ):
         for name in simd.available():
             command = [sys.executable, __file__, str(Path(folder, name)), str(inputs)]
             subprocess.run(command, env=os.environ | {"ROLLSLIP_SIMD": name}, check=True)
         table = csv.writer(file, lineterminator="\n")
         table.writerow(HEADER)
         for k, model in enumerate(single):
-            filled = {name: dict(np.load(Path(folder, f"{name}-{k}.npz"))) for name in simd.available()}
-            baseline, widest = filled["baseline"], filled[simd.available()[-1]]
+            filled = {
+                name: dict(np.load(Path(folder, f"{name}-{k}.npz"))) for name in simd.available()
+            }
+            baseline = filled["baseline"]
+            widest = filled[simd.available()[-1]]
             v3 = filled.get("v3", widest)
-            elsewhere, first = "not tried", dict(np.load(f"{arm64}-{k}.npz")) if arm64 else {}
+            elsewhere = "not tried"
+            first = dict(np.load(f"{arm64}-{k}.npz")) if arm64 else {}
             if first:
                 part = len(first["found"])
                 elsewhere = f"{apart(first['found'], v3['found'][:part]):.1e} in {BLOCK * part}"
             agree = np.array_equal(baseline["refused"], widest["refused"])
             off = apart(baseline["found"], widest["found"]) if agree else np.inf
             refused = BLOCK * widest["refused"].size
-            table.writerow([model.name, inputs, refused, len(filled), same_bits(v3, widest), f"{off:.1e}", elsewhere])
+            table.writerow(
+                [
+                    model.name,
+                    inputs,
+                    refused,
+                    len(filled),
+                    same_bits(v3, widest),
+                    f"{off:.1e}",
+                    elsewhere,
+                ]
+            )
 
 
 if __name__ == "__main__":

@@ -44,7 +44,8 @@ def ratio(M, L, cells):
         REYNOLDS.solve(M, L, cells)
     finally:
         REYNOLDS.newton = inner
-    P, size = kept["unknowns"][:-1], kept["mesh"].size
+    P = kept["unknowns"][:-1]
+    size = kept["mesh"].size
     edge = abs(kept["mesh"].x[0] - size[0] / 2)  # beyond it P = 8/|X|^3
     mean = (size @ P**2 + 64 / (5 * edge**5)) / (size @ P + 4 / edge**2)
     return mean / (8 / (3 * math.pi) * math.sqrt(M / (2 * math.pi)))
@@ -69,8 +70,10 @@ def rigid():
     ends = [-mp.pi / 2, -1, 0, mp.atan(c)]
     first, second = (mp.quad(lambda g, k=k: flat(g) ** k / mp.cos(g) ** 2, ends) for k in (1, 2))
     # with eta u = R = E' = h0 = 1: length, scale of the pressure, load, mean pressure by load, and Hertz's
-    length, scale = mp.sqrt(2), 12 * mp.sqrt(2)
-    load, mean = scale * length * first, scale * second / first
+    length = mp.sqrt(2)
+    scale = 12 * mp.sqrt(2)
+    load = scale * length * first
+    mean = scale * second / first
     hertz = 8 / (3 * mp.pi) * mp.sqrt(load / (2 * mp.pi))
     return mean / hertz / (load / mp.sqrt(2))
 
@@ -83,5 +86,7 @@ if __name__ == "__main__":
         for M, L in CASES:
             middle, fine = (ratio(M, L, cells) for cells in (400, 800))
             value = fine + (fine - middle) / 3
-            table.writerow((f"{M:g}", f"{L:g}", f"{value:.6g}", f"{math.fabs(fine / value - 1):.2g}"))
+            table.writerow(
+                (f"{M:g}", f"{L:g}", f"{value:.6g}", f"{math.fabs(fine / value - 1):.2g}")
+            )
             file.flush()

@@ -19,7 +19,13 @@ DIGITS = 50
 SIGMA = ("1e-8", "1e-5", "1e-2", "0.1", "0.5", "1", "3", "10", "1e3", "1e5", "1e8")
 DEBORAH = ("1e-6", "1e-3", "0.1", "1", "10", "1e3", "1e6")
 HEATING = ("0", "1e-3", "0.1", "1", "30", "1e3")
-ODE_POINTS = (("0.1", "1", "1"), ("1", "1", "0"), ("2", "10", "0.1"), ("10", "10", "0"), ("10", "1", "0.3"))
+ODE_POINTS = (
+    ("0.1", "1", "1"),
+    ("1", "1", "0"),
+    ("2", "10", "0.1"),
+    ("10", "10", "0"),
+    ("10", "1", "0.3"),
+)
 
 
 def steady(sigma, deborah, y):
@@ -46,7 +52,14 @@ def mean_by_quadrature(sigma, deborah, y):
         return 2 * mp.atanh(eps * th / (c + th))
 
     end = min(p, mpf(3 * mp.dps))  # exp(-v) is below the working precision beyond
-    bends = [10**k / eps for k in range(0, 30, 2)] + [mpf(1), mpf(4), mpf(12), mpf(40), stress, 2 * stress]
+    bends = [10**k / eps for k in range(0, 30, 2)] + [
+        mpf(1),
+        mpf(4),
+        mpf(12),
+        mpf(40),
+        stress,
+        2 * stress,
+    ]
     points = [mpf(0), *sorted(v for v in bends if v < end), end]
     if p < 1:
         return mp.quad(reached, points) / p
@@ -58,7 +71,9 @@ def mean_by_dilogarithms(sigma, deborah, y):
     with mp.workdps(3 * mp.dps):
         eps, c, stress, p = steady(sigma, deborah, y)
         t = eps / (1 + c)
-        a, b, q = t / (eps + c), t * (eps + c), mp.exp(-p)
+        a = t / (eps + c)
+        b = t * (eps + c)
+        q = mp.exp(-p)
         terms = mp.polylog(2, a) - mp.polylog(2, a * q) - mp.polylog(2, -b) + mp.polylog(2, -b * q)
         return stress - mp.re(terms) / p
 
@@ -66,7 +81,9 @@ def mean_by_dilogarithms(sigma, deborah, y):
 def mean_by_taylor(sigma, deborah, y):
     """F(y) by integrating the differential equation, and the stress along with it, in steps of Taylor series."""
     heat = mp.exp(y)
-    solve = mp.odefun(lambda _, s: [(sigma - heat * mp.sinh(s[0])) / deborah, s[0] / 2], 0, [mpf(0), mpf(0)])
+    solve = mp.odefun(
+        lambda _, s: [(sigma - heat * mp.sinh(s[0])) / deborah, s[0] / 2], 0, [mpf(0), mpf(0)]
+    )
     return solve(2)[1]
 
 
@@ -78,16 +95,24 @@ def solve_mean(mean, sigma, deborah, heating):
 
     with mp.workdps(15):
         low = mp.log(sigma / (1 + deborah + heating * sigma**2 + sigma / mp.log(2 + sigma)))
-        for _ in range(60):  # convex and increasing: Newton's steps with differences end in a monotone approach
+        for _ in range(
+            60
+        ):  # convex and increasing: Newton's steps with differences end in a monotone approach
             value = residual(low)
             slope = (residual(low + mpf("1e-6")) - value) / mpf("1e-6")
             low -= value / slope
             if abs(value) < mpf("1e-9"):
                 break
-    old, log_stress = low, low + mpf("1e-12")
-    value_old, value = residual(old), residual(log_stress)
+    old = low
+    log_stress = low + mpf("1e-12")
+    value_old = residual(old)
+    value = residual(log_stress)
     while abs(value) > mpf(10) ** (5 - mp.dps):
-        old, log_stress, value_old = log_stress, log_stress - value * (log_stress - old) / (value - value_old), value
+        old, log_stress, value_old = (
+            log_stress,
+            log_stress - value * (log_stress - old) / (value - value_old),
+            value,
+        )
         value = residual(log_stress)
     return mp.exp(log_stress)
 

@@ -46,10 +46,16 @@ from rollslip.planning.plan import plan
 
 #: Seed that nothing else uses; relative tolerance of the references; time of the processor for a scene [s]; parts of
 #: an orbit of which one is gone through, and least steps: a first one far outside what laws know has no rates.
-SEED, EXACT, SECONDS, PART, STEPS = 351, 1e-9, 40.0, 20, 400
+SEED = 351
+EXACT = 1e-9
+SECONDS = 40.0
+PART = 20
+STEPS = 400
 KINDS = [(level, history) for history in ("", "run-up", "drop") for level in ("pocket", "planar")]
 #: First scene at level cage-set, its histories, and parts of an orbit of which it goes through one.
-CAGE_SET, HISTORIES, CAGE_SET_PART = 60, ("run-up", "drop", "turning load", "warming", "drop and warming"), 2
+CAGE_SET = 60
+HISTORIES = ("run-up", "drop", "turning load", "warming", "drop and warming")
+CAGE_SET_PART = 2
 FRICTIONS = ("effective", "constant", "conventional")
 HEADER = [
     "scene", "what", "level", "history", "friction", "integrator", "step tolerance", "tolerance", "claimed",
@@ -71,12 +77,17 @@ def kind(k):
     if k < CAGE_SET:
         return *KINDS[k % len(KINDS)], FRICTIONS[k // len(KINDS) % len(FRICTIONS)]
     k -= CAGE_SET
-    return "cage-set", HISTORIES[k % len(HISTORIES)], FRICTIONS[k // len(HISTORIES) % len(FRICTIONS)]
+    return (
+        "cage-set",
+        HISTORIES[k % len(HISTORIES)],
+        FRICTIONS[k // len(HISTORIES) % len(FRICTIONS)],
+    )
 
 
 def scene(k):
     """The k-th scene."""
-    rng, (level, history, friction) = np.random.default_rng([SEED, k]), kind(k)
+    rng = np.random.default_rng([SEED, k])
+    (level, history, friction) = kind(k)
     changes = {
         "bearing.rollers": int(rng.integers(6, 20)),
         "bearing.radial_clearance": f"{rng.uniform(-5.0, 60.0)} um",
@@ -86,8 +97,11 @@ def scene(k):
         "accuracy": {"tolerance": 1e-3, "slices": 5},
     }
     one = evolve(load_scene("1032930-50C"), changes)
-    b, o, made = one.bearing, one.operation, assemble(one)
-    orbit, rollers = 0.5 * (b.inner_raceway_diameter + b.roller_diameter), b.rollers * made.roller_mass
+    b = one.bearing
+    o = one.operation
+    made = assemble(one)
+    orbit = 0.5 * (b.inner_raceway_diameter + b.roller_diameter)
+    rollers = b.rollers * made.roller_mass
     parts = CAGE_SET_PART if level == "cage-set" else PART
     span = 2.0 * np.pi / parts / abs(made.kinematics.epicyclic_cage_speed)
     begin = 0.2 if level == "cage-set" else 0.8
@@ -96,9 +110,13 @@ def scene(k):
     warming = {"temperature": {"shape": "ramp", "to": warmer, "within": 0.5 * span}}
     courses = {
         "": {},
-        "run-up": {"inner_speed": {"shape": "run-up", "from": begin * o.inner_speed, "within": 0.5 * span}},
+        "run-up": {
+            "inner_speed": {"shape": "run-up", "from": begin * o.inner_speed, "within": 0.5 * span}
+        },
         "drop": drop,
-        "turning load": {"load_direction": {"shape": "ramp", "to": "180 deg", "within": 0.5 * span}},
+        "turning load": {
+            "load_direction": {"shape": "ramp", "to": "180 deg", "within": 0.5 * span}
+        },
         "warming": warming,
         "drop and warming": drop | warming,
     }
@@ -106,7 +124,9 @@ def scene(k):
         "mass": 0.6 * rollers,
         "inertia": 0.6 * rollers * orbit**2,
         "pocket_clearance": 1e-3 * b.roller_diameter,
-        "drag": [{"model": "constant-torque", "size": 2e-3 * o.radial_load * orbit, "transition": 1.0}],
+        "drag": [
+            {"model": "constant-torque", "size": 2e-3 * o.radial_load * orbit, "transition": 1.0}
+        ],
     }
     study = {
         "friction": friction,
@@ -124,36 +144,49 @@ def scene(k):
 def reference(moving, y, times, method):
     """The motion by SciPy, from break to break, without what each roller does, which moves nothing."""
     own = y.size - sum(part.size for part in moving.of_each(y))
-    absolute, y, behind, begin = EXACT * moving.tolerances[0][:own], y[:own], np.zeros(y.size - own), times[0]
+    absolute = EXACT * moving.tolerances[0][:own]
+    behind = np.zeros(y.size - own)
+    y = y[:own]
+    begin = times[0]
     states = [y[None]]
     for end in [*(at for at in moving.breaks if begin < at < times[-1]), times[-1]]:
         inside = times[(times > begin) & (times <= end)]
         last = end if end == times[-1] else end * (1.0 - 4e-15)
         options = {"rtol": EXACT, "atol": absolute, "max_step": times[-1] / STEPS}
         if method == "LSODA":
-            options["jac"] = lambda t, y: moving.system.jacobian(t, np.append(y, behind))[:own, :own]
+            options["jac"] = lambda t, y: moving.system.jacobian(t, np.append(y, behind))[
+                :own, :own
+            ]
         at = np.minimum(inside, last)
         at = at if at.size and at[-1] == last else np.append(at, last)
         done = solve_ivp(
-            lambda t, y: moving.system(t, np.append(y, behind))[:own], (begin, last), y, method, at, **options
+            lambda t, y: moving.system(t, np.append(y, behind))[:own],
+            (begin, last),
+            y,
+            method,
+            at,
+            **options,
         )
         if not done.success:
             raise ArithmeticError(f"{method}: {done.message}")
         states.append(done.y.T[: inside.size])
-        begin, y = end, done.y[:, -1]
+        begin = end
+        y = done.y[:, -1]
     return np.concatenate(states)
 
 
 def apart(moving, one, other):
     """Largest differences of cage speed and roller spin, relative."""
-    ours, theirs = moving.split(one), moving.split(other)
+    ours = moving.split(one)
+    theirs = moving.split(other)
     names = ("cage_speed", "roller_spin")
     return [float(np.abs(ours[n] - theirs[n]).max() / np.abs(theirs[n]).max()) for n in names]
 
 
 def judged(k):
     """The row of a scene, without what it cost."""
-    one, (level, history, _) = scene(k), kind(k)
+    one = scene(k)
+    (level, history, _) = kind(k)
     made = plan(one, "dynamics")
     if why := made.estimated["dynamics"].failed:
         return refused(k, why)
@@ -164,32 +197,56 @@ def judged(k):
     taken = json.loads(result.attrs["resolution"])
     own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
     study = made.studies["dynamics"].at(own)
-    at, away, times = made.assembly.at(own), result.attrs["runaway_slip"], result.time.to_numpy().copy()
+    at = made.assembly.at(own)
+    away = result.attrs["runaway_slip"]
+    times = result.time.to_numpy().copy()
     moving = study.moving_along(study.course(at), at, critical_slip=away)
     start = moving.initial(study.cage_slip, study.roller_slip)
     rows = json.loads(result.attrs["accuracy"])
-    claimed = max((of["found"] or of["estimated"] or 0.0 for of in rows if of["result"] == "cage_speed"), default=0.0)
+    claimed = max(
+        (of["found"] or of["estimated"] or 0.0 for of in rows if of["result"] == "cage_speed"),
+        default=0.0,
+    )
     tolerance = one.accuracy.of("cage_speed")
     ours = study.tried(moving, times, study.relative_tolerance).y
     theirs = reference(moving, start, times, "LSODA")
     other = reference(moving, start, times, "DOP853")
     exact = moving.split(theirs)["cage_speed"]
-    own, ran = moving.split(ours)["cage_speed"], moving.direction * result.cage_speed.to_numpy()
-    off, most = apart(moving, ours, theirs), np.abs(exact).max()
-    off[0] = float(np.abs(ran - exact).max() / most)  # that of the result itself, which watches for events
+    own = moving.split(ours)["cage_speed"]
+    ran = moving.direction * result.cage_speed.to_numpy()
+    off = apart(moving, ours, theirs)
+    most = np.abs(exact).max()
+    off[0] = float(
+        np.abs(ran - exact).max() / most
+    )  # that of the result itself, which watches for events
     unsure = max(*apart(moving, other, theirs), float(np.abs(ran - own).max() / most))
-    limit, finer, verdict = max(claimed, tolerance), "", "kept"
+    limit = max(claimed, tolerance)
+    finer = ""
+    verdict = "kept"
     if max(off) + unsure > limit:
         verdict = "missed" if max(off) - unsure > limit else "sensitive"
         fine = study.tried(moving, times, max(1e-3 * study.relative_tolerance, 1e-11)).y
         finer = f"{max(apart(moving, fine, theirs)):.1e}"
-    shown = [f"{value:.1e}" for value in (study.relative_tolerance, tolerance, claimed, *off, unsure)]
-    return [k, described(one), level, history, study.friction, result.attrs["integrator"], *shown, finer, verdict]
+    shown = [
+        f"{value:.1e}" for value in (study.relative_tolerance, tolerance, claimed, *off, unsure)
+    ]
+    return [
+        k,
+        described(one),
+        level,
+        history,
+        study.friction,
+        result.attrs["integrator"],
+        *shown,
+        finer,
+        verdict,
+    ]
 
 
 def described(one):
     """What a scene is, in one line."""
-    b, o = one.bearing, one.operation
+    b = one.bearing
+    o = one.operation
     return (
         f"{b.rollers} rollers of {b.roller_diameter * 1e3:.0f} mm; {o.inner_speed * 30 / np.pi:.3g} rpm; "
         f"{o.radial_load:.3g} N; {o.temperature - 273.15:.0f} degC; clearance {b.radial_clearance * 1e6:.0f} um"
@@ -220,7 +277,8 @@ def main(count=110, seconds=3600.0):
     """Judge the scenes that are not known yet, as many as fit, and write the table."""
     path = Path(__file__).with_suffix(".csv")
     rows = list(csv.reader(path.open(encoding="utf-8")))[1:] if path.exists() else []
-    known, begin = {int(one[0]) for one in rows}, time.process_time()
+    known = {int(one[0]) for one in rows}
+    begin = time.process_time()
     signal.signal(signal.SIGVTALRM, stop)
     for k in range(int(count)):
         if k in known:

@@ -27,8 +27,11 @@ RAMP = mp.mpf(1) / 2  # P below which the series in P serves
 
 def fit(function, low, high, degree):
     """Coefficients, lowest first, of the polynomial through Chebyshev's nodes."""
-    middle, half = (low + high) / 2, (high - low) / 2
-    nodes = [middle + half * mp.cos(mp.pi * (2 * k + 1) / (2 * degree + 2)) for k in range(degree + 1)]
+    middle = (low + high) / 2
+    half = (high - low) / 2
+    nodes = [
+        middle + half * mp.cos(mp.pi * (2 * k + 1) / (2 * degree + 2)) for k in range(degree + 1)
+    ]
     matrix = mp.matrix(degree + 1, degree + 1)
     for i, x in enumerate(nodes):
         for j in range(degree + 1):
@@ -121,9 +124,15 @@ def lambert(a, b, c, x):
 def share(p, steady, rho):
     """Mean over steady stress."""
     g = 1 / (1 + p[0] * steady**2)
-    alpha, beta, delta = p[1] + g * (p[2] + g * p[3]), p[4] + g * p[5], p[6] + g * (p[7] + g * p[8])
+    alpha = p[1] + g * (p[2] + g * p[3])
+    beta = p[4] + g * p[5]
+    delta = p[6] + g * (p[7] + g * p[8])
     gamma = (2 - beta) ** 2
-    return 1 / (alpha + beta * rho + np.sqrt(np.maximum((1 - alpha) ** 2 + rho * (delta + gamma * rho), 1e-12)))
+    return 1 / (
+        alpha
+        + beta * rho
+        + np.sqrt(np.maximum((1 - alpha) ** 2 + rho * (delta + gamma * rho), 1e-12))
+    )
 
 
 def ramp_terms(steady, p):
@@ -135,7 +144,9 @@ def ramp_terms(steady, p):
 def main():
     for name, (function, low, high, degree) in FITS.items():
         full = degree > 10  # of double precision
-        rounded = [mp.mpf(float(c) if full else mp.nstr(c, 12)) for c in fit(function, low, high, degree)]
+        rounded = [
+            mp.mpf(float(c) if full else mp.nstr(c, 12)) for c in fit(function, low, high, degree)
+        ]
         print(f"{name}: {mp.nstr(worst(function, rounded, low, high), 2)}")
         print("   ", ", ".join(float(c).hex() if full else mp.nstr(c, 12) for c in rounded))
 
@@ -154,7 +165,10 @@ def main():
     )
     print("share, in units of 0.08 % for S < 1 to 0.9 % for S > 8:", *found)
 
-    steady, p = (a.ravel() for a in np.meshgrid(np.geomspace(1e-2, 20, 120), np.linspace(0.05, float(RAMP), 40)))
+    steady, p = (
+        a.ravel()
+        for a in np.meshgrid(np.geomspace(1e-2, 20, 120), np.linspace(0.05, float(RAMP), 40))
+    )
     x = p / np.cosh(steady)
     size = np.tanh(steady) ** 2 / np.cosh(steady) * p**3
     smooth = np.where(x < 1e-4, 0.5 - x / 6, (1 + np.expm1(-x) / x) / x)

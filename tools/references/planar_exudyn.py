@@ -15,14 +15,26 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface
 
-INNER, OUTER, ROLLER = 0.0825, 0.0975, 0.0075  # m
-SPEED, LOAD, RING_MASS = 6371 * math.pi / 30, 1037.0, 3.0  # rad/s, N, kg
+# m
+INNER = 0.0825
+OUTER = 0.0975
+ROLLER = 0.0075
+# rad/s, N, kg
+SPEED = 6371 * math.pi / 30
+LOAD = 1037.0
+RING_MASS = 3.0
 MASS = 7800.0 * math.pi * ROLLER**2 * 0.015
 # Palmgren: delta = 3.84e-5 Q^0.9/l^0.8, in mm and N
-STIFFNESS, EXPONENT = (15.0**0.8 / 3.84e-5) ** (1 / 0.9) * 1e3 ** (1 / 0.9), 1 / 0.9  # N/m^(10/9)
-FRICTION, ZONE = 0.05, 1e-3  # Coulomb, with a ramp of this speed [m/s]
+# N/m^(10/9)
+STIFFNESS = (15.0**0.8 / 3.84e-5) ** (1 / 0.9) * 1e3 ** (1 / 0.9)
+EXPONENT = 1 / 0.9
+# Coulomb, with a ramp of this speed [m/s]
+FRICTION = 0.05
+ZONE = 1e-3
 START = math.radians(0.5)
-END, STEP, ROWS = 1.2e-3, 5e-8, 12
+END = 1.2e-3
+STEP = 5e-8
+ROWS = 12
 
 system = exu.SystemContainer()
 mbs = system.AddSystem()
@@ -35,11 +47,15 @@ def body(mass, inertia, place, spin=0.0):
             referenceCoordinates=[*place, 0.0, 0.0, 0.0, 0.0], initialVelocities=[0.0] * 5 + [spin]
         )
     )
-    made = mbs.AddObject(itemInterface.ObjectRigidBody(nodeNumber=node, mass=mass, inertia=[inertia] * 3 + [0.0] * 3))
+    made = mbs.AddObject(
+        itemInterface.ObjectRigidBody(nodeNumber=node, mass=mass, inertia=[inertia] * 3 + [0.0] * 3)
+    )
     return node, mbs.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=made))
 
 
-ground = mbs.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=mbs.AddObject(itemInterface.ObjectGround())))
+ground = mbs.AddMarker(
+    itemInterface.MarkerBodyRigid(bodyNumber=mbs.AddObject(itemInterface.ObjectGround()))
+)
 ring, ring_marker = body(RING_MASS, 1e9, (0.0, 0.0), SPEED)  # so heavy to turn that its speed stays
 mbs.AddLoad(itemInterface.LoadForceVector(markerNumber=ring_marker, loadVector=[LOAD, 0.0, 0.0]))
 rollers = []
@@ -50,7 +66,9 @@ for j in range(3):
     rollers.append(node)
     for other, radius, hollow in ((ring_marker, INNER, False), (ground, OUTER, True)):
         data = mbs.AddNode(
-            itemInterface.NodeGenericData(initialCoordinates=[0.1, 0.0, 0.0, 0.0], numberOfDataCoordinates=4)
+            itemInterface.NodeGenericData(
+                initialCoordinates=[0.1, 0.0, 0.0, 0.0], numberOfDataCoordinates=4
+            )
         )
         mbs.AddObject(
             itemInterface.ObjectContactSphereSphere(
@@ -102,7 +120,11 @@ settings.solution.file.write = False
 mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
 
 names = ["t", "inner_ring_x", "inner_ring_y"]
-names += [f"{name}_{j}" for j in range(3) for name in ("position", "orbital_speed", "spin", "radial_position")]
+names += [
+    f"{name}_{j}"
+    for j in range(3)
+    for name in ("position", "orbital_speed", "spin", "radial_position")
+]
 with (Path(__file__).parent / "planar_exudyn.csv").open("w", newline="") as file:
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(names)

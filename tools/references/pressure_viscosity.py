@@ -55,4 +55,6 @@ if __name__ == "__main__":
                     if law is yasutomi and not wlf(mpf(p), mpf(T))[1] > 0:
                         continue  # a glass
                     fall = -diff(lambda t, law=law, p=p: log(law(mpf(p), t)), mpf(T))
-                    rows.writerow([law.__name__, T, p, nstr(law(mpf(p), mpf(T)), 20), nstr(fall, 20)])
+                    rows.writerow(
+                        [law.__name__, T, p, nstr(law(mpf(p), mpf(T)), 20), nstr(fall, 20)]
+                    )

@@ -21,7 +21,16 @@ import numpy as np
 from scipy.optimize import brentq
 
 HERE = Path(__file__).parent
-CASES = [(0.5, 0.0), (5.0, 0.0), (20.0, 0.0), (0.5, 10.0), (1.0, 5.0), (2.0, 8.0), (5.0, 3.0), (20.0, 2.0)]
+CASES = [
+    (0.5, 0.0),
+    (5.0, 0.0),
+    (20.0, 0.0),
+    (0.5, 10.0),
+    (1.0, 5.0),
+    (2.0, 8.0),
+    (5.0, 3.0),
+    (20.0, 2.0),
+]
 CELLS = (600, 1200)
 
 
@@ -35,7 +44,9 @@ def grid(M, cells):
     even = 2 * cells // 3
     near = np.linspace(-2.2 * length, 1.6 * length, even + 1)
     # a growth that starts at the even size
-    step, rest, far = near[1] - near[0], cells - even, 40 * length - 2.2 * length
+    step = near[1] - near[0]
+    rest = cells - even
+    far = 40 * length - 2.2 * length
     ratio = brentq(lambda r: step * r * (r**rest - 1) / (r - 1) - far, 1 + 1e-9, 1.5)
     return np.append(near[0] - np.cumsum(step * ratio ** np.arange(1, rest + 1))[::-1], near)
 
@@ -55,10 +66,13 @@ class Cells:
 
 
 def equations(cells, unknowns, M, L):
-    P, H0 = unknowns[:-1], unknowns[-1]
+    P = unknowns[:-1]
+    H0 = unknowns[-1]
     H = H0 + cells.x**2 / 2 + cells.kernel @ P
-    a, b = 1 - cells.left, cells.left
-    He, Pe = a * H[:-1] + b * H[1:], a * P[:-1] + b * P[1:]
+    a = 1 - cells.left
+    b = cells.left
+    He = a * H[:-1] + b * H[1:]
+    Pe = a * P[:-1] + b * P[1:]
     slope = np.diff(P) / cells.gap
     conductance = He**3 / 6 * np.exp(-L * Pe)
     flux = He - conductance * slope
@@ -77,8 +91,10 @@ def equations(cells, unknowns, M, L):
     # the smaller of pressure and outflow, both as pressures, is zero
     cavitated = 1 + np.flatnonzero(P[1:-1] < balance / np.abs(np.diag(JB)[1 : n - 1]))
     cavitated = np.append(cavitated, n - 1)
-    R[cavitated], JB[cavitated] = P[cavitated], np.eye(n + 1)[cavitated]
-    R[0], JB[0] = P[0] - 8 / np.abs(cells.x[0]) ** 3, np.eye(n + 1)[0]
+    R[cavitated] = P[cavitated]
+    JB[cavitated] = np.eye(n + 1)[cavitated]
+    R[0] = P[0] - 8 / np.abs(cells.x[0]) ** 3
+    JB[0] = np.eye(n + 1)[0]
     R[n] = cells.size @ P + 4 / (cells.x[0] - cells.size[0] / 2) ** 2 - M
     JB[n] = np.append(cells.size, 0.0)
     return R, JB, H, flux
@@ -115,9 +131,15 @@ def solve(M, L, cells):
     assert np.all(P >= -1e-12)
     k = int(np.argmin(np.where(P > 0, H, np.inf)))
     local = np.polyfit(mesh.x[k - 2 : k + 3] - mesh.x[k], H[k - 2 : k + 3], 4)
-    bottom = [r.real for r in np.roots(np.polyder(local)) if abs(r.imag) < 1e-12 and abs(r) <= mesh.size[k]]
+    bottom = [
+        r.real
+        for r in np.roots(np.polyder(local))
+        if abs(r.imag) < 1e-12 and abs(r) <= mesh.size[k]
+    ]
     middle = int(np.searchsorted(mesh.x, 0.0))
-    central = np.polyval(np.polyfit(mesh.x[middle - 2 : middle + 3], H[middle - 2 : middle + 3], 4), 0.0)
+    central = np.polyval(
+        np.polyfit(mesh.x[middle - 2 : middle + 3], H[middle - 2 : middle + 3], 4), 0.0
+    )
     inside = np.flatnonzero(P > 0)
     return np.array([np.polyval(local, bottom[0]), central, np.median(flux[inside[5:-5]])])
 
@@ -131,7 +153,14 @@ def elastic():
             middle, fine = (solve(M, L, cells) for cells in CELLS)
             value = fine + (fine - middle) / 3
             uncertainty = np.abs(fine / value - 1)
-            table.writerow((f"{M:g}", f"{L:g}", *(f"{v:.8g}" for v in value), *(f"{u:.2g}" for u in uncertainty)))
+            table.writerow(
+                (
+                    f"{M:g}",
+                    f"{L:g}",
+                    *(f"{v:.8g}" for v in value),
+                    *(f"{u:.2g}" for u in uncertainty),
+                )
+            )
             file.flush()
 
 
@@ -142,7 +171,9 @@ def rigid():
     mp = mpmath.mp
     mp.dps = 30
 
-    def reduced(g, end):  # q H0^2/(6 k), with X = k tan g and k = sqrt(2 H0), from q = 0 at the inlet
+    def reduced(
+        g, end
+    ):  # q H0^2/(6 k), with X = k tan g and k = sqrt(2 H0), from q = 0 at the inlet
         def flat(g):
             return g / 2 + mp.sin(2 * g) / 4
 
@@ -152,7 +183,8 @@ def rigid():
         return flat(g) - flat(-mp.pi / 2) - (bent(g) - bent(-mp.pi / 2)) / mp.cos(end) ** 2
 
     end = mp.findroot(lambda g: reduced(g, g), 0.4433)  # q = dq/dX = 0
-    k, H0 = mp.sqrt(2), mp.one
+    k = mp.sqrt(2)
+    H0 = mp.one
     largest = 6 * k / H0**2 * reduced(-end, end)
     with (HERE / "reynolds_line_rigid.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
@@ -163,7 +195,12 @@ def rigid():
             # the load is that of -(X + Xc) dP/dX, P' = q'/(1 - L q), whose integrand stays finite everywhere
             def density(g, L=L):
                 slope = 6 * k / H0**2 * mp.cos(g) ** 2 * (1 - (mp.cos(g) / mp.cos(end)) ** 2)
-                return -k * (mp.tan(g) + mp.tan(end)) * slope / (1 - L * 6 * k / H0**2 * reduced(g, end))
+                return (
+                    -k
+                    * (mp.tan(g) + mp.tan(end))
+                    * slope
+                    / (1 - L * 6 * k / H0**2 * reduced(g, end))
+                )
 
             M = mp.quad(density, [-mp.pi / 2, -1, -end - 0.05, -end, -end + 0.05, 0, end])
             row = (mp.sqrt(2) * M**1.5 * L, 2 * H0 * M, 2 * H0 / mp.cos(end) ** 2 * M)

@@ -128,13 +128,19 @@ def couette(strain, surfaces, across):
 
 def cases():
     """Yield rows without their share."""
-    for c, w, n in itertools.product(("1e-6", "0.3", "1", "30", "1e5"), ("0", "0.1", "3", "1e3"), ("0", "0.463", "1")):
+    for c, w, n in itertools.product(
+        ("1e-6", "0.3", "1", "30", "1e5"), ("0", "0.1", "3", "1e3"), ("0", "0.463", "1")
+    ):
         yield "carreau", c, "", w, "0", n
     for c, d, w in itertools.product(
-        ("1e-6", "0.1", "1", "3", "20", "200"), ("1e-6", "1e-2", "0.3", "2", "50"), ("0", "0.5", "20")
+        ("1e-6", "0.1", "1", "3", "20", "200"),
+        ("1e-6", "1e-2", "0.3", "2", "50"),
+        ("0", "0.5", "20"),
     ):
         yield "limiting-shear", c, d, w, "0", ""
-    for c, w, na in itertools.product(("0", "1e-3", "1", "20", "1e6"), ("0", "0.2", "50"), ("0", "1e-3", "4", "1e4")):
+    for c, w, na in itertools.product(
+        ("0", "1e-3", "1", "20", "1e6"), ("0", "0.2", "50"), ("0", "1e-3", "4", "1e4")
+    ):
         yield "couette", c, "", w, na, ""
 
 
@@ -145,7 +151,9 @@ def main():
         table.writerow(COLUMNS)
         for row in cases():
             law, c, d, w, na, n = row
-            numbers = [mpf(float(x)) if x else None for x in row[1:]]  # the values that doubles hold
+            numbers = [
+                mpf(float(x)) if x else None for x in row[1:]
+            ]  # the values that doubles hold
             c, d, w, na, n = numbers
             if law == "carreau":
                 share = carreau(c, w, n)
@@ -159,7 +167,8 @@ def main():
     worst = mpf(0)
     with mp.workdps(20):
         for eps, d, y in ODE_POINTS:
-            eps, p = mpf(eps) * mp.exp(-mpf(y)), 2 * mp.exp(mpf(y)) / mpf(d)
+            eps = mpf(eps) * mp.exp(-mpf(y))
+            p = 2 * mp.exp(mpf(y)) / mpf(d)
             worst = max(worst, abs(transit(eps, p) / transit_by_taylor(eps, p) - 1))
     print("largest difference of the mean stress to the integrated equation:", mp.nstr(worst, 3))
 

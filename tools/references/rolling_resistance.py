@@ -43,7 +43,8 @@ def force(M, L, cells):
         REYNOLDS.solve(M, L, cells)
     finally:
         REYNOLDS.newton = inner
-    mesh, P = kept["mesh"], kept["unknowns"][:-1]
+    mesh = kept["mesh"]
+    P = kept["unknowns"][:-1]
     H = REYNOLDS.equations(mesh, kept["unknowns"], M, L)[2]
     at_edges = (1 - mesh.left) * H[:-1] + mesh.left * H[1:]
     return at_edges @ np.diff(P) / 2 + 6 / abs(mesh.x[0])
@@ -60,7 +61,9 @@ def rigid():
 
     c = mp.findroot(lambda c: mp.quad(lambda t: slope(t, c), [*parts, c]), 0.475)
     load = -mp.quad(lambda t: t * slope(t, c), [*parts, c])  # w = 24 (eta u R/h0) load
-    resistance = mp.quad(lambda t: (1 + t * t) * slope(t, c), [*parts, c])  # F = 6 sqrt(2) eta u sqrt(R/h0) resistance
+    resistance = mp.quad(
+        lambda t: (1 + t * t) * slope(t, c), [*parts, c]
+    )  # F = 6 sqrt(2) eta u sqrt(R/h0) resistance
     return 6 * mp.sqrt(2) * resistance / mp.sqrt(24 * load) / mp.sqrt(2)
 
 
@@ -72,5 +75,7 @@ if __name__ == "__main__":
         for M, L in CASES:
             middle, fine = (force(M, L, cells) for cells in (600, 1200))
             value = fine + (fine - middle) / 3
-            table.writerow((f"{M:g}", f"{L:g}", f"{value:.7g}", f"{math.fabs(fine / value - 1):.2g}"))
+            table.writerow(
+                (f"{M:g}", f"{L:g}", f"{value:.7g}", f"{math.fabs(fine / value - 1):.2g}")
+            )
             file.flush()

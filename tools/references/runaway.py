@@ -19,7 +19,8 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip_kernels.slices import Slices
 
-SLICES, INSTANTS = 15, 8
+SLICES = 15
+INSTANTS = 8
 #: Scene, changes, and slips at which the torque is looked at.
 CASES = (
     ("1032930-50C", {}, np.arange(0.36, 0.481, 0.02)),
@@ -30,17 +31,29 @@ CASES = (
 
 def torque(assembly, slip):
     """Torque on the cage at a slip [N m]."""
-    scene, o, b = assembly.scene, assembly.scene.operation, assembly.scene.bearing
-    r, Ri, Ro = b.roller_diameter / 2, b.inner_raceway_diameter / 2, b.outer_raceway_diameter / 2
+    scene = assembly.scene
+    o = assembly.scene.operation
+    b = assembly.scene.bearing
+    r = b.roller_diameter / 2
+    Ri = b.inner_raceway_diameter / 2
+    Ro = b.outer_raceway_diameter / 2
     J = 0.5 * b.material.density * math.pi * r * r * b.roller_length * r * r
     epicyclic = Ri * o.inner_speed / (Ri + Ro)
     wc = epicyclic * (1.0 - slip)
     loads = assembly.load_distribution(INSTANTS, wc)
     order = np.argsort(loads.psi.ravel())
-    models = [assembly.contact, assembly.film, assembly.lubricant.pressure_viscosity_law, assembly.traction]
+    models = [
+        assembly.contact,
+        assembly.film,
+        assembly.lubricant.pressure_viscosity_law,
+        assembly.traction,
+    ]
     rings = [
         (load.reshape(order.size, -1)[order], raceway.conditions)
-        for load, raceway in ((loads.inner_load, assembly.inner), (loads.outer_load, assembly.outer))
+        for load, raceway in (
+            (loads.inner_load, assembly.inner),
+            (loads.outer_load, assembly.outer),
+        )
     ]
 
     def force(ring, angle, u, V):
@@ -51,13 +64,16 @@ def torque(assembly, slip):
         some = load > 0.0
         if not some.any():
             return 0.0
-        slices = Slices(int(some.sum()), conditions, load=load[some], rolling_speed=u, sliding_speed=V)
+        slices = Slices(
+            int(some.sum()), conditions, load=load[some], rolling_speed=u, sliding_speed=V
+        )
         for model in models:
             model.evaluate(slices)
         return float(slices.friction @ (load * assembly.widths)[some])
 
     def pulls(angle, wr):
-        inner, outer = Ri * (o.inner_speed - wc), Ro * wc
+        inner = Ri * (o.inner_speed - wc)
+        outer = Ro * wc
         return (
             force(0, angle, 0.5 * (inner + r * wr), inner - r * wr),
             force(1, angle, 0.5 * (outer + r * wr), r * wr - outer),
@@ -72,12 +88,20 @@ def torque(assembly, slip):
 
     def orbit(spin):
         solved = solve_ivp(
-            rate, (0.0, period), [spin, 0.0], "Radau", rtol=1e-7, atol=[1e-5, 1e-10], max_step=period / 112
+            rate,
+            (0.0, period),
+            [spin, 0.0],
+            "Radau",
+            rtol=1e-7,
+            atol=[1e-5, 1e-10],
+            max_step=period / 112,
         )
         return solved.y[:, -1]
 
     rolls = Ro * wc / r
-    spin = root_scalar(lambda spin: orbit(spin)[0] - spin, x0=rolls, x1=orbit(rolls)[0], xtol=1e-4).root
+    spin = root_scalar(
+        lambda spin: orbit(spin)[0] - spin, x0=rolls, x1=orbit(rolls)[0], xtol=1e-4
+    ).root
     return b.rollers * orbit(spin)[1] / period
 
 
@@ -93,13 +117,16 @@ def main():
             torques = np.array([torque(assembly, slip) for slip in slips])
             print(name, changes, np.round(torques, 5))
             best = int(np.argmax(torques))
-            at, largest = slips[best], torques[best]
+            at = slips[best]
+            largest = torques[best]
             if not changes:  # a smooth maximum
                 curve = np.polynomial.Polynomial.fit(slips, torques, 4)
                 roots = curve.deriv().roots()
                 at = min(roots[np.isreal(roots)].real, key=lambda root: abs(root - at))
                 largest = curve(at)
-            table.writerow([name, changes.get("bearing.profile", "iso16281"), f"{at:.4f}", f"{largest:.5f}"])
+            table.writerow(
+                [name, changes.get("bearing.profile", "iso16281"), f"{at:.4f}", f"{largest:.5f}"]
+            )
 
 
 if __name__ == "__main__":

@@ -49,8 +49,20 @@ CASES = (
     {"film_thickness": 5e-8, "sliding_speed": 1.0, "effusivity": 3000.0, "viscosity": 2e-3},
     # heavy load: elastic, and steep in pressure
     {"pressure": 8e8, "film_thickness": 6e-7, "half_width": 1.2e-4, "sliding_speed": 0.5},
-    {"pressure": 8e8, "film_thickness": 6e-7, "half_width": 1.2e-4, "sliding_speed": 0.02, "shear_modulus": 5e7},
-    {"pressure": 1.2e9, "film_thickness": 4e-7, "half_width": 1.8e-4, "viscosity": 4e-3, "sliding_speed": 2.0},
+    {
+        "pressure": 8e8,
+        "film_thickness": 6e-7,
+        "half_width": 1.2e-4,
+        "sliding_speed": 0.02,
+        "shear_modulus": 5e7,
+    },
+    {
+        "pressure": 1.2e9,
+        "film_thickness": 4e-7,
+        "half_width": 1.8e-4,
+        "viscosity": 4e-3,
+        "sliding_speed": 2.0,
+    },
     # grease-like, Newtonian
     {"eyring_stress": 1e8, "pressure": 1e8, "sliding_speed": 10.0},
 )
@@ -59,22 +71,29 @@ CASES = (
 def solve(case, film_cells, solid_cells, tolerance):
     """Return friction, and the largest rise [K] in the middle of the film and of the surface."""
     c = {**OIL, **CONTACT, **case}
-    u, h, b = c["rolling_speed"], c["film_thickness"], c["half_width"]
+    u = c["rolling_speed"]
+    h = c["film_thickness"]
+    b = c["half_width"]
     dz = h / 2 / film_cells
     # depth in units of sqrt(diffusivity b/u): q = E sqrt(u/b) dtheta/ddepth
     edges = 14.0 * np.sinh(7.0 * np.arange(solid_cells + 1) / solid_cells) / math.sinh(7.0)
     width = np.diff(edges)
     effusion = c["effusivity"] * math.sqrt(u / b)
-    to_wall, into_solid = c["conductivity"] / (dz / 2), effusion / (width[0] / 2)
+    to_wall = c["conductivity"] / (dz / 2)
+    into_solid = effusion / (width[0] / 2)
 
     def slopes(phi, state):
-        tau, film, solid = state[0], state[1 : 1 + film_cells], state[1 + film_cells : -1]
+        tau = state[0]
+        film = state[1 : 1 + film_cells]
+        solid = state[1 + film_cells : -1]
         p = 4 / math.pi * c["pressure"] * math.sin(phi)
         beta = c["thermoviscosity"] + c["pressure_thermoviscosity"] * p
         eta = c["viscosity"] * np.exp(c["pressure_viscosity"] * p - beta * film)
         viscous = c["eyring_stress"] / eta * math.sinh(tau / c["eyring_stress"])
         wall = (to_wall * film[-1] + into_solid * solid[0]) / (to_wall + into_solid)
-        flux = np.concatenate([[0.0], c["conductivity"] * np.diff(film) / dz, [to_wall * (wall - film[-1])]])
+        flux = np.concatenate(
+            [[0.0], c["conductivity"] * np.diff(film) / dz, [to_wall * (wall - film[-1])]]
+        )
         down = np.concatenate(
             [
                 [into_solid * (wall - solid[0])],
@@ -92,13 +111,21 @@ def solve(case, film_cells, solid_cells, tolerance):
         )
         return b * math.sin(phi) * along
 
-    scale = np.concatenate([[c["eyring_stress"]], np.full(film_cells + solid_cells, 10.0), [c["eyring_stress"] * b]])
+    scale = np.concatenate(
+        [[c["eyring_stress"]], np.full(film_cells + solid_cells, 10.0), [c["eyring_stress"] * b]]
+    )
     done = solve_ivp(
-        slopes, (0, math.pi), np.zeros(scale.size), method="BDF", rtol=tolerance, atol=tolerance * scale * 1e-3
+        slopes,
+        (0, math.pi),
+        np.zeros(scale.size),
+        method="BDF",
+        rtol=tolerance,
+        atol=tolerance * scale * 1e-3,
     )
     if not done.success:
         raise RuntimeError(done.message)
-    film, solid = done.y[1 : 1 + film_cells], done.y[1 + film_cells : -1]
+    film = done.y[1 : 1 + film_cells]
+    solid = done.y[1 + film_cells : -1]
     wall = (to_wall * film[-1] + into_solid * solid[0]) / (to_wall + into_solid)
     middle = (9 * film[0] - film[1]) / 8  # even about the middle
     return np.array([done.y[-1, -1] / (2 * b * c["pressure"]), middle.max(), wall.max()])

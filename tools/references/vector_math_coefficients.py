@@ -10,8 +10,11 @@ mp.mp.dps = 60
 
 def fit(function, low, high, degree):
     """Coefficients, lowest first, of the polynomial through Chebyshev's nodes."""
-    middle, half = (low + high) / 2, (high - low) / 2
-    nodes = [middle + half * mp.cos(mp.pi * (2 * k + 1) / (2 * degree + 2)) for k in range(degree + 1)]
+    middle = (low + high) / 2
+    half = (high - low) / 2
+    nodes = [
+        middle + half * mp.cos(mp.pi * (2 * k + 1) / (2 * degree + 2)) for k in range(degree + 1)
+    ]
     matrix = mp.matrix(degree + 1, degree + 1)
     for i, x in enumerate(nodes):
         for j in range(degree + 1):
@@ -38,7 +41,9 @@ REACH = (mp.sqrt(2) - 1) ** 2 / (mp.sqrt(2) + 1) ** 2 * (1 + mp.mpf(2) ** -20)
 def tail(first):
     """Rest of 2 artanh(sqrt z)/sqrt z from the term z^first on, over z^first."""
     return lambda z: (
-        mp.nsum(lambda k: 2 * z**k / (2 * (k + first) + 1), [0, mp.inf]) if z else 2 / mp.mpf(2 * first + 1)
+        mp.nsum(lambda k: 2 * z**k / (2 * (k + first) + 1), [0, mp.inf])
+        if z
+        else 2 / mp.mpf(2 * first + 1)
     )
 
 
@@ -61,6 +66,11 @@ if __name__ == "__main__":
         rounded = [mp.mpf(float(c)) for c in fit(function, low, high, degree)]
         print(f"/* {name}: {mp.nstr(worst(function, rounded, low, high), 2)} */")
         print(",\n".join(float(c).hex() for c in rounded))
-    for name, value in {"2/ln2": 2 / LN2, "2/(3 ln2)": 2 / (3 * LN2), "ln2": LN2, "1/ln2": 1 / LN2}.items():
+    for name, value in {
+        "2/ln2": 2 / LN2,
+        "2/(3 ln2)": 2 / (3 * LN2),
+        "ln2": LN2,
+        "1/ln2": 1 / LN2,
+    }.items():
         high = mp.mpf(float.fromhex(f"{float(value).hex()}"))
         print(name, float(value).hex(), float(value - high).hex())

@@ -10,7 +10,17 @@ from mpmath import diff, exp, log, log10, mp, mpf, nstr
 
 mp.dps = 50
 
-TEMPERATURES = [273.15, 280.0, 303.15, 313.15, 323.15, 343.15, 373.15, 420.0, 473.15]  # K, taken as these doubles
+TEMPERATURES = [
+    273.15,
+    280.0,
+    303.15,
+    313.15,
+    323.15,
+    343.15,
+    373.15,
+    420.0,
+    473.15,
+]  # K, taken as these doubles
 
 
 def eta_7808(T):
@@ -53,7 +63,8 @@ def alpha_sae(T):
 
 def line(points):
     (x1, y1), (x2, y2) = (
-        (log10(mpf(str(c)) + mpf("273.15")), log10(log10(mpf(nu) + mpf("0.7")))) for c, nu in points.items()
+        (log10(mpf(str(c)) + mpf("273.15")), log10(log10(mpf(nu) + mpf("0.7"))))
+        for c, nu in points.items()
     )
     slope = (y1 - y2) / (x2 - x1)
     return y1 + slope * x1, slope
@@ -65,10 +76,15 @@ def kinematic(points):
 
 
 def correlated(points, at_15, at_100):
-    nu, (_, slope) = kinematic(points), line(points)
+    nu = kinematic(points)
+    (_, slope) = line(points)
 
     def eta(T):
-        return nu(T) * mpf("1e-6") * (mpf(at_15) + (mpf(at_100) - mpf(at_15)) * (T - mpf("288.15")) / 85)
+        return (
+            nu(T)
+            * mpf("1e-6")
+            * (mpf(at_15) + (mpf(at_100) - mpf(at_15)) * (T - mpf("288.15")) / 85)
+        )
 
     def alpha(T):
         return mpf("1e-8") * (mpf("0.1657") + mpf("0.2332") * log10(nu(T))) * slope
@@ -102,7 +118,10 @@ OILS = {
     "mil-prf-23699": (eta_23699, alpha_23699),
     "santotrac-50": (eta_santotrac, alpha_santotrac),
     "sae-30": (eta_sae, alpha_sae),
-    **{f"iso-vg-{grade}": correlated({40: a, 100: b}, "902", "858") for grade, (a, b) in ISO_VG.items()},
+    **{
+        f"iso-vg-{grade}": correlated({40: a, 100: b}, "902", "858")
+        for grade, (a, b) in ISO_VG.items()
+    },
     "pao-68": correlated({40: "67.5", 100: "10.96"}, "859", "819"),
     "tp-22s": correlated({40: "32", 50: "21.5"}, "880", "836"),
     "fva-3": (eta_fva, alpha_fva),

@@ -23,7 +23,11 @@ from rollslip.errors import RollslipError
 
 RANGE = 0.95
 #: Kind, count, and what the scenes are made with.
-KINDS = (("free", 24, {}), ("catalogue", 16, {"resists": False}), ("catalogue", 24, {"resists": True}))
+KINDS = (
+    ("free", 24, {}),
+    ("catalogue", 16, {"resists": False}),
+    ("catalogue", 24, {"resists": True}),
+)
 
 
 def of(kind, number, options):
@@ -43,7 +47,8 @@ def held(given):
         dense = scenes.finer(one, 4).way(RANGE, steps=250)
     except RollslipError as error:
         return row | {"refused": str(error)[:80]}
-    away, reference = way.runs_away, dense.runs_away
+    away = way.runs_away
+    reference = dense.runs_away
     row |= {"most [N m]": way.largest[1], "most, dense [N m]": dense.largest[1]}
     for name, jump in (("", away), (", dense", reference)):
         row[f"slip{name}"] = math.nan if jump is None else jump.slip
@@ -69,7 +74,11 @@ def in_numbers(rows):
         every = [row for row in rows if row["resists"] == resists]
         found = [row for row in every if "refused" not in row]
         pairs = [(row["drag [N m]"], row["drag, dense [N m]"], row["error told"]) for row in found]
-        both = [(abs(one / other - 1.0), error) for one, other, error in pairs if one == one and other == other]
+        both = [
+            (abs(one / other - 1.0), error)
+            for one, other, error in pairs
+            if one == one and other == other
+        ]
         off = np.array([one for one, _ in both])
         yield {
             "rolling resistance": resists, "scenes": len(every), "refused": len(every) - len(found),
@@ -86,9 +95,16 @@ def main():
     asked = sys.argv[1:] or ["dense", "many"]
     with ProcessPoolExecutor(2) as pool:
         if "dense" in asked:
-            written("way_up.csv", list(pool.map(held, [(k, n, o) for k, count, o in KINDS for n in range(count)])))
+            written(
+                "way_up.csv",
+                list(pool.map(held, [(k, n, o) for k, count, o in KINDS for n in range(count)])),
+            )
         if "many" in asked:
-            every = [(kind, 10_000 + number, options) for number in range(1000) for kind, _, options in KINDS]
+            every = [
+                (kind, 10_000 + number, options)
+                for number in range(1000)
+                for kind, _, options in KINDS
+            ]
             written("way_up_many.csv", in_numbers(list(pool.map(held, every, chunksize=10))))
 
 

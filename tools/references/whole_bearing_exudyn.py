@@ -26,10 +26,19 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface
 
-END, ROWS, SAMPLE = 20e-3, 20, 1e-5  # s, rows of the file, and s between what the mean squares are of
-DENSITY, MODULUS, POISSON = 7800.0, 208e9, 0.3
-GRAVITY, DAMPING = 9.80665, 0.3  # m/s2, along the load; s/m
-STIFFNESS, TOUCH = 5e7, 0.02  # of pockets: N/m, N over which the first touch is rounded
+# s, rows of the file, and s between what the mean squares are of
+END = 20e-3
+ROWS = 20
+SAMPLE = 1e-5
+DENSITY = 7800.0
+MODULUS = 208e9
+POISSON = 0.3
+# m/s2, along the load; s/m
+GRAVITY = 9.80665
+DAMPING = 0.3
+# of pockets: N/m, N over which the first touch is rounded
+STIFFNESS = 5e7
+TOUCH = 0.02
 POCKET_SLIDING = 1e-2  # m/s over which friction in the pockets changes its sign
 FILE = Path(__file__).with_suffix(".csv")
 
@@ -98,9 +107,12 @@ BEARINGS = {
     ),
 }  # fmt: skip
 # the land of the 1032930: radius, width, clearance, the oil's viscosity
-LAND_RADIUS, LAND_WIDTH, LAND_CLEARANCE = 94.5e-3, 7.5e-3, 2.5e-4
+LAND_RADIUS = 94.5e-3
+LAND_WIDTH = 7.5e-3
+LAND_CLEARANCE = 2.5e-4
 # constant friction mu0 V/sqrt(V^2 + Vs^2)
-MU0, VS = 0.02, 0.5
+MU0 = 0.02
+VS = 0.5
 
 # Laws -----------------------------------------------------------------------------------------------------------------
 
@@ -111,7 +123,9 @@ ETA = 9.997e-4 * (math.exp(INNER_EXPONENT) - 0.87)
 BETA0 = 9.997e-4 * math.exp(INNER_EXPONENT) * INNER_EXPONENT * 3.7048 / T / ETA
 ALPHA = 7.5808e-10 + 1.0742e-6 / (T - 215.56)
 GAMMA = 1.0742e-6 / (T - 215.56) ** 2
-CONDUCTIVITY, TAU0, SHEAR = 0.1425, 4e6, 0.3e9
+CONDUCTIVITY = 0.1425
+TAU0 = 4e6
+SHEAR = 0.3e9
 STEEL = 46.0 * 7800.0 * 470.0
 ROUGHNESS = 1.25 * math.hypot(0.16e-6, 0.1e-6)
 REDUCED = MODULUS / (1 - POISSON**2)
@@ -125,10 +139,15 @@ def deflected(b, approach):
 
 def oil_friction(w, u, V, R):
     """Friction coefficient of slices by their load per length, rolling speed and sliding speed."""
-    size, sign = np.abs(V), np.sign(V)
+    size = np.abs(V)
+    sign = np.sign(V)
     Us = 2 * ETA * u / (REDUCED * R)
-    M, L = w / (REDUCED * R) / np.sqrt(Us), ALPHA * REDUCED * Us**0.25
-    ri, rp, ei, ep = 3 / M, 1.287 * L ** (2 / 3), 2.621 * M**-0.2, 1.311 * M**-0.125 * L**0.75
+    M = w / (REDUCED * R) / np.sqrt(Us)
+    L = ALPHA * REDUCED * Us**0.25
+    ri = 3 / M
+    rp = 1.287 * L ** (2 / 3)
+    ei = 2.621 * M**-0.2
+    ep = 1.311 * M**-0.125 * L**0.75
     s = (7 + 8 * np.exp(-2 * ei / ri)) / 5
     h = (
         R * np.sqrt(Us)
@@ -137,11 +156,13 @@ def oil_friction(w, u, V, R):
     half = np.sqrt(8 * w * R / (math.pi * REDUCED))
     p = w / (2 * half)
     thick = ETA * np.exp(ALPHA * p)
-    sigma, D = thick * size / (TAU0 * h), thick * u / (SHEAR * half)
+    sigma = thick * size / (TAU0 * h)
+    D = thick * u / (SHEAR * half)
     beta = BETA0 + GAMMA * p
     zeta = 0.97 * np.sqrt(half / (math.pi * STEEL * u)) + h / (12 * CONDUCTIVITY)
     phi = beta * zeta * TAU0**2 * h / thick
-    a, log = 1 + phi * sigma, np.arcsinh(sigma)
+    a = 1 + phi * sigma
+    log = np.arcsinh(sigma)
     under = a * a - D * phi * log
     y = 2 * log / (a + np.sqrt(np.maximum(under, 0.0)))
     plateau = y - D * y * y / (4 * np.maximum(sigma, 1e-300))
@@ -158,8 +179,10 @@ def traction(b, w, u, V, R):
     width = b.length / b.slices
     if not b.oil:
         return MU0 * V / np.sqrt(V * V + VS * VS) * w.sum(axis=1) * width
-    found, on = np.zeros_like(w), w > 0
-    u, V = np.broadcast_to(np.hypot(u, 1e-3)[:, None], w.shape), np.broadcast_to(V[:, None], w.shape)
+    found = np.zeros_like(w)
+    on = w > 0
+    u = np.broadcast_to(np.hypot(u, 1e-3)[:, None], w.shape)
+    V = np.broadcast_to(V[:, None], w.shape)
     found[on] = oil_friction(w[on], u[on], V[on], R) * w[on]
     return found.sum(axis=1) * width
 
@@ -176,7 +199,9 @@ def damped(z):
 def bar(depth, rate):
     """Force of a bar of a pocket."""
     soft = TOUCH / STIFFNESS
-    risen = np.where(depth > soft, depth, np.where(depth > -soft, (depth + soft) ** 2 / (4 * soft), 0.0))
+    risen = np.where(
+        depth > soft, depth, np.where(depth > -soft, (depth + soft) ** 2 / (4 * soft), 0.0)
+    )
     return STIFFNESS * risen * damped(DAMPING * rate)
 
 
@@ -221,11 +246,13 @@ def equilibrium(b, psi, pull, load):
 
     def rollers(place):
         towards = place[0][..., None] * e[0] + place[1][..., None] * e[1] - b.clearance
-        low, high = np.zeros_like(towards), np.maximum(towards, 0.0) + 1e-4
+        low = np.zeros_like(towards)
+        high = np.maximum(towards, 0.0) + 1e-4
         for _ in range(48):
             middle = 0.5 * (low + high)
             more = force(middle) < force(towards - middle) + pull
-            low, high = np.where(more, middle, low), np.where(more, high, middle)
+            low = np.where(more, middle, low)
+            high = np.where(more, high, middle)
         return towards, 0.5 * (low + high)
 
     def missing(place):
@@ -235,8 +262,12 @@ def equilibrium(b, psi, pull, load):
 
     place = np.stack((np.full(psi.shape[:-1], b.clearance + 1e-5), np.zeros(psi.shape[:-1])))
     for _ in range(40):
-        now, small = missing(place), 1e-9
-        a, c = ((missing(place + small * np.eye(2)[k].reshape(2, *[1] * (psi.ndim - 1))) - now) / small for k in (0, 1))
+        now = missing(place)
+        small = 1e-9
+        a, c = (
+            (missing(place + small * np.eye(2)[k].reshape(2, *[1] * (psi.ndim - 1))) - now) / small
+            for k in (0, 1)
+        )
         det = a[0] * c[1] - a[1] * c[0]
         step = np.stack((c[1] * now[0] - c[0] * now[1], a[0] * now[1] - a[1] * now[0])) / det
         place -= np.clip(step, -5e-6, 5e-6)
@@ -251,7 +282,9 @@ def equilibrium(b, psi, pull, load):
 def rigid(mbs, mass, inertia, place, velocity, spin):
     """A rigid body in the plane; returns its node and its object."""
     node = mbs.AddNode(
-        itemInterface.NodeRigidBody2D(referenceCoordinates=[*place, 0.0], initialVelocities=[*velocity, spin])
+        itemInterface.NodeRigidBody2D(
+            referenceCoordinates=[*place, 0.0], initialVelocities=[*velocity, spin]
+        )
     )
     what = itemInterface.ObjectRigidBody2D(nodeNumber=node, mass=mass, inertia=inertia)
     return node, mbs.AddObject(what)
@@ -259,11 +292,15 @@ def rigid(mbs, mass, inertia, place, velocity, spin):
 
 def planar(b, mbs):
     """Build a bearing in the plane; returns what reads its state."""
-    Z, wc, pitch = b.rollers, b.cage_speed, 2 * np.pi * np.arange(b.rollers) / b.rollers
+    Z = b.rollers
+    wc = b.cage_speed
+    pitch = 2 * np.pi * np.arange(b.rollers) / b.rollers
     pull = b.mass * b.orbit * wc**2
     (x, y), out = equilibrium(b, pitch, np.array([pull]), b.load + b.ring_mass * GRAVITY)
     spin = b.spin
-    ring = rigid(mbs, b.ring_mass, 1e9, (x, y), (0, 0), b.speed)  # so heavy to turn that its speed stays
+    ring = rigid(
+        mbs, b.ring_mass, 1e9, (x, y), (0, 0), b.speed
+    )  # so heavy to turn that its speed stays
     cage = rigid(mbs, b.cage_mass, b.cage_inertia, (0, 0), (0, 0), wc)
     made = [ring, cage]
     start = np.stack((np.cos(pitch), np.sin(pitch))) * (b.Ro - b.r + out)
@@ -272,18 +309,27 @@ def planar(b, mbs):
         made.append(rigid(mbs, b.mass, b.mass * b.r**2 / 2, start[:, j], speed, -spin))
     for _, body in made:
         weight = mbs.AddMarker(itemInterface.MarkerBodyMass(bodyNumber=body))
-        mbs.AddLoad(itemInterface.LoadMassProportional(markerNumber=weight, loadVector=[GRAVITY, 0.0, 0.0]))
-    at_ring, at_cage = (mbs.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=body)) for _, body in (ring, cage))
+        mbs.AddLoad(
+            itemInterface.LoadMassProportional(markerNumber=weight, loadVector=[GRAVITY, 0.0, 0.0])
+        )
+    at_ring, at_cage = (
+        mbs.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=body)) for _, body in (ring, cage)
+    )
     mbs.AddLoad(itemInterface.LoadForceVector(markerNumber=at_ring, loadVector=[b.load, 0.0, 0.0]))
-    mbs.AddLoad(itemInterface.LoadTorqueVector(markerNumber=at_cage, loadVector=[0.0, 0.0, -b.drag]))
+    mbs.AddLoad(
+        itemInterface.LoadTorqueVector(markerNumber=at_cage, loadVector=[0.0, 0.0, -b.drag])
+    )
     reference = np.concatenate(([x, y, 0, 0, 0, 0], np.vstack((start, np.zeros(Z))).T.ravel()))
     inner_radius, outer_radius = radii(b)
 
     def forces(q, dq):
         """Forces and torques on all bodies, and the forces of rollers on their pockets."""
-        at, speed = (reference + q).reshape(-1, 3), dq.reshape(-1, 3)
+        at = (reference + q).reshape(-1, 3)
+        speed = dq.reshape(-1, 3)
         to = np.zeros_like(at)
-        p, v, w = at[2:, :2], speed[2:, :2], speed[2:, 2]
+        p = at[2:, :2]
+        v = speed[2:, :2]
+        w = speed[2:, 2]
 
         def push(body, arm, force):
             """A force on the rollers at an arm from their centres, and its opposite on the body that they touch."""
@@ -298,39 +344,49 @@ def planar(b, mbs):
             return np.stack((-e[:, 1], e[:, 0]), axis=1)
 
         # inner ring
-        apart, parting = p - at[0, :2], v - speed[0, :2]
+        apart = p - at[0, :2]
+        parting = v - speed[0, :2]
         distance = np.hypot(*apart.T)
         e = apart / distance[:, None]
         t = across(e)
-        depth, closing = b.Ri + b.r - distance, -(parting * e).sum(axis=1)
+        depth = b.Ri + b.r - distance
+        closing = -(parting * e).sum(axis=1)
         load = deflected(b, depth[:, None] - b.drop) * damped(DAMPING * closing)[:, None]
         turning = (parting * t).sum(axis=1) / distance  # of the line of centres
-        of_ring, of_roller = b.Ri * (speed[0, 2] - turning), b.r * (turning - w)
+        of_ring = b.Ri * (speed[0, 2] - turning)
+        of_roller = b.r * (turning - w)
         F = traction(b, load, 0.5 * (of_ring + of_roller), of_ring - of_roller, inner_radius)
         push(0, -b.r * e, load.sum(axis=1)[:, None] * (b.length / b.slices) * e + F[:, None] * t)
         # outer ring, at rest
         distance = np.hypot(*p.T)
         e = p / distance[:, None]
         t = across(e)
-        depth, closing = distance + b.r - b.Ro, (v * e).sum(axis=1)
+        depth = distance + b.r - b.Ro
+        closing = (v * e).sum(axis=1)
         load = deflected(b, depth[:, None] - b.drop) * damped(DAMPING * closing)[:, None]
         turning = (v * t).sum(axis=1) / distance
-        of_ring, of_roller = b.Ro * turning, b.r * (turning - w)
+        of_ring = b.Ro * turning
+        of_roller = b.r * (turning - w)
         F = traction(b, load, 0.5 * (of_ring + of_roller), of_roller - of_ring, outer_radius)
         push(None, b.r * e, -load.sum(axis=1)[:, None] * (b.length / b.slices) * e + F[:, None] * t)
         # pockets: rectangles that turn with the cage
         angle = at[1, 2] + pitch
         e = np.stack((np.cos(angle), np.sin(angle)), axis=1)
         t = across(e)
-        place, drift, wc = p - at[1, :2], v - speed[1, :2], speed[1, 2]
+        place = p - at[1, :2]
+        drift = v - speed[1, :2]
+        wc = speed[1, 2]
         middle = b.Ro - b.r  # of the pockets: a roller on the outer ring, the cage in the centre
-        out, along = (place * e).sum(axis=1) - middle, (place * t).sum(axis=1)
+        out = (place * e).sum(axis=1) - middle
+        along = (place * t).sum(axis=1)
         rising = (drift * e).sum(axis=1) + wc * along
         running = (drift * t).sum(axis=1) - wc * (out + middle)
-        ahead, behind = bar(along - b.play / 2, running), bar(-along - b.play / 2, -running)
+        ahead = bar(along - b.play / 2, running)
+        behind = bar(-along - b.play / 2, -running)
         walls = [(t, e, ahead, rising, -1.0), (-t, e, behind, rising, 1.0)]
         if b.radial_play is not None:
-            top, bottom = bar(out - b.radial_play / 2, rising), bar(-out - b.radial_play / 2, -rising)
+            top = bar(out - b.radial_play / 2, rising)
+            bottom = bar(-out - b.radial_play / 2, -rising)
             walls += [(e, t, top, running, 1.0), (-e, t, bottom, running, -1.0)]
         for normal, aside, force, drifting, sense in walls:
             rub = rubbed(b, force, drifting + sense * b.r * (w - wc))
@@ -349,8 +405,10 @@ def planar(b, mbs):
     )
 
     def read(q, dq):
-        at, speed = (reference + q).reshape(-1, 3), dq.reshape(-1, 3)
-        p, v = at[2:, :2], speed[2:, :2]
+        at = (reference + q).reshape(-1, 3)
+        speed = dq.reshape(-1, 3)
+        p = at[2:, :2]
+        v = speed[2:, :2]
         distance = np.hypot(*p.T)
         place = np.arctan2(p[:, 1], p[:, 0]) - pitch - at[1, 2]
         return {
@@ -368,9 +426,11 @@ def planar(b, mbs):
 
 def pocket(b, mbs):
     """Build a bearing whose rollers stay on their orbit; returns what reads its state."""
-    Z, pitch = b.rollers, 2 * np.pi * np.arange(b.rollers) / b.rollers
+    Z = b.rollers
+    pitch = 2 * np.pi * np.arange(b.rollers) / b.rollers
     # approaches of a roller at the places of one orbit, for some centrifugal forces, linear in between
-    parts, shares = round(7168 / Z), np.linspace(0.9, 1.1, 11)
+    parts = round(7168 / Z)
+    shares = np.linspace(0.9, 1.1, 11)
     pulls = shares * b.mass * b.orbit * b.cage_speed**2
     phase = np.arange(parts) / parts * 2 * np.pi / Z
     psi = np.broadcast_to(phase[:, None] + pitch, (pulls.size, parts, Z))
@@ -384,14 +444,20 @@ def pocket(b, mbs):
         row = (pull - pulls[0]) / (pulls[1] - pulls[0])
         if np.any((row < 0) | (row >= pulls.size - 1)):
             raise ValueError("loads are not known for this speed")
-        k, m = at.astype(int) % nodes, row.astype(int)
-        x, f = at - np.floor(at), row - m
+        k = at.astype(int) % nodes
+        m = row.astype(int)
+        x = at - np.floor(at)
+        f = row - m
         for table in tables:
-            low, high = (table[m + i, k] + x * (table[m + i, (k + 1) % nodes] - table[m + i, k]) for i in (0, 1))
+            low, high = (
+                table[m + i, k] + x * (table[m + i, (k + 1) % nodes] - table[m + i, k])
+                for i in (0, 1)
+            )
             yield low + f * (high - low)
 
     # joints: the cage; of every roller its orbit and, on that, its turning
-    zero, wc = np.zeros((3, 3)), b.cage_speed
+    zero = np.zeros((3, 3))
+    wc = b.cage_speed
     spin = b.spin
     inertia = [np.diag([b.cage_inertia] * 3)] + [zero, np.diag([b.mass * b.r**2 / 2] * 3)] * Z
     node = mbs.AddNode(
@@ -405,15 +471,23 @@ def pocket(b, mbs):
     inner_radius, outer_radius = radii(b)
 
     def forces(q, dq):
-        angle, w, turning = q[1::2] + pitch, dq[1::2], dq[1::2] + dq[2::2]  # of a roller in space
+        # of a roller in space
+        angle = q[1::2] + pitch
+        w = dq[1::2]
+        turning = dq[1::2] + dq[2::2]
         wc = dq[0]
-        inner, outer = (deflected(b, d[:, None] - b.drop) for d in approaches(angle, b.mass * b.orbit * w * w))
-        of_ring, of_roller = b.Ri * (b.speed - w), b.r * (w - turning)
+        inner, outer = (
+            deflected(b, d[:, None] - b.drop) for d in approaches(angle, b.mass * b.orbit * w * w)
+        )
+        of_ring = b.Ri * (b.speed - w)
+        of_roller = b.r * (w - turning)
         Fi = traction(b, inner, 0.5 * (of_ring + of_roller), of_ring - of_roller, inner_radius)
         of_ring = b.Ro * w
         Fo = traction(b, outer, 0.5 * (of_ring + of_roller), of_roller - of_ring, outer_radius)
-        along, running = b.orbit * (q[1::2] - q[0]), b.orbit * (w - wc)
-        ahead, behind = bar(along - b.play / 2, running), bar(-along - b.play / 2, -running)
+        along = b.orbit * (q[1::2] - q[0])
+        running = b.orbit * (w - wc)
+        ahead = bar(along - b.play / 2, running)
+        behind = bar(-along - b.play / 2, -running)
         rub = rubbed(b, ahead, -b.r * (turning - wc)) - rubbed(b, behind, b.r * (turning - wc))
         moment = b.r * (Fo - Fi + rub)  # about the axis of the roller
         to = np.zeros(1 + 2 * Z)
@@ -457,14 +531,25 @@ def motion(b, build, tolerance, end=END):
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     time = settings.timeIntegration
-    time.verboseMode, time.automaticStepSize, time.minimumStepSize = 0, True, 1e-13
-    time.relativeTolerance, time.absoluteTolerance = tolerance, 1e-2 * tolerance
-    found, squares = [], []
+    time.verboseMode = 0
+    time.automaticStepSize = True
+    time.minimumStepSize = 1e-13
+    time.relativeTolerance = tolerance
+    time.absoluteTolerance = 1e-2 * tolerance
+    found = []
+    squares = []
     for count in range(round(end / SAMPLE) + 1):
         if count:
-            time.startTime, time.endTime, time.numberOfSteps = (count - 1) * SAMPLE, count * SAMPLE, 5
-            mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.DOPRI5, updateInitialValues=True)
-        state = read(np.array(mbs.systemData.GetODE2Coordinates()), np.array(mbs.systemData.GetODE2Coordinates_t()))
+            time.startTime = (count - 1) * SAMPLE
+            time.endTime = count * SAMPLE
+            time.numberOfSteps = 5
+            mbs.SolveDynamic(
+                settings, solverType=exu.DynamicSolverType.DOPRI5, updateInitialValues=True
+            )
+        state = read(
+            np.array(mbs.systemData.GetODE2Coordinates()),
+            np.array(mbs.systemData.GetODE2Coordinates_t()),
+        )
         squares.append(np.mean(state["pocket_force"] ** 2))
         if count % round(END / ROWS / SAMPLE) == 0:
             found.append({"t": count * SAMPLE, **state, "mean_square": np.mean(squares)})
@@ -514,13 +599,22 @@ def main():
         if factor == 1.0:
             continue
         with FILE.open(newline="") as file:
-            known = [row for row in csv.DictReader(file) if (row["bearing"], row["level"]) == (name, level.__name__)]
+            known = [
+                row
+                for row in csv.DictReader(file)
+                if (row["bearing"], row["level"]) == (name, level.__name__)
+            ]
         for row, other in zip(found, known, strict=True):
             off = {}
             for key in list(row)[3:]:
                 kind = key.rstrip("0123456789").rstrip("_")
                 off[kind] = max(off.get(kind, 0.0), abs(float(row[key]) - float(other[key])))
-            print(name, level.__name__, row["t"], {kind: f"{value:.1e}" for kind, value in off.items()})
+            print(
+                name,
+                level.__name__,
+                row["t"],
+                {kind: f"{value:.1e}" for kind, value in off.items()},
+            )
     if factor == 1.0:
         write(made)
 

@@ -24,14 +24,22 @@ from rollslip_kernels.stages import simd
 from worst_slices import by_set, drawn, error_of, laws, near
 
 #: Slices drawn first, of laws whose 50 digits are dear, and how often and how many are drawn around the worst.
-FIRST, DEAR, ROUNDS, AROUND, KEPT = 2000, 400, 4, 100, 3
+FIRST = 2000
+DEAR = 400
+ROUNDS = 4
+AROUND = 100
+KEPT = 3
 DEAR_LAWS = ("lambda-blend", "maxwell-eyring")
 
 
 def main():
     """Search, and write the table."""
-    random, worst = np.random.default_rng(20261123), {}
-    asked = {law: [drawn(law, random) for _ in range(DEAR if law in DEAR_LAWS else FIRST)] for law in laws()}
+    random = np.random.default_rng(20261123)
+    worst = {}
+    asked = {
+        law: [drawn(law, random) for _ in range(DEAR if law in DEAR_LAWS else FIRST)]
+        for law in laws()
+    }
     for k in range(ROUNDS + 1):
         for name in simd.available():
             for law, filled in by_set(name, asked).items():

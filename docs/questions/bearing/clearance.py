@@ -22,7 +22,9 @@ found = rollslip.sweep(scene, over, study="steady-slip", output=["steady_slip"])
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.2), layout="constrained")
 left.step(1e6 * clearance, loaded, where="mid")
-left.set(xlabel="Radial clearance [µm]", ylabel="Rollers that touch the inner ring [–]", ylim=(0, None))
+left.set(
+    xlabel="Radial clearance [µm]", ylabel="Rollers that touch the inner ring [–]", ylim=(0, None)
+)
 right.plot(1e6 * found.radial_clearance, 100 * found.steady_slip.values.ravel(), "o-", ms=3)
 right.set(xlabel="Radial clearance [µm]", ylabel="Steady cage slip [%]", ylim=(0, None))
 print(f"from {loaded[0]} rollers without clearance to {loaded[-1]} at {1e6 * clearance[-1]:.0f} µm")

@@ -12,13 +12,27 @@ import rollslip
 
 fig, axes = plt.subplots()
 for flow, style in (("10 g/s", "-"), ("40 g/s", "--")):
-    cooled = {"models.thermal": {"model": "network", "oil_flow": flow, "oil_inlet_temperature": "60 degC"}}
-    finely = {"accuracy.tolerance": 0.05, "study.thermal-balance": {"points": 12, "highest_temperature": "120 degC"}}
-    found = rollslip.run(rollslip.evolve(rollslip.load_scene("turbine"), cooled | finely), "thermal-balance")
-    axes.plot(found.leading_temperature - 273.15, found.excess_heat, style, label=f"{flow} of oil at 60 °C")
+    cooled = {
+        "models.thermal": {"model": "network", "oil_flow": flow, "oil_inlet_temperature": "60 degC"}
+    }
+    finely = {
+        "accuracy.tolerance": 0.05,
+        "study.thermal-balance": {"points": 12, "highest_temperature": "120 degC"},
+    }
+    found = rollslip.run(
+        rollslip.evolve(rollslip.load_scene("turbine"), cooled | finely), "thermal-balance"
+    )
+    axes.plot(
+        found.leading_temperature - 273.15,
+        found.excess_heat,
+        style,
+        label=f"{flow} of oil at 60 °C",
+    )
     settled = found.settled_temperature - 273.15
     axes.plot(settled.sel(node="oil"), 0.0, "ko")
-    parts = ", ".join(f"{part} {float(settled.sel(node=part)):.0f} °C" for part in settled.node.values)
+    parts = ", ".join(
+        f"{part} {float(settled.sel(node=part)):.0f} °C" for part in settled.node.values
+    )
     print(f"{flow}: {parts}, slip {float(found.settled_slip):.1%}")
 axes.axhline(0.0, color="black", linewidth=0.8)
 axes.set(xlabel="Temperature of the oil [°C]", ylabel="Losses less what is carried away [W]")

@@ -18,7 +18,15 @@ order = np.argsort(angle)
 
 fig, axes = plt.subplots()
 for ring, marker in (("outer", "s"), ("inner", "o")):
-    axes.plot(angle[order], forces.sel(ring=ring).values[order], marker=marker, ms=4, label=f"{ring} ring")
-axes.set(xlabel="Angle from the direction of the load [°]", ylabel="Force on the roller [N]", xlim=(-180, 180))
+    axes.plot(
+        angle[order], forces.sel(ring=ring).values[order], marker=marker, ms=4, label=f"{ring} ring"
+    )
+axes.set(
+    xlabel="Angle from the direction of the load [°]",
+    ylabel="Force on the roller [N]",
+    xlim=(-180, 180),
+)
 axes.legend()
-print(f"{int((forces.sel(ring='inner') > 0).sum())} of {forces.sizes['roller']} rollers touch the inner ring")
+print(
+    f"{int((forces.sel(ring='inner') > 0).sum())} of {forces.sizes['roller']} rollers touch the inner ring"
+)

@@ -13,13 +13,15 @@ import rollslip
 from rollslip import Chain, Conditions, Slices
 from rollslip_plugins.pressure_viscosity import Barus
 
-contact, film = rollslip.get_model("contact", "palmgren"), rollslip.get_model("film", "moes")
+contact = rollslip.get_model("contact", "palmgren")
+film = rollslip.get_model("film", "moes")
 roughness = np.geomspace(0.02e-6, 4e-6, 60)
 
 fig, axes = plt.subplots()
 for name in ("lambda-blend", "linear-blend", "zhou-hoeprich"):
     traction = rollslip.get_model("traction", name, hydrodynamic="maxwell-eyring")
-    parameter, friction = [], []
+    parameter = []
+    friction = []
     for size in roughness:
         conditions = Conditions(
             length=15e-3, radius=6.875e-3, modulus=2.286e11, roughness=size, effusivity=12.99e3, temperature=343.15,

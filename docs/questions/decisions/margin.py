@@ -20,6 +20,10 @@ axes.step(slip, np.linspace(0, 1, len(slip)), where="post", label="samples")
 axes.set(xscale="log", xlabel="Steady cage slip [%]", ylabel="Share of samples [–]", ylim=(0, 1))
 within = found.sel(quantity="steady slip", probability=0.9)
 low, high = (100 * float(within[end]) for end in ("quantile_low", "quantile_high"))
-axes.axvspan(low, high, color="C1", alpha=0.3, lw=0, label="nine of ten are below, with its interval")
+axes.axvspan(
+    low, high, color="C1", alpha=0.3, lw=0, label="nine of ten are below, with its interval"
+)
 axes.legend()
-print(f"nine of ten samples slip by less than {100 * float(within.quantile_value):.2g} %, {low:.2g} to {high:.2g} %")
+print(
+    f"nine of ten samples slip by less than {100 * float(within.quantile_value):.2g} %, {low:.2g} to {high:.2g} %"
+)

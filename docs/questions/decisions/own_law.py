@@ -11,7 +11,11 @@ import numpy as np
 import rollslip
 
 
-@rollslip.model("traction", "smooth-limit", reads={"pressure", "film_thickness", "sliding_speed", "film_viscosity"})
+@rollslip.model(
+    "traction",
+    "smooth-limit",
+    reads={"pressure", "film_thickness", "sliding_speed", "film_viscosity"},
+)
 def smooth_limit(slices):
     """Gecim and Winer (1980): mu = lambda tanh(eta V/(h lambda p)), with lambda = 0.05."""
     rate = slices.sliding_speed / slices.film_thickness
@@ -21,7 +25,9 @@ def smooth_limit(slices):
 scene = rollslip.load_scene("turbine")
 fig, axes = plt.subplots()
 for law in ("maxwell-eyring", "smooth-limit"):
-    result = rollslip.run(rollslip.evolve(scene, {"models.traction.hydrodynamic": law}), "friction-curve")
+    result = rollslip.run(
+        rollslip.evolve(scene, {"models.traction.hydrodynamic": law}), "friction-curve"
+    )
     axes.plot(100 * result.slip, result.friction.isel(normal_force=0), label=law)
 axes.set(xlabel="Slip [%]", ylabel="Friction coefficient [–]")
 axes.legend()

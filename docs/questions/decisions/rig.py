@@ -27,5 +27,7 @@ for k, temperature in enumerate(found.point_temperature.values):
     axes.plot(100 * found.curve_slip[k], found.curve_friction[k], f"C{k}", label=label)
 axes.set(xlabel="Slide-roll ratio [%]", ylabel="Friction coefficient [–]")
 axes.legend(title="temperature, mean pressure", loc="upper left", bbox_to_anchor=(1, 1))
-for name, value, error in zip(found.parameter.values, found.value.values, found.standard_error.values, strict=True):
+for name, value, error in zip(
+    found.parameter.values, found.value.values, found.standard_error.values, strict=True
+):
     print(f"{name}: {value:.4g} ± {error:.2g}")

@@ -13,7 +13,9 @@ scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"study.friction-cur
 
 
 def friction(slices):
-    return rollslip.run(rollslip.evolve(scene, {"accuracy.slices": slices}), "friction-curve").friction
+    return rollslip.run(
+        rollslip.evolve(scene, {"accuracy.slices": slices}), "friction-curve"
+    ).friction
 
 
 exact = friction(401)

@@ -22,5 +22,6 @@ for axes, scene in zip(both, ("turbine", "1032930-50C"), strict=True):
         axes.axvline(away, color="C3", lw=0.8, label="skidding begins")
     axes.set(title=scene, xlabel="Cage slip [%]", ylabel="Torque [mN m]")
     axes.legend()
-    slip, reserve = float(result.steady_slip[0]), float(result.most_torque / result.torque[0])
+    slip = float(result.steady_slip[0])
+    reserve = float(result.most_torque / result.torque[0])
     print(f"{scene}: slip {slip:.1%}, drag reserve {reserve:.1f}")

@@ -16,7 +16,9 @@ for drag in ("rolling-resistance", "churning", "petroff-land"):
     found = rollslip.sweep("turbine", over, study="steady-slip", output=["steady_slip"])
     slip = 100 * found.steady_slip.values.ravel()
     axes.semilogx(found.factor, slip, "o-", ms=3, label=drag)
-    print(f"{drag}: slip {slip[0]:.1f} % with a third of it, {slip[-1]:.1f} % with three times as much")
+    print(
+        f"{drag}: slip {slip[0]:.1f} % with a third of it, {slip[-1]:.1f} % with three times as much"
+    )
 axes.set(xlabel="Drag over that of the scene [–]", ylabel="Steady cage slip [%]", ylim=(0, None))
 axes.set_xticks([0.33, 1, 3], ["1/3", "1", "3"])
 axes.minorticks_off()

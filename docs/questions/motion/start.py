@@ -20,4 +20,6 @@ result = rollslip.run(rollslip.evolve(rollslip.load_scene("turbine"), changes), 
 fig, axes = plt.subplots()
 axes.plot(1e3 * result.time, 100 * result.cage_slip)
 axes.set(xlabel="Time [ms]", ylabel="Cage slip [%]", ylim=(0, None))
-print(f"after {1e3 * float(result.time[-1]):.0f} ms the cage slips by {100 * float(result.cage_slip[-1]):.1f} %")
+print(
+    f"after {1e3 * float(result.time[-1]):.0f} ms the cage slips by {100 * float(result.cage_slip[-1]):.1f} %"
+)

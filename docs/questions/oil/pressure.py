@@ -16,7 +16,12 @@ from rollslip import Conditions
 from rollslip_plugins.pressure_viscosity import Barus, Roelands
 
 pressure = np.linspace(0.0, 8e8, 100)
-oil = Conditions(viscosity=8.6e-3, pressure_viscosity=10.7e-9, thermoviscosity=0.026, pressure_thermoviscosity=7e-11)
+oil = Conditions(
+    viscosity=8.6e-3,
+    pressure_viscosity=10.7e-9,
+    thermoviscosity=0.026,
+    pressure_thermoviscosity=7e-11,
+)
 
 fig, axes = plt.subplots()
 for law in (Barus(), Roelands()):

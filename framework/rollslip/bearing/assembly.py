@@ -69,13 +69,22 @@ class Assembly:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Leave behind what is found again."""
-        made = {a.name: getattr(self, a.name) for a in attrs.fields(Assembly) if not a.name.startswith("known")}
+        made = {
+            a.name: getattr(self, a.name)
+            for a in attrs.fields(Assembly)
+            if not a.name.startswith("known")
+        }
         return partial(Assembly, **made), ()
 
     @property
     def models(self) -> dict[str, SliceModel]:
         """The models by kind; the oil's law of viscosity with pressure runs before the last."""
-        return {"contact": self.contact, "film": self.film, "pressure": self.pressure, "traction": self.traction}
+        return {
+            "contact": self.contact,
+            "film": self.film,
+            "pressure": self.pressure,
+            "traction": self.traction,
+        }
 
     @property
     def raceways(self) -> tuple[Raceway, Raceway]:
@@ -102,7 +111,9 @@ class Assembly:
         """Return that force at a cage speed [rad/s], which a carrier adds its own to."""
         if (carrier := self.scene.operation.carrier) is not None:
             cage_speed += self.kinematics.direction * carrier.speed
-        force = self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)  # a power would raise
+        force = (
+            self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)
+        )  # a power would raise
         if not force < math.inf:
             raise DomainError(
                 f"the centrifugal force of a roller of {format_quantity(self.roller_mass, 'kg')} overflows at a cage "
@@ -118,17 +129,23 @@ class Assembly:
         m w^2 R_p off the axis of a carrier, w its speed and R_p the distance of both axes; or the weight m g, where its
         share is above the tolerance.
         """
-        o, force, direction = self.scene.operation, 0.0, 0.0
+        o = self.scene.operation
+        force = 0.0
+        direction = 0.0
         if o.carrier is not None:
-            force, direction = self.roller_mass * o.carrier.speed**2 * o.carrier.radius, o.carrier.direction
+            force = self.roller_mass * o.carrier.speed**2 * o.carrier.radius
+            direction = o.carrier.direction
         elif o.gravity_direction is not None and self.weight_share > self.scene.accuracy.tolerance:
-            force, direction = self.roller_mass * GRAVITY, o.gravity_direction
+            force = self.roller_mass * GRAVITY
+            direction = o.gravity_direction
         return force * math.cos(direction), force * math.sin(direction) * self.kinematics.direction
 
     @property
     def weight_share(self) -> float:
         """Weight of a roller over what presses it besides, F_r/Z + F_c."""
-        pressed = self.scene.operation.radial_load / self.scene.bearing.rollers + self.centrifugal_force
+        pressed = (
+            self.scene.operation.radial_load / self.scene.bearing.rollers + self.centrifugal_force
+        )
         return self.roller_mass * GRAVITY / pressed if pressed > 0.0 else math.inf
 
     def _read_cage(self) -> Cage:
@@ -143,10 +160,17 @@ class Assembly:
         def bound() -> Cage:
             cage = with_drags(self._read_cage(), self.scene, self.kinematics, self.lubricant)
             if (resistance := cage.drags.resistance) is not None:
-                check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
+                check_given(
+                    (resistance,),
+                    self.inner.conditions,
+                    self.lubricant,
+                    Location(self.scene.origins),
+                )
             return cage
 
-        return self._known("cage", (self.scene, self.kinematics, self.lubricant, self.inner.conditions), bound)
+        return self._known(
+            "cage", (self.scene, self.kinematics, self.lubricant, self.inner.conditions), bound
+        )
 
     def _known(self, what: str, of: tuple[object, ...], make: Callable[[], _T]) -> _T:
         """Return what is made of some objects, once for all bearings that have them."""
@@ -161,7 +185,8 @@ class Assembly:
         resistance = self.cage.drags.resistance
         if resistance is None:
             return self
-        before, compiled = self.inner.chain, self.resolution.compiled
+        before = self.inner.chain
+        compiled = self.resolution.compiled
         chain = self._known(
             "chain",
             (before, resistance, compiled),
@@ -173,11 +198,15 @@ class Assembly:
         """Return the same bearing with bounds that are checked at every evaluation of its contacts."""
         if not bounds:
             return self
-        return self._with_chain(Chain(*self.inner.chain.models, compiled=self.resolution.compiled, bounds=bounds))
+        return self._with_chain(
+            Chain(*self.inner.chain.models, compiled=self.resolution.compiled, bounds=bounds)
+        )
 
     def _with_chain(self, chain: Chain) -> "Assembly":
         return attrs.evolve(
-            self, inner=attrs.evolve(self.inner, chain=chain), outer=attrs.evolve(self.outer, chain=chain)
+            self,
+            inner=attrs.evolve(self.inner, chain=chain),
+            outer=attrs.evolve(self.outer, chain=chain),
         )
 
     def at(self, resolution: Resolution) -> "Assembly":
@@ -187,22 +216,39 @@ class Assembly:
             return assemble(self.scene, resolution)
         made = partial(slicing, self.scene, resolution)
         key = ("slicing", resolution.slices, resolution.quadrature)
-        position, widths, drop = self.known_loads.get(key) or self.known_loads.setdefault(key, made())
-        return attrs.evolve(self, resolution=resolution, position=position, widths=widths, drop=drop)
+        position, widths, drop = self.known_loads.get(key) or self.known_loads.setdefault(
+            key, made()
+        )
+        return attrs.evolve(
+            self, resolution=resolution, position=position, widths=widths, drop=drop
+        )
 
     def at_load(self, radial_load: float) -> "Assembly":
         """Return the same bearing under another radial load [N], to search for one: its scene keeps the text it has."""
-        cage, scene = self.cage, self.scene
-        scene = attrs.evolve(scene, operation=attrs.evolve(scene.operation, radial_load=radial_load))
-        if any("radial_load" in taken_from_scene(model) for model in (*self.models.values(), *cage.named)):
-            made, chain = assemble(scene, self.resolution), self.inner.chain
+        cage = self.cage
+        scene = self.scene
+        scene = attrs.evolve(
+            scene, operation=attrs.evolve(scene.operation, radial_load=radial_load)
+        )
+        if any(
+            "radial_load" in taken_from_scene(model)
+            for model in (*self.models.values(), *cage.named)
+        ):
+            made = assemble(scene, self.resolution)
+            chain = self.inner.chain
             made = made.with_bounds(*chain.bounds)
             return made.with_resistance() if chain.resists else made
-        known = {**self.known_cage, "cage": ((scene, self.kinematics, self.lubricant, self.inner.conditions), cage)}
+        known = {
+            **self.known_cage,
+            "cage": ((scene, self.kinematics, self.lubricant, self.inner.conditions), cage),
+        }
         return attrs.evolve(self, scene=scene, known_loads={}, known_maps={}, known_cage=known)
 
     def load_distribution(
-        self, instants: int = 1, cage_speed: float | None = None, known: LoadDistribution | None = None
+        self,
+        instants: int = 1,
+        cage_speed: float | None = None,
+        known: LoadDistribution | None = None,
     ) -> LoadDistribution:
         """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
 
@@ -211,7 +257,9 @@ class Assembly:
         """
         if known is not None or cage_speed is not None:
             return self._solved_loads(instants, cage_speed, known)
-        return self.kept_by_loads(("loads", instants), instants, lambda: self._solved_loads(instants, None, None))
+        return self.kept_by_loads(
+            ("loads", instants), instants, lambda: self._solved_loads(instants, None, None)
+        )
 
     def kept(self, what: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
         """Return something of the bearing under a key that has all it depends on, made once."""
@@ -225,7 +273,9 @@ class Assembly:
         found: _T = self.known_maps[what, key]
         return found
 
-    def kept_by_loads(self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]) -> _T:
+    def kept_by_loads(
+        self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]
+    ) -> _T:
         """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.
 
         Where it is large it is made anew each time.
@@ -241,14 +291,17 @@ class Assembly:
     def _solved_loads(
         self, instants: int, cage_speed: float | None, known: LoadDistribution | None
     ) -> LoadDistribution:
-        force = self.centrifugal_force if cage_speed is None else self.centrifugal_force_at(cage_speed)
+        force = (
+            self.centrifugal_force if cage_speed is None else self.centrifugal_force_at(cage_speed)
+        )
         if self.rings is not None and self.rings.turning:  # instants of half as many are others
             known = None
         return solve_pitch(self.load_case(instants, force), self.raceways, known)
 
     def load_case(self, instants: int, centrifugal_force: float = 0.0) -> LoadCase:
         """Return what the equilibrium is solved of, at instants spread over one roller pitch."""
-        b, o = self.scene.bearing, self.scene.operation
+        b = self.scene.bearing
+        o = self.scene.operation
         return LoadCase(
             angular_positions(b.rollers, instants),
             b.roller_length,
@@ -269,11 +322,20 @@ class Assembly:
         sides = [
             (
                 raceway.deflection,
-                *(getattr(raceway.conditions, name) for name in sorted(conditions_read(raceway.deflection))),
+                *(
+                    getattr(raceway.conditions, name)
+                    for name in sorted(conditions_read(raceway.deflection))
+                ),
             )
             for raceway in self.raceways
         ]
-        return self.slices, self.resolution.quadrature, self.inner.chain.placed, self.body_force, *sides
+        return (
+            self.slices,
+            self.resolution.quadrature,
+            self.inner.chain.placed,
+            self.body_force,
+            *sides,
+        )
 
     def places(self, ring: Ring, angle: Array, roller: Array | None = None) -> dict[str, Array]:
         """Return where slices of rollers are, as `LoadedContacts` takes it; nothing where no law asks.
@@ -283,12 +345,17 @@ class Assembly:
         """
         if not self.inner.chain.placed:
             return {}
-        known = {"position": self.position, "orbit_angle": angle, "transverse_speed": self.across(ring) * np.sin(angle)}
+        known = {
+            "position": self.position,
+            "orbit_angle": angle,
+            "transverse_speed": self.across(ring) * np.sin(angle),
+        }
         return known if roller is None else known | {"roller": roller}
 
     def across(self, ring: Ring) -> float:
         """Largest transverse sliding speed of a ring over the orbit [m/s]."""
-        k, tilt = self.kinematics, self.scene.operation.misalignment if ring == "inner" else 0.0
+        k = self.kinematics
+        tilt = self.scene.operation.misalignment if ring == "inner" else 0.0
         return tilt * k.direction * k.inner_speed * k.inner_radius
 
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
@@ -296,12 +363,16 @@ class Assembly:
         raceway = self.inner if ring == "inner" else self.outer
         every = approach.ravel()
         touching = np.flatnonzero(~(every <= 0.0))  # NaN among them, for the chain to refuse
-        load, stiffness = np.zeros_like(every), np.zeros_like(every)
-        for start in range(0, touching.size, _PIECE):  # a table is many columns: pieces of it stay in the cache
+        load = np.zeros_like(every)
+        stiffness = np.zeros_like(every)
+        for start in range(
+            0, touching.size, _PIECE
+        ):  # a table is many columns: pieces of it stay in the cache
             some = touching[start : start + _PIECE]
             slices = Slices(some.size, raceway.conditions, approach=every[some])
             raceway.deflection(slices)
-            load[some], stiffness[some] = slices.load, slices.stiffness
+            load[some] = slices.load
+            stiffness[some] = slices.stiffness
         return load.reshape(approach.shape), stiffness.reshape(approach.shape)
 
 
@@ -310,7 +381,9 @@ def conditions_read(chain: Chain) -> frozenset[str]:
     return members(tuple(frozenset(model.reads) for model in chain.models))
 
 
-def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assembly | None = None) -> Assembly:
+def assemble(
+    scene: Scene, resolution: Resolution | None = None, *, like: Assembly | None = None
+) -> Assembly:
     """Put the bearing of a scene together.
 
     Parameters
@@ -351,7 +424,11 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     constants = None if lubricant is None or not lubricant.models else lubricant.constants_for
     models: dict[str, Any] = {
         kind: structure_model(
-            kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems, constants
+            kind,
+            {"model": choice.name, **choice.parameters},
+            where.at("models").at(kind),
+            problems,
+            constants,
         )
         for kind, choice in (
             ("contact", scene.models.contact),
@@ -361,15 +438,26 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         )
     }
     problems += unused_constants(scene, models, where.at("lubricant").at("models"))
-    named, thermal = where.at("models"), scene.models.thermal
+    named = where.at("models")
+    thermal = scene.models.thermal
     beside = [] if thermal is None else [("thermal", named.at("thermal"), thermal)]
-    beside += [("damage", named.at("damage").at(k), one) for k, one in enumerate(scene.models.damage)]
-    beside += [("torque", named.at("torque").at(k), one) for k, one in enumerate(scene.models.torque)]
-    for kind, place, choice in beside:  # for studies that ask for them; their faults are those of the scene
+    beside += [
+        ("damage", named.at("damage").at(k), one) for k, one in enumerate(scene.models.damage)
+    ]
+    beside += [
+        ("torque", named.at("torque").at(k), one) for k, one in enumerate(scene.models.torque)
+    ]
+    for (
+        kind,
+        place,
+        choice,
+    ) in beside:  # for studies that ask for them; their faults are those of the scene
         structure_model(kind, {"model": choice.name, **choice.parameters}, place, problems)
     rings = rings_of(
         scene,
-        lambda choice, at: structure_model("ring", {"model": choice.name, **choice.parameters}, at, problems),
+        lambda choice, at: structure_model(
+            "ring", {"model": choice.name, **choice.parameters}, at, problems
+        ),
         problems,
     )
     kinematics = Kinematics(
@@ -387,7 +475,10 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         raise SceneError(problems)
     values = scene_values(scene, kinematics, lubricant)
     named = where.at("models")
-    models = {kind: filled(model, values, named.at(kind), problems, kind) for kind, model in models.items()}
+    models = {
+        kind: filled(model, values, named.at(kind), problems, kind)
+        for kind, model in models.items()
+    }
     if problems:
         raise SceneError(problems)
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
@@ -396,11 +487,16 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     models["traction"] = simplified(models["traction"], resolution)
     if not resolution.inlet_heating:
         models["film"] = models["film"].isothermal
-    in_film = () if models["pressure"].of_contact or not resolution.light_contacts else (models["pressure"],)
+    in_film = (
+        ()
+        if models["pressure"].of_contact or not resolution.light_contacts
+        else (models["pressure"],)
+    )
     stages = models["contact"], models["film"], *in_film, law, models["traction"]
     deflection = models["contact"].deflection()
     check_given((deflection, *stages), conditions["inner"], lubricant, where)
-    chain, approach = Chain(*stages, compiled=resolution.compiled), Chain(deflection, compiled=resolution.compiled)
+    chain = Chain(*stages, compiled=resolution.compiled)
+    approach = Chain(deflection, compiled=resolution.compiled)
     inner, outer = (Raceway(ring, conditions[ring], chain, approach) for ring in RINGS)
     return Assembly(
         scene=scene,
@@ -422,10 +518,18 @@ def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
     """Whether a scene has models, bearing and loads of another, and the same resolution is asked of it."""
 
     def same(one: object, other: object) -> bool:
-        return one is other or one == other  # what is not changed is the same object, and comparing takes longer
+        return (
+            one is other or one == other
+        )  # what is not changed is the same object, and comparing takes longer
 
-    own, other = scene.operation, like.scene.operation
-    temperatures = ("temperature", "inner_ring_temperature", "outer_ring_temperature", "roller_temperature")
+    own = scene.operation
+    other = like.scene.operation
+    temperatures = (
+        "temperature",
+        "inner_ring_temperature",
+        "outer_ring_temperature",
+        "roller_temperature",
+    )
     loads = [a.name for a in attrs.fields(type(own)) if a.name not in temperatures]
     return (
         same(resolution, like.resolution)
@@ -439,18 +543,25 @@ def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
 def _given_alike(scene: Scene, oil: Lubricant, like: Assembly) -> bool:
     """Whether the laws of a bearing take from a scene what they take from its own."""
     named = {of for model in like.models.values() for of in taken_from_scene(model)}
-    one, other = (scene_values(of, like.kinematics, its) for of, its in ((scene, oil), (like.scene, like.lubricant)))
+    one, other = (
+        scene_values(of, like.kinematics, its)
+        for of, its in ((scene, oil), (like.scene, like.lubricant))
+    )
     return all(one[of] == other[of] for of in named if of in one)
 
 
 def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> Assembly:
     """The bearing of a scene that has all but its conditions of another."""
     inner, outer = (
-        attrs.evolve(raceway, conditions=_conditions(scene, like.kinematics, oil, raceway.ring, where))
+        attrs.evolve(
+            raceway, conditions=_conditions(scene, like.kinematics, oil, raceway.ring, where)
+        )
         for raceway in like.raceways
     )
     read = like.known_cage.get("read")
-    check_given((*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where)
+    check_given(
+        (*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where
+    )
     return attrs.evolve(
         like,
         scene=scene,
@@ -489,15 +600,22 @@ def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel
     if not resolution.boundary:
         traction = traction.full_film
     if resolution.traction != "named":
-        cls, named = get_class("traction", resolution.traction), traction.full_film
-        shared = {a.name for a in attrs.fields(cls)} & {a.name for a in getattr(named, "__attrs_attrs__", ())}
+        cls = get_class("traction", resolution.traction)
+        named = traction.full_film
+        shared = {a.name for a in attrs.fields(cls)} & {
+            a.name for a in getattr(named, "__attrs_attrs__", ())
+        }
         traction = traction.with_full_film(cls(**{name: getattr(named, name) for name in shared}))
     return traction
 
 
-def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Location) -> Conditions:
+def _conditions(
+    scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Location
+) -> Conditions:
     """What the contacts of a ring share; the film enters at the mean temperature of the two surfaces."""
-    o, s, pair = scene.operation, scene.surface, (scene.bearing.material_of(ring), scene.bearing.material)
+    o = scene.operation
+    s = scene.surface
+    pair = (scene.bearing.material_of(ring), scene.bearing.material)
     ring_temperature = o.inner_ring_temperature if ring == "inner" else o.outer_ring_temperature
     try:
         oil = lubricant.at((ring_temperature + o.roller_temperature) / 2)
@@ -507,10 +625,18 @@ def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring
     own, other = (m.elastic_modulus / (1 - m.poisson_ratio**2) for m in pair)
     return Conditions(
         length=scene.bearing.roller_length,
-        radius=kinematics.inner_equivalent_radius if ring == "inner" else kinematics.outer_equivalent_radius,
-        modulus=own * (other / ((own + other) / 2)),  # 2/(1/own + 1/other), and own to the bit where both are one
+        radius=kinematics.inner_equivalent_radius
+        if ring == "inner"
+        else kinematics.outer_equivalent_radius,
+        modulus=own
+        * (
+            other / ((own + other) / 2)
+        ),  # 2/(1/own + 1/other), and own to the bit where both are one
         roughness=1.25 * math.hypot(raceway_roughness, s.roller_roughness),
         # heat parts such that both are equally warm
-        effusivity=sum(math.sqrt(m.thermal_conductivity * m.density * m.specific_heat) for m in pair) / 2,
+        effusivity=sum(
+            math.sqrt(m.thermal_conductivity * m.density * m.specific_heat) for m in pair
+        )
+        / 2,
         **{name: getattr(oil, name) for name in _OF_OIL},
     )

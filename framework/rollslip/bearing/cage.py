@@ -33,7 +33,9 @@ _optional = attrs.validators.optional(positive)
 def train_play(bearing: Bearing) -> float:
     """Return the play that all rollers have together along their orbit where no cage is between them [m]."""
     orbit = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 4
-    return 2 * orbit * (math.pi - bearing.rollers * math.asin(bearing.roller_diameter / (2 * orbit)))
+    return (
+        2 * orbit * (math.pi - bearing.rollers * math.asin(bearing.roller_diameter / (2 * orbit)))
+    )
 
 
 class Make(NamedTuple):
@@ -58,7 +60,9 @@ MAKES: Final[Mapping[str, Make]] = {
 
 
 def _of_the_bearing(cage: "Cage") -> float:
-    raise TypeError("a cage takes mass, inertia and pocket_clearance; read_cage estimates them")  # pragma: no cover
+    raise TypeError(
+        "a cage takes mass, inertia and pocket_clearance; read_cage estimates them"
+    )  # pragma: no cover
 
 
 _estimated: Any = attrs.Factory(_of_the_bearing, takes_self=True)
@@ -126,7 +130,8 @@ class Cage:
     )
     pocket_radial_clearance: float | None = field(
         default=attrs.Factory(
-            lambda cage: cage.pocket_clearance if cage.guidance == "roller" else None, takes_self=True
+            lambda cage: cage.pocket_clearance if cage.guidance == "roller" else None,
+            takes_self=True,
         ),
         unit="m",
         doc="clearance of a roller in its pocket along the radius, by which rollers guide the cage, full play; by "
@@ -179,9 +184,14 @@ class Cage:
         if self.guidance == "roller":
             for name in ("land_radius", "land_width", "land_clearance"):
                 if getattr(self, name) is not None:
-                    raise FieldError(name, "only read for guidance = 'inner' or 'outer', not for 'roller'")
+                    raise FieldError(
+                        name, "only read for guidance = 'inner' or 'outer', not for 'roller'"
+                    )
         elif self.pocket_radial_clearance is not None:
-            raise FieldError("pocket_radial_clearance", f"only read for guidance = 'roller', not for {self.guidance!r}")
+            raise FieldError(
+                "pocket_radial_clearance",
+                f"only read for guidance = 'roller', not for {self.guidance!r}",
+            )
 
 
 def estimated_inertia(bearing: Bearing, make: str = "brass") -> tuple[float, float]:
@@ -199,10 +209,12 @@ def estimated_inertia(bearing: Bearing, make: str = "brass") -> tuple[float, flo
 
 def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, object]:
     """Return what make and size say of a cage where its table is silent."""
-    b, name = bearing, table.get("make", "brass")
+    b = bearing
+    name = table.get("make", "brass")
     make = MAKES.get(name) if isinstance(name, str) else None
     if make is None:  # the reader says so
-        name, make = "brass", MAKES["brass"]
+        name = "brass"
+        make = MAKES["brass"]
     mass, inertia = estimated_inertia(b, str(name))
     estimates: dict[str, object] = {
         "mass": mass,
@@ -215,7 +227,11 @@ def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, objec
     guidance = table.get("guidance", estimates["guidance"])
     if isinstance(guidance, str) and guidance in lands:
         radius = _number(table, "land_radius", "m", lands[guidance])
-        estimates |= {"land_radius": radius, "land_width": b.roller_length / 2, "land_clearance": 0.0025 * radius}
+        estimates |= {
+            "land_radius": radius,
+            "land_width": b.roller_length / 2,
+            "land_clearance": 0.0025 * radius,
+        }
     return estimates
 
 
@@ -241,9 +257,14 @@ def supplied(scene: Scene, lubricant: Lubricant) -> Supplied:
     """Return what the supply of oil of a scene comes to, at the temperature of the operation."""
     o = scene.operation
     density = DENSITY if lubricant.density is None else lubricant.density(o.temperature)
-    b, speed = scene.bearing, o.inner_speed - o.outer_speed
+    b = scene.bearing
+    speed = o.inner_speed - o.outer_speed
     return Supplied.of(
-        scene.lubrication, b.boundaries, b.roller_diameter, speed, _viscosity(scene, lubricant) / density
+        scene.lubrication,
+        b.boundaries,
+        b.roller_diameter,
+        speed,
+        _viscosity(scene, lubricant) / density,
     )
 
 
@@ -251,7 +272,9 @@ def _viscosity(scene: Scene, lubricant: Lubricant) -> float:
     try:
         return lubricant.at(scene.operation.temperature).viscosity
     except DomainError as error:
-        raise SceneError([Location(scene.origins, ("operation", "temperature")).says(str(error))]) from error
+        raise SceneError(
+            [Location(scene.origins, ("operation", "temperature")).says(str(error))]
+        ) from error
 
 
 def default_drags(scene: Scene, guidance: object) -> list[object]:
@@ -271,7 +294,8 @@ def read_cage(scene: Scene) -> Cage:
 
     `with_drags` binds these. Without a cage only these are of use.
     """
-    where, problems = Location(scene.origins, ("cage",)), list[str]()
+    where = Location(scene.origins, ("cage",))
+    problems = list[str]()
     table = dict[str, object](scene.cage or {})
     if scene.models.neighbour_friction is not None and (problems := _without(table, where)):
         raise SceneError(problems)
@@ -295,16 +319,25 @@ def _drags(raw: object, usual: Sequence[object], where: Location, problems: list
     own = {str(one.get("model")) if isinstance(one, Mapping) else str(one): one for one in usual}
     for name in raw.keys() - own.keys():
         known = ", ".join(own) or "none"
-        problems.append(where.at(name).says(f"no drag that acts by default is called so; there are: {known}; list it"))
+        problems.append(
+            where.at(name).says(
+                f"no drag that acts by default is called so; there are: {known}; list it"
+            )
+        )
     changes = {name: dict(table) for name, table in raw.items() if isinstance(table, Mapping)}
-    tables = {name: dict(one) if isinstance(one, Mapping) else {"model": name} for name, one in own.items()}
+    tables = {
+        name: dict(one) if isinstance(one, Mapping) else {"model": name}
+        for name, one in own.items()
+    }
     return [{**table, **changes.get(name, {})} for name, table in tables.items()]
 
 
 def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
     """Return the name of the bearing and what is written of the cage, both empty where there is nothing."""
     bearing = scene.tables.get("bearing")
-    return str(bearing.get("name", "")) if isinstance(bearing, Mapping) else "", scene.tables.get("cage") or {}
+    return str(bearing.get("name", "")) if isinstance(bearing, Mapping) else "", scene.tables.get(
+        "cage"
+    ) or {}
 
 
 def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
@@ -312,7 +345,10 @@ def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
     name, written = _written(scene)
     if (friction := scene.models.neighbour_friction) is not None:
         play = format_quantity(train_play(scene.bearing), "m", 2)
-        return "none, full complement", f"rollers rub against each other at {friction:g}, play of their train {play}"
+        return (
+            "none, full complement",
+            f"rollers rub against each other at {friction:g}, play of their train {play}",
+        )
     guide = "the rollers" if cage.guidance == "roller" else f"the {cage.guidance} ring"
     own = own_cage(name)
     if "make" in written:
@@ -323,11 +359,22 @@ def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
         known = f"{own.letters} of {name} says so"
     else:
         known = f"the make is assumed, as most makers have it in {name}; state cage.make where yours is another"
-    silent = [key for key in ("mass", "inertia", "pocket_clearance", "pocket_stiffness") if key not in written]
-    silent += [key for key in ("land_radius", "land_width", "land_clearance") if getattr(cage, key) is not None]
+    silent = [
+        key
+        for key in ("mass", "inertia", "pocket_clearance", "pocket_stiffness")
+        if key not in written
+    ]
+    silent += [
+        key
+        for key in ("land_radius", "land_width", "land_clearance")
+        if getattr(cage, key) is not None
+    ]
     silent = [key for key in silent if key not in written]
     estimated = f"; estimated (D): {', '.join(silent)}" if silent else ""
-    return f"{cage.make}, {format_quantity(cage.mass, 'kg', 3)}, guided by {guide}", known + estimated
+    return (
+        f"{cage.make}, {format_quantity(cage.mass, 'kg', 3)}, guided by {guide}",
+        known + estimated,
+    )
 
 
 def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
@@ -337,43 +384,80 @@ def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
         cage = read_cage(scene)
     except RollslipError:  # who needs it says so
         return
-    b, where, own = scene.bearing, Location(scene.origins, ("cage",)), own_cage(name)
+    b = scene.bearing
+    where = Location(scene.origins, ("cage",))
+    own = own_cage(name)
     if scene.models.neighbour_friction is not None:
         if (play := train_play(b)) > b.roller_diameter:
-            shown, other = format_quantity(play, "m", 3), format_quantity(b.roller_diameter, "m")
+            shown = format_quantity(play, "m", 3)
+            other = format_quantity(b.roller_diameter, "m")
             told = f"without a cage {b.rollers} rollers of {other} have a play of {shown}, room for more of them"
             yield Location(scene.origins, ("bearing", "rollers")), told
         return
     if own is not None and own.letters:
         for key, says in (("make", own.make), ("guidance", own.guidance)):
             if key in written and getattr(cage, key) != says:
-                yield where.at(key), f"{getattr(cage, key)!r}, but {own.letters} of {name} says {says!r}"
+                yield (
+                    where.at(key),
+                    f"{getattr(cage, key)!r}, but {own.letters} of {name} says {says!r}",
+                )
     mass, _ = estimated_inertia(b, cage.make)
     heavy = not mass / 3 <= cage.mass <= 3 * mass
     orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
     for key, value, by, of, (low, high) in (
-        ("mass", cage.mass, mass, f"that of a cage of {cage.make} in this bearing, estimated (D)", (1 / 3, 3.0)),
-        ("inertia", cage.inertia, cage.mass * orbit**2, "the mass on the orbit of the rollers", (0.7, 1.4)),
-        ("pocket_clearance", cage.pocket_clearance, b.roller_diameter, "the roller diameter", (1e-3, 0.08)),
+        (
+            "mass",
+            cage.mass,
+            mass,
+            f"that of a cage of {cage.make} in this bearing, estimated (D)",
+            (1 / 3, 3.0),
+        ),
+        (
+            "inertia",
+            cage.inertia,
+            cage.mass * orbit**2,
+            "the mass on the orbit of the rollers",
+            (0.7, 1.4),
+        ),
+        (
+            "pocket_clearance",
+            cage.pocket_clearance,
+            b.roller_diameter,
+            "the roller diameter",
+            (1e-3, 0.08),
+        ),
     ):
         if key in written and not low <= value / by <= high and not (key == "inertia" and heavy):
             unit = attrs.fields_dict(Cage)[key].metadata["unit"]
-            shown, other = format_quantity(value, unit, 4), format_quantity(by, unit, 3)
-            yield where.at(key), f"{shown} is {value / by:.3g} times {of}, {other}; {low:.2g} to {high:.2g} is usual"
+            shown = format_quantity(value, unit, 4)
+            other = format_quantity(by, unit, 3)
+            yield (
+                where.at(key),
+                f"{shown} is {value / by:.3g} times {of}, {other}; {low:.2g} to {high:.2g} is usual",
+            )
     if "land_radius" in written and cage.land_radius is not None:
-        inner, outer = b.inner_raceway_diameter / 2, b.outer_raceway_diameter / 2
+        inner = b.inner_raceway_diameter / 2
+        outer = b.outer_raceway_diameter / 2
         low, high = (inner, orbit) if cage.guidance == "inner" else (orbit, outer)
         if not low <= cage.land_radius <= high:
-            shown, first, last = (format_quantity(one, "m", 4) for one in (cage.land_radius, low, high))
-            ring = f"the shoulder of the {cage.guidance} ring ends between its raceway and the orbit"
+            shown, first, last = (
+                format_quantity(one, "m", 4) for one in (cage.land_radius, low, high)
+            )
+            ring = (
+                f"the shoulder of the {cage.guidance} ring ends between its raceway and the orbit"
+            )
             yield where.at("land_radius"), f"{shown}, but {ring}, {first} to {last}"
 
 
 def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
     """Return a cage with its drags bound to what the scene gives."""
-    where, problems = Location(scene.origins, ("cage",)), list[str]()
+    where = Location(scene.origins, ("cage",))
+    problems = list[str]()
     values = scene_values(scene, kinematics, lubricant) | _of_land(cage, supplied(scene, lubricant))
-    given = [filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]
+    given = [
+        filled(model, values, where.at("drag").at(k), problems)
+        for k, model in enumerate(cage.named)
+    ]
     given = [with_law(model, lubricant.pressure_viscosity_law) for model in given]
     drags = _by_sort(given, where, problems, caged=scene.models.neighbour_friction is None)
     if problems:
@@ -383,7 +467,9 @@ def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubr
 
 def scene_values(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> dict[str, object]:
     """Return what a scene gives of `SCENE_VALUES` without its cage."""
-    b, o, oil = scene.bearing, scene.operation, supplied(scene, lubricant)
+    b = scene.bearing
+    o = scene.operation
+    oil = supplied(scene, lubricant)
     return {
         "viscosity": _viscosity(scene, lubricant),
         "density": DENSITY if lubricant.density is None else lubricant.density(o.temperature),
@@ -410,7 +496,13 @@ def _of_land(cage: Cage, oil: Supplied) -> dict[str, object]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def filled(model: Any, values: Mapping[str, object], where: Location, problems: list[str], kind: str = "drag") -> Any:
+def filled(
+    model: Any,
+    values: Mapping[str, object],
+    where: Location,
+    problems: list[str],
+    kind: str = "drag",
+) -> Any:
     """Return a model with all that it leaves to the scene."""
     complete = with_values(model, values)
     all_of_it = (complete, *(child for _, child in submodels(complete)))
@@ -418,7 +510,9 @@ def filled(model: Any, values: Mapping[str, object], where: Location, problems: 
         unit, meaning = SCENE_VALUES[attribute.metadata["from_scene"]]
         remedy = expectation(unit) if unit else "give one here or in cage.guidance"
         problems.append(
-            where.at(attribute.name).says(f"{kind} {model.name!r} needs it, and the scene gives no {meaning}; {remedy}")
+            where.at(attribute.name).says(
+                f"{kind} {model.name!r} needs it, and the scene gives no {meaning}; {remedy}"
+            )
         )
     return complete
 
@@ -434,10 +528,18 @@ def _by_sort(models: list[Any], where: Location, problems: list[str], *, caged: 
             )
         )
     if pockets and not caged:
-        problems.append(where.at("drag").says(f"{pockets[0].name} is that of a cage, and models.separator has none"))
+        problems.append(
+            where.at("drag").says(
+                f"{pockets[0].name} is that of a cage, and models.separator has none"
+            )
+        )
     for sort, most in ((resistances, 8), (torques, 8)):
         if len(sort) > most:
-            problems.append(where.at("drag").says(f"at most {most} of a sort can be added, here are {len(sort)}"))
+            problems.append(
+                where.at("drag").says(
+                    f"at most {most} of a sort can be added, here are {len(sort)}"
+                )
+            )
     resistance = resistances[0] if len(resistances) == 1 else TotalResistance(terms=resistances)
     return Drags(
         torques=torques,

@@ -124,7 +124,9 @@ class Chain:
         compiled: bool = True,
         bounds: Sequence[Callable[[Slices], None]] = (),
     ) -> None:
-        self.models, self.bounds, self._compiled = models, tuple(bounds), compiled
+        self.models = models
+        self.bounds = tuple(bounds)
+        self._compiled = compiled
         capsules = [_kernel(model) if compiled else None for model in models]
         if block is None and None in capsules:
             block = 0
@@ -135,15 +137,22 @@ class Chain:
         self._threads = threads
         # what a model reads without a range of its own must at least be a number
         stages = [
-            (_checked(m, capsule), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes)
+            (
+                _checked(m, capsule),
+                dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain),
+                m.writes,
+            )
             for m, capsule in zip(models, capsules, strict=True)
         ]
         self._chain = kernels.Chain(stages) if block is None else kernels.Chain(stages, block)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Make it anew of its models elsewhere."""
-        block, threads = self.block, self._threads
-        return partial(Chain, block=block, threads=threads, compiled=self._compiled, bounds=self.bounds), self.models
+        block = self.block
+        threads = self._threads
+        return partial(
+            Chain, block=block, threads=threads, compiled=self._compiled, bounds=self.bounds
+        ), self.models
 
     @property
     def block(self) -> int:
@@ -201,7 +210,12 @@ class Chain:
             return self._chain.run(slices)
         if self.placed:
             slices.places()  # before threads ask for them
-        return shared(partial(self._chain.run, slices), len(slices), -(-_PART // self.block) * self.block, count)
+        return shared(
+            partial(self._chain.run, slices),
+            len(slices),
+            -(-_PART // self.block) * self.block,
+            count,
+        )
 
     @property
     def kernel(self) -> kernels.Chain:
@@ -228,7 +242,8 @@ class Guarded:
     """A chain and a table that threads share, or that bounds look at: what `Chain.bind` returns of it."""
 
     def __init__(self, chain: Chain, slices: Slices) -> None:
-        self._chain, self.slices = chain, slices
+        self._chain = chain
+        self.slices = slices
 
     def __call__(self) -> None:
         """Evaluate the table."""
@@ -245,7 +260,11 @@ def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
     Speeds are those of k rollers, or of all slices if k is 1. Of each table sums of the friction by weight and smallest
     films [m] of every row, (n,) each.
     """
-    small = [(bound, u, V, owner, weight) for bound, u, V, owner, weight in jobs if isinstance(bound, kernels.Bound)]
+    small = [
+        (bound, u, V, owner, weight)
+        for bound, u, V, owner, weight in jobs
+        if isinstance(bound, kernels.Bound)
+    ]
     sums = iter(kernels.along(small))
     return [
         next(sums) if isinstance(bound, kernels.Bound) else _along(bound, u, V, owner, weight)
@@ -256,10 +275,15 @@ def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
 def _along(
     bound: Guarded, rolling: Array, sliding: Array, owner: "NDArray[np.intp]", weight: Array
 ) -> tuple[Array, Array]:
-    slices, of = bound.slices, owner if rolling.shape[1] > 1 else np.zeros_like(owner)
+    slices = bound.slices
+    of = owner if rolling.shape[1] > 1 else np.zeros_like(owner)
     sums, films = np.empty((2, len(rolling)))
     for k, (u, V) in enumerate(zip(rolling, sliding, strict=True)):
-        slices.rolling_speed[:], slices.sliding_speed[:] = u[of], V[of]
+        slices.rolling_speed[:] = u[of]
+        slices.sliding_speed[:] = V[of]
         bound()
-        sums[k], films[k] = kernels.weighted(slices.friction, weight), slices.film_thickness.min(initial=np.inf)
+        sums[k], films[k] = (
+            kernels.weighted(slices.friction, weight),
+            slices.film_thickness.min(initial=np.inf),
+        )
     return sums, films

@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 #: A maximum that the rest of the curve undercuts by less than this share is rounding, not a falling branch.
 _FLAT = 1e-9
 #: Up to which slip of a cage it is advised to look, whose range is open at 1; and slide-roll ratio of pure sliding.
-MOST_CAGE_SLIP, PURE_SLIDING = 0.99, 2.0
+MOST_CAGE_SLIP = 0.99
+PURE_SLIDING = 2.0
 #: Share of a maximum by which friction has to fall behind it so that it is told beside a larger one further on.
 _FALL = 1e-3
 
@@ -77,7 +78,8 @@ class Curve:
 def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow: str) -> Critical:
     """Locate the largest friction of one `Curve`, by a function of one slip, as `searched` does."""
     (found,) = searched(
-        [Curve(slip, friction, allow)], lambda asked: [np.array([curve(float(at))]) for _, (at,) in asked]
+        [Curve(slip, friction, allow)],
+        lambda asked: [np.array([curve(float(at))]) for _, (at,) in asked],
     )
     return found
 
@@ -89,7 +91,8 @@ def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
     the first of equal ones. A first maximum is one behind which friction falls by a thousandth on the grid before it is
     larger again. A curve that holds NaN or infinity is refused.
     """
-    owners, beside = list[int](), list[list[int]]()
+    owners = list[int]()
+    beside = list[list[int]]()
     for k, one in enumerate(curves):
         for top in _tops(one):
             owners.append(k)
@@ -98,7 +101,9 @@ def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
     if owners:
 
         def friction(rows: Rows, slips: Array) -> Array:
-            return np.concatenate(evaluate([(owners[k], slips[i : i + 1]) for i, k in enumerate(rows.tolist())]))
+            return np.concatenate(
+                evaluate([(owners[k], slips[i : i + 1]) for i, k in enumerate(rows.tolist())])
+            )
 
         places, heights = largest(
             friction,
@@ -112,10 +117,13 @@ def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
 
 def _tops(curve: Curve) -> list[int]:
     """Best point of a grid, and the first one behind which friction falls if it is another; none without friction."""
-    slip, friction = curve.slip, curve.friction
+    slip = curve.slip
+    friction = curve.friction
     if not np.isfinite(friction).all():
         bad = int(np.argmin(np.isfinite(friction)))
-        raise DomainError(f"the friction is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along")
+        raise DomainError(
+            f"the friction is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along"
+        )
     best = int(np.argmax(friction))
     if not friction[best] > 0.0:
         return []
@@ -127,9 +135,12 @@ def _tops(curve: Curve) -> list[int]:
 
 def _told(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Critical:
     """What the maxima of a curve are: the largest, and the first if it is another."""
-    slip, friction = curve.slip, curve.friction
+    slip = curve.slip
+    friction = curve.friction
     if not maxima:
-        return Critical(np.nan, np.nan, "no slip at largest traction: there is no friction in the range")
+        return Critical(
+            np.nan, np.nan, "no slip at largest traction: there is no friction in the range"
+        )
     at, height = maxima[0]
     found = height - friction[-1] > _FLAT * height
     first = maxima[-1] if found or len(maxima) > 1 else (math.nan, math.nan)

@@ -12,7 +12,16 @@ from rollslip.bearing.chain import stage
 from rollslip.catalogue.discovery import origin
 from rollslip.errors import DomainError, PluginError, RollslipError, in_words
 from rollslip.fields import parameter, submodels
-from rollslip.models import FINITE, Domain, Drag, DragModel, PocketFriction, ResistanceModel, SliceModel, left_to_scene
+from rollslip.models import (
+    FINITE,
+    Domain,
+    Drag,
+    DragModel,
+    PocketFriction,
+    ResistanceModel,
+    SliceModel,
+    left_to_scene,
+)
 from rollslip.references import Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import drag as compiled
@@ -31,7 +40,9 @@ def with_values(model: Any, values: Mapping[str, object]) -> Any:
 
 def taken_from_scene(model: Any) -> set[str]:
     """Return what of the scene a model, and the models in it, may take."""
-    own = {a.metadata["from_scene"] for a in attrs.fields(type(model)) if "from_scene" in a.metadata}
+    own = {
+        a.metadata["from_scene"] for a in attrs.fields(type(model)) if "from_scene" in a.metadata
+    }
     return own.union(*(taken_from_scene(child) for _, child in submodels(model)))
 
 
@@ -66,7 +77,9 @@ class TotalResistance(ResistanceModel):
         columns = {name: getattr(slices, name) for name in COLUMNS if hasattr(slices, name)}
         total = np.zeros_like(slices.resistance)
         for term in self.terms:
-            part = Slices.of_columns(slices.conditions, columns | {"resistance": slices.resistance.copy()})
+            part = Slices.of_columns(
+                slices.conditions, columns | {"resistance": slices.resistance.copy()}
+            )
             term.evaluate(part)
             total += part.resistance
         slices.resistance[...] = total
@@ -91,7 +104,11 @@ class Drags:
         """Yield every drag, as the scene names them, by sort."""
         yield from self.torques
         if self.resistance is not None:
-            yield from self.resistance.terms if isinstance(self.resistance, TotalResistance) else (self.resistance,)
+            yield from (
+                self.resistance.terms
+                if isinstance(self.resistance, TotalResistance)
+                else (self.resistance,)
+            )
         if self.pocket_friction is not None:
             yield self.pocket_friction
 
@@ -105,13 +122,17 @@ class Drags:
     def in_time(self) -> str:
         """What a torque that varies in time means for a steady motion; empty where none does."""
         varying = next((model.name for model in self.torques if model.varies_in_time), "")
-        return f"drag {varying!r} varies in time, and no motion is steady with it" if varying else ""
+        return (
+            f"drag {varying!r} varies in time, and no motion is steady with it" if varying else ""
+        )
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
         """Return the sum of the torques on the cage [N m], speeds in rad/s; refused where one varies in time."""
         if self.in_time:
             raise DomainError(f"{self.in_time}; ask for a motion in time, or leave it out")
-        return sum((model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0)
+        return sum(
+            (model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0
+        )
 
     def capsules(self) -> tuple[object, ...]:
         """Return the torques as capsules ``rs_drag``; one without a kernel is called in Python."""
@@ -146,7 +167,8 @@ def _checked(model: DragModel) -> Callable[..., float]:
         if not math.isfinite(value):
             raise DomainError(
                 f"drag {model.name!r} gives a torque of {value} at cage, inner and outer speed "
-                f"{given[0]:g}, {given[1]:g}, {given[2]:g} rad/s" + "".join(f", {time:g} s" for time in given[3:])
+                f"{given[0]:g}, {given[1]:g}, {given[2]:g} rad/s"
+                + "".join(f", {time:g} s" for time in given[3:])
             )
         return value
 

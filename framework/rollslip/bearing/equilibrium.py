@@ -63,7 +63,9 @@ def angular_positions(rollers: int, instants: int) -> Floats:
     repeats itself.
     """
     if rollers < 1 or instants < 1:
-        raise ValueError(f"{rollers} rollers at {instants} instants: there must be at least one of each")
+        raise ValueError(
+            f"{rollers} rollers at {instants} instants: there must be at least one of each"
+        )
     return 2.0 * np.pi / rollers * (np.arange(rollers) + np.arange(instants)[:, None] / instants)
 
 
@@ -84,7 +86,9 @@ class LoadCase:
     roller_length: float  #: Effective roller length l [m].
     #: Profile P at n slices [m], of shape (n,); `profile_drop`. A straight roller without misalignment needs one slice.
     drop: Floats = attrs.field(converter=_array)
-    radial_clearance: float  #: Radial internal clearance G_r [m], the full play (ISO 5593); negative for preload.
+    radial_clearance: (
+        float  #: Radial internal clearance G_r [m], the full play (ISO 5593); negative for preload.
+    )
     radial_load: float  #: Radial load F_r on the inner ring [N], not negative.
     misalignment: float = 0.0  #: Tilt of the inner ring in the plane of load [rad].
     #: Centrifugal force F_c of a roller [N], not negative; one, or that of each instant, (instants,). Where rollers
@@ -93,12 +97,15 @@ class LoadCase:
     #: position, widths: Places of the slices from the roller's middle and their widths, the weights of a quadrature
     #: along it [m], of shape (n,); by default the midpoints of equal slices.
     position: Floats = attrs.field(
-        default=attrs.Factory(lambda case: _midpoints(case.roller_length, case.drop.size), takes_self=True),
+        default=attrs.Factory(
+            lambda case: _midpoints(case.roller_length, case.drop.size), takes_self=True
+        ),
         converter=_array,
     )
     widths: Floats = attrs.field(
         default=attrs.Factory(
-            lambda case: np.full(case.drop.shape, case.roller_length / max(case.drop.size, 1)), takes_self=True
+            lambda case: np.full(case.drop.shape, case.roller_length / max(case.drop.size, 1)),
+            takes_self=True,
         ),
         converter=_array,
     )
@@ -109,7 +116,9 @@ class LoadCase:
 
     def __attrs_post_init__(self) -> None:
         if self.psi.ndim != 2 or self.psi.size == 0 or not np.all(np.isfinite(self.psi)):
-            raise ValueError(f"psi must be finite and of shape (instants, rollers), not {self.psi.shape}")
+            raise ValueError(
+                f"psi must be finite and of shape (instants, rollers), not {self.psi.shape}"
+            )
         if self.drop.ndim != 1 or self.drop.size == 0 or not np.all(np.isfinite(self.drop)):
             raise ValueError(f"drop must be finite and of shape (slices,), not {self.drop.shape}")
         if not 0.0 < self.roller_length < np.inf:
@@ -129,7 +138,9 @@ class LoadCase:
                 f"{self.widths.shape}"
             )
         if self.misalignment != 0.0 and self.drop.size == 1:
-            raise ValueError("a misaligned ring loads rollers unevenly along their length: use more than one slice")
+            raise ValueError(
+                "a misaligned ring loads rollers unevenly along their length: use more than one slice"
+            )
 
     @property
     def mirrored(self) -> bool:
@@ -140,7 +151,9 @@ class LoadCase:
     def pull(self) -> Floats | None:
         """Share of the body force of every roller that acts outwards [N], (instants, Z); None where there is none."""
         along, across = self.body_force
-        return along * np.cos(self.psi) + across * np.sin(self.psi) if any(self.body_force) else None
+        return (
+            along * np.cos(self.psi) + across * np.sin(self.psi) if any(self.body_force) else None
+        )
 
 
 @attrs.frozen(eq=False)
@@ -171,7 +184,9 @@ class LoadDistribution:
     #: neither F_r nor F_c acts, also of the contact forces the iteration set out from.
     force_residual: float
     moment_residual: float  # largest unbalanced moment of a roller, relative to that force times the roller length
-    iterations: int  # evaluations of the contact law at states of the bearing, of the slowest instant
+    iterations: (
+        int  # evaluations of the contact law at states of the bearing, of the slowest instant
+    )
 
 
 def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> LoadDistribution:
@@ -225,23 +240,37 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     instants, rollers = case.psi.shape
     rings = case.rings
     if rings is None:
-        shapes, split, reach = 0, 2, 0.0
-        direction, form = np.stack((np.cos(case.psi), np.sin(case.psi)), axis=-1), np.zeros(case.psi.shape)
-        given, held, stops = np.array([case.radial_load, 0.0]), np.zeros(2), np.zeros((0, 4))
+        shapes = 0
+        split = 2
+        reach = 0.0
+        direction = np.stack((np.cos(case.psi), np.sin(case.psi)), axis=-1)
+        form = np.zeros(case.psi.shape)
+        given = np.array([case.radial_load, 0.0])
+        held = np.zeros(2)
+        stops = np.zeros((0, 4))
     else:
-        shapes, split = rings.parity.size, 2 + rings.inner.stiffness.size
-        direction, form, stops = rings.directions(case.psi), rings.form(case.psi), rings.stops()
+        shapes = rings.parity.size
+        split = 2 + rings.inner.stiffness.size
+        direction = rings.directions(case.psi)
+        form = rings.form(case.psi)
+        stops = rings.stops()
         given = np.concatenate(([case.radial_load, 0.0], rings.inner.pushes, rings.outer.pushes))
         held = np.concatenate((np.zeros(2), rings.inner.stiffness, rings.outer.stiffness))
         reach = rings.reach(case.radial_load) + float(np.abs(form).max())
-    slices, half_length = case.drop.size, 0.5 * case.roller_length
+    slices = case.drop.size
+    half_length = 0.5 * case.roller_length
     # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
     mirrored = case.misalignment == 0.0 and all(
         np.all(one == other[::-1])
-        for one, other in ((case.drop, case.drop), (case.widths, case.widths), (case.position, -case.position))
+        for one, other in (
+            (case.drop, case.drop),
+            (case.widths, case.widths),
+            (case.position, -case.position),
+        )
     )
     half = slices // 2 if mirrored else 0
-    xi, widths = case.position[half:] / half_length, case.widths[half:].copy()
+    xi = case.position[half:] / half_length
+    widths = case.widths[half:].copy()
     if mirrored:
         widths[slices % 2 :] *= 2.0
     balance = {
@@ -280,7 +309,9 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         pull=case.pull,
     )
     if refused == "range":
-        raise ConvergenceError(f"the bearing found no equilibrium in the range of floats; {_REMEDY}")
+        raise ConvergenceError(
+            f"the bearing found no equilibrium in the range of floats; {_REMEDY}"
+        )
     if refused:
         at = ("inner", "outer").index(refused)
         law = contacts[at].deflection

@@ -68,7 +68,9 @@ class Kinematics:
                 f"{format_quantity(self.roller_radius, 'm')}"
             )
         if self.inner_speed == self.outer_speed:
-            raise DomainError(f"nothing rolls: both rings turn at {format_quantity(self.inner_speed, 'rad/s')}")
+            raise DomainError(
+                f"nothing rolls: both rings turn at {format_quantity(self.inner_speed, 'rad/s')}"
+            )
 
     @property
     def direction(self) -> int:
@@ -78,13 +80,15 @@ class Kinematics:
     @cached_property
     def epicyclic_cage_speed(self) -> float:
         """Cage speed w_ce at which both contacts can roll without sliding [rad/s]."""
-        Ri, Ro = self.inner_radius, self.outer_radius
+        Ri = self.inner_radius
+        Ro = self.outer_radius
         return self.direction * (Ri * self.inner_speed + Ro * self.outer_speed) / (Ri + Ro)
 
     @cached_property
     def epicyclic_roller_speed(self) -> float:
         """Spin w_re of the roller relative to the cage at which both contacts roll without sliding [rad/s]."""
-        Ri, Ro = self.inner_radius, self.outer_radius
+        Ri = self.inner_radius
+        Ro = self.outer_radius
         return Ri * Ro / (Ri + Ro) * abs(self.inner_speed - self.outer_speed) / self.roller_radius
 
     @cached_property
@@ -114,12 +118,15 @@ class Kinematics:
         Refused is a cage slip where the epicyclic cage speed that it refers to is zero (rings turning against each
         other).
         """
-        Sc, Sr = np.asarray(cage_slip, dtype=float), np.asarray(roller_slip, dtype=float)
+        Sc = np.asarray(cage_slip, dtype=float)
+        Sr = np.asarray(roller_slip, dtype=float)
         if Sc.shape != Sr.shape:
             Sc, Sr = np.broadcast_arrays(Sc, Sr)
         u = self.roller_radius * self.epicyclic_roller_speed
         cage_lag = self._lag(Sc)
-        inner, outer, spin = self.inner_radius * cage_lag, self.outer_radius * cage_lag, u * Sr
+        inner = self.inner_radius * cage_lag
+        outer = self.outer_radius * cage_lag
+        spin = u * Sr
         return SurfaceSpeeds(
             inner_sliding=inner + spin,
             inner_rolling=u + 0.5 * (inner - spin),
@@ -144,9 +151,16 @@ class Kinematics:
         return self.outer_radius * self._slip_reference() / u * np.asarray(cage_slip, dtype=float)
 
     def _slip_reference(self) -> float:
-        speed, Ri, Ro = self.epicyclic_cage_speed, self.inner_radius, self.outer_radius
+        speed = self.epicyclic_cage_speed
+        Ri = self.inner_radius
+        Ro = self.outer_radius
         # a sum whose terms cancel to their rounding has no digit of its own
-        rounding = 4.0 * math.ulp(1.0) * (abs(Ri * self.inner_speed) + abs(Ro * self.outer_speed)) / (Ri + Ro)
+        rounding = (
+            4.0
+            * math.ulp(1.0)
+            * (abs(Ri * self.inner_speed) + abs(Ro * self.outer_speed))
+            / (Ri + Ro)
+        )
         if abs(speed) <= rounding:
             raise DomainError(
                 "the epicyclic cage speed is zero: cage slip, which is relative to it, has no meaning; change "

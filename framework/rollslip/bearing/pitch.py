@@ -44,7 +44,8 @@ def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
         raise ValueError(f"known are {known.psi.shape[0]} instants: of {instants} it must be half")
     new = np.arange(instants) if known is None else np.arange(1, instants, 2)
     last = instants // 2 if case.mirrored else instants
-    solved, images = new[new <= last], new[new > last]
+    solved = new[new <= last]
+    images = new[new > last]
     if known is None and not images.size:
         return solve(case)
     solution = solve(attrs.evolve(case, psi=case.psi[solved]))
@@ -56,9 +57,13 @@ def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
             whole[::2] = getattr(known, name)
         whole[solved] = part
         for image in images:
-            whole[image] = whole[instants - image] if part.ndim == 1 else whole[instants - image, ::-1]
+            whole[image] = (
+                whole[instants - image] if part.ndim == 1 else whole[instants - image, ::-1]
+            )
         if name == "displacement":
-            whole[images] = whole[images, ::-1] * np.array([1.0, -1.0])  # along the line of load, and across it
+            whole[images] = whole[images, ::-1] * np.array(
+                [1.0, -1.0]
+            )  # along the line of load, and across it
         if name == "deflection" and case.rings is not None:
             whole[images] = whole[images, ::-1] * case.rings.parity
         return whole

@@ -11,7 +11,9 @@ __all__ = ["gauss_rule", "load_rule"]
 
 Array = NDArray[np.float64]
 
-_FEWEST, _MOST = 8, 128  # loads of a rule
+# loads of a rule
+_FEWEST = 8
+_MOST = 128
 _ROUNDING = 1e-13  # of a share of the force
 
 
@@ -29,7 +31,9 @@ def gauss_rule(load: Array, force: Array, count: int) -> Array:
     """
     nodes, weights = rules(load, force, np.array([0, load.size]), count)
     share = weights[0] / force.sum()
-    held = share > _ROUNDING  # of loads that differ by rounding alone there are fewer: no law takes a load of nothing
+    held = (
+        share > _ROUNDING
+    )  # of loads that differ by rounding alone there are fewer: no law takes a load of nothing
     return np.asarray(np.stack((nodes[0], share), axis=1)[held])
 
 

@@ -31,7 +31,10 @@ RINGS: tuple[Ring, Ring] = ("inner", "outer")
 
 #: At how many speeds few loads are held against all.
 PROBES = 12
-_TABLE, _ROOM, _LANES = 32768, 2048, 8  # slices in a table at a time, where rows go round, and of the widest vectors
+# slices in a table at a time, where rows go round, and of the widest vectors
+_TABLE = 32768
+_ROOM = 2048
+_LANES = 8
 
 
 @attrs.frozen(eq=False)
@@ -43,13 +46,20 @@ class Raceway:
     chain: Chain
     deflection: Chain
 
-    def evaluate(self, load: Array, rolling_speed: Any, sliding_speed: Any, **places: Any) -> Slices:
+    def evaluate(
+        self, load: Array, rolling_speed: Any, sliding_speed: Any, **places: Any
+    ) -> Slices:
         """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them.
 
         ``places`` are columns that say where they are, as a law may ask (`Chain.placed`).
         """
         slices = Slices(
-            load.size, self.conditions, load=load, rolling_speed=rolling_speed, sliding_speed=sliding_speed, **places
+            load.size,
+            self.conditions,
+            load=load,
+            rolling_speed=rolling_speed,
+            sliding_speed=sliding_speed,
+            **places,
         )
         self.chain(slices)
         return slices
@@ -72,11 +82,13 @@ class LoadedContacts:
         count: Array | None = None,
         places: Mapping[str, Array] = MappingProxyType({}),
     ) -> None:
-        slices, first = load.shape[1], 0
+        slices = load.shape[1]
+        first = 0
         # one half of a roller carries what the other does
         if not places and widths.ndim == 1 and np.array_equal(load, load[:, ::-1]):
             first = slices // 2
-            load, widths = load[:, first:], 2.0 * widths[first:]
+            load = load[:, first:]
+            widths = 2.0 * widths[first:]
             widths[0] /= 1.0 + slices % 2
         loaded = load > 0.0
         self.orbit = orbit
@@ -92,7 +104,9 @@ class LoadedContacts:
         self.force = load[loaded] * self.width
         self.total = float(self.force.sum())
         self.load = load[loaded]
-        self.places = {name: of[column if name == "position" else self.owner] for name, of in places.items()}
+        self.places = {
+            name: of[column if name == "position" else self.owner] for name, of in places.items()
+        }
 
     @cached_property
     def slices(self) -> Slices:
@@ -145,9 +159,17 @@ class LoadedContacts:
         """What `rollslip.bearing.chain.along` takes, for speeds [m/s] (n,) of all rollers, or (n, rollers) of each."""
         if rolling.ndim == 1:
             return self._evaluate, rolling[:, None], sliding[:, None], self.owner, self.force
-        return self._evaluate, np.ascontiguousarray(rolling), np.ascontiguousarray(sliding), self.owner, self.force
+        return (
+            self._evaluate,
+            np.ascontiguousarray(rolling),
+            np.ascontiguousarray(sliding),
+            self.owner,
+            self.force,
+        )
 
-    def gathered(self, known: tuple[object, Slices] | None = None) -> tuple[object, Slices, tuple[Any, ...]]:
+    def gathered(
+        self, known: tuple[object, Slices] | None = None
+    ) -> tuple[object, Slices, tuple[Any, ...]]:
         """Stage of the chain, a table to work in, and what `rollslip_kernels.motion.spin` takes of a ring.
 
         No bound is looked at there: that is for who evaluates what it finds. Stage and table may be those ``known`` of
@@ -156,7 +178,9 @@ class LoadedContacts:
         raceway = self.raceway
         stage, table = known or (raceway.chain.kernel.as_stage(), None)
         # two may be sent at once through a position; what has no room in a table that a cache holds goes in parts
-        most = min(2 * self.force.size, max(_ROOM, int(np.diff(self._first).max(initial=0)))) + _LANES
+        most = (
+            min(2 * self.force.size, max(_ROOM, int(np.diff(self._first).max(initial=0)))) + _LANES
+        )
         if table is None or len(table) < most:
             table = Slices(most, raceway.conditions)
         ring = stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists
@@ -172,21 +196,26 @@ class LoadedContacts:
 
     def per_roller(self, values: Array) -> Array:
         """Sum of values of slices for every roller, (rollers,)."""
-        return np.asarray(np.bincount(self.owner, weights=values, minlength=self.rollers), dtype=float)
+        return np.asarray(
+            np.bincount(self.owner, weights=values, minlength=self.rollers), dtype=float
+        )
 
     def means(self, rolling: Array, sliding: Array, tolerance: float) -> Array:
         """Mean friction at many speeds [m/s], (n,), over as few loads as leave an error below the tolerance."""
 
         def over(chosen: Any) -> Callable[[Array], Array]:
-            u, V = rolling[chosen], sliding[chosen]
+            u = rolling[chosen]
+            V = sliding[chosen]
 
             def mean(rule: Array) -> Array:
                 load, share = rule.T
-                rows, step = [], max(1, _TABLE // load.size)
+                rows = []
+                step = max(1, _TABLE // load.size)
                 for k in range(0, u.size, step):
                     speeds = u[k : k + step], V[k : k + step]
                     slices = self.raceway.evaluate(
-                        np.tile(load, speeds[0].size), *(np.repeat(speed, load.size) for speed in speeds)
+                        np.tile(load, speeds[0].size),
+                        *(np.repeat(speed, load.size) for speed in speeds),
                     )
                     rows.append(slices.friction.reshape(speeds[0].size, -1) @ share)
                     del slices  # before the next table is made

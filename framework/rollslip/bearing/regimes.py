@@ -63,8 +63,11 @@ def moes_groups(slices: Slices) -> tuple[Array, Array]:
 def film_by_regime(U: ArrayLike, G: ArrayLike, W: ArrayLike) -> tuple[Array, Array]:
     """Return h/R by the formula of the regime, and the regime's code: 0 IR, 1 VR, 2 IE, 3 VE."""
     ir, vr, ie, ve = (law(U, G, W) for law in (MARTIN, BLOK, HERREBRUGH, DOWSON_1968))
-    isoviscous, piezoviscous = np.maximum(ir, ie), np.minimum(vr, ve)
-    code = np.where(piezoviscous > isoviscous, np.where(ve < vr, 3.0, 1.0), np.where(ie > ir, 2.0, 0.0))
+    isoviscous = np.maximum(ir, ie)
+    piezoviscous = np.minimum(vr, ve)
+    code = np.where(
+        piezoviscous > isoviscous, np.where(ve < vr, 3.0, 1.0), np.where(ie > ir, 2.0, 0.0)
+    )
     return np.maximum(isoviscous, piezoviscous), code
 
 
@@ -76,11 +79,19 @@ def regime_limits(U: ArrayLike, G: ArrayLike) -> tuple[Array, Array, Array]:
     """
 
     def beyond(larger: PowerLaw, smaller: PowerLaw) -> Array:
-        return np.asarray((smaller(U, G, 1.0) / larger(U, G, 1.0)) ** (1.0 / (larger.w - smaller.w)))
+        return np.asarray(
+            (smaller(U, G, 1.0) / larger(U, G, 1.0)) ** (1.0 / (larger.w - smaller.w))
+        )
 
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        piezoviscous = [beyond(thick, thin) for thick in (BLOK, DOWSON_1968) for thin in (MARTIN, HERREBRUGH)]
-        return beyond(HERREBRUGH, MARTIN), np.maximum.reduce(piezoviscous), beyond(BLOK, DOWSON_1968)
+        piezoviscous = [
+            beyond(thick, thin) for thick in (BLOK, DOWSON_1968) for thin in (MARTIN, HERREBRUGH)
+        ]
+        return (
+            beyond(HERREBRUGH, MARTIN),
+            np.maximum.reduce(piezoviscous),
+            beyond(BLOK, DOWSON_1968),
+        )
 
 
 class Quantity(NamedTuple):
@@ -104,23 +115,35 @@ def _viscous(slices: Slices) -> Array:
 #: What every law may state its validity in, beside its own quantities and the members of the slices.
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
     {
-        "load_parameter": Quantity("M", "Moes load parameter W/sqrt(2 U)", lambda s: moes_groups(s)[0]),
-        "lubricant_parameter": Quantity("L", "Moes lubricant parameter G (2 U)^(1/4)", lambda s: moes_groups(s)[1]),
+        "load_parameter": Quantity(
+            "M", "Moes load parameter W/sqrt(2 U)", lambda s: moes_groups(s)[0]
+        ),
+        "lubricant_parameter": Quantity(
+            "L", "Moes lubricant parameter G (2 U)^(1/4)", lambda s: moes_groups(s)[1]
+        ),
         "viscous_parameter": Quantity("g_V", "W^1.5 G/U^0.5 of the film regimes", _viscous),
         "film_regime": Quantity(
-            "", "film regime after Johnson, in the order of FILM_REGIMES", lambda s: film_by_regime(*groups(s))[1]
+            "",
+            "film regime after Johnson, in the order of FILM_REGIMES",
+            lambda s: film_by_regime(*groups(s))[1],
         ),
         "film_parameter": Quantity(
-            "Lambda", "film over composite roughness", lambda s: s.film_thickness / s.conditions.roughness
+            "Lambda",
+            "film over composite roughness",
+            lambda s: s.film_thickness / s.conditions.roughness,
         ),
         "pressure_exponent": Quantity(
             "ln(eta/eta0)",
             "logarithm of what pressure makes of the viscosity, alpha p after Barus",
             lambda s: np.log(s.film_viscosity / s.conditions.viscosity),
         ),
-        "width_ratio": Quantity("b/R", "half width over radius", lambda s: s.half_width / s.conditions.radius),
+        "width_ratio": Quantity(
+            "b/R", "half width over radius", lambda s: s.half_width / s.conditions.radius
+        ),
         "slide_roll_ratio": Quantity(
-            "|V|/u", "sliding over rolling speed", lambda s: np.abs(s.sliding_speed) / s.rolling_speed
+            "|V|/u",
+            "sliding over rolling speed",
+            lambda s: np.abs(s.sliding_speed) / s.rolling_speed,
         ),
         "thermal_load": Quantity("Lt", "heating of the inlet eta0 beta0 u^2/K_f", _thermal_load),
     }

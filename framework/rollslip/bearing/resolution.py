@@ -27,7 +27,8 @@ Array = NDArray[np.float64]
 
 #: What makes tables coarser, of which a plan takes the error from the least of these.
 COARSER_TABLES: Final = (
-    "raise accuracy.tolerance, or accuracy.friction and accuracy.cage_speed where the scene has them"
+    "raise accuracy.tolerance, or accuracy.friction and "
+    "accuracy.cage_speed where the scene has them"
 )
 #: Slices of a scene that nobody planned.
 _SLICES: Final = 101
@@ -46,19 +47,27 @@ class Resolution:
     """All numerical choices of a run."""
 
     #: Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
-    slices: int = parameter(default=101, doc="laminae along a roller", validator=in_range(1, 20_000))
+    slices: int = parameter(
+        default=101, doc="laminae along a roller", validator=in_range(1, 20_000)
+    )
     #: Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
-    quadrature: str = parameter(default="equal", doc="where slices lie", validator=one_of("equal", "gauss"))
+    quadrature: str = parameter(
+        default="equal", doc="where slices lie", validator=one_of("equal", "gauss")
+    )
     #: Instants of a roller pitch; None to double them until the results stand still.
     instants: int | None = parameter(
-        default=None, doc="roller positions within a pitch", validator=attrs.validators.optional(at_least(1))
+        default=None,
+        doc="roller positions within a pitch",
+        validator=attrs.validators.optional(at_least(1)),
     )
     #: "named" for the scene's hydrodynamic law, or the name of a law that serves in its place.
     traction: str = parameter(default="named", doc="hydrodynamic law")
     #: Whether boundary friction takes part; False for the law of the full film alone.
     boundary: bool = parameter(default=True, doc="whether boundary friction takes part")
     #: Whether the heat of its inlet thins the film, if the film model knows it.
-    inlet_heating: bool = parameter(default=True, doc="whether the heat of its inlet thins the film")
+    inlet_heating: bool = parameter(
+        default=True, doc="whether the heat of its inlet thins the film"
+    )
     #: Whether the film has a pressure of its own, if the scene names a model of it; False for that of the contact.
     light_contacts: bool = parameter(default=True, doc="whether the film has a pressure of its own")
     #: Error of tables: loads over the orbit, effective friction, the slip-drag curve.
@@ -89,8 +98,14 @@ class Resolution:
             quadrature=most.quadrature,
             instants=max(one.instants or 1 for one in some),
             table_tolerance=min(one.table_tolerance for one in some),
-            integrator_tolerance=min((s for one in some if (s := one.integrator_tolerance) is not None), default=None),
-            **{name: getattr(most, name) for name in alike if len({getattr(one, name) for one in some}) == 1},
+            integrator_tolerance=min(
+                (s for one in some if (s := one.integrator_tolerance) is not None), default=None
+            ),
+            **{
+                name: getattr(most, name)
+                for name in alike
+                if len({getattr(one, name) for one in some}) == 1
+            },
         )
 
     def slicing(self, length: float) -> tuple[Array, Array]:
@@ -131,12 +146,18 @@ def refined(scene: Scene, own: Resolution, step: float = 1.0) -> Resolution:
 
 def as_stated(scene: Scene) -> Resolution:
     """Return the resolution of a scene that nobody planned: its tolerance for all tables, instants doubled."""
-    return Resolution(slices=scene.accuracy.slices or _SLICES, table_tolerance=scene.accuracy.tolerance)
+    return Resolution(
+        slices=scene.accuracy.slices or _SLICES, table_tolerance=scene.accuracy.tolerance
+    )
 
 
 def error_text(errors: Mapping[str, float | None]) -> str:
     """Return estimated errors as text: "friction 3e-04, critical slip 8e-05"."""
-    return ", ".join(f"{name.replace('_', ' ')} {error:.0e}" for name, error in errors.items() if error is not None)
+    return ", ".join(
+        f"{name.replace('_', ' ')} {error:.0e}"
+        for name, error in errors.items()
+        if error is not None
+    )
 
 
 class BoundBrokenError(RollslipError):

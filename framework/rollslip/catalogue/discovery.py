@@ -39,7 +39,9 @@ _log = logging.getLogger(__name__)
 
 def catalogue() -> tuple[Offer, ...]:
     """Return everything offered, by kind and name, without importing any of it."""
-    return with_session(_installed(), dict(_registered)) if _registered else _installed()  # another thread may register
+    return (
+        with_session(_installed(), dict(_registered)) if _registered else _installed()
+    )  # another thread may register
 
 
 #: Numbers of a name that tell it from others.
@@ -85,7 +87,11 @@ def families(kind: str) -> Iterator[tuple[Offer, Any]]:
 def find(kind: str, name: str) -> Offer:
     """Return the offer behind a name."""
     check_kind(kind)
-    offers = [offer for offer in catalogue() if offer.kind == kind and offer.name == name and not offer.is_family]
+    offers = [
+        offer
+        for offer in catalogue()
+        if offer.kind == kind and offer.name == name and not offer.is_family
+    ]
     for offer in offers:
         if offer.state == "ok":
             return offer
@@ -98,20 +104,32 @@ def find(kind: str, name: str) -> Offer:
             return meant[0]
         if meant:
             those = " and ".join(f"{offer.name!r} of package {offer.package}" for offer in meant)
-            raise UnknownNameError(f"{kind} {as_written(name)} may be {those}; write one of these names")
+            raise UnknownNameError(
+                f"{kind} {as_written(name)} may be {those}; write one of these names"
+            )
         if other := is_another(kind, name):
             raise UnknownNameError(f"no {kind} is called {as_written(name)}: {other}")
     own = [*available(kind)]
     names = own + [one for _, family in families(kind) for one in family.names]
     if get_kind(kind).data:
         spelled = {folded(one): one for one in reversed(names)}
-        near = [spelled[one] for one in difflib.get_close_matches(folded(name), spelled, n=3, cutoff=0.4)]
+        near = [
+            spelled[one]
+            for one in difflib.get_close_matches(folded(name), spelled, n=3, cutoff=0.4)
+        ]
         # "Shell Morlina S2 B 68": the number says more than the maker
-        near = near or [one for one in names if set(_NUMBERS.findall(one)) & set(_NUMBERS.findall(name))][:3]
+        near = (
+            near
+            or [one for one in names if set(_NUMBERS.findall(one)) & set(_NUMBERS.findall(name))][
+                :3
+            ]
+        )
     else:
         near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
     hint = did_you_mean(near, f"there are: {', '.join(own) or 'none'}")
-    raise UnknownNameError(f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)")
+    raise UnknownNameError(
+        f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)"
+    )
 
 
 def _meant(kind: str, name: str) -> list[Offer]:
@@ -134,7 +152,12 @@ def is_another(kind: str, name: str) -> str | None:
     """Return in words what something is of which a family knows the name, but not the data; None where none does."""
     if not (other := _said_by("other", kind, name)):
         return None
-    begins = [one for _, family in families(kind) for one in family.names if folded(one).startswith(folded(name))]
+    begins = [
+        one
+        for _, family in families(kind)
+        for one in family.names
+        if folded(one).startswith(folded(name))
+    ]
     near = f"did you mean {' or '.join(map(repr, begins[:3]))}? " if begins else ""
     return f"this is {other}; {near}rollslip is for cylindrical rollers in one row ('rollslip models {kind}' lists all)"
 
@@ -155,7 +178,10 @@ def _said_by(method: str, kind: str, name: str) -> Any:
 def named_data(raw: Mapping[str, object]) -> list[Offer]:
     """Return the offers of the named values that the tables of a raw scene start from."""
     tables = {key: table for key, table in raw.items() if key in kinds() and get_kind(key).data}
-    names = {key: table.get("name") if isinstance(table, Mapping) else table for key, table in tables.items()}
+    names = {
+        key: table.get("name") if isinstance(table, Mapping) else table
+        for key, table in tables.items()
+    }
     return [find(key, name) for key, name in names.items() if isinstance(name, str)]
 
 
@@ -190,7 +216,9 @@ def _load(offer: Offer) -> Any:
         raise PluginError(f"{blame} cannot be imported ({in_words(error)}); {remedy}") from error
     if changed := [] if is_ours(path) else altered(before):
         why = f"its import changes {' and '.join(changed[:3])} of rollslip, so that results would name rollslip for it"
-        raise PluginError(f"{blame} cannot be used: {why}; derive a class with a name of its own, or {remedy}")
+        raise PluginError(
+            f"{blame} cannot be used: {why}; derive a class with a name of its own, or {remedy}"
+        )
     kind = get_kind(offer.kind)
     if offer.is_family:
         return _of_family(offer, getattr(module, member, None), kind, blame, remedy)
@@ -200,20 +228,29 @@ def _load(offer: Offer) -> Any:
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        raise PluginError(f"{blame} cannot be used, its {hook}() fails ({in_words(error)}); {remedy}") from error
+        raise PluginError(
+            f"{blame} cannot be used, its {hook}() fails ({in_words(error)}); {remedy}"
+        ) from error
     for name, thing in offered:
         if name == offer.name:
             if problem := kind.fault(thing):
                 raise PluginError(f"{blame} cannot be used, {problem}; {remedy}")
             return thing
     names = ", ".join(repr(name) for name, _ in offered) or "nothing"
-    raise PluginError(f"{blame}: its {hook}() offers {names}, but its entry point promises {offer.name!r}")
+    raise PluginError(
+        f"{blame}: its {hook}() offers {names}, but its entry point promises {offer.name!r}"
+    )
 
 
 def _of_family(offer: Offer, family: Any, kind: Kind, blame: str, remedy: str) -> Any:
     """Return a family, or the set of a name of it."""
-    if not (kind.data and all(hasattr(family, member) for member in ("name", "names", "called", "__getitem__"))):
-        raise PluginError(f"{blame} cannot be used, {offer.module} is no family of named data; {remedy}")
+    if not (
+        kind.data
+        and all(hasattr(family, member) for member in ("name", "names", "called", "__getitem__"))
+    ):
+        raise PluginError(
+            f"{blame} cannot be used, {offer.module} is no family of named data; {remedy}"
+        )
     if offer.name not in (family.name, family.called(offer.name)):
         raise PluginError(
             f"{blame}: {offer.module} is called {family.name!r}, its entry point {offer.name!r}; {remedy}"
@@ -237,13 +274,16 @@ def offered_by(module: ModuleType, kind: Kind) -> list[Any]:
 
     from rollslip import hookspecs
 
-    hook, manager = kind.hook, pluggy.PluginManager("rollslip")
+    hook = kind.hook
+    manager = pluggy.PluginManager("rollslip")
     asked = ModuleType("asked")
     # that of a stranger's kind stands nowhere else; to add all specifications takes longer than many a model
     setattr(asked, hook, getattr(hookspecs, hook, None) or hookspecs.hookspec(lambda: ()))
     manager.add_hookspecs(asked)
     manager.register(module)
-    marked = [thing for (of, _), thing in _marked.get(module.__name__, {}).items() if of == kind.name]
+    marked = [
+        thing for (of, _), thing in _marked.get(module.__name__, {}).items() if of == kind.name
+    ]
     caller = getattr(manager.hook, hook)
     if not marked and not caller.get_hookimpls():
         return kind.members(module)
@@ -272,12 +312,20 @@ _marked: Final[dict[str, dict[tuple[str, str], Any]]] = {}
 def add(kind: str, thing: Any, *, replace: bool = False) -> None:
     """Offer a model class or a named value in this process; see `rollslip.catalogue.session`."""
     if problem := get_kind(kind).fault(thing):
-        raise PluginError(f"{kind} {getattr(thing, 'name', None)!r} cannot be registered: {problem}")
+        raise PluginError(
+            f"{kind} {getattr(thing, 'name', None)!r} cannot be registered: {problem}"
+        )
     taken = [offer for offer in catalogue() if (offer.kind, offer.name) == (kind, thing.name)]
     _marked.setdefault(thing.__module__, {})[kind, thing.name] = thing
     if any(offer.module == thing.__module__ and offer.package != THIS_PROCESS for offer in taken):
         return  # of a package, and not of this process alone: its entry point leads here
     if taken and not replace:
-        whose = "in this process" if taken[0].package == THIS_PROCESS else f"by package {taken[0].package}"
-        raise PluginError(f"{kind} {thing.name!r} is offered {whose} already; rename yours, or set replace=True")
+        whose = (
+            "in this process"
+            if taken[0].package == THIS_PROCESS
+            else f"by package {taken[0].package}"
+        )
+        raise PluginError(
+            f"{kind} {thing.name!r} is offered {whose} already; rename yours, or set replace=True"
+        )
     _registered[kind, thing.name] = thing

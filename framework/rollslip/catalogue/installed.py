@@ -40,7 +40,9 @@ def entry_points(group: str) -> Iterator[tuple[str, importlib.metadata.EntryPoin
         with suppress(Exception):  # an installation that was cut off, and pip says so
             points = distribution.entry_points.select(group=group)
             package = canonical(distribution.name) if points else ""
-            if package not in seen:  # twice on the path it is one package: the first one is what Python imports
+            if (
+                package not in seen
+            ):  # twice on the path it is one package: the first one is what Python imports
                 yield from ((package, point) for point in points)
             seen |= {package} - {""}
 
@@ -49,10 +51,14 @@ def entry_points(group: str) -> Iterator[tuple[str, importlib.metadata.EntryPoin
 def by_package() -> Mapping[str, Mapping[str, importlib.metadata.EntryPoint]]:
     """Return the kinds by name, each by package: more than one where strangers disagree."""
     found = dict[str, dict[str, importlib.metadata.EntryPoint]]()
-    for package, point in sorted(entry_points("rollslip.kind"), key=lambda one: (one[1].name, one[0])):
+    for package, point in sorted(
+        entry_points("rollslip.kind"), key=lambda one: (one[1].name, one[0])
+    ):
         if package == "rollslip" or not is_disabled(package):
             found.setdefault(point.name, {})[package] = point
-    return {name: {"rollslip": of["rollslip"]} if "rollslip" in of else of for name, of in found.items()}
+    return {
+        name: {"rollslip": of["rollslip"]} if "rollslip" in of else of for name, of in found.items()
+    }
 
 
 @cache
@@ -91,7 +97,9 @@ def installed() -> tuple[Offer, ...]:
     for distribution in importlib.metadata.distributions():
         try:
             offered = _offers(distribution)
-        except Exception:  # metadata that cannot be read: an installation that was cut off, and pip says so
+        except (
+            Exception
+        ):  # metadata that cannot be read: an installation that was cut off, and pip says so
             continue
         for offer in offered:
             # a package found twice on the path is one package: the first one is what Python imports
@@ -100,22 +108,32 @@ def installed() -> tuple[Offer, ...]:
     for offer in offers.values():
         if offer.state == "ok":
             usable.setdefault((offer.kind, offer.name), []).append(offer)
-    return ordered(_shadowed(offer, usable.get((offer.kind, offer.name), [])) for offer in offers.values())
+    return ordered(
+        _shadowed(offer, usable.get((offer.kind, offer.name), [])) for offer in offers.values()
+    )
 
 
 def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
     points = [
         (kind, point)
         for point in distribution.entry_points
-        if (kind := point.group.removeprefix("rollslip.").replace("_", "-")) in kinds() and point.group != kind
+        if (kind := point.group.removeprefix("rollslip.").replace("_", "-")) in kinds()
+        and point.group != kind
     ]
     if not points or not distribution.name or not distribution.version:
         return []
     state, cause = _state(distribution)
-    package, version = distribution.name, distribution.version
+    package = distribution.name
+    version = distribution.version
     return [
         Offer(
-            kind=kind, name=point.name, package=package, version=version, module=point.value, state=state, cause=cause
+            kind=kind,
+            name=point.name,
+            package=package,
+            version=version,
+            module=point.value,
+            state=state,
+            cause=cause,
         )
         for kind, point in points
     ]
@@ -142,7 +160,9 @@ def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
             continue  # pip already refused or accepted it; only a readable requirement on rollslip concerns us
         if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
             continue
-        if canonical(requirement.name) == "rollslip" and not requirement.specifier.contains(ours, prereleases=True):
+        if canonical(requirement.name) == "rollslip" and not requirement.specifier.contains(
+            ours, prereleases=True
+        ):
             cause = f"requires rollslip{requirement.specifier}, this is {ours}; install a version that fits"
             return "incompatible", cause
     return "ok", ""
@@ -159,10 +179,14 @@ def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
     )
 
 
-def with_session(installed: tuple[Offer, ...], registered: Mapping[tuple[str, str], object]) -> tuple[Offer, ...]:
+def with_session(
+    installed: tuple[Offer, ...], registered: Mapping[tuple[str, str], object]
+) -> tuple[Offer, ...]:
     """Return all that is offered where a process has registered things of its own, which go before others."""
     replaced = [
-        attrs.evolve(o, state="shadowed", cause="replaced in this process; restart it to have this one back")
+        attrs.evolve(
+            o, state="shadowed", cause="replaced in this process; restart it to have this one back"
+        )
         if (o.kind, o.name) in registered
         else o
         for o in installed

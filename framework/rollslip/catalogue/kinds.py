@@ -46,12 +46,18 @@ class Kind:
     hook: str  #: The function of `rollslip.hookspecs` that collects what a module offers.
     base: Any  #: What a class of this kind derives from, or a named value is an instance of.
     data: bool = False  #: Whether named values are offered, not classes.
-    waits: bool = False  #: Whether a class is taken as it is, since its fields wait for what a user asks.
+    waits: bool = (
+        False  #: Whether a class is taken as it is, since its fields wait for what a user asks.
+    )
     listed: bool = True  #: Whether a scene or a command names something of it, so that ``rollslip models`` lists it.
-    template: Template | None = None  #: How a new package of it is written; None if its author starts from another.
+    template: Template | None = (
+        None  #: How a new package of it is written; None if its author starts from another.
+    )
     #: Whether a scene gives parameters of its classes that are not set (`rollslip.models.from_scene`).
     from_scene: bool = False
-    check: Callable[[Any], str] = lambda _: ""  #: Says what else is wrong with a class of it; empty for nothing.
+    check: Callable[[Any], str] = lambda _: (
+        ""
+    )  #: Says what else is wrong with a class of it; empty for nothing.
     #: Module whose functions under `rollslip.testing.rule` things of a kind of one's own are checked by.
     rules: str = ""
 
@@ -63,7 +69,9 @@ class Kind:
 
     def members(self, module: ModuleType) -> list[Any]:
         """Return the classes, or named values, of this kind that stand in a module under a name of their own."""
-        return [thing for thing in vars(module).values() if self.holds(thing) and hasattr(thing, "name")]
+        return [
+            thing for thing in vars(module).values() if self.holds(thing) and hasattr(thing, "name")
+        ]
 
     def fault(self, thing: Any) -> str:
         """Say what keeps a thing from being used as one of this kind; an empty string if nothing does."""
@@ -131,7 +139,9 @@ def offered_kinds() -> list[str]:
 
 def built_in_module(kind: str) -> str:
     """Return a module by which rollslip itself offers something of a kind; an empty string where there is none."""
-    modules = (offer.module for offer in installed() if (offer.kind, offer.package) == (kind, "rollslip"))
+    modules = (
+        offer.module for offer in installed() if (offer.kind, offer.package) == (kind, "rollslip")
+    )
     return next(modules, "").partition(":")[0]
 
 

@@ -33,7 +33,14 @@ def _columns_fault(law: Any) -> str:
 def _law(name: str, base: Any, hook: str, template: Template | None = None) -> Kind:
     """Return a kind of laws with a compiled form."""
     from_scene = base is not PressureViscosity
-    return Kind(name=name, hook=hook, base=base, template=template, from_scene=from_scene, check=_columns_fault)
+    return Kind(
+        name=name,
+        hook=hook,
+        base=base,
+        template=template,
+        from_scene=from_scene,
+        check=_columns_fault,
+    )
 
 
 def _law_template(summary: str, key: str) -> Template:
@@ -42,12 +49,16 @@ def _law_template(summary: str, key: str) -> Template:
     return Template(summary=summary, contents=contents, use=_SCENE.format(key), compiled=True)
 
 
-def _data(name: str, base: Any, hook: str, template: Template | None = None, listed: bool = True) -> Kind:
+def _data(
+    name: str, base: Any, hook: str, template: Template | None = None, listed: bool = True
+) -> Kind:
     """Return a kind of named values."""
     return Kind(name=name, hook=hook, base=base, data=True, template=template, listed=listed)
 
 
-CONTACT: Final = _law("contact", ContactModel, "contact_models", _law_template("A contact model", "models.contact"))
+CONTACT: Final = _law(
+    "contact", ContactModel, "contact_models", _law_template("A contact model", "models.contact")
+)
 FILM: Final = _law("film", FilmModel, "film_models", _law_template("A film model", "models.film"))
 PRESSURE: Final = _law("pressure", PressureModel, "pressure_models")
 TRACTION: Final = _law(
@@ -61,7 +72,13 @@ DRAG: Final = _law(
     "drag",
     Drag,
     "drag_models",
-    Template(summary="A drag model", contents="the law", use=_PYTHON.format("drag"), needs=_ATTRS, compiled=True),
+    Template(
+        summary="A drag model",
+        contents="the law",
+        use=_PYTHON.format("drag"),
+        needs=_ATTRS,
+        compiled=True,
+    ),
 )
 RING: Final = Kind(name="ring", hook="ring_models", base=RingModel)
 LUBRICANT: Final = _data(

@@ -40,10 +40,15 @@ class PluginPackage:
 def packages() -> list[PluginPackage]:
     """Return all packages that offer something, rollslip first; each is imported, to know whether it is broken."""
     offers: dict[str, list[Offer]] = {}
-    for offer in sorted(catalogue(), key=lambda offer: offer.package != "rollslip"):  # before others could change it
+    for offer in sorted(
+        catalogue(), key=lambda offer: offer.package != "rollslip"
+    ):  # before others could change it
         if offer.package != THIS_PROCESS:
             offers.setdefault(offer.package, []).append(_tried(offer))
-    return [_package(offers[name]) for name in sorted(offers, key=lambda name: (name != "rollslip", name))]
+    return [
+        _package(offers[name])
+        for name in sorted(offers, key=lambda name: (name != "rollslip", name))
+    ]
 
 
 def unread() -> dict[str, str]:
@@ -51,11 +56,19 @@ def unread() -> dict[str, str]:
     found = dict[str, str]()
     for distribution in importlib.metadata.distributions():
         with suppress(Exception):  # an installation that was cut off, and pip says so
-            for group in {point.group for point in distribution.entry_points if point.group.startswith("rollslip.")}:
+            for group in {
+                point.group
+                for point in distribution.entry_points
+                if point.group.startswith("rollslip.")
+            }:
                 name = group.removeprefix("rollslip.").replace("_", "-")
                 if name != "kind" and name not in kinds() and not is_disabled(distribution.name):
                     near = nearest(name, kinds(), count=1)
-                    hint = f"did you mean rollslip.{near[0].replace('-', '_')}" if near else "no kind has its name"
+                    hint = (
+                        f"did you mean rollslip.{near[0].replace('-', '_')}"
+                        if near
+                        else "no kind has its name"
+                    )
                     said = f"a group that nobody reads; {hint}, or is the package that brings the kind not installed?"
                     found[f"{distribution.name}: {group}"] = said
     return dict(sorted(found.items()))
@@ -76,11 +89,15 @@ def _digest(package: str) -> str:
     if not about.get("dir_info", {}).get("editable"):
         return ""
     digest = hashlib.sha256()
-    for top in sorted({point.value.partition(":")[0].partition(".")[0] for point in distribution.entry_points}):
+    for top in sorted(
+        {point.value.partition(":")[0].partition(".")[0] for point in distribution.entry_points}
+    ):
         spec = importlib.util.find_spec(top)
         folders = [] if spec is None else list(spec.submodule_search_locations or ())
         single = [] if spec is None or folders or spec.origin is None else [Path(spec.origin)]
-        for path in sorted((*(path for folder in folders for path in Path(folder).rglob("*")), *single)):
+        for path in sorted(
+            (*(path for folder in folders for path in Path(folder).rglob("*")), *single)
+        ):
             if path.is_file() and path.suffix != ".pyc":
                 digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
@@ -103,13 +120,19 @@ def _package(offers: list[Offer]) -> PluginPackage:
     state = next(s for s in ("disabled", "incompatible", "broken", "shadowed", "ok") if s in causes)
     cause = "; ".join(dict.fromkeys(causes[state])) if state != "ok" else ""
     return PluginPackage(
-        name=offers[0].package, version=offers[0].version, state=state, cause=cause, offers=tuple(offers)
+        name=offers[0].package,
+        version=offers[0].version,
+        state=state,
+        cause=cause,
+        offers=tuple(offers),
     )
 
 
 def _cause(offer: Offer) -> str:
     """Why an offer cannot be used, in a list of several."""
-    return f"{offer.kind} {offer.name!r}: {offer.cause}" if offer.state == "shadowed" else offer.cause
+    return (
+        f"{offer.kind} {offer.name!r}: {offer.cause}" if offer.state == "shadowed" else offer.cause
+    )
 
 
 def requirements() -> list[str]:
@@ -118,11 +141,16 @@ def requirements() -> list[str]:
     Packages that are disabled or do not fit this rollslip are left out, and nothing is imported.
     """
     versions = {
-        o.package: o.version for o in catalogue() if o.state in ("ok", "shadowed") and o.package != THIS_PROCESS
+        o.package: o.version
+        for o in catalogue()
+        if o.state in ("ok", "shadowed") and o.package != THIS_PROCESS
     }
     versions.pop("rollslip", None)
     ours = importlib.metadata.version("rollslip")
-    return [f"rollslip=={ours}", *(f"{name}=={version}" for name, version in sorted(versions.items()))]
+    return [
+        f"rollslip=={ours}",
+        *(f"{name}=={version}" for name, version in sorted(versions.items())),
+    ]
 
 
 def as_text(packages: Iterable[PluginPackage]) -> str:
@@ -149,21 +177,29 @@ def as_dicts(packages: Iterable[PluginPackage]) -> list[dict[str, Any]]:
 
 def check_required(required: Iterable[str], where: Location) -> None:
     """Check that the packages a scene requires are installed, by their metadata alone."""
-    problems, missing = [], []
+    problems = []
+    missing = []
     for index, text in enumerate(required):
-        from packaging.requirements import InvalidRequirement, Requirement  # slow, and few scenes require anything
+        from packaging.requirements import (
+            InvalidRequirement,
+            Requirement,
+        )  # slow, and few scenes require anything
 
         try:
             requirement = Requirement(text)
         except InvalidRequirement as error:
             reason = str(error).splitlines()[0]
             problems.append(
-                where.at(index).says(f"{text!r} is no requirement ({reason}); write it as 'rollslip-cross>=0.1'")
+                where.at(index).says(
+                    f"{text!r} is no requirement ({reason}); write it as 'rollslip-cross>=0.1'"
+                )
             )
             continue
         if requirement.marker is not None and not requirement.marker.evaluate():
             continue
-        if lack := _lack(requirement.name, str(requirement.specifier), requirement.specifier.contains):
+        if lack := _lack(
+            requirement.name, str(requirement.specifier), requirement.specifier.contains
+        ):
             missing.append(where.at(index).says(lack))
     if problems:
         raise SceneError(problems)
@@ -179,7 +215,9 @@ def _lack(name: str, versions: str, contains: Any) -> str:
     except importlib.metadata.PackageNotFoundError:
         return f"package {name}{versions} is required but not installed; {remedy}"
     if is_disabled(name):
-        return f"package {name} is required but disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there"
+        return (
+            f"package {name} is required but disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there"
+        )
     if not contains(installed, prereleases=True):
         return f"package {name}{versions} is required but {installed} is installed; {remedy}"
     return ""

@@ -18,7 +18,16 @@ from rollslip.structure import Location, structure
 #: Name of a law and its parameters -> defaults of some of them.
 Constants: TypeAlias = Callable[[str, Collection[str]], Mapping[str, object]]
 
-__all__ = ["Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model", "structure_models"]
+__all__ = [
+    "Offer",
+    "available",
+    "catalogue",
+    "find",
+    "get_class",
+    "get_model",
+    "structure_model",
+    "structure_models",
+]
 
 
 def get_model(kind: str, name: str, **parameters: object) -> Any:
@@ -48,7 +57,9 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     """
     if get_kind(kind).data or get_kind(kind).waits:
         if parameters:
-            raise PluginError(f"a {kind} takes no parameters here, got {', '.join(parameters)}; set them in a scene")
+            raise PluginError(
+                f"a {kind} takes no parameters here, got {', '.join(parameters)}; set them in a scene"
+            )
         return get_class(kind, name)
     problems: list[str] = []
     model = structure_model(kind, {"model": name, **parameters}, Location({}, (name,)), problems)
@@ -57,22 +68,31 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     return model
 
 
-def structure_models(kind: str, named: Iterable[tuple[str, Mapping[str, object]]], where: Location) -> tuple[Any, ...]:
+def structure_models(
+    kind: str, named: Iterable[tuple[str, Mapping[str, object]]], where: Location
+) -> tuple[Any, ...]:
     """Return models of a list in a scene, each by its name and parameters, in their order."""
-    problems, names = list[str](), list[str]()
+    problems = list[str]()
+    names = list[str]()
     models: list[Any] = []
     for k, (name, parameters) in enumerate(named):
         models.append(structure_model(kind, {"model": name, **parameters}, where.at(k), problems))
         names.append(name)
     if twice := sorted({name for name in names if names.count(name) > 1}):
-        problems.append(where.says(f"{' and '.join(map(repr, twice))} stands there twice; name each once"))
+        problems.append(
+            where.says(f"{' and '.join(map(repr, twice))} stands there twice; name each once")
+        )
     if problems:
         raise SceneError(problems)
     return tuple(models)
 
 
 def structure_model(
-    kind: str, raw: object, where: Location, problems: list[str], constants: "Constants | None" = None
+    kind: str,
+    raw: object,
+    where: Location,
+    problems: list[str],
+    constants: "Constants | None" = None,
 ) -> Any:
     """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted.
 
@@ -85,20 +105,31 @@ def structure_model(
     parameters = dict(raw) if isinstance(raw, Mapping) else {}
     name = parameters.pop("model", None)
     if not isinstance(name, str):
-        problems.append(where.says(f"a {kind} model is expected: its name, or a table with model = 'NAME'"))
+        problems.append(
+            where.says(f"a {kind} model is expected: its name, or a table with model = 'NAME'")
+        )
         return None
     try:
         cls = get_class(kind, name)
     except PluginError as error:
         raise type(error)(where.says(str(error))) from error
     if constants is not None:
-        known, given = attrs.fields_dict(cls), constants(name, attrs.fields_dict(cls))
+        known = attrs.fields_dict(cls)
+        given = constants(name, attrs.fields_dict(cls))
         of_oil = Location(where.origins, ("lubricant", "models", name))
-        problems += [of_oil.at(key).says(f"{name!r} has no parameter {key!r}") for key in given if key not in known]
+        problems += [
+            of_oil.at(key).says(f"{name!r} has no parameter {key!r}")
+            for key in given
+            if key not in known
+        ]
         parameters = {key: value for key, value in given.items() if key in known} | parameters
     children = {
         attribute.name: structure_model(
-            attribute.metadata["kind"], parameters.pop(attribute.name), where.at(attribute.name), problems, constants
+            attribute.metadata["kind"],
+            parameters.pop(attribute.name),
+            where.at(attribute.name),
+            problems,
+            constants,
         )
         for attribute in attrs.fields(cls)
         if "kind" in attribute.metadata and attribute.name in parameters
@@ -111,9 +142,13 @@ def structure_model(
                     own = getattr(model, attribute.name)
                     if given := constants(own.name, attrs.fields_dict(type(own))):
                         made = structure(type(own), given, where.at(attribute.name), problems)
-                        values = {key: getattr(made, key) for key in given} if made is not None else {}
+                        values = (
+                            {key: getattr(made, key) for key in given} if made is not None else {}
+                        )
                         children[attribute.name] = attrs.evolve(own, **values)
-        return model if model is None or None in children.values() else attrs.evolve(model, **children)
+        return (
+            model if model is None or None in children.values() else attrs.evolve(model, **children)
+        )
     except FieldError as error:  # of a child, which the class sees only now
         problems.append(where.at(error.field).says(error.reason))
         return None

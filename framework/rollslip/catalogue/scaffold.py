@@ -40,14 +40,18 @@ def new(name: str, kinds: str, compiled: bool, folder: Path) -> Path:
     texts = package(name, kinds, compiled)
     target = folder / name
     if target.exists() or target.is_symlink():
-        raise OutputError(f"{target}: exists, and is left as it is; choose another name or folder, or remove it")
+        raise OutputError(
+            f"{target}: exists, and is left as it is; choose another name or folder, or remove it"
+        )
     try:
         with whole(target) as partial, blamed(target):
             for path, text in texts.items():
                 (partial / path).parent.mkdir(parents=True, exist_ok=True)
                 (partial / path).write_text(text, encoding="utf-8", newline="\n")
     except OutputError as error:  # its remedy is that of a run
-        raise OutputError(f"{str(error).partition(';')[0]}; nothing was written; choose another folder") from error
+        raise OutputError(
+            f"{str(error).partition(';')[0]}; nothing was written; choose another folder"
+        ) from error
     return target
 
 
@@ -69,9 +73,12 @@ def package(name: str, kinds: str, compiled: bool) -> dict[str, str]:
     _check_name(name)
     for kind, model in models.items():
         _check_model(kind, model, name if name.endswith(model) else model, templates[kind])
-    module, requirement = name.replace("-", "_"), _requirement()
+    module = name.replace("-", "_")
+    requirement = _requirement()
     summaries = [template.summary for template in templates.values()]
-    needs = dict.fromkeys([*(need for template in templates.values() for need in template.needs), requirement])
+    needs = dict.fromkeys(
+        [*(need for template in templates.values() for need in template.needs), requirement]
+    )
     values = {
         "name": name,
         "module": module,
@@ -81,9 +88,15 @@ def package(name: str, kinds: str, compiled: bool) -> dict[str, str]:
             f'[project.entry-points."rollslip.{_file(kind)}"]\n{model} = "{module}.{_file(kind)}"'
             for kind, model in models.items()
         ),
-        "summary": " and ".join([summaries[0], *(f"{text[:1].lower()}{text[1:]}" for text in summaries[1:])]),
-        "contents": "\n".join(f"- `src/{module}/{_file(kind)}.py`: {one.contents}." for kind, one in templates.items()),
-        "use": "\n    ".join(Template(templates[kind].use).substitute(model=model) for kind, model in models.items()),
+        "summary": " and ".join(
+            [summaries[0], *(f"{text[:1].lower()}{text[1:]}" for text in summaries[1:])]
+        ),
+        "contents": "\n".join(
+            f"- `src/{module}/{_file(kind)}.py`: {one.contents}." for kind, one in templates.items()
+        ),
+        "use": "\n    ".join(
+            Template(templates[kind].use).substitute(model=model) for kind, model in models.items()
+        ),
         "package_data": '"py.typed", "*.pyi"' if compiled else '"py.typed"',
         "dependencies": ", ".join(f'"{need}"' for need in needs),
         "requirement": requirement,
@@ -105,7 +118,9 @@ def _models(name: str, kinds: str) -> dict[str, str]:
     for wanted in kinds.split(","):
         kind, _, model = wanted.partition(":")
         if kind in models:
-            raise FieldError("kind", f"a package takes one {kind} from a template; write a second one beside it")
+            raise FieldError(
+                "kind", f"a package takes one {kind} from a template; write a second one beside it"
+            )
         models[kind] = model or name.removeprefix("rollslip-")
     return models
 
@@ -119,9 +134,14 @@ def _template(kind: str, compiled: bool) -> KindTemplate:
     template = get_kind(kind).template
     if template is None:
         start = built_in_module(kind) or "another package that offers one"
-        raise FieldError("kind", f"{kind!r} has no template; start from {start}, as docs/reference/plugins.rst shows")
+        raise FieldError(
+            "kind",
+            f"{kind!r} has no template; start from {start}, as docs/reference/plugins.rst shows",
+        )
     if compiled and not template.compiled:
-        able = ", ".join(one.name for one in usable_kinds() if one.template and one.template.compiled)
+        able = ", ".join(
+            one.name for one in usable_kinds() if one.template and one.template.compiled
+        )
         raise FieldError("compiled", f"{kind} has no compiled form, only {able} have; leave it out")
     return template
 
@@ -153,8 +173,14 @@ def _files(kind: str, template: KindTemplate, module: str, compiled: bool) -> di
     """Return the files of a kind: path -> template."""
     file = _file(kind)
     found = {f"src/{module}/{name}.py": f"{name}.py" for name in (file, *template.beside)}
-    found[f"tests/test_{module}_{file}.py"] = f"test_{file}.py"  # no other package has a test of this name
-    return found | ({f"src/{module}/_{file}.{end}": f"{file}.{end}" for end in ("pyx", "pyi")} if compiled else {})
+    found[f"tests/test_{module}_{file}.py"] = (
+        f"test_{file}.py"  # no other package has a test of this name
+    )
+    return found | (
+        {f"src/{module}/_{file}.{end}": f"{file}.{end}" for end in ("pyx", "pyi")}
+        if compiled
+        else {}
+    )
 
 
 def _read(package: str, file: str) -> str:
@@ -182,16 +208,23 @@ def _check_name(name: str) -> None:
         better = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-0123456789")
         hint = f"; {better!r} would do" if better else ""
         raise FieldError(
-            "name", f"{name!r} is not made of lower-case letters and digits with single hyphens, a letter first{hint}"
+            "name",
+            f"{name!r} is not made of lower-case letters and digits with single hyphens, a letter first{hint}",
         )
     module = name.replace("-", "_")
     if keyword.iskeyword(module) or keyword.issoftkeyword(module):
-        raise FieldError("name", f"{name!r} is a word of Python's own and cannot name a module; choose another")
+        raise FieldError(
+            "name", f"{name!r} is a word of Python's own and cannot name a module; choose another"
+        )
     if module in sys.stdlib_module_names or module in ("tests", "test", "setup"):
-        raise FieldError("name", f"a module {module!r} would hide Python's own or that of the tests; choose another")
+        raise FieldError(
+            "name",
+            f"a module {module!r} would hide Python's own or that of the tests; choose another",
+        )
     if importlib.util.find_spec(module) is not None:
         raise FieldError(
-            "name", f"a module {module!r} is installed already, and one would hide the other; choose another name"
+            "name",
+            f"a module {module!r} is installed already, and one would hide the other; choose another name",
         )
 
 
@@ -199,13 +232,21 @@ def _check_model(kind: str, model: str, called: str, template: KindTemplate) -> 
     """Refuse the name of a model whose class would hide another one, and one that is taken."""
     cls = _class_name(model)
     if not cls.isidentifier():
-        raise FieldError("name", f"{called!r} would make a class {cls!r}, which begins with a digit; choose another")
+        raise FieldError(
+            "name",
+            f"{called!r} would make a class {cls!r}, which begins with a digit; choose another",
+        )
     if cls.startswith("Test"):
-        raise FieldError("name", f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise")
+        raise FieldError(
+            "name",
+            f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise",
+        )
     texts = [_read(template.package, file) for file in _files(kind, template, "", False).values()]
     imports = re.findall(r"^ *(?:from|import) .*", "\n".join(texts), re.MULTILINE)
     if re.search(rf"\b{cls}\b", "\n".join(imports)):
-        raise FieldError("name", f"{called!r} would make a class {cls!r} beside rollslip's own; choose another")
+        raise FieldError(
+            "name", f"{called!r} would make a class {cls!r} beside rollslip's own; choose another"
+        )
     for offer in catalogue():
         if (offer.kind, offer.name) == (kind, model):
             raise FieldError(

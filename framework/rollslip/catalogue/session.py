@@ -169,18 +169,25 @@ def model(
         raise PluginError(
             f"a function cannot be a {kind} model, only {' or '.join(_COLUMN)}; write a class and register it"
         )
-    base, column = get_kind(kind).base, _COLUMN[kind]
+    base = get_kind(kind).base
+    column = _COLUMN[kind]
     known = {**(FilmModel.domain if base is FilmModel else {}), **(domain or {})}
     read = sorted(known if reads is None else reads)
     limits = {member: known.get(member, _PHYSICAL.get(member, FINITE)) for member in read}
     members = {*COLUMNS, *CONDITIONS} - {column}
     blame = f"{kind} {name!r} cannot be registered"
     if wrong := sorted(limits.keys() - members):
-        raise PluginError(f"{blame}: it reads {', '.join(wrong)}, but slices have {', '.join(sorted(members))}")
+        raise PluginError(
+            f"{blame}: it reads {', '.join(wrong)}, but slices have {', '.join(sorted(members))}"
+        )
     if unread := sorted((domain or {}).keys() - limits.keys()):
-        raise PluginError(f"{blame}: its domain limits {', '.join(unread)}, which reads does not name")
+        raise PluginError(
+            f"{blame}: its domain limits {', '.join(unread)}, which reads does not name"
+        )
     if not limits:
-        raise PluginError(f"{blame}: reads must name the columns and conditions that the function reads")
+        raise PluginError(
+            f"{blame}: reads must name the columns and conditions that the function reads"
+        )
     declared = {} if parameters is None else dict(parameters)
     types_of = _types(declared)
     if loose := [parameter for parameter, of in types_of.items() if of is None]:
@@ -194,11 +201,17 @@ def model(
             inspect.signature(function).bind(None, **declared)
         except TypeError as error:
             taken = f"the slices and {', '.join(declared)}" if declared else "the slices alone"
-            raise PluginError(f"{blame}: {function.__name__} has to take {taken}, but {error}") from None
+            raise PluginError(
+                f"{blame}: {function.__name__} has to take {taken}, but {error}"
+            ) from None
 
         def evaluate(self: object, slices: Slices) -> None:
-            values = function(slices, **{parameter: getattr(self, parameter) for parameter in declared})
-            if values is not None:  # None: it has filled the column itself, as evaluate of a class does
+            values = function(
+                slices, **{parameter: getattr(self, parameter) for parameter in declared}
+            )
+            if (
+                values is not None
+            ):  # None: it has filled the column itself, as evaluate of a class does
                 getattr(slices, column)[...] = values
 
         body = {
@@ -210,15 +223,22 @@ def model(
             "reads": frozenset(limits),
             "domain": types.MappingProxyType(limits),
             "evaluate": evaluate,
-            "__reduce__": lambda self: (_again, (kind, name, {p: getattr(self, p) for p in declared})),
+            "__reduce__": lambda self: (
+                _again,
+                (kind, name, {p: getattr(self, p) for p in declared}),
+            ),
             "__annotations__": types_of,
             **declared,
         }
         if kernel is not None:
-            body["kernel"] = lambda self: kernel(**{parameter: getattr(self, parameter) for parameter in declared})
+            body["kernel"] = lambda self: kernel(
+                **{parameter: getattr(self, parameter) for parameter in declared}
+            )
         if base is FilmModel:
             body["location"] = "not stated"
-        cls = types.new_class(function.__name__, (base,), exec_body=lambda namespace: namespace.update(body))
+        cls = types.new_class(
+            function.__name__, (base,), exec_body=lambda namespace: namespace.update(body)
+        )
         discovery.add(kind, attrs.frozen(slots=False, kw_only=True)(cls), replace=replace)
         return function
 

@@ -17,7 +17,9 @@ __all__ = ["altered", "held", "is_ours", "told_if_slow"]
 
 #: Seconds that an import may take without a word.
 _SLOW: Final = 10.0
-_ROOTS = frozenset({"rollslip", "rollslip_campaigns", "rollslip_kernels", "rollslip_plugins", "rollslip_studies"})
+_ROOTS = frozenset(
+    {"rollslip", "rollslip_campaigns", "rollslip_kernels", "rollslip_plugins", "rollslip_studies"}
+)
 
 
 def is_ours(module: str) -> bool:
@@ -51,7 +53,9 @@ def altered(before: Mapping[str, Any]) -> list[str]:
     found = [name for name, thing in before.items() if after.get(name) is not thing]
     for name in after.keys() - before.keys():
         place, _, last = name.rpartition(".")
-        if isinstance(after.get(place), type) and not last.startswith("_"):  # attrs writes some of those
+        if isinstance(after.get(place), type) and not last.startswith(
+            "_"
+        ):  # attrs writes some of those
             stranger = isinstance(after[name], FunctionType) and not is_ours(after[name].__module__)
             found += [name] if place in before or stranger else []
     return sorted({name.removesuffix("()") for name in found})

@@ -25,10 +25,17 @@ if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
 #: What the shell sees.
-OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, FAILED_ON, INTERRUPTED = 0, 2, 3, 4, 5, 6, 130
+OK = 0
+BAD_SCENE = 2
+NOT_CONVERGED = 3
+SOME_FAILED = 4
+BAD_PLUGIN = 5
+FAILED_ON = 6
+INTERRUPTED = 130
 
 #: What plots are written as; a test holds that it is what can be written.
-FORMATS, TABLES = frozenset({"svg", "pdf", "png"}), frozenset({"csv", "xlsx"})
+FORMATS = frozenset({"svg", "pdf", "png"})
+TABLES = frozenset({"csv", "xlsx"})
 #: Options that say where results go and how, not what is computed; as names of the fields of `Results`.
 OF_RESULTS = frozenset({"out", "overwrite", "resume", "report", "as_json"})
 
@@ -42,7 +49,11 @@ def complete_scenes(ctx: click.Context, param: click.Parameter, incomplete: str)
 
     here = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
     inside = sorted(here.iterdir()) if here.is_dir() else []
-    places = [f"{path}/" if path.is_dir() else str(path) for path in inside if path.is_dir() or path.suffix == ".toml"]
+    places = [
+        f"{path}/" if path.is_dir() else str(path)
+        for path in inside
+        if path.is_dir() or path.suffix == ".toml"
+    ]
     return [one for one in (*shipped_scenes(), *places) if one.startswith(incomplete)]
 
 
@@ -51,7 +62,11 @@ def complete_keys(ctx: click.Context, param: click.Parameter, incomplete: str) -
     from rollslip.planning.keys import keys
 
     sign = "=" if param.name == "changes" else ""
-    found = (f"{row.key}{sign}" for row in keys(models=incomplete.startswith("models.")) if not row.key.endswith("*"))
+    found = (
+        f"{row.key}{sign}"
+        for row in keys(models=incomplete.startswith("models."))
+        if not row.key.endswith("*")
+    )
     return [one for one in dict.fromkeys(found) if one.startswith(incomplete)]
 
 
@@ -78,9 +93,13 @@ set_option = click.option(
     shell_complete=complete_keys,
     help="Change a value of the scene; may be repeated.",
 )
-study_option = click.option("--study", metavar="STUDY", shell_complete=complete_models, help="Only this study.")
+study_option = click.option(
+    "--study", metavar="STUDY", shell_complete=complete_models, help="Only this study."
+)
 resume_option = click.option(
-    "--resume", is_flag=True, help="Go on with the interrupted run that --out was to take the results of."
+    "--resume",
+    is_flag=True,
+    help="Go on with the interrupted run that --out was to take the results of.",
 )
 
 
@@ -93,14 +112,22 @@ def engine_options(command: Any) -> Any:
     """Add the options that say where points are computed; the command gets `engine`, as a scene would state it."""
 
     @functools.wraps(command)
-    def with_engine(engine: str | None, workers: int | None, scheduler: str | None, **others: Any) -> None:
+    def with_engine(
+        engine: str | None, workers: int | None, scheduler: str | None, **others: Any
+    ) -> None:
         command(engine=_engine_table(engine, workers, scheduler), **others)
 
     for option in (
-        click.option("--time-limit", metavar="TIME", help="Longest time for one point, such as '60 s'."),
+        click.option(
+            "--time-limit", metavar="TIME", help="Longest time for one point, such as '60 s'."
+        ),
         click.option("--scheduler", metavar="ADDRESS", help="Scheduler of engine dask."),
         click.option("--workers", metavar="N", type=click.IntRange(1), help="Points at a time."),
-        click.option("--engine", metavar="NAME", help="Where: serial, threads, processes, dask; by default chosen."),
+        click.option(
+            "--engine",
+            metavar="NAME",
+            help="Where: serial, threads, processes, dask; by default chosen.",
+        ),
     ):
         with_engine = option(with_engine)
     return with_engine
@@ -115,7 +142,9 @@ def _formats(context: click.Context, option: click.Parameter, text: str) -> tupl
     return names
 
 
-def _engine_table(engine: str | None, workers: int | None, scheduler: str | None) -> dict[str, object] | None:
+def _engine_table(
+    engine: str | None, workers: int | None, scheduler: str | None
+) -> dict[str, object] | None:
     """Return engine and its parameters as a scene would state them."""
     if scheduler is not None and engine not in (None, "dask"):
         raise click.UsageError(f"--scheduler is of engine dask, not of {engine!r}")
@@ -152,7 +181,11 @@ def results_options(
             help="Files of the plots: svg, pdf, png; of a table: csv, xlsx.",
         ),
     }  # fmt: skip
-    left_out = {name for name, wanted in (("out", out), ("overwrite", overwrite), ("resume", resume)) if not wanted}
+    left_out = {
+        name
+        for name, wanted in (("out", out), ("overwrite", overwrite), ("resume", resume))
+        if not wanted
+    }
 
     def with_options(command: Any) -> Any:
         @functools.wraps(command)
@@ -176,7 +209,9 @@ def results_options(
 # Scenes and results ---------------------------------------------------------------------------------------------------
 
 
-def scene_of(name: str, changes: Sequence[str], later: str = "", over: Sequence[str] = ()) -> "Scene":
+def scene_of(
+    name: str, changes: Sequence[str], later: str = "", over: Sequence[str] = ()
+) -> "Scene":
     """Return a scene by name or file, also of another program, with what --set changes.
 
     What such a file lacks, and what of it is not used, is told, and of what is unusual it is warned, but for what says
@@ -238,21 +273,36 @@ class Results:
             # whole: an interrupt from here on would be told as if nothing had been written
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 
-    def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path, scene: str = "") -> list[str]:
+    def show(
+        self, datasets: "Mapping[str, xr.Dataset]", folder: Path, scene: str = ""
+    ) -> list[str]:
         """Draw results into the folder where they are stored as NAME.nc, with a report if asked for.
 
         Return the names of what was written.
         """
-        figures, written = dict[str, list[Path]](), list[str]()
+        figures = dict[str, list[Path]]()
+        written = list[str]()
         if self.report or self.formats:
             from rollslip.results.accounts import answer
             from rollslip.results.figures import save_plots
 
             drawn = dict.fromkeys((*self.formats, *(["svg"] if self.report else [])))
             with progress("plots"):
-                slip = next((row.value for row in answer(*datasets.values()).rows if row.key == "cage_slip"), math.nan)
-                for name, dataset in datasets.items():  # maps show where the cage runs, also by another study
-                    files = save_plots(dataset.assign_attrs(operating_slip=slip), folder, tuple(drawn))
+                slip = next(
+                    (
+                        row.value
+                        for row in answer(*datasets.values()).rows
+                        if row.key == "cage_slip"
+                    ),
+                    math.nan,
+                )
+                for (
+                    name,
+                    dataset,
+                ) in datasets.items():  # maps show where the cage runs, also by another study
+                    files = save_plots(
+                        dataset.assign_attrs(operating_slip=slip), folder, tuple(drawn)
+                    )
                     figures[name] = [file for file in files if file.suffix == ".svg"]
                     written += [file.name for file in files if file.suffix[1:] in self.formats]
         if self.tables:
@@ -267,7 +317,9 @@ class Results:
                 for file in (file for files in figures.values() for file in files):
                     file.unlink()
             written.append("report.html")
-        self.files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")
+        self.files = sorted(
+            path.name for path in folder.iterdir() if path.is_file() and path.name[0] != "."
+        )
         return written
 
     def as_dict(self) -> dict[str, Any]:
@@ -284,7 +336,9 @@ class Results:
         first, more = warned(datasets, laws=laws)
         warn(first)
         if more:
-            warn([f"{counted(more)}; rollslip info of the .nc files in {self.target} tells of each"])
+            warn(
+                [f"{counted(more)}; rollslip info of the .nc files in {self.target} tells of each"]
+            )
         click.echo(f"written to {self.target}: {', '.join(self.files)}")
 
     # Runs that can go on after an interruption ------------------------------------------------------------------------
@@ -300,7 +354,9 @@ class Results:
                 else f"there is no interrupted run to go on with in {kept}"
             )
         if kept.exists() and not self.resume:
-            raise click.UsageError(f"{kept} holds an interrupted run: go on with it by --resume, or remove it")
+            raise click.UsageError(
+                f"{kept} holds an interrupted run: go on with it by --resume, or remove it"
+            )
         return kept
 
     def go_on(self, command: Sequence[str]) -> str:
@@ -310,7 +366,8 @@ class Results:
 
 def free_folder(name: str) -> Path:
     """Return the first of NAME, NAME-2, NAME-3 ... that does not exist, so that no run touches another's results."""
-    path, count = Path(name), 1
+    path = Path(name)
+    count = 1
     while path.exists() or path.with_name(f"{path.name}.unfinished").exists():
         count += 1
         path = Path(f"{name}-{count}")
@@ -361,12 +418,23 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
             watch.tell(share, left)
             if watch.at - said >= 30.0:
                 said = watch.at
-                click.echo(": ".join([what, ", ".join(filter(None, [text, watch.left_in_words()]))]), err=True)
+                click.echo(
+                    ": ".join([what, ", ".join(filter(None, [text, watch.left_in_words()]))]),
+                    err=True,
+                )
 
         yield line
         return
     from rich.file_proxy import FileProxy
-    from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        ProgressColumn,
+        SpinnerColumn,
+        Task,
+        TextColumn,
+        TimeElapsedColumn,
+    )
     from rich.text import Text
 
     class Left(ProgressColumn):
@@ -385,7 +453,9 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
         encoding = "utf-8"  # without one click writes past it, into the line of the bar
 
     console = terminal(stderr=True)
-    shown = Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)
+    shown = Progress(
+        *columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False
+    )
     with shown, ExitStack() as above:
         # what goes to a file or a pipe must not be drawn into the terminal of the bar
         if sys.stdout.isatty():
@@ -397,7 +467,10 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
             watch.tell(share, left)
             known = not math.isnan(share)
             shown.update(
-                task, description=f"{what}: {text}", total=1.0 if known else None, completed=share if known else 0.0
+                task,
+                description=f"{what}: {text}",
+                total=1.0 if known else None,
+                completed=share if known else 0.0,
             )
 
         yield show

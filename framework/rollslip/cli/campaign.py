@@ -59,7 +59,8 @@ def command_of(cls: type[Campaign]) -> Any:
 
 def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
     """Add arguments and options of a campaign to what runs it, which gets `asked` and, as text, what it is `about`."""
-    arguments, options = options_of(cls, arguments=True), options_of(cls)
+    arguments = options_of(cls, arguments=True)
+    options = options_of(cls)
     shared = {"engine", "time_limit"} if issubclass(cls, OfPoints) else set()
     names = {one.name for one in (*arguments, *options)} | shared
 
@@ -69,7 +70,9 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
         about = ", ".join(map(str, first)) if isinstance(first, tuple) else str(first)
         if issubclass(cls, OfScene):
             over = settings.get("over") or ()
-            settings["scene"] = scene_of(about, changes, over=(over,) if isinstance(over, str) else over)
+            settings["scene"] = scene_of(
+                about, changes, over=(over,) if isinstance(over, str) else over
+            )
         told = {name: value for name, value in settings.items() if value not in (None, ())}
         run(asked=cls(**told), about=about, **given)
 
@@ -85,7 +88,10 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
 def _option(one: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     """Return the option of a field."""
     said = one.metadata
-    of: Any = {int: click.IntRange(said["least"]) if said["least"] is not None else int, float: float}.get(said["of"])
+    of: Any = {
+        int: click.IntRange(said["least"]) if said["least"] is not None else int,
+        float: float,
+    }.get(said["of"])
     default = {} if one.default in (attrs.NOTHING, None) else {"default": one.default}
     return click.option(
         f"--{one.name.replace('_', '-')}", one.name, metavar=said["metavar"], multiple=said["many"],
@@ -143,7 +149,11 @@ def _as_dict(asked: Campaign, dataset: "xr.Dataset") -> dict[str, Any]:
     record = with_units(account_of(dataset).record(dataset), dataset)
     if not isinstance(asked, OfScene):
         return record
-    return {"scene": dataset.attrs["source"]} | record | {"warnings": json.loads(dataset.attrs["warnings"])}
+    return (
+        {"scene": dataset.attrs["source"]}
+        | record
+        | {"warnings": json.loads(dataset.attrs["warnings"])}
+    )
 
 
 def _by_itself(results: Results) -> str:
@@ -157,7 +167,12 @@ def _kept(asked: Campaign, made: Any, results: Results) -> "tuple[xr.Dataset, st
     name = asked.result or asked.name
     try:
         with progress(name) as show:
-            dataset = asked.run(made, results.target, show, lambda text: click.echo(f"  {text}", err=results.as_json))
+            dataset = asked.run(
+                made,
+                results.target,
+                show,
+                lambda text: click.echo(f"  {text}", err=results.as_json),
+            )
     except KeyboardInterrupt:
         click.echo(f"interrupted; what was done is kept; {_by_itself(results)}", err=True)
         sys.exit(INTERRUPTED)
@@ -191,8 +206,13 @@ def _as_typed() -> list[str]:
     words = ["rollslip", str(context.info_name)]
     for one in context.command.params:
         value = context.params[one.name or ""]
-        typed = context.get_parameter_source(one.name or "") is click.core.ParameterSource.COMMANDLINE
+        typed = (
+            context.get_parameter_source(one.name or "") is click.core.ParameterSource.COMMANDLINE
+        )
         if typed and one.name not in OF_RESULTS | {"no_plots", "formats"}:
             each = value if isinstance(value, tuple) else (value,)
-            words += [str(text) if isinstance(one, click.Argument) else f"{one.opts[0]}={text}" for text in each]
+            words += [
+                str(text) if isinstance(one, click.Argument) else f"{one.opts[0]}={text}"
+                for text in each
+            ]
     return words

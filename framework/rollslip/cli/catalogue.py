@@ -49,7 +49,9 @@ def explain(code: str, as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("target", required=False, metavar="[SCENE|RESULT.nc]", shell_complete=complete_scenes)
+@click.argument(
+    "target", required=False, metavar="[SCENE|RESULT.nc]", shell_complete=complete_scenes
+)
 @set_option
 @json_option
 def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
@@ -103,7 +105,9 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     type=click.Path(path_type=Path),
     help="Stored result of SCENE, to be written where the format of FILE has a place for it; SCENE may be left out.",
 )
-@click.option("--binary-only", is_flag=True, help="Without the sources of what is compiled, as of an FMU.")
+@click.option(
+    "--binary-only", is_flag=True, help="Without the sources of what is compiled, as of an FMU."
+)
 @click.option("--overwrite", is_flag=True, help="Replace the file.")
 @click.option("--schema", "of_schema", is_flag=True, help="The JSON Schema of the JSON instead.")
 @set_option
@@ -149,7 +153,12 @@ def export(
 
 @click.command()
 @click.argument("what", required=False, metavar="[KEY|TABLE|STUDY]", shell_complete=complete_keys)
-@click.option("--json-schema", "for_editors", is_flag=True, help="Print JSON Schema, by which editors complete keys.")
+@click.option(
+    "--json-schema",
+    "for_editors",
+    is_flag=True,
+    help="Print JSON Schema, by which editors complete keys.",
+)
 @json_option
 def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
     """List the keys of a scene with type, unit, default, what is usual and possible, and meaning.
@@ -173,12 +182,20 @@ def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
         console.print_table(
             ("key", "type", "unit", "default", "meaning"),
             [
-                (row.key, row.type, row.unit, row.default, f"{row.doc}; usually {row.usual}" if row.usual else row.doc)
+                (
+                    row.key,
+                    row.type,
+                    row.unit,
+                    row.default,
+                    f"{row.doc}; usually {row.usual}" if row.usual else row.doc,
+                )
                 for row in rows
             ],
         )
         if what is None:
-            click.echo("what stands for *: rollslip schema cage, lubricant, study, models.film; one key: schema KEY")
+            click.echo(
+                "what stands for *: rollslip schema cage, lubricant, study, models.film; one key: schema KEY"
+            )
     else:
         (row,) = rows
         click.echo(
@@ -202,7 +219,9 @@ def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
         table, _, name = row.key.rpartition(".")
         value = example(row)
         click.echo(f"for one run  --set {shlex.quote(f'{row.key}={value.strip(chr(34))}')}")
-        click.echo(f"in a scene   {f'[{table}]{chr(10)}             ' if table else ''}{name} = {value}")
+        click.echo(
+            f"in a scene   {f'[{table}]{chr(10)}             ' if table else ''}{name} = {value}"
+        )
 
 
 @click.command()
@@ -241,9 +260,15 @@ def plugins_list(requirements: bool, as_json: bool) -> None:
 
 @plugins.command("check")
 @click.argument("name")
-@click.option("--kind", metavar="KIND", help="Only the model of this kind, where several have the name.")
 @click.option(
-    "--time-limit", default=120.0, show_default=True, type=click.FloatRange(0.1), help="Seconds that a check may take."
+    "--kind", metavar="KIND", help="Only the model of this kind, where several have the name."
+)
+@click.option(
+    "--time-limit",
+    default=120.0,
+    show_default=True,
+    type=click.FloatRange(0.1),
+    help="Seconds that a check may take.",
 )
 @json_option
 def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool) -> None:

@@ -62,12 +62,16 @@ def headline(plan: "Plan") -> str:
     """
     first = headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
     mounted = plan.scene.bearing.mounted
-    return first if mounted is None else f"{first}\nclearance in operation: {clearance_told(mounted)}"
+    return (
+        first if mounted is None else f"{first}\nclearance in operation: {clearance_told(mounted)}"
+    )
 
 
 def clearance_told(mounted: "MountedClearance") -> str:
     """Say how a clearance in operation came about, and what of it nobody stated."""
-    assumed = f"; assumed: {' and '.join(mounted.assumed)} (bearing.mounting)" if mounted.assumed else ""
+    assumed = (
+        f"; assumed: {' and '.join(mounted.assumed)} (bearing.mounting)" if mounted.assumed else ""
+    )
     return f"{mounted}{assumed}"
 
 
@@ -93,10 +97,14 @@ def print_short_plan(plan: "Plan") -> None:
             for name, error in part.errors.items():
                 errors[name] = errors.get(name, 0.0) + error
         told = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
-        unknown = [name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)]
+        unknown = [
+            name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)
+        ]
         left = f"; relative errors of about {told}" if told else ""
         left += f"; that of {' and '.join(unknown)} cannot be determined" if unknown else ""
-        click.echo(f"{study}: {how_finely(resolution)}{left}; {duration_range(plan.seconds_of(study))}")
+        click.echo(
+            f"{study}: {how_finely(resolution)}{left}; {duration_range(plan.seconds_of(study))}"
+        )
     if out := dict.fromkeys(part.part for part in plan.parts if not part.included):
         click.echo(f"left out: {', '.join(out)}")
     _print_size(plan)
@@ -105,7 +113,10 @@ def print_short_plan(plan: "Plan") -> None:
 def print_plan(plan: "Plan") -> None:
     """Print the plan as a table, with its size and cost."""
     lines = plan.lines()
-    print_table(["" if name == "modelled" else name for name in lines[0]], [[*line.values()] for line in lines])
+    print_table(
+        ["" if name == "modelled" else name for name in lines[0]],
+        [[*line.values()] for line in lines],
+    )
     _print_size(plan)
 
 
@@ -130,7 +141,8 @@ def changed(this: "Plan", other: "Plan") -> "list[tuple[Part | None, Part | None
             found[of, part.part, count] = part
         return found
 
-    parts, others = numbered(this), numbered(other)
+    parts = numbered(this)
+    others = numbered(other)
     pairs = [(parts.get(key), others.get(key)) for key in dict.fromkeys((*parts, *others))]
 
     def said(part: "Part | None") -> tuple[object, ...] | None:
@@ -139,7 +151,9 @@ def changed(this: "Plan", other: "Plan") -> "list[tuple[Part | None, Part | None
     return [pair for pair in pairs if said(pair[0]) != said(pair[1])]
 
 
-def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str, other: str) -> None:
+def print_changed(
+    pairs: "Sequence[tuple[Part | None, Part | None]]", this: str, other: str
+) -> None:
     """Print the parts in which two plans differ."""
     if not pairs:
         click.echo(f"{this} and {other} are planned alike")
@@ -148,7 +162,12 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
     def said(part: "Part | None") -> str:
         if part is None:
             return "-"
-        texts = ["in" if part.included else "out", part.choice, part.resolution, error_text(part.errors)]
+        texts = [
+            "in" if part.included else "out",
+            part.choice,
+            part.resolution,
+            error_text(part.errors),
+        ]
         return "; ".join(filter(None, texts))
 
     rows = []
@@ -181,18 +200,25 @@ def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
     for dataset in datasets:
         if whole or missed_errors(dataset):
             found = [*account_of(dataset).lines(dataset), *of_laws(dataset)] if whole else []
-            click.echo("\n  ".join((f"{dataset.attrs['study']}:", *found, accuracy_and_time(dataset))))
+            click.echo(
+                "\n  ".join((f"{dataset.attrs['study']}:", *found, accuracy_and_time(dataset)))
+            )
 
 
 def missed_errors(dataset: "xr.Dataset") -> set[str]:
     """Return the results whose error was found to be more than was asked for."""
     rows = json.loads(dataset.attrs["accuracy"])
-    return {row["result"] for row in rows if row["found"] is not None and row["found"] > row["tolerance"] > EXACT}
+    return {
+        row["result"]
+        for row in rows
+        if row["found"] is not None and row["found"] > row["tolerance"] > EXACT
+    }
 
 
 def accuracy_and_time(dataset: "xr.Dataset") -> str:
     """Return what errors and time were estimated and found, in one line."""
-    texts, missed = [], missed_errors(dataset)
+    texts = []
+    missed = missed_errors(dataset)
     for row in json.loads(dataset.attrs["accuracy"]):
         name = row["result"].replace("_", " ")
         errors = [
@@ -218,7 +244,9 @@ def print_found(dataset: "xr.Dataset", indent: str = "") -> None:
     click.echo("\n".join(f"{indent}{line}" for line in account.lines(dataset)))
 
 
-def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", answer: Answer) -> dict[str, Any]:
+def run_as_dict(
+    plan: "Plan", datasets: "Mapping[str, xr.Dataset]", answer: Answer
+) -> dict[str, Any]:
     """Return what a run did, as plain values; a value without meaning is null, with its status beside it."""
     studies = {
         name: {
@@ -259,7 +287,11 @@ def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
         "scene_hash": a["scene_hash"],
         **account_of(dataset).record(dataset),
         "warnings": json.loads(a["warnings"]),
-        **{name: of(a[name]) for name, of in (("evaluations", int), ("wall_time", float)) if name in a},
+        **{
+            name: of(a[name])
+            for name, of in (("evaluations", int), ("wall_time", float))
+            if name in a
+        },
     }
     return with_units(found, dataset)
 
@@ -292,7 +324,11 @@ def info(target: "Scene | xr.Dataset | str | Path | None" = None) -> Sections:
     if isinstance(target, Scene):
         return Sections(scene_info(target))
     if isinstance(target, str | Path):
-        return Sections(result_info(Path(target)) if str(target).endswith(".nc") else scene_info(load_scene(target)))
+        return Sections(
+            result_info(Path(target))
+            if str(target).endswith(".nc")
+            else scene_info(load_scene(target))
+        )
     expect_results("info", target)
     return Sections(_held(target))
 
@@ -323,7 +359,11 @@ def result_info(path: Path) -> Groups:
 
 def _held(dataset: "xr.Dataset") -> Groups:
     a = dataset.attrs
-    less = [one["text"] for one in json.loads(a.get("validity", "{}")).get("told", ()) if not one["warned"]]
+    less = [
+        one["text"]
+        for one in json.loads(a.get("validity", "{}")).get("told", ())
+        if not one["warned"]
+    ]
     return {
         "result": [
             ("study", a["study"]),
@@ -332,9 +372,16 @@ def _held(dataset: "xr.Dataset") -> Groups:
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),
             *([("clearance", json.loads(a["clearance"])["text"])] if "clearance" in a else []),
-            *([("evaluations", f"{a['evaluations']} laminae in {a['wall_time']:.2g} s")] if "evaluations" in a else []),
+            *(
+                [("evaluations", f"{a['evaluations']} laminae in {a['wall_time']:.2g} s")]
+                if "evaluations" in a
+                else []
+            ),
             *([("accuracy", accuracy_and_time(dataset))] if "accuracy" in a else []),
-            *((about, "; ".join(texts)) for about, texts in account_of(dataset).topics(dataset).items()),
+            *(
+                (about, "; ".join(texts))
+                for about, texts in account_of(dataset).topics(dataset).items()
+            ),
         ],
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
@@ -351,12 +398,17 @@ def scene_info(scene: Scene) -> Groups:
     from rollslip.lubricant.oil import GRADES
 
     assembly = assemble(scene)
-    k, loads = assembly.kinematics, assembly.load_distribution()
+    k = assembly.kinematics
+    loads = assembly.load_distribution()
     speeds = k.surface_speeds(0.0, 0.0)
     sections: Groups = {
         "bearing": [
             ("radial clearance", format_quantity(scene.bearing.radial_clearance, "m")),
-            *([] if (mounted := scene.bearing.mounted) is None else [("clearance is", clearance_told(mounted))]),
+            *(
+                []
+                if (mounted := scene.bearing.mounted) is None
+                else [("clearance is", clearance_told(mounted))]
+            ),
             ("roller mass", format_quantity(assembly.roller_mass, "kg")),
             ("epicyclic cage speed", format_quantity(k.epicyclic_cage_speed, "rad/s")),
             ("epicyclic roller spin", format_quantity(k.epicyclic_roller_speed, "rad/s")),
@@ -366,7 +418,10 @@ def scene_info(scene: Scene) -> Groups:
             ("rollers loaded by the inner ring", str(int(np.count_nonzero(loads.inner_force[0])))),
             ("largest force, inner ring", format_quantity(float(loads.inner_force.max()), "N", 4)),
             ("largest force, outer ring", format_quantity(float(loads.outer_force.max()), "N", 4)),
-            ("relative residual", f"{loads.force_residual:.1e} force, {loads.moment_residual:.1e} moment"),
+            (
+                "relative residual",
+                f"{loads.force_residual:.1e} force, {loads.moment_residual:.1e} moment",
+            ),
         ],
     }
     grades = assembly.lubricant.grades
@@ -398,9 +453,15 @@ def scene_info(scene: Scene) -> Groups:
             M, L = moes_groups(slices)
             code = int(film_by_regime(*groups(slices))[1][0])
             rows += [
-                ("heaviest contact: mean pressure", format_quantity(float(slices.pressure[0]), "Pa", 4)),
+                (
+                    "heaviest contact: mean pressure",
+                    format_quantity(float(slices.pressure[0]), "Pa", 4),
+                ),
                 ("  half width", format_quantity(float(slices.half_width[0]), "m", 4)),
-                (f"  film ({assembly.film.location})", format_quantity(float(slices.film_thickness[0]), "m", 4)),
+                (
+                    f"  film ({assembly.film.location})",
+                    format_quantity(float(slices.film_thickness[0]), "m", 4),
+                ),
                 ("  film parameter", f"{slices.film_thickness[0] / c.roughness:.3g}"),
                 ("  Moes M, L", f"{M[0]:.3g}, {L[0]:.3g}"),
                 ("  film regime", LONG_NAMES[NAMES[code]]),
@@ -426,13 +487,18 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     from rich.table import Table
 
     columns = list(zip(header, *rows, strict=True))
-    widths = [max((len(word) for cell in cells for word in cell.split()), default=0) for cells in columns]
+    widths = [
+        max((len(word) for cell in cells for word in cell.split()), default=0) for cells in columns
+    ]
     between = 3 * len(columns) - 1  # and at both ends
     width = max(shutil.get_terminal_size((120, 24)).columns, sum(widths) + between)
     missing = [max(map(len, cells)) - w for cells, w in zip(columns, widths, strict=True)]
     left = width - between - sum(widths)
-    for k in sorted(range(len(columns)), key=missing.__getitem__):  # the long ones wrap; rich would cut short ones, too
-        widths[k], left = widths[k] + min(missing[k], left), left - min(missing[k], left)
+    for k in sorted(
+        range(len(columns)), key=missing.__getitem__
+    ):  # the long ones wrap; rich would cut short ones, too
+        widths[k] = widths[k] + min(missing[k], left)
+        left = left - min(missing[k], left)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for (head, *_), w in zip(columns, widths, strict=True):
         table.add_column(head.replace("[", "\\["), width=w)

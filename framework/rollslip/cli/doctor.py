@@ -42,12 +42,18 @@ def examine() -> list[Finding]:
     for check in CHECKS:
         name = check.__name__.strip("_")
         if check in _ON_KERNELS and any(f.check == "kernels" for f in found):
-            found.append(Finding(name, "warning", "not examined", "examine again once the kernels can be loaded"))
+            found.append(
+                Finding(
+                    name, "warning", "not examined", "examine again once the kernels can be loaded"
+                )
+            )
             continue
         try:
             found += check()
         except Exception as error:  # whatever is broken: the other checks go on
-            found.append(Finding(name, "fault", f"cannot be examined ({in_words(error)})", _REINSTALL))
+            found.append(
+                Finding(name, "fault", f"cannot be examined ({in_words(error)})", _REINSTALL)
+            )
     return found
 
 
@@ -64,14 +70,18 @@ def as_text(found: list[Finding]) -> str:
         lines.append(f"{finding.state:<7}  {finding.check:<{width}}  {finding.found}")
         if finding.remedy:
             lines.append(f"{'':<9}{'':<{width}}  -> {finding.remedy}")
-    count = {state: sum(finding.state == state for finding in found) for state in ("fault", "warning")}
+    count = {
+        state: sum(finding.state == state for finding in found) for state in ("fault", "warning")
+    }
     said = [f"{number} {state}{'s' * (number != 1)}" for state, number in count.items() if number]
     return "\n".join([*lines, " and ".join(said) or "all is well"])
 
 
 def versions() -> dict[str, str]:
     """Return the installed version of rollslip and of everything that it requires; empty where it is missing."""
-    return {"rollslip": importlib.metadata.version("rollslip")} | {name: _version(name) for name, _ in _required()}
+    return {"rollslip": importlib.metadata.version("rollslip")} | {
+        name: _version(name) for name, _ in _required()
+    }
 
 
 def instructions() -> str:
@@ -101,7 +111,9 @@ def _required() -> Iterator[tuple[str, Any]]:
 # Checks -------------------------------------------------------------------------------------------------------------
 
 
-def _finding(check: str, found: str, remedy: str, *, fits: bool, otherwise: str = "fault") -> Finding:
+def _finding(
+    check: str, found: str, remedy: str, *, fits: bool, otherwise: str = "fault"
+) -> Finding:
     """Return what a check found; the remedy counts, and the state is not "ok", only where it does not fit."""
     return Finding(check, "ok", found) if fits else Finding(check, otherwise, found, remedy)
 
@@ -109,7 +121,8 @@ def _finding(check: str, found: str, remedy: str, *, fits: bool, otherwise: str 
 def _python() -> Iterator[Finding]:
     from packaging.specifiers import SpecifierSet
 
-    version, needed = platform.python_version(), importlib.metadata.metadata("rollslip")["Requires-Python"] or ""
+    version = platform.python_version()
+    needed = importlib.metadata.metadata("rollslip")["Requires-Python"] or ""
     fits = SpecifierSet(needed).contains(version, prereleases=True)
     found = f"{version} ({platform.system()} {platform.machine()}), needs {needed or 'any'}"
     yield _finding("python", found, f"use a Python {needed}", fits=fits)
@@ -136,12 +149,18 @@ def _kernels() -> Iterator[Finding]:
     try:
         from rollslip_kernels.stages import simd
     except ImportError as error:
-        remedy = "unset ROLLSLIP_SIMD, or set it to one of these" if error.name == "ROLLSLIP_SIMD" else _REINSTALL
+        remedy = (
+            "unset ROLLSLIP_SIMD, or set it to one of these"
+            if error.name == "ROLLSLIP_SIMD"
+            else _REINSTALL
+        )
         yield Finding("kernels", "fault", f"cannot be loaded ({error})", remedy)
         return
     best = simd.available()[-1]
     remedy = f"unset ROLLSLIP_SIMD to use {best}"
-    yield _finding("instructions", instructions(), remedy, fits=simd.active() == best, otherwise="warning")
+    yield _finding(
+        "instructions", instructions(), remedy, fits=simd.active() == best, otherwise="warning"
+    )
 
 
 def _plugins() -> Iterator[Finding]:

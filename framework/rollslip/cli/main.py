@@ -19,7 +19,14 @@ import click
 from rollslip.cli.app import BAD_PLUGIN, BAD_SCENE, INTERRUPTED, NOT_CONVERGED, OK
 from rollslip.cli.catalogue import cite, doctor, explain, export, info, models, plugins, schema
 from rollslip.cli.run import new, plan, report, run
-from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError, in_words, wants_memory
+from rollslip.errors import (
+    ConvergenceError,
+    PluginError,
+    RollslipError,
+    UnknownNameError,
+    in_words,
+    wants_memory,
+)
 from rollslip.planning.campaign import campaign, campaigns, help_of
 
 __all__ = ["cli", "main"]
@@ -66,16 +73,26 @@ class _Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Return the command that is asked for, or name those that may have been meant."""
         known = args[0] in self.commands or args[0] in campaigns()
-        return super().resolve_command(ctx, args) if known else self._listed().resolve_command(ctx, args)
+        return (
+            super().resolve_command(ctx, args)
+            if known
+            else self._listed().resolve_command(ctx, args)
+        )
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List all commands in groups, each with an example, and whole sentences."""
-        listed, left = self._listed().commands, set(self._listed().commands)
-        for title, example, names in (*_GROUPS, ("Of other packages", "", sorted(left.difference(*_GROUPED)))):
+        listed = self._listed().commands
+        left = set(self._listed().commands)
+        for title, example, names in (
+            *_GROUPS,
+            ("Of other packages", "", sorted(left.difference(*_GROUPED))),
+        ):
             if known := [name for name in names if name in listed]:
                 with formatter.section(title):
                     formatter.write_text(f"$ {example}" if example else "")
-                    formatter.write_dl([(name, _first_sentence(listed[name].help or "")) for name in known])
+                    formatter.write_dl(
+                        [(name, _first_sentence(listed[name].help or "")) for name in known]
+                    )
 
     def _listed(self) -> click.Group:
         """All commands, those of campaigns by what they say of themselves."""
@@ -106,7 +123,8 @@ def cli(context: click.Context, level: str | None) -> None:
     """Slip of rollers and cage in cylindrical roller bearings."""
     if level is None:
         return
-    logger, handler = logging.getLogger("rollslip"), _Log()
+    logger = logging.getLogger("rollslip")
+    handler = _Log()
     handler.setFormatter(logging.Formatter("%(levelname)s %(name)s: %(message)s"))
     context.call_on_close(partial(logger.setLevel, logger.level))  # a host goes on with its own
     context.call_on_close(partial(logger.removeHandler, handler))
@@ -114,7 +132,20 @@ def cli(context: click.Context, level: str | None) -> None:
     logger.setLevel(level.upper())
 
 
-for _command in (cite, doctor, explain, export, info, models, new, plan, plugins, report, run, schema):
+for _command in (
+    cite,
+    doctor,
+    explain,
+    export,
+    info,
+    models,
+    new,
+    plan,
+    plugins,
+    report,
+    run,
+    schema,
+):
     cli.add_command(_command)
 
 
@@ -128,7 +159,9 @@ def _heard(into: ExitStack) -> list[int]:
     Finalizers of what was half built when an interrupt came have nothing to tell; compiled functions that cannot raise
     show it before they ignore it. Returned is what comes.
     """
-    before, shown, came = sys.unraisablehook, sys.excepthook, list[int]()
+    before = sys.unraisablehook
+    shown = sys.excepthook
+    came = list[int]()
 
     def interrupted(number: int, frame: Any) -> None:
         came.append(number)
@@ -144,14 +177,17 @@ def _heard(into: ExitStack) -> list[int]:
         elif not came:
             before(lost)
 
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else a shell or a host wants it otherwise
+    if (
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    ):  # else a shell or a host wants it otherwise
         signal.signal(signal.SIGINT, interrupted)
 
     def show(kind: type[BaseException], *of: Any) -> None:
         if not issubclass(kind, KeyboardInterrupt):
             shown(kind, *of)
 
-    sys.unraisablehook, sys.excepthook = ignored, show
+    sys.unraisablehook = ignored
+    sys.excepthook = show
     into.callback(setattr, sys, "unraisablehook", before)
     into.callback(setattr, sys, "excepthook", shown)
     return came
@@ -184,7 +220,10 @@ def _patient(stream: Any, into: ExitStack) -> tuple[Any, _Sink | None]:
         stream.flush()
         sink = _Sink(stream.fileno(), "w", closefd=False)
         text = io.TextIOWrapper(
-            io.BufferedWriter(sink), stream.encoding, "backslashreplace", line_buffering=stream.line_buffering
+            io.BufferedWriter(sink),
+            stream.encoding,
+            "backslashreplace",
+            line_buffering=stream.line_buffering,
         )
     except (OSError, ValueError):  # it has no file
         return stream, None
@@ -215,7 +254,9 @@ def main(arguments: Sequence[str] | None = None) -> Any:
         code = INTERRUPTED
     if arguments is not None:
         signal.signal(signal.SIGINT, heard)
-    elif code == INTERRUPTED:  # a library that was half imported when it came may not survive the interpreter's end
+    elif (
+        code == INTERRUPTED
+    ):  # a library that was half imported when it came may not survive the interpreter's end
         atexit._run_exitfuncs()
         os._exit(code)
     sys.exit(code)
@@ -229,7 +270,9 @@ def _program(arguments: Sequence[str] | None) -> Any:
         except OSError:  # closed by the shell: the next file that is opened must not take its place
             os.open(os.devnull, os.O_RDWR)
     for number in (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP", "SIGQUIT")):
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores the second
+        if (
+            number is not None and signal.getsignal(number) == signal.SIG_DFL
+        ):  # nohup ignores the second
             signal.signal(number, _terminated)  # so that half-written results are removed
     with ExitStack() as stack:
         output, sink = _patient(sys.stdout, stack)
@@ -244,21 +287,32 @@ def _program(arguments: Sequence[str] | None) -> Any:
             code: Any = _run(arguments, came)
         except SystemExit as leaving:
             code = leaving.code
-            if (blamed := getattr(leaving, "__notes__", ())) and code not in range(128, 160):  # no signal, but a model
+            if (blamed := getattr(leaving, "__notes__", ())) and code not in range(
+                128, 160
+            ):  # no signal, but a model
                 click.echo(f"sys.exit({code!r}) {'; '.join(blamed)}", err=True)
                 code = BAD_PLUGIN
         except KeyboardInterrupt:  # a second one, while the first was told
             code = INTERRUPTED
         # all has been said and written: what comes now comes too late, and would only end in Python's words
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        if code == INTERRUPTED:  # what was half built when it came ends here, and its finalizers have nothing to tell
+        if (
+            code == INTERRUPTED
+        ):  # what was half built when it came ends here, and its finalizers have nothing to tell
             sys.unraisablehook = lambda lost: None
             gc.collect()
         for stream in (output, errors):
             stream.flush()
-        if sink is not None and sink.lost is not None and not isinstance(sink.lost, BrokenPipeError):
+        if (
+            sink is not None
+            and sink.lost is not None
+            and not isinstance(sink.lost, BrokenPipeError)
+        ):
             reason = sink.lost.strerror or sink.lost
-            click.echo(f"standard output: cannot be written ({reason}); free some space, or write elsewhere", err=True)
+            click.echo(
+                f"standard output: cannot be written ({reason}); free some space, or write elsewhere",
+                err=True,
+            )
             code = code or BAD_SCENE
     return code
 
@@ -287,7 +341,11 @@ def _told(error: Exception) -> int:
         click.echo(str(error), err=True)
         if isinstance(error, ConvergenceError):
             return NOT_CONVERGED
-        return BAD_PLUGIN if isinstance(error, PluginError) and not isinstance(error, UnknownNameError) else BAD_SCENE
+        return (
+            BAD_PLUGIN
+            if isinstance(error, PluginError) and not isinstance(error, UnknownNameError)
+            else BAD_SCENE
+        )
     except ImportError as error:
         # where memory is short, libraries say of others too that these are not installed
         missing = f"a library cannot be imported: {error}; memory is too short, or it is damaged: install it again"
@@ -300,7 +358,9 @@ def _told(error: Exception) -> int:
             return _short_of_memory(error)
         if error.filename is None:
             raise
-        click.echo(f"{error.filename}: cannot be used ({error.strerror}); name another place", err=True)
+        click.echo(
+            f"{error.filename}: cannot be used ({error.strerror}); name another place", err=True
+        )
         return BAD_SCENE
     except Exception as error:
         if wants_memory(error):
@@ -308,10 +368,14 @@ def _told(error: Exception) -> int:
         notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by ")]
         if not notes:
             raise
-        click.echo(f"{type(error).__name__}: {error}; {notes[0]}", err=True)  # somebody's model, not a fault of ours
+        click.echo(
+            f"{type(error).__name__}: {error}; {notes[0]}", err=True
+        )  # somebody's model, not a fault of ours
         return BAD_PLUGIN
 
 
 def _short_of_memory(error: Exception) -> int:
-    click.echo(f"memory is too short ({in_words(error)}); close other programs, or ask for less", err=True)
+    click.echo(
+        f"memory is too short ({in_words(error)}); close other programs, or ask for less", err=True
+    )
     return BAD_SCENE

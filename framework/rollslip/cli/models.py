@@ -6,7 +6,15 @@ from typing import Any
 import attrs
 import click
 
-from rollslip.catalogue.discovery import available, catalogue, families, find, get_class, is_another, load
+from rollslip.catalogue.discovery import (
+    available,
+    catalogue,
+    families,
+    find,
+    get_class,
+    is_another,
+    load,
+)
 from rollslip.catalogue.installed import Offer
 from rollslip.catalogue.kinds import get_kind, offered_kinds, usable_kinds
 from rollslip.cli.console import print_table
@@ -37,14 +45,20 @@ def print_models(what: str | None) -> None:
     what = _KINDS.get(what, what) if what is not None else None
     if what is None:
         for kind in offered_kinds():
-            offers = [offer for offer in _offers() if offer.kind == kind and offer.state == "ok" and offer.is_family]
+            offers = [
+                offer
+                for offer in _offers()
+                if offer.kind == kind and offer.state == "ok" and offer.is_family
+            ]
             many = [f"many of {offer.name}: 'rollslip models {kind}'" for offer in offers]
             click.echo(f"{kind:<11} {', '.join([*available(kind), *many]) or 'none installed'}")
         for offer in _offers():
             if offer.state != "ok":
                 told = f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}"
                 click.echo(told, err=True)
-        click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
+        click.echo(
+            "'rollslip models NAME' shows equation, parameters, domain and references of one"
+        )
     elif what in offered_kinds():
         print_table(("name", "package", "what it is"), [_summary(offer) for offer in _every(what)])
     else:
@@ -71,7 +85,11 @@ def explained(code: str) -> dict[str, str]:
     own = dict[tuple[str, str], dict[str, list[str]]]()
     for kind in offered_kinds() if code not in found else ():
         for name, offer in available(kind).items():
-            about = _model_as_dict(kind, name) if offer.state == "ok" and not get_kind(kind).data else {}
+            about = (
+                _model_as_dict(kind, name)
+                if offer.state == "ok" and not get_kind(kind).data
+                else {}
+            )
             for one in about.get("made_for", ()):
                 row = found.setdefault(one["code"], {"laws": "", "valid for": "", "outside": ""})
                 law = f"{kind} {name}"
@@ -79,14 +97,19 @@ def explained(code: str) -> dict[str, str]:
                 row |= {"remedy": one["remedy"], "rests on": one["source"]}
                 for key, text in (("valid for", one["bound"]), ("outside", one["outside"])):
                     own.setdefault((one["code"], key), {}).setdefault(text, []).append(law)
-    for (each, key), texts in own.items():  # laws that have bounds or numbers of their own are told with them
+    for (
+        each,
+        key,
+    ), texts in own.items():  # laws that have bounds or numbers of their own are told with them
         found[each][key] = "; ".join(
             f"{', '.join(laws)}: {text}" if len(texts) > 1 else text for text, laws in texts.items()
         )
     if code not in found:
         known = nearest(code, found, cutoff=0.4)
         hint = (
-            f"did you mean {' or '.join(known)}?" if known else "notes are W01, W02 ..., rules of a verdict V1, V2 ..."
+            f"did you mean {' or '.join(known)}?"
+            if known
+            else "notes are W01, W02 ..., rules of a verdict V1, V2 ..."
         )
         raise UnknownNameError(f"no note and no rule has the code {code!r}; {hint}")
     return found[code]
@@ -102,7 +125,9 @@ def kinds_of(name: str) -> list[str]:
         if other := is_another("bearing", name):
             raise UnknownNameError(f"nothing is called {name!r}: {other}")
         names = [offer.name for kind in offered_kinds() for offer in _every(kind)]
-        hint = did_you_mean(nearest(name, [*offered_kinds(), *names], cutoff=0.4), "'rollslip models' lists them")
+        hint = did_you_mean(
+            nearest(name, [*offered_kinds(), *names], cutoff=0.4), "'rollslip models' lists them"
+        )
         raise UnknownNameError(f"no model and no kind is called {name!r}; {hint}")
     return offering
 
@@ -117,7 +142,9 @@ def _is_called(kind: str, name: str) -> bool:
 
 def _every(kind: str) -> list[Offer]:
     """Return all names of a kind, those of families after the others."""
-    many = [attrs.evolve(offer, name=name) for offer, family in families(kind) for name in family.names]
+    many = [
+        attrs.evolve(offer, name=name) for offer, family in families(kind) for name in family.names
+    ]
     return [*available(kind).values(), *many]
 
 
@@ -130,7 +157,11 @@ def _summary(offer: Offer) -> tuple[str, str, str]:
         thing = load(offer)
     except PluginError as error:
         return offer.name, offer.package, f"broken: {error}"
-    text = thing.description if get_kind(offer.kind).data else (inspect.getdoc(thing) or "").partition("\n")[0]
+    text = (
+        thing.description
+        if get_kind(offer.kind).data
+        else (inspect.getdoc(thing) or "").partition("\n")[0]
+    )
     if synonyms := getattr(thing, "synonyms", ()):
         text += f"; also {', '.join(synonyms)}"
     return offer.name, f"{offer.package} {offer.version}", text
@@ -139,9 +170,15 @@ def _summary(offer: Offer) -> tuple[str, str, str]:
 def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
     from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
-    offer, thing = find(kind, name), get_class(kind, name)
+    offer = find(kind, name)
+    thing = get_class(kind, name)
     name = offer.name  # the one it has, whatever was written
-    about: dict[str, Any] = {"kind": kind, "name": name, "package": offer.package, "version": offer.version}
+    about: dict[str, Any] = {
+        "kind": kind,
+        "name": name,
+        "package": offer.package,
+        "version": offer.version,
+    }
     if get_kind(kind).data:
         about |= {
             "description": thing.description,
@@ -160,7 +197,10 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             }  # fmt: skip
         if kind == "lubricant":
             limits = (thing.minimum_temperature, thing.maximum_temperature)
-            return about | {"range": [format_quantity(T, "K") for T in limits], "synonyms": list(thing.synonyms)}
+            return about | {
+                "range": [format_quantity(T, "K") for T in limits],
+                "synonyms": list(thing.synonyms),
+            }
         return about | {"validity": thing.validity, "values": resolved(thing.data)}
     members = {**CONDITIONS, **COLUMNS}
     parameters = [
@@ -192,16 +232,29 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         about |= {"returns": f"{model.location} film thickness", "regime": model.regime}
     return about | {
         "reads": [
-            {"name": m, "unit": members[m][0], "meaning": members[m][1], "domain": interval(model.domain.get(m))}
+            {
+                "name": m,
+                "unit": members[m][0],
+                "meaning": members[m][1],
+                "domain": interval(model.domain.get(m)),
+            }
             for m in sorted(model.reads)
         ],
         "writes": sorted(model.writes),
         "made_for": [
-            {"code": one.code, "bound": bound_of(one), "outside": one.told, "remedy": one.remedy, "source": one.source}
+            {
+                "code": one.code,
+                "bound": bound_of(one),
+                "outside": one.told,
+                "remedy": one.remedy,
+                "source": one.source,
+            }
             for one in (() if isinstance(model, type) else model.validity)
         ],
         # of a law without defaults there is no model to ask
-        "compiled": thing.kernel is not SliceModel.kernel if isinstance(model, type) else model.kernel() is not None,
+        "compiled": thing.kernel is not SliceModel.kernel
+        if isinstance(model, type)
+        else model.kernel() is not None,
     }
 
 
@@ -209,12 +262,15 @@ def _values(prefix: str, data: Any) -> list[tuple[str, str]]:
     """Return the values of a set of data by the keys of a scene, as a scene may have them."""
     rows = []
     for attribute in attrs.fields(type(data)):
-        key, value = f"{prefix}.{attribute.name}", getattr(data, attribute.name)
+        key = f"{prefix}.{attribute.name}"
+        value = getattr(data, attribute.name)
         unit = attribute.metadata.get("unit")
         if attrs.has(type(value)):
             rows += _values(key, value)
         elif value not in (None, ()):
-            rows.append((key, format_quantity(value, unit) if unit not in (None, "1") else str(value)))
+            rows.append(
+                (key, format_quantity(value, unit) if unit not in (None, "1") else str(value))
+            )
     return rows
 
 
@@ -229,7 +285,11 @@ def _default(attribute: "attrs.Attribute[Any]") -> str:
     unit = attribute.metadata.get("unit")
     if isinstance(default, tuple):
         return ", ".join(format_quantity(value, unit or "1") for value in default) or "none"
-    return format_quantity(default, unit) if isinstance(default, float) and unit not in (None, "1") else str(default)
+    return (
+        format_quantity(default, unit)
+        if isinstance(default, float) and unit not in (None, "1")
+        else str(default)
+    )
 
 
 def _print_model(kind: str, name: str) -> None:
@@ -248,17 +308,26 @@ def _print_model(kind: str, name: str) -> None:
         click.echo("values")
         print_table(("key", "value"), _values(kind, load(find(kind, name)).data))
     if about.get("grades"):
-        click.echo(f"quality     {', '.join(f'{key} ({grade})' for key, grade in about['grades'].items())}")
+        click.echo(
+            f"quality     {', '.join(f'{key} ({grade})' for key, grade in about['grades'].items())}"
+        )
         click.echo(f"            {legend(about['legend'])}")
     for one in about.get("scatter", ()):
         own = ", ".join(f"{key} {value}" for key, value in one.items() if key not in _SAID)
-        click.echo(f"scatter     {one['quantity']} {one['distribution']}, {own} {one['grade']}: {one['source']}")
+        click.echo(
+            f"scatter     {one['quantity']} {one['distribution']}, {own} {one['grade']}: {one['source']}"
+        )
     if about.get("parameters"):
         click.echo("parameters")
         print_table(
             ("name", "unit", "default", "meaning"),
             [
-                (p["name"], p["unit"], p["default"], p["meaning"] + (f"; usually {p['usual']}" if p["usual"] else ""))
+                (
+                    p["name"],
+                    p["unit"],
+                    p["default"],
+                    p["meaning"] + (f"; usually {p['usual']}" if p["usual"] else ""),
+                )
                 for p in about["parameters"]
             ],
         )
@@ -274,7 +343,9 @@ def _print_model(kind: str, name: str) -> None:
         click.echo("valid for; outside of it a result warns")
         for v in about["made_for"]:
             code = f"{v['code']} " if v["code"] else ""
-            click.echo(f"  {code}{v['bound']}; outside, {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}")
+            click.echo(
+                f"  {code}{v['bound']}; outside, {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}"
+            )
     if "outputs" in about:
         click.echo("outputs")
         print_table(

@@ -52,7 +52,11 @@ from rollslip.cli.app import (
 @click.option("--load", metavar="LOAD", help="Radial load, such as '2 kN'.")
 @click.option("--temperature", metavar="T", help="Of the bearing, such as '70 degC'.")
 @click.option("--cage", metavar="OF", help="What the cage is of: brass, steel or polyamide.")
-@click.option("--supply", metavar="KIND", help="How oil gets there: bath, splash, circulating, jet, mist or grease.")
+@click.option(
+    "--supply",
+    metavar="KIND",
+    help="How oil gets there: bath, splash, circulating, jet, mist or grease.",
+)
 def new(file: Path, **given: str | None) -> None:
     """Write a complete commented scene into FILE, which then runs.
 
@@ -81,7 +85,9 @@ def new(file: Path, **given: str | None) -> None:
         return value
 
     def asked(option: str, usual: str) -> str:
-        said: str = click.prompt(MEANING[option], default=usual, value_proc=partial(answer, option), err=True)
+        said: str = click.prompt(
+            MEANING[option], default=usual, value_proc=partial(answer, option), err=True
+        )
         return said
 
     asking = at_a_terminal()
@@ -90,16 +96,26 @@ def new(file: Path, **given: str | None) -> None:
     with whole_file(path) as place:
         place.write_text(text, encoding="utf-8")
     warn(implausible(parse_scene(text, str(path))))
-    click.echo(f"written to {path}: " + ", ".join(filter(None, (values[option] for option in MEANING))))
+    click.echo(
+        f"written to {path}: " + ", ".join(filter(None, (values[option] for option in MEANING)))
+    )
     if missing and not asking:
-        click.echo(f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True)
+        click.echo(
+            f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True
+        )
     scene = shlex.quote(str(path))
     click.echo(f"next: rollslip run {scene} --report; what it will do: rollslip plan {scene}")
 
 
 def verdicts(_: object, __: object, given: Sequence[str]) -> list[str]:
     """Return verdicts that are named, several with commas between, "skid" for "skids"."""
-    known = {"slip": "slips", "slips": "slips", "skid": "skids", "skids": "skids", "unknown": "unknown"}
+    known = {
+        "slip": "slips",
+        "slips": "slips",
+        "skid": "skids",
+        "skids": "skids",
+        "unknown": "unknown",
+    }
     names = [name.strip().lower() for text in given for name in text.split(",")]
     if wrong := [name for name in names if name not in known]:
         raise click.BadParameter(f"{wrong[0]!r} is no verdict; there are slips, skids and unknown")
@@ -115,7 +131,9 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
     codes = [code.strip().upper() for text in given for code in text.split(",")]
     for code in codes:
         if "verdict" in explained(code):
-            raise click.BadParameter(f"{code} is a rule of the verdict; notes have codes such as W11")
+            raise click.BadParameter(
+                f"{code} is a rule of the verdict; notes have codes such as W11"
+            )
     return codes
 
 
@@ -124,7 +142,9 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
 @study_option
 @set_option
 @results_options(resume=True)
-@click.option("--verify", is_flag=True, help="Run at the finest too, and tell whether the plan kept its word.")
+@click.option(
+    "--verify", is_flag=True, help="Run at the finest too, and tell whether the plan kept its word."
+)
 @click.option(
     "--fail-on",
     "failing",
@@ -134,7 +154,12 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
     help="End with exit code 6 at slips, skids or unknown; slips means skids too; several with commas.",
 )
 @click.option(
-    "--ignore", "ignored", metavar="CODE", multiple=True, callback=note_codes, help="Leave out notes, such as W11,W17."
+    "--ignore",
+    "ignored",
+    metavar="CODE",
+    multiple=True,
+    callback=note_codes,
+    help="Leave out notes, such as W11,W17.",
 )
 @verbose_option("All that was found, with notes, errors and times.")
 @json_option
@@ -175,7 +200,8 @@ def run(
     kept = results.kept()
     changed = [scene, *(f"--set={c}" for c in changes)]
     go_on = results.go_on(["rollslip", "run", *changed, *(["--study", study] if study else [])])
-    datasets, failures = {}, dict[str, RollslipError]()
+    datasets = {}
+    failures = dict[str, RollslipError]()
     with interruptible(kept, go_on), results.folder() as folder:
         for name in made.studies:
             try:
@@ -204,14 +230,19 @@ def run(
     found = attrs.evolve(
         found,
         faults=(*found.faults, *(f"{name} failed, see below" for name in failures)),
-        next=tuple(f"read {page}" if page.exists() and to_do.endswith(" --report") else to_do for to_do in found.next),
+        next=tuple(
+            f"read {page}" if page.exists() and to_do.endswith(" --report") else to_do
+            for to_do in found.next
+        ),
     )
     if results.as_json:
         print_json(console.run_as_dict(made, datasets, found) | results.as_dict())
     else:
         console.print_answer(found)
         if verbose:
-            notes = "".join(f"\n  {note.code} {note.text}; {note.consequence}" for note in found.notes)
+            notes = "".join(
+                f"\n  {note.code} {note.text}; {note.consequence}" for note in found.notes
+            )
             click.echo(f"confidence: {confidence(datasets.values())}\nnotes:{notes or ' none'}")
         console.print_results(datasets.values(), whole=verbose)
         results.tell(*datasets.values(), laws=False)
@@ -232,11 +263,21 @@ def run(
 @scene_argument
 @study_option
 @set_option
-@click.option("--diff", "other", metavar="OTHER", help="Show only what the plan of another scene has otherwise.")
+@click.option(
+    "--diff",
+    "other",
+    metavar="OTHER",
+    help="Show only what the plan of another scene has otherwise.",
+)
 @verbose_option("Every part, with its choice, resolution, error, cost and reason.")
 @json_option
 def plan(
-    scene: str, study: str | None, changes: Sequence[str], other: str | None, verbose: bool, as_json: bool
+    scene: str,
+    study: str | None,
+    changes: Sequence[str],
+    other: str | None,
+    verbose: bool,
+    as_json: bool,
 ) -> None:
     """Print what will be modelled of SCENE, how finely, and what is left out; with -v every part, and why.
 
@@ -251,7 +292,10 @@ def plan(
     if other is not None:
         pairs = console.changed(made, plan(scene_of(other, ()), study))
         if as_json:
-            parts = [[None if part is None else with_units(part_as_dict(part)) for part in pair] for pair in pairs]
+            parts = [
+                [None if part is None else with_units(part_as_dict(part)) for part in pair]
+                for pair in pairs
+            ]
             print_json([{"this": this, "other": that} for this, that in parts])
         else:
             console.print_changed(pairs, scene, other)
@@ -263,14 +307,20 @@ def plan(
             console.print_plan(made)
         else:
             console.print_short_plan(made)
-            click.echo(f"every part with its reason: {shlex.join(['rollslip', 'plan', '-v', scene])}")
+            click.echo(
+                f"every part with its reason: {shlex.join(['rollslip', 'plan', '-v', scene])}"
+            )
         for sentence in made.foreseen:
             click.echo(f"note: {sentence}", err=True)
 
 
 @click.command()
 @click.argument("results", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="File; by default report.html beside the results.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="File; by default report.html beside the results.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a report.")
 def report(results: Sequence[Path], out: Path | None, overwrite: bool) -> None:
     """Write one HTML report from stored RESULTS: .nc files, or folders of them."""

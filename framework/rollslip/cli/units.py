@@ -26,11 +26,18 @@ def with_units(record: dict[str, Any], dataset: "xr.Dataset | None" = None) -> d
     A mapping ``units`` stands beside the keys. The unit of a number is the entry of its own key, else of the table that
     it stands in; where there is none, ``unit`` beside it. What stands nearest counts.
     """
-    own, variables = dict[str, str](), dict[str, str]()
+    own = dict[str, str]()
+    variables = dict[str, str]()
     if dataset is not None:
         account = account_of(dataset)
-        variables = {str(name): one.attrs["units"] for name, one in dataset.variables.items() if "units" in one.attrs}
-        own = {name: unit or "1" for name, (_, unit) in account.numbers.items()} | dict(account.units)
+        variables = {
+            str(name): one.attrs["units"]
+            for name, one in dataset.variables.items()
+            if "units" in one.attrs
+        }
+        own = {name: unit or "1" for name, (_, unit) in account.numbers.items()} | dict(
+            account.units
+        )
     units = dict[str, str]()
     for key, value in record.items():
         _collect(value, (key,), {**_COMMON, **own}, {**_COMMON, **variables, **own}, units)
@@ -38,7 +45,11 @@ def with_units(record: dict[str, Any], dataset: "xr.Dataset | None" = None) -> d
 
 
 def _collect(
-    value: Any, keys: tuple[str, ...], own: Mapping[str, str], known: Mapping[str, str], units: MutableMapping[str, str]
+    value: Any,
+    keys: tuple[str, ...],
+    own: Mapping[str, str],
+    known: Mapping[str, str],
+    units: MutableMapping[str, str],
 ) -> None:
     """Put the units of numbers into `units`; a table with a ``unit`` gets its own for what that is not the unit of."""
     if isinstance(value, dict) and "units" not in value:

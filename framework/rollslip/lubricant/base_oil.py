@@ -10,16 +10,45 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.lubricant.temperature import Constant, Product, Table, TemperatureLaw, Walther, WuKlausDuda
+from rollslip.lubricant.temperature import (
+    Constant,
+    Product,
+    Table,
+    TemperatureLaw,
+    Walther,
+    WuKlausDuda,
+)
 from rollslip_kernels.slices import Conditions
 
 __all__ = ["BASE_OILS", "ISO_GRADES", "BaseOil", "falling_density", "viscosity_index"]
 
 #: Grades of ISO 3448: mid kinematic viscosity at 40 degC [mm2/s], which may be 10 % off.
-ISO_GRADES: Final = (2, 3, 5, 7, 10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680, 1000, 1500, 2200, 3200)
+ISO_GRADES: Final = (
+    2,
+    3,
+    5,
+    7,
+    10,
+    15,
+    22,
+    32,
+    46,
+    68,
+    100,
+    150,
+    220,
+    320,
+    460,
+    680,
+    1000,
+    1500,
+    2200,
+    3200,
+)
 #: Viscosity indices beyond these are questioned: of oils in use the highest are about 300 (C), of silicones about 400,
 #: and the lowest, of naphthenic and traction oils, about -50 (C).
-LOWEST_INDEX, HIGHEST_INDEX = -100.0, 400.0
+LOWEST_INDEX = -100.0
+HIGHEST_INDEX = 400.0
 
 
 @attrs.frozen(kw_only=True)
@@ -32,7 +61,9 @@ class BaseOil:
     conductivity: float  # [W/(m K)]
     eyring_stress: float  # [Pa]
     shear_modulus: float = 0.3e9  # [Pa]
-    alpha_share: float = 1.0  # its pressure-viscosity coefficient over that of Wu, Klaus and Duda [1]
+    alpha_share: float = (
+        1.0  # its pressure-viscosity coefficient over that of Wu, Klaus and Duda [1]
+    )
     alpha_scatter: float  # relative half width of that [1]
     alpha_source: str  # what that rests on
     exponent: float  # standard deviation of ln(eta/eta0) at 0.3 to 0.6 GPa by Roelands's law [1]
@@ -124,7 +155,12 @@ def exponent_factor(law: Any, deviation: float, viscosity: float, alpha: float) 
     >>> round(exponent_factor(default_law(), 0.5, 0.0219, 1.8e-8), 3)
     0.081
     """
-    here = Conditions(viscosity=viscosity, pressure_viscosity=alpha, thermoviscosity=0.0, pressure_thermoviscosity=0.0)
+    here = Conditions(
+        viscosity=viscosity,
+        pressure_viscosity=alpha,
+        thermoviscosity=0.0,
+        pressure_thermoviscosity=0.0,
+    )
     rise = math.log(float(law.at(here, 0.45e9)[0]) / viscosity)
     return deviation / rise
 
@@ -162,12 +198,14 @@ def viscosity_index(at_40: float, at_100: float) -> float:
     >>> round(viscosity_index(73.30e-6, 8.86e-6)), round(viscosity_index(22.83e-6, 5.05e-6))
     (92, 156)
     """
-    Y, U = 1e6 * at_100, 1e6 * at_40
+    Y = 1e6 * at_100
+    U = 1e6 * at_40
     row = next((row for row in reversed(_L_AND_H) if row[0] <= Y), None)
     if row is None:
         return math.nan
     _, a, b, c, d, e, f = row
-    L, H = (a * Y + b) * Y + c, (d * Y + e) * Y + f
+    L = (a * Y + b) * Y + c
+    H = (d * Y + e) * Y + f
     if U >= H:
         return 100.0 * (L - U) / (L - H)
     return 100.0 + (math.pow(10.0, math.log10(H / U) / math.log10(Y)) - 1.0) / 0.00715
@@ -179,7 +217,8 @@ def at_100_of(at_40: float, index: float) -> float:
     >>> round(1e6 * at_100_of(73.30e-6, 92.43), 2)
     8.86
     """
-    low, high = 2e-6, at_40
+    low = 2e-6
+    high = at_40
     if not viscosity_index(at_40, low) <= index <= viscosity_index(at_40, 0.999 * high):
         return math.nan
     for _ in range(100):
@@ -188,7 +227,9 @@ def at_100_of(at_40: float, index: float) -> float:
     return math.sqrt(low * high)
 
 
-def estimated(kind: str, kinematic: Walther | None, given: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+def estimated(
+    kind: str, kinematic: Walther | None, given: Mapping[str, Any]
+) -> tuple[dict[str, Any], str]:
     """Return what a kind of base oil gives of what is not given, and a sentence on where that comes from."""
     of = BASE_OILS[kind]
     found: dict[str, Any] = {
@@ -201,4 +242,9 @@ def estimated(kind: str, kinematic: Walther | None, given: Mapping[str, Any]) ->
         found["pressure_viscosity"] = of.coefficient(kinematic)
     found = {key: value for key, value in found.items() if given.get(key) is None}
     told = ", ".join(f"{key} ({of.grades[key]})" for key in found)
-    return found, f"Estimated from base_oil = {kind!r}: {told}; {of.sources}; alpha: {of.alpha_source}." if told else ""
+    return (
+        found,
+        f"Estimated from base_oil = {kind!r}: {told}; {of.sources}; alpha: {of.alpha_source}."
+        if told
+        else "",
+    )

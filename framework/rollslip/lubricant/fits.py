@@ -10,11 +10,16 @@ from rollslip.units import format_quantity
 
 __all__ = ["fit_vogel", "fit_walther"]
 
-_LOWEST_POLE = -1000.0  # K; with C below it Vogel's law is an exponential in T, and A and B lose their digits
+_LOWEST_POLE = (
+    -1000.0
+)  # K; with C below it Vogel's law is an exponential in T, and A and B lose their digits
 
 
 def fit_walther(
-    temperatures: Sequence[float], viscosities: Sequence[float], density: float, constant: float = 0.7
+    temperatures: Sequence[float],
+    viscosities: Sequence[float],
+    density: float,
+    constant: float = 0.7,
 ) -> Walther:
     """Walther's law through measured kinematic viscosities.
 
@@ -54,7 +59,9 @@ def fit_walther(
             f"Walther's law with the constant {constant:g} has no value for viscosities down to "
             f"{1e6 * nu[-1]:g} mm2/s, only above {1.0 - constant:g} mm2/s"
         )
-    slope, intercept, _ = _line([math.log10(t) for t in T], [math.log10(math.log10(1e6 * v + constant)) for v in nu])
+    slope, intercept, _ = _line(
+        [math.log10(t) for t in T], [math.log10(math.log10(1e6 * v + constant)) for v in nu]
+    )
     return Walther(intercept, -slope, constant, 1e-6 * density)
 
 
@@ -97,10 +104,17 @@ def fit_vogel(temperatures: Sequence[float], viscosities: Sequence[float]) -> Vo
             return _line(_reciprocal(T, T[0] - math.exp(log_distance[0])), log_eta)[2]
 
         start = math.log(T[0] - min(max(pole, _LOWEST_POLE), T[0] - 2.0))
-        bounds = (0.0, math.log(T[0] - 2.0 * _LOWEST_POLE))  # the lower one: C stays 1 K away from the points
-        pole = T[0] - math.exp(least_squares(misfit, [start], bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12).x[0])
+        bounds = (
+            0.0,
+            math.log(T[0] - 2.0 * _LOWEST_POLE),
+        )  # the lower one: C stays 1 K away from the points
+        pole = T[0] - math.exp(
+            least_squares(misfit, [start], bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12).x[0]
+        )
     if pole < _LOWEST_POLE:
-        raise ValueError("no Vogel law: the slope of ln(viscosity) hardly flattens with temperature; check the points")
+        raise ValueError(
+            "no Vogel law: the slope of ln(viscosity) hardly flattens with temperature; check the points"
+        )
     slope, intercept, _ = _line(_reciprocal(T, pole), log_eta)
     return Vogel(math.exp(intercept), slope, pole)
 
@@ -118,11 +132,16 @@ def _reciprocal(T: list[float], pole: float) -> list[float]:
 
 def _line(x: list[float], y: list[float]) -> tuple[float, float, list[float]]:
     """Slope, intercept and residuals of the straight line of least squares."""
-    x_mean, y_mean = math.fsum(x) / len(x), math.fsum(y) / len(y)
+    x_mean = math.fsum(x) / len(x)
+    y_mean = math.fsum(y) / len(y)
     slope = math.fsum((a - x_mean) * (b - y_mean) for a, b in zip(x, y, strict=True)) / math.fsum(
         (a - x_mean) ** 2 for a in x
     )
-    return slope, y_mean - slope * x_mean, [b - y_mean - slope * (a - x_mean) for a, b in zip(x, y, strict=True)]
+    return (
+        slope,
+        y_mean - slope * x_mean,
+        [b - y_mean - slope * (a - x_mean) for a, b in zip(x, y, strict=True)],
+    )
 
 
 def _ordered(
@@ -139,7 +158,9 @@ def _ordered(
             raise ValueError(f"temperature and viscosity must be positive, got {v:g} at {T:g} K")
     for (T1, v1), (T2, v2) in pairwise(points):
         if T1 == T2:
-            raise ValueError(f"two points at {format_quantity(T1, 'K')}: give each temperature once")
+            raise ValueError(
+                f"two points at {format_quantity(T1, 'K')}: give each temperature once"
+            )
         if v1 <= v2:
             raise ValueError(
                 f"the viscosity does not fall from {format_quantity(T1, 'K')} to {format_quantity(T2, 'K')}"

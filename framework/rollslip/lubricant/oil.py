@@ -61,11 +61,17 @@ class OilState:
 
 
 def positive_field(
-    unit: str, doc: str, default: object = NOTHING, usual: Span | None = None, possible: Span | None = None
+    unit: str,
+    doc: str,
+    default: object = NOTHING,
+    usual: Span | None = None,
+    possible: Span | None = None,
 ) -> Any:
     """Declare a field of a positive quantity; one whose default is None may be left out."""
     validator = positive if default is not None else optional(positive)
-    return field(unit=unit, doc=doc, default=default, validator=validator, usual=usual, possible=possible)
+    return field(
+        unit=unit, doc=doc, default=default, validator=validator, usual=usual, possible=possible
+    )
 
 
 def _positive_or_law(instance: object, attribute: "Attribute[Any]", value: object) -> None:
@@ -75,7 +81,10 @@ def _positive_or_law(instance: object, attribute: "Attribute[Any]", value: objec
 
 def _known_grades(instance: object, attribute: "Attribute[Any]", value: Mapping[str, str]) -> None:
     if unknown := sorted(set(value.values()) - GRADES.keys()):
-        raise FieldError("grades", f"there is no data quality {', '.join(unknown)}; there are {', '.join(GRADES)}")
+        raise FieldError(
+            "grades",
+            f"there is no data quality {', '.join(unknown)}; there are {', '.join(GRADES)}",
+        )
 
 
 @frozen(kw_only=True)
@@ -95,7 +104,9 @@ class Lubricant:
     name: str  #: As scenes call it.
     description: str  #: What it is, in a sentence.
     viscosity: TemperatureLaw  #: Dynamic viscosity at ambient pressure, eta0(T) [Pa s].
-    pressure_viscosity: TemperatureLaw | None = None  #: Pressure-viscosity coefficient alpha(T) [1/Pa].
+    pressure_viscosity: TemperatureLaw | None = (
+        None  #: Pressure-viscosity coefficient alpha(T) [1/Pa].
+    )
     #: beta0(T) [1/K], where it is not the slope of `viscosity`, as in lists of constants.
     thermoviscosity: Callable[[float], float] | None = None
     #: gamma(T) [1/(Pa K)], where it is not the slope of `pressure_viscosity`, likewise.
@@ -103,13 +114,17 @@ class Lubricant:
     #: Which alpha `pressure_viscosity` is: "tangent", the slope of ln(eta) at no pressure, or "film", alpha* =
     #: 1/integral(eta0/eta dp). Film formulas take it as it is; a law makes its own constants of it.
     pressure_viscosity_kind: str = field(
-        doc="which alpha it is, by its tangent or for films", default="tangent", validator=one_of(*ALPHAS)
+        doc="which alpha it is, by its tangent or for films",
+        default="tangent",
+        validator=one_of(*ALPHAS),
     )
     #: How viscosity rises with pressure, by default Roelands's law; one that fixes alpha itself overrules
     #: `pressure_viscosity`.
     pressure_viscosity_law: PressureViscosity = Factory(default_law)
     #: What the oil is made of: mineral, pao, ester or pag.
-    base_oil: str | None = field(doc="kind of base oil", default=None, validator=optional(one_of(*BASE_OILS)))
+    base_oil: str | None = field(
+        doc="kind of base oil", default=None, validator=optional(one_of(*BASE_OILS))
+    )
     conductivity: TemperatureLaw | None = None  #: Thermal conductivity K_f(T) [W/(m K)].
     density: TemperatureLaw | None = None  #: Density rho(T) [kg/m3], which drags read.
     #: tau0 or tau0(T) [Pa].
@@ -136,10 +151,16 @@ class Lubricant:
     #: viscosity_factor, pressure_viscosity_factor, pressure_thermoviscosity_factor: Factors on eta0, alpha and gamma
     #: [-].
     viscosity_factor: float = positive_field("1", "factor on the viscosity", 1.0)
-    pressure_viscosity_factor: float = positive_field("1", "factor on the pressure-viscosity coefficient", 1.0)
-    pressure_thermoviscosity_factor: float = positive_field("1", "factor on the slope of that coefficient", 1.0)
+    pressure_viscosity_factor: float = positive_field(
+        "1", "factor on the pressure-viscosity coefficient", 1.0
+    )
+    pressure_thermoviscosity_factor: float = positive_field(
+        "1", "factor on the slope of that coefficient", 1.0
+    )
     #: Factor on ln(eta/eta0) under pressure [-].
-    pressure_exponent_factor: float = positive_field("1", "factor on ln(eta/eta0) under pressure", 1.0)
+    pressure_exponent_factor: float = positive_field(
+        "1", "factor on ln(eta/eta0) under pressure", 1.0
+    )
     #: How uncertain its data are: what ``rollslip uncertainty`` takes where the scene states nothing.
     scatter: tuple[Scatter, ...] = ()
     #: Property -> letter of `GRADES`.
@@ -158,9 +179,12 @@ class Lubricant:
     )
 
     def __attrs_post_init__(self) -> None:
-        low, high = self.minimum_temperature, self.maximum_temperature
+        low = self.minimum_temperature
+        high = self.maximum_temperature
         if low >= high:
-            raise FieldError("minimum_temperature", f"{_celsius(low)} is not below the maximum, {_celsius(high)}")
+            raise FieldError(
+                "minimum_temperature", f"{_celsius(low)} is not below the maximum, {_celsius(high)}"
+            )
         try:
             falls = self.viscosity(low) >= self.viscosity(high) > 0.0
         except ArithmeticError:  # a pole of the law
@@ -171,7 +195,9 @@ class Lubricant:
                 f"the viscosity does not fall from {_celsius(low)} to {_celsius(high)} after {self.viscosity}; "
                 "narrow the range from lubricant.minimum_temperature to lubricant.maximum_temperature",
             )
-        law = self.pressure_viscosity_law.of_oil(self.pressure_viscosity_kind, self.pressure_exponent_factor)
+        law = self.pressure_viscosity_law.of_oil(
+            self.pressure_viscosity_kind, self.pressure_exponent_factor
+        )
         object.__setattr__(self, "pressure_viscosity_law", law)
         factors = (self.pressure_viscosity_factor, self.pressure_thermoviscosity_factor)
         if factors != (1.0, 1.0) and not math.isnan(self.pressure_viscosity_law.coefficient(low)):
@@ -183,14 +209,21 @@ class Lubricant:
 
     def constants_for(self, law: str, known: Collection[str]) -> dict[str, object]:
         """Return its constants for a law, of the parameters that this has; those of its own table come first."""
-        shared = {key: value for key, value in self.models.items() if key in known and not isinstance(value, Mapping)}
+        shared = {
+            key: value
+            for key, value in self.models.items()
+            if key in known and not isinstance(value, Mapping)
+        }
         own = self.models.get(law, {})
         return {**shared, **own} if isinstance(own, Mapping) else shared
 
     @property
     def slopes(self) -> dict[str, float]:
         """Slopes with pressure [1], by the names that models have for them."""
-        return {"eyring_stress_slope": self.eyring_stress_slope, "shear_modulus_slope": self.shear_modulus_slope}
+        return {
+            "eyring_stress_slope": self.eyring_stress_slope,
+            "shear_modulus_slope": self.shear_modulus_slope,
+        }
 
     def at(self, temperature: float) -> OilState:
         """Properties at a temperature [K], nan where the oil has no data; refused outside of their range."""
@@ -211,7 +244,9 @@ class Lubricant:
             viscosity=self.viscosity_factor * self.viscosity(temperature),
             pressure_viscosity=self.pressure_viscosity_factor * alpha,
             thermoviscosity=beta0,
-            pressure_thermoviscosity=self.pressure_thermoviscosity_factor * self.pressure_viscosity_factor * gamma,
+            pressure_thermoviscosity=self.pressure_thermoviscosity_factor
+            * self.pressure_viscosity_factor
+            * gamma,
             conductivity=_value(self.conductivity, temperature),
             eyring_stress=_value(self.eyring_stress, temperature),
             shear_modulus=_value(self.shear_modulus, temperature),
@@ -229,11 +264,24 @@ class Lubricant:
         found = []
         for key, of, given, own, unit, size in (
             ("thermoviscosity", "viscosity", beta0, eta0_fall / eta0, "1/K", 1.0),
-            ("pressure_thermoviscosity", "pressure_viscosity", gamma, alpha_fall, "1/(Pa K)", alpha),
+            (
+                "pressure_thermoviscosity",
+                "pressure_viscosity",
+                gamma,
+                alpha_fall,
+                "1/(Pa K)",
+                alpha,
+            ),
         ):
-            if not abs(given - own) > _AGREES * max(abs(given), abs(own)):  # nan where the oil lacks it
+            if not abs(given - own) > _AGREES * max(
+                abs(given), abs(own)
+            ):  # nan where the oil lacks it
                 continue
-            slope = "is the same at every temperature" if own == 0.0 else f"falls by {format_quantity(own, unit, 3)}"
+            slope = (
+                "is the same at every temperature"
+                if own == 0.0
+                else f"falls by {format_quantity(own, unit, 3)}"
+            )
             found.append(
                 f"lubricant.{key} is {format_quantity(given, unit, 3)} at {_celsius(temperature)}, but "
                 f"lubricant.{of} {slope}: they fit together at one temperature only, {_AWAY:g} K from it {of} would "
@@ -248,7 +296,9 @@ class Lubricant:
         _, alpha_fall = _evaluate(self.pressure_viscosity, T)
         return (
             eta0_fall / eta0 if self.thermoviscosity is None else self.thermoviscosity(T),
-            alpha_fall if self.pressure_thermoviscosity is None else self.pressure_thermoviscosity(T),
+            alpha_fall
+            if self.pressure_thermoviscosity is None
+            else self.pressure_thermoviscosity(T),
         )
 
 
@@ -275,7 +325,9 @@ def scatter_of(
          "range of published values of fluid films"),
     ]  # fmt: skip
     return tuple(
-        Scatter(quantity=quantity, distribution=shape, parameters=parameters, grade=letter, source=why)
+        Scatter(
+            quantity=quantity, distribution=shape, parameters=parameters, grade=letter, source=why
+        )
         for quantity, shape, parameters, letter, why in found
         if parameters.get("scatter", 1.0)
     )

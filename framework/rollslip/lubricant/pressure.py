@@ -60,25 +60,37 @@ class PressureViscosity(SliceModel):
         it takes by `factor_of_oil`, or refuses.
         """
         mine: Any = self
-        own = {a.name: a.metadata["of_oil"] for a in attrs.fields(type(mine)) if "of_oil" in a.metadata}
+        own = {
+            a.name: a.metadata["of_oil"] for a in attrs.fields(type(mine)) if "of_oil" in a.metadata
+        }
         if factor != 1.0 and "factor" not in own.values():
-            raise FieldError("pressure_exponent_factor", f"law {self.name!r} takes none; leave it out")
+            raise FieldError(
+                "pressure_exponent_factor", f"law {self.name!r} takes none; leave it out"
+            )
         given = {"alpha": alpha, "factor": factor}
-        changes = {name: given[what] for name, what in own.items() if getattr(self, name) != given[what]}
+        changes = {
+            name: given[what] for name, what in own.items() if getattr(self, name) != given[what]
+        }
         law: PressureViscosity = attrs.evolve(mine, **changes) if changes else self
         return law
 
     def evaluate(self, slices: Slices) -> None:
         """Fill viscosity and its fall with temperature."""
-        slices.film_viscosity[...], slices.film_thermoviscosity[...] = self.at(slices.conditions, slices.pressure)
+        slices.film_viscosity[...], slices.film_thermoviscosity[...] = self.at(
+            slices.conditions, slices.pressure
+        )
 
 
 @cache
 def law_of_the_box(name: str) -> type[PressureViscosity]:
     """Return a law that comes with rollslip, by its name; who reads a scene takes those of all packages."""
-    points = importlib.metadata.distribution("rollslip").entry_points.select(group="rollslip.pressure_viscosity")
+    points = importlib.metadata.distribution("rollslip").entry_points.select(
+        group="rollslip.pressure_viscosity"
+    )
     module = importlib.import_module({point.name: point.value for point in points}[name])
-    law: type[PressureViscosity] = next(m for m in vars(module).values() if getattr(m, "name", None) == name)
+    law: type[PressureViscosity] = next(
+        m for m in vars(module).values() if getattr(m, "name", None) == name
+    )
     return law
 
 
@@ -135,7 +147,9 @@ def with_law(model: Any, law: PressureViscosity, slopes: Mapping[str, float] = N
             changes[attribute.name] = law
         elif attribute.metadata.get("slope_of_oil") and slopes.get(attribute.name, value) != value:
             changes[attribute.name] = slopes[attribute.name]
-        elif isinstance(value, SliceModel) and (changed := with_law(value, law, slopes)) is not value:
+        elif (
+            isinstance(value, SliceModel) and (changed := with_law(value, law, slopes)) is not value
+        ):
             changes[attribute.name] = changed
     return attrs.evolve(model, **changes) if changes else model
 

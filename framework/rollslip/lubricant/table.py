@@ -11,7 +11,17 @@ from attrs import field as attrib
 from attrs.validators import and_, deep_iterable, optional
 
 from rollslip.errors import SceneError
-from rollslip.fields import FieldError, Ranges, Span, field, non_negative, one_of, own_unit, positive, within_possible
+from rollslip.fields import (
+    FieldError,
+    Ranges,
+    Span,
+    field,
+    non_negative,
+    one_of,
+    own_unit,
+    positive,
+    within_possible,
+)
 from rollslip.lubricant.base_oil import (
     BASE_OILS,
     ISO_GRADES,
@@ -37,7 +47,9 @@ from rollslip.units import format_quantity
 __all__ = ["OilPoint", "OilTable", "OverTemperature", "lubricant_from_table"]
 
 _MARGIN = 20.0  # K, by which the validity of a fitted law reaches beyond its points
-_AT_40, _AT_100 = 313.15, 373.15  # K
+# K
+_AT_40 = 313.15
+_AT_100 = 373.15
 _ANY = (1.0, 1e4)  # K: constants are taken at the temperature of the scene, whatever it is
 
 #: Slope -> the property that it belongs to.
@@ -48,9 +60,18 @@ _SLOPES = {"thermoviscosity": "viscosity", "pressure_thermoviscosity": "pressure
 _TEMPERATURE: Final[Ranges] = {"usual": (213.15, 573.15), "possible": (123.15, 1273.15)}
 _FACTOR: Final[Ranges] = {"usual": (0.1, 10), "possible": (1e-9, 1e9)}
 _VISCOSITY: Final[Ranges] = {"usual": (5e-4, 3.0), "possible": (1e-5, 1e6)}
-_PROPERTIES = {*_SLOPES, *_SLOPES.values(), "density", "conductivity", "eyring_stress", "shear_modulus"}
+_PROPERTIES = {
+    *_SLOPES,
+    *_SLOPES.values(),
+    "density",
+    "conductivity",
+    "eyring_stress",
+    "shear_modulus",
+}
 
-_IN_POINTS: Final = "points take it: [{ temperature = '40 degC', kinematic_viscosity = '68 mm2/s' }, ...]"
+_IN_POINTS: Final = (
+    "points take it: [{ temperature = '40 degC', kinematic_viscosity = '68 mm2/s' }, ...]"
+)
 
 
 @frozen(kw_only=True)
@@ -79,15 +100,24 @@ class OverTemperature:
     """A property of an oil as a table over temperature."""
 
     temperature: tuple[float, ...] = field(
-        unit="K", doc="rising temperatures, two or more", validator=deep_iterable(positive), **_TEMPERATURE
+        unit="K",
+        doc="rising temperatures, two or more",
+        validator=deep_iterable(positive),
+        **_TEMPERATURE,
     )
     value: tuple[float, ...] = own_unit("the property at each")
 
     def __attrs_post_init__(self) -> None:
         if len(self.temperature) < 2:
-            raise FieldError("temperature", f"a table needs two or more temperatures, not {len(self.temperature)}")
+            raise FieldError(
+                "temperature",
+                f"a table needs two or more temperatures, not {len(self.temperature)}",
+            )
         if len(self.value) != len(self.temperature):
-            raise FieldError("value", f"needs one value for each of {len(self.temperature)}, not {len(self.value)}")
+            raise FieldError(
+                "value",
+                f"needs one value for each of {len(self.temperature)}, not {len(self.value)}",
+            )
         if any(low >= high for low, high in pairwise(self.temperature)):
             raise FieldError("temperature", "must rise")
 
@@ -99,7 +129,9 @@ class _Each:
     allowed: Callable[[Any, Any, Any], object]
 
     def __call__(self, instance: object, attribute: "Attribute[Any]", value: object) -> None:
-        for one in value.value if isinstance(value, OverTemperature) else () if value is None else (value,):
+        for one in (
+            value.value if isinstance(value, OverTemperature) else () if value is None else (value,)
+        ):
             self.allowed(instance, attribute, one)
 
 
@@ -112,7 +144,9 @@ def _property(
 ) -> Any:
     """Declare a property of the oil, a constant or a table over temperature, with checks of each value."""
     each = and_(*checks, within_possible)
-    return field(unit=unit, doc=doc, default=None, validator=_Each(each), usual=usual, possible=possible)
+    return field(
+        unit=unit, doc=doc, default=None, validator=_Each(each), usual=usual, possible=possible
+    )
 
 
 Property: TypeAlias = float | OverTemperature | None
@@ -124,21 +158,30 @@ ReadLaw: TypeAlias = Callable[[object, Location, list[str]], Any]
 class OilTable:
     """The ``[lubricant]`` table of a scene as written: what it leaves out is None; see `lubricant_from_table`."""
 
-    advice: ClassVar[Mapping[str, str]] = {"viscosity": _IN_POINTS, "kinematic_viscosity": f"unknown key; {_IN_POINTS}"}
+    advice: ClassVar[Mapping[str, str]] = {
+        "viscosity": _IN_POINTS,
+        "kinematic_viscosity": f"unknown key; {_IN_POINTS}",
+    }
 
     name: str | None = field(default=None, doc="a shipped oil, whose data the other keys override")
     description: str | None = field(default=None, doc="what the oil is")
     source: str | None = field(default=None, doc="where the data of this table come from")
     viscosity: Property = _property("Pa s", "dynamic viscosity", positive, **_VISCOSITY)
     thermoviscosity: Property = _property(
-        "1/K", "its fall with temperature beta0 = -dln(eta0)/dT", non_negative, usual=(3e-3, 0.2), possible=(0, 10)
+        "1/K",
+        "its fall with temperature beta0 = -dln(eta0)/dT",
+        non_negative,
+        usual=(3e-3, 0.2),
+        possible=(0, 10),
     )
     base_oil: str | None = field(
         default=None,
         doc="kind of base oil, by which an own oil gets what it does not state",
         validator=optional(one_of(*BASE_OILS)),
     )
-    iso_grade: str | None = field(default=None, doc="grade of an own oil after ISO 3448, such as 'VG 68'")
+    iso_grade: str | None = field(
+        default=None, doc="grade of an own oil after ISO 3448, such as 'VG 68'"
+    )
     viscosity_index: float | None = field(
         default=None,
         unit="1",
@@ -152,7 +195,9 @@ class OilTable:
         doc="law through the points, by default walther of an own oil of known base_oil",
         validator=optional(one_of("walther", "vogel")),
     )
-    points: tuple[OilPoint, ...] = field(default=(), doc="measured viscosities, in place of viscosity")
+    points: tuple[OilPoint, ...] = field(
+        default=(), doc="measured viscosities, in place of viscosity"
+    )
     density: Property = _property(
         "kg/m3",
         "density, between kinematic and dynamic viscosity, and for drags",
@@ -161,7 +206,11 @@ class OilTable:
         possible=(100, 2e4),
     )
     pressure_viscosity: Property = _property(
-        "1/Pa", "pressure-viscosity coefficient alpha", positive, usual=(2e-9, 6e-8), possible=(1e-12, 1e-6)
+        "1/Pa",
+        "pressure-viscosity coefficient alpha",
+        positive,
+        usual=(2e-9, 6e-8),
+        possible=(1e-12, 1e-6),
     )
     pressure_thermoviscosity: Property = _property(
         "1/(Pa K)",
@@ -185,8 +234,12 @@ class OilTable:
     conductivity: Property = _property(
         "W/(m K)", "thermal conductivity", positive, usual=(0.05, 0.7), possible=(1e-3, 100)
     )
-    eyring_stress: Property = _property("Pa", "Eyring stress", positive, usual=(2e5, 5e7), possible=(100, 1e11))
-    shear_modulus: Property = _property("Pa", "shear modulus", positive, usual=(1e6, 1e10), possible=(100, 1e13))
+    eyring_stress: Property = _property(
+        "Pa", "Eyring stress", positive, usual=(2e5, 5e7), possible=(100, 1e11)
+    )
+    shear_modulus: Property = _property(
+        "Pa", "shear modulus", positive, usual=(1e6, 1e10), possible=(100, 1e13)
+    )
     eyring_stress_slope: float | None = field(
         default=None,
         unit="1",
@@ -239,16 +292,24 @@ class OilTable:
                 "with base_oil for what a data sheet does not say",
             )
         if self.points and self.viscosity is not None:
-            raise FieldError("viscosity", "not beside points, which are the viscosity; leave one of them out")
+            raise FieldError(
+                "viscosity", "not beside points, which are the viscosity; leave one of them out"
+            )
         if self.iso_grade is not None:
             if not own or self.points or self.viscosity is not None:
-                raise FieldError("iso_grade", "not beside a name, points or viscosity, which say more; leave it out")
+                raise FieldError(
+                    "iso_grade",
+                    "not beside a name, points or viscosity, which say more; leave it out",
+                )
             if self.base_oil is None:
                 raise FieldError(
-                    "base_oil", f"missing; a grade alone is no oil: {', '.join(BASE_OILS)} (kind of base oil)"
+                    "base_oil",
+                    f"missing; a grade alone is no oil: {', '.join(BASE_OILS)} (kind of base oil)",
                 )
         elif self.viscosity_index is not None and not (own and self._one_at_40):
-            raise FieldError("viscosity_index", "goes with iso_grade, or with one point at 40 degC; leave it out")
+            raise FieldError(
+                "viscosity_index", "goes with iso_grade, or with one point at 40 degC; leave it out"
+            )
         if len(self.points) == 1 and self.viscosity_index is None and own:
             point = self.points[0]
             raise FieldError(
@@ -260,7 +321,8 @@ class OilTable:
         estimable = self.base_oil is not None and own
         if self.points and self.viscosity_law is None and not estimable:
             raise FieldError(
-                "viscosity_law", "missing; the points need 'walther' or 'vogel', or base_oil, of which it is 'walther'"
+                "viscosity_law",
+                "missing; the points need 'walther' or 'vogel', or base_oil, of which it is 'walther'",
             )
         if not self.points and self.viscosity_law:
             raise FieldError("points", "missing; viscosity_law serves to fit them")
@@ -271,9 +333,14 @@ class OilTable:
                 "it, or points at two temperatures, or iso_grade and base_oil",
             )
         kinematic = any(point.viscosity is None for point in self.points)
-        if self.density is None and (kinematic or self.viscosity_law == "walther") and not estimable:
+        if (
+            self.density is None
+            and (kinematic or self.viscosity_law == "walther")
+            and not estimable
+        ):
             raise FieldError(
-                "density", "missing; it stands between kinematic and dynamic viscosity; give it, or base_oil"
+                "density",
+                "missing; it stands between kinematic and dynamic viscosity; give it, or base_oil",
             )
 
     @property
@@ -283,11 +350,14 @@ class OilTable:
     @property
     def grade(self) -> int:
         """Grade of ISO 3448 as a number."""
-        match = re.fullmatch(r"(?:ISO)?[\s-]*(?:VG)?[\s-]*(\d+)(?:\.0)?", str(self.iso_grade).strip(), re.IGNORECASE)
+        match = re.fullmatch(
+            r"(?:ISO)?[\s-]*(?:VG)?[\s-]*(\d+)(?:\.0)?", str(self.iso_grade).strip(), re.IGNORECASE
+        )
         if match is None or int(match[1]) not in ISO_GRADES:
             grades = ", ".join(map(str, ISO_GRADES))
             raise FieldError(
-                "iso_grade", f"{self.iso_grade!r} is no grade of ISO 3448, such as 'VG 68'; there are {grades}"
+                "iso_grade",
+                f"{self.iso_grade!r} is no grade of ISO 3448, such as 'VG 68'; there are {grades}",
             )
         return int(match[1])
 
@@ -307,14 +377,23 @@ class OilTable:
             return [(T, eta / rho(T)) for T, eta in pairs]
         else:
             points = ((p.temperature, p.kinematic_viscosity, p.viscosity) for p in self.points)
-            found = [(T, nu if nu else (eta or math.nan) / rho(T)) for T, nu, eta in points if nu or rho is not None]  # type: ignore[misc]
+            found = [
+                (T, nu if nu else (eta or math.nan) / rho(T))
+                for T, nu, eta in points
+                if nu or rho is not None
+            ]  # type: ignore[misc]
         if len(found) == 1 and self.base_oil is not None:
             index = (
-                self.viscosity_index if self.viscosity_index is not None else BASE_OILS[self.base_oil].viscosity_index
+                self.viscosity_index
+                if self.viscosity_index is not None
+                else BASE_OILS[self.base_oil].viscosity_index
             )
             hot = at_100_of(found[0][1], index)
             if math.isnan(hot):
-                raise FieldError("viscosity_index", f"{index:g} is possible of no oil of this viscosity; check both")
+                raise FieldError(
+                    "viscosity_index",
+                    f"{index:g} is possible of no oil of this viscosity; check both",
+                )
             found.append((_AT_100, hot))
         return found
 
@@ -336,7 +415,8 @@ class OilTable:
         """Return what the kind of base oil gives of an own oil, and a sentence on where that comes from."""
         if self.base_oil is None or self.name is not None:
             return {}, ""
-        points, kinematic = self.nu(), None
+        points = self.nu()
+        kinematic = None
         if len(points) > 1:
             kinematic = fit_walther([T for T, _ in points], [nu for _, nu in points], density=1.0)
         stated = {key: getattr(self, key) for key in _PROPERTIES}
@@ -354,7 +434,9 @@ def _of_the_box(raw: object, where: Location, problems: list[str]) -> PressureVi
     try:
         return structure(law_of_the_box(str(table.pop("model", None))), table, where, problems)
     except KeyError as error:
-        problems.append(where.says(f"no law of viscosity under pressure is called {error.args[0]!r}"))
+        problems.append(
+            where.says(f"no law of viscosity under pressure is called {error.args[0]!r}")
+        )
         return None
 
 
@@ -430,17 +512,27 @@ def lubricant_from_table(
     if law is not None:
         changes["pressure_viscosity_law"] = law
         if not math.isnan(law.coefficient(300.0)):
-            for key in ("pressure_viscosity", "pressure_thermoviscosity", "pressure_viscosity_kind"):
+            for key in (
+                "pressure_viscosity",
+                "pressure_thermoviscosity",
+                "pressure_viscosity_kind",
+            ):
                 if key in given:
                     reason = f"not with law {law.name!r}, which fixes it; leave it out"
                     raise SceneError([where.at(key).says(reason)])
     set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))
-    origins = (base.source if base else None, table.source, set_here and f"Set by the scene: {set_here}.")
+    origins = (
+        base.source if base else None,
+        table.source,
+        set_here and f"Set by the scene: {set_here}.",
+    )
     if base is not None:
         if table.models is not None:
             over = {key: _over(base.models.get(key), new) for key, new in table.models.items()}
             changes["models"] = FrozenTable({**base.models, **over})
-        changes["grades"] = FrozenTable({key: grade for key, grade in base.grades.items() if key not in changes})
+        changes["grades"] = FrozenTable(
+            {key: grade for key, grade in base.grades.items() if key not in changes}
+        )
     try:
         low, high = _ANY if base is None else (base.minimum_temperature, base.maximum_temperature)
         guessed, told = table.estimates()
@@ -448,13 +540,17 @@ def lubricant_from_table(
         changes["source"] = " ".join(filter(None, (*origins, told)))
         if table.points or table.iso_grade is not None:
             T = [T for T, _ in table.nu()] or [point.temperature for point in table.points]
-            low, high = max(low, min(T) - _MARGIN), min(high, max(T) + _MARGIN)
+            low = max(low, min(T) - _MARGIN)
+            high = min(high, max(T) + _MARGIN)
             changes["viscosity"] = table.fit()
         for key, value in given.items():
             if isinstance(value, OverTemperature):
-                low, high = max(low, value.temperature[0]), min(high, value.temperature[-1])
+                low = max(low, value.temperature[0])
+                high = min(high, value.temperature[-1])
                 if low >= high:
-                    raise FieldError(key, "has no temperatures in common with the rest of the oil's data")
+                    raise FieldError(
+                        key, "has no temperatures in common with the rest of the oil's data"
+                    )
         changes = {"minimum_temperature": low, "maximum_temperature": high} | changes
         if base is not None:
             return evolve(base, **changes)
@@ -468,7 +564,11 @@ def lubricant_from_table(
 
 def _over(known: object, new: object) -> object:
     """Constants of a law over those that an oil has."""
-    return FrozenTable({**known, **new}) if isinstance(known, Mapping) and isinstance(new, Mapping) else new
+    return (
+        FrozenTable({**known, **new})
+        if isinstance(known, Mapping) and isinstance(new, Mapping)
+        else new
+    )
 
 
 def index_of(data: Mapping[str, object]) -> float:
@@ -496,9 +596,13 @@ def _with_scatter(oil: Lubricant, guessed: Mapping[str, Any], *, graded: bool) -
         return oil
     of = BASE_OILS[oil.base_oil]
     middle = oil.at((max(oil.minimum_temperature, 290.0) + min(oil.maximum_temperature, 390.0)) / 2)
-    known = math.isfinite(middle.pressure_viscosity) and math.isnan(oil.pressure_viscosity_law.coefficient(300.0))
+    known = math.isfinite(middle.pressure_viscosity) and math.isnan(
+        oil.pressure_viscosity_law.coefficient(300.0)
+    )
     exponent = (
-        exponent_factor(default_law(), of.exponent, middle.viscosity, middle.pressure_viscosity) if known else 0.0
+        exponent_factor(default_law(), of.exponent, middle.viscosity, middle.pressure_viscosity)
+        if known
+        else 0.0
     )
     scatter = scatter_of(
         0.1 * graded, "(B)", "ISO 3448 allows a grade 10 % either way",
@@ -521,7 +625,10 @@ def _laws(given: Mapping[str, Any], base: Lubricant | None) -> dict[str, Any]:
     laws: dict[str, Any] = {}
     for key in _PROPERTIES & given.keys():
         constant = not isinstance(given[key], OverTemperature)
-        plain = constant and key in ("eyring_stress", "shear_modulus")  # single numbers, which can be varied and fitted
+        plain = constant and key in (
+            "eyring_stress",
+            "shear_modulus",
+        )  # single numbers, which can be varied and fitted
         laws[key] = given[key] if plain else _law(given[key], of_any_sign=key in _SLOPES)
     for slope, key in _SLOPES.items():
         if slope in given:

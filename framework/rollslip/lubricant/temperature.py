@@ -81,13 +81,19 @@ class Table:
 
     def derivative(self, T: float) -> float:
         """Slope of the segment that holds `T` [K], of the upper one at a node; zero beyond the table."""
-        return self._slope(self._segment(T)) if self.temperatures[0] <= T < self.temperatures[-1] else 0.0
+        return (
+            self._slope(self._segment(T))
+            if self.temperatures[0] <= T < self.temperatures[-1]
+            else 0.0
+        )
 
     def _segment(self, T: float) -> int:
         return min(max(bisect_right(self.temperatures, T) - 1, 0), len(self.temperatures) - 2)
 
     def _slope(self, i: int) -> float:
-        return (self.values[i + 1] - self.values[i]) / (self.temperatures[i + 1] - self.temperatures[i])
+        return (self.values[i + 1] - self.values[i]) / (
+            self.temperatures[i + 1] - self.temperatures[i]
+        )
 
 
 @frozen
@@ -135,14 +141,18 @@ class SmoothTable:
                 return math.log(self.values[end]) + slope * beyond, slope
         i = min(bisect_right(x, T) - 1, len(x) - 2)
         width = x[i + 1] - x[i]
-        t, secant = (T - x[i]) / width, self._secant(i)
-        first, last = self._slope(i) - secant, self._slope(i + 1) - secant
+        t = (T - x[i]) / width
+        secant = self._secant(i)
+        first = self._slope(i) - secant
+        last = self._slope(i + 1) - secant
         bend = t * (1.0 - t) * (first * (1.0 - t) - last * t)
         slope = secant + first * (1.0 - t) * (1.0 - 3.0 * t) + last * t * (3.0 * t - 2.0)
         return math.log(self.values[i]) + width * (secant * t + bend), slope
 
     def _secant(self, i: int) -> float:
-        return math.log(self.values[i + 1] / self.values[i]) / (self.temperatures[i + 1] - self.temperatures[i])
+        return math.log(self.values[i + 1] / self.values[i]) / (
+            self.temperatures[i + 1] - self.temperatures[i]
+        )
 
     def _slope(self, i: int) -> float:
         """Slope of ln(value) at a node: a weighted harmonic mean of both secants, of three points at an end."""
@@ -150,14 +160,17 @@ class SmoothTable:
         if last == 1:
             return self._secant(0)
         if 0 < i < last:
-            left, right = self._secant(i - 1), self._secant(i)
+            left = self._secant(i - 1)
+            right = self._secant(i)
             if left * right <= 0.0:
                 return 0.0
-            below, above = (
-                self.temperatures[i] - self.temperatures[i - 1],
-                self.temperatures[i + 1] - self.temperatures[i],
+            below = self.temperatures[i] - self.temperatures[i - 1]
+            above = self.temperatures[i + 1] - self.temperatures[i]
+            return (
+                3.0
+                * (below + above)
+                / ((2.0 * above + below) / left + (above + 2.0 * below) / right)
             )
-            return 3.0 * (below + above) / ((2.0 * above + below) / left + (above + 2.0 * below) / right)
         near, far = (0, 1) if i == 0 else (last - 1, last - 2)
         one, other = (self.temperatures[k + 1] - self.temperatures[k] for k in (near, far))
         secant = self._secant(near)

@@ -33,7 +33,9 @@ POSITIVE: Final = (5e-324, sys.float_info.max)
 #: Range of a quantity that must not be negative.
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
-_RISES: Final = ", as viscosity would rise with temperature; give a larger lubricant.pressure_thermoviscosity"
+_RISES: Final = (
+    ", as viscosity would rise with temperature; give a larger lubricant.pressure_thermoviscosity"
+)
 
 
 def interval(limits: tuple[float, float] | None) -> str:
@@ -41,7 +43,13 @@ def interval(limits: tuple[float, float] | None) -> str:
     if limits is None:
         return ""
     low, high = limits
-    lower = "> 0" if 0.0 < low < sys.float_info.min else "" if low == -sys.float_info.max else f">= {low:g}"
+    lower = (
+        "> 0"
+        if 0.0 < low < sys.float_info.min
+        else ""
+        if low == -sys.float_info.max
+        else f">= {low:g}"
+    )
     upper = "" if high == sys.float_info.max else f"<= {high:g}"
     return " and ".join(filter(None, (lower, upper))) or "finite"
 
@@ -75,12 +83,16 @@ def evaluate_arrays(model: Any, column: str, **members: "ArrayLike") -> "NDArray
     shape = np.broadcast_shapes(*(values.shape for values in arrays.values()))
     filled = {name: np.full(shape, np.nan) for name in model.writes}
     columns = {name: values for name, values in arrays.items() if name in COLUMNS} | filled
-    conditions: dict[str, Any] = {name: values for name, values in arrays.items() if name in CONDITIONS}
+    conditions: dict[str, Any] = {
+        name: values for name, values in arrays.items() if name in CONDITIONS
+    }
     model.evaluate(Slices.of_columns(Conditions(**conditions), columns))
     return np.asarray(columns[column])
 
 
-def refusal_text(law: str, domain: Domain, what: str, member: str, index: int, slices: "Slices") -> str:
+def refusal_text(
+    law: str, domain: Domain, what: str, member: str, index: int, slices: "Slices"
+) -> str:
     """Return in words what a compiled chain refused of a table: which law, which member of which slice, and why."""
     from rollslip_kernels.slices import COLUMNS, CONDITIONS, PLACES
 
@@ -97,7 +109,9 @@ def refusal_text(law: str, domain: Domain, what: str, member: str, index: int, s
     value = float(getattr(slices, member)[index])
     if value != value:
         apart = "what evaluates it takes rollers or slices together; give it, or take another study or level"
-        remedy = apart if member in PLACES else "give it, or put a stage that fills it before this one"
+        remedy = (
+            apart if member in PLACES else "give it, or put a stage that fills it before this one"
+        )
         return f"{law}: slice {index} has no {member} ({COLUMNS[member][1]}, {COLUMNS[member][0]}); {remedy}"
     why = _RISES if member == "film_thermoviscosity" and value < 0.0 else ""
     return f"{law}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed}){why}"

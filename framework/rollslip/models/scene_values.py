@@ -63,7 +63,13 @@ def from_scene(
         default=math.nan if unit else "",
         validator=if_given,
         eq=_given,
-        metadata={"doc": doc, "unit": unit, "from_scene": name, "usual": usual, "possible": possible},
+        metadata={
+            "doc": doc,
+            "unit": unit,
+            "from_scene": name,
+            "usual": usual,
+            "possible": possible,
+        },
     )
 
 

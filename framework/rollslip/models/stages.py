@@ -29,13 +29,17 @@ if TYPE_CHECKING:
     from rollslip_kernels.slices import Slices
 
 
-def submodel(kind: str, *, factory: Callable[[], object] | None = None, default: str = "", doc: str) -> Any:
+def submodel(
+    kind: str, *, factory: Callable[[], object] | None = None, default: str = "", doc: str
+) -> Any:
     """Declare a parameter that is itself a model of ``kind``: in a scene a name, or a table with ``model``.
 
     Without a value it is what ``factory`` makes, or the model called ``default``: "muraki", of whatever package.
     """
     if (factory is None) == (not default):
-        raise TypeError(f"a submodel of kind {kind!r} takes a factory or the name of its default, one of them")
+        raise TypeError(
+            f"a submodel of kind {kind!r} takes a factory or the name of its default, one of them"
+        )
 
     made = factory or (lambda: import_module("rollslip").get_model(kind, default))
     return attrs.field(factory=made, metadata={"doc": doc, "unit": None, "kind": kind})
@@ -114,9 +118,13 @@ class ContactModel(SliceModel):
 class FilmModel(SliceModel):
     """Film thickness from load, speed and oil."""
 
-    reads = frozenset({"load", "rolling_speed", "radius", "modulus", "viscosity", "pressure_viscosity"})
+    reads = frozenset(
+        {"load", "rolling_speed", "radius", "modulus", "viscosity", "pressure_viscosity"}
+    )
     writes = frozenset({"film_thickness"})
-    domain = MappingProxyType({**dict.fromkeys(sorted(reads), POSITIVE), "pressure_viscosity": NON_NEGATIVE})
+    domain = MappingProxyType(
+        {**dict.fromkeys(sorted(reads), POSITIVE), "pressure_viscosity": NON_NEGATIVE}
+    )
     #: Which film thickness it returns: "minimum", "central" or "dp/dx = 0".
     location: ClassVar[str]
     #: Film regime it holds in: "IR", "VR", "IE", "VE", or "all".
@@ -188,7 +196,8 @@ class FilmModel(SliceModel):
 class PressureModel(SliceModel):
     """Mean pressure in the film and its half width, which viscosity and traction read; the load stays, w = 2 b p."""
 
-    reads, domain = FilmModel.reads, FilmModel.domain
+    reads = FilmModel.reads
+    domain = FilmModel.domain
     writes = ContactModel.writes
     #: Whether it leaves what the contact model fills, so that it is no stage of the chain.
     of_contact: ClassVar[bool] = False
@@ -251,7 +260,9 @@ class Drag(abc.ABC):
         """Raise a `DomainError` where a parameter is still left to a scene."""
         if missing := left_to_scene(self):
             names = ", ".join(a.name for a in missing)
-            raise DomainError(f"drag {self.name!r} takes {names} from a scene; outside of one give them")
+            raise DomainError(
+                f"drag {self.name!r} takes {names} from a scene; outside of one give them"
+            )
 
 
 class DragModel(Drag):

@@ -33,8 +33,12 @@ class Validity:
     #: low, high: Least and largest value that the law was made for.
     low: float = -math.inf
     high: float = math.inf
-    called: str = ""  #: What the quantity is called in sentences, by default its name and its symbol.
-    made_for: str = ""  #: The bound in words, where a number says little: "the rigid-isoviscous regime".
+    called: str = (
+        ""  #: What the quantity is called in sentences, by default its name and its symbol.
+    )
+    made_for: str = (
+        ""  #: The bound in words, where a number says little: "the rigid-isoviscous regime".
+    )
     consequence: str  #: What is so outside, a clause; ``{error}`` in it stands for per cent.
     #: Per cent, not negative, at a value of the quantity outside; None where nobody knows it.
     error: Callable[[float], float] | None = None
@@ -70,8 +74,12 @@ class Validity:
             return self.consequence
         errors = [self.error(value) for value in values]
         ends = min(errors), max(errors)
-        low, high = (f"{end:.1g}" if 0.0 < end < 1.0 or end >= 1e4 else f"{end:.0f}" for end in ends)
-        return self.consequence.replace("{error}", f"{high} %" if low == high else f"{low} to {high} %")
+        low, high = (
+            f"{end:.1g}" if 0.0 < end < 1.0 or end >= 1e4 else f"{end:.0f}" for end in ends
+        )
+        return self.consequence.replace(
+            "{error}", f"{high} %" if low == high else f"{low} to {high} %"
+        )
 
     @property
     def told(self) -> str:
@@ -135,9 +143,11 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
     if name not in FILM_REGIMES:
         return ()
     code = float(list(FILM_REGIMES).index(name))
-    off, source = "may be far off", "what regime a contact is in: Johnson (1970), the law's own word for the rest"
+    off = "may be far off"
+    source = "what regime a contact is in: Johnson (1970), the law's own word for the rest"
     if elsewhere is not None:
-        low, high = math.floor(elsewhere[0]), math.ceil(elsewhere[1])
+        low = math.floor(elsewhere[0])
+        high = math.ceil(elsewhere[1])
         off = f"is off by {low:+d} to {high:+d} % there, over M of 0.1 to 200 and L of 0 to 15"
         source = "reynolds-line: docs/scripts/film_error_map.py"
     return (

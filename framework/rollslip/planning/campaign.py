@@ -94,7 +94,9 @@ class Campaign(abc.ABC):
     name: ClassVar[str]
     #: Its line of ``rollslip --help``, where that is not how the help of its command begins.
     summary: ClassVar[str] = ""
-    result: ClassVar[str] = ""  #: What its folder and its dataset, NAME.nc, are called; by default its name.
+    result: ClassVar[str] = (
+        ""  #: What its folder and its dataset, NAME.nc, are called; by default its name.
+    )
     #: How a command that was interrupted goes on: "" not at all, by itself, with its "folder", or by "resume".
     goes_on: ClassVar[str] = ""
     writes: ClassVar[str] = "data"  #: What it writes beside plots.
@@ -109,9 +111,15 @@ class Campaign(abc.ABC):
 
     def __attrs_post_init__(self) -> None:
         """Refuse values that no option would take, all of them at once."""
-        faults = [fault for one in options_of(type(self)) if (fault := _fault(one, getattr(self, one.name)))]
+        faults = [
+            fault
+            for one in options_of(type(self))
+            if (fault := _fault(one, getattr(self, one.name)))
+        ]
         if faults:
-            raise SceneError([f"{fault}; rollslip {self.name} --help tells of all options" for fault in faults])
+            raise SceneError(
+                [f"{fault}; rollslip {self.name} --help tells of all options" for fault in faults]
+            )
 
     @abc.abstractmethod
     def plan(self) -> Any:
@@ -122,7 +130,9 @@ class Campaign(abc.ABC):
         """
 
     @abc.abstractmethod
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Compute what was planned; `folder` keeps what can be gone on with, `said` takes what is worth a line."""
 
     def instead(self) -> str:
@@ -147,7 +157,8 @@ class Campaign(abc.ABC):
 
         from rollslip.planning.progress import progress_in_notebook
 
-        made, out = self.plan(), getattr(self, "out", None) if self.goes_on == "folder" else None
+        made = self.plan()
+        out = getattr(self, "out", None) if self.goes_on == "folder" else None
         place = TemporaryDirectory() if out is None else nullcontext(out)
         with place as folder, progress_in_notebook(self.name) as show:
             return self.run(made, Path(folder), self.report or show, lambda text: None)
@@ -158,7 +169,11 @@ class OfScene(Campaign):
     """Many runs of one scene."""
 
     scene: "Scene | str" = setting(
-        "", default=attrs.NOTHING, argument="SCENE", first=True, more="A scene, the name of a shipped one, or a file."
+        "",
+        default=attrs.NOTHING,
+        argument="SCENE",
+        first=True,
+        more="A scene, the name of a shipped one, or a file.",
     )
 
     @property
@@ -194,7 +209,12 @@ def listed(given: str | Iterable[Any]) -> list[Any]:
     """Return names that are given one by one or with commas between, without blanks; what is no text stays."""
     found = [given] if isinstance(given, str) else given
     parted = [one.split(",") if isinstance(one, str) else [one] for one in found]
-    return [one.strip() if isinstance(one, str) else one for some in parted for one in some if one not in ("", " ")]
+    return [
+        one.strip() if isinstance(one, str) else one
+        for some in parted
+        for one in some
+        if one not in ("", " ")
+    ]
 
 
 # What is made of the fields -------------------------------------------------------------------------------------------
@@ -210,10 +230,15 @@ def options_of(cls: type[Campaign], *, arguments: bool = False) -> "list[attrs.A
 
 def _fault(one: "attrs.Attribute[Any]", value: Any) -> str:
     """Say what is wrong with a number or a text; nothing where it is right, or left out."""
-    of, least = one.metadata["of"], one.metadata["least"]
-    if (value is None and one.default is None) or not (one.type in (str, str | None) or of in (int, float)):
+    of = one.metadata["of"]
+    least = one.metadata["least"]
+    if (value is None and one.default is None) or not (
+        one.type in (str, str | None) or of in (int, float)
+    ):
         return ""
-    right = isinstance(value, {int: Integral, float: Real}.get(of, str)) and not isinstance(value, bool)
+    right = isinstance(value, {int: Integral, float: Real}.get(of, str)) and not isinstance(
+        value, bool
+    )
     if right and (least is None or value >= least):
         return ""
     wanted = {int: "a whole number", float: "a number"}.get(of, "a text")
@@ -229,7 +254,9 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
 
     def function(*args: P.args, **settings: P.kwargs) -> Any:
         for name in settings.keys() - {one.name for one in taken}:
-            near = [f"did you mean {one}?" for one in nearest(name, asked.parameters, 1, cutoff=0.5)]
+            near = [
+                f"did you mean {one}?" for one in nearest(name, asked.parameters, 1, cutoff=0.5)
+            ]
             told = " ".join([*near, f"there are {', '.join(one.name for one in taken)}"])
             raise SceneError([f"{function.__name__}: there is no argument {name}; {told}"])
         return cls(*args, **settings).answer()
@@ -241,10 +268,18 @@ def function_of(cls: Callable[P, Campaign]) -> "Callable[P, xr.Dataset]":
     hints = typing.get_type_hints(cls, None, known) | {"return": returns}
     asked = inspect.signature(cls)
     taken = [one.replace(annotation=hints[name]) for name, one in asked.parameters.items()]
-    others = {one.name for base in cls.__bases__ if attrs.has(base) for one in attrs.fields(base) if one.kw_only}
+    others = {
+        one.name
+        for base in cls.__bases__
+        if attrs.has(base)
+        for one in attrs.fields(base)
+        if one.kw_only
+    }
     taken.sort(key=lambda one: (one.kind, one.name in others))  # its own first
     function.__signature__ = asked.replace(parameters=taken, return_annotation=returns)  # type: ignore[attr-defined]
-    function.__annotations__ = {name: hints[name] for name in (*(one.name for one in taken), "return")}
+    function.__annotations__ = {
+        name: hints[name] for name in (*(one.name for one in taken), "return")
+    }
     function.__name__ = function.__qualname__ = cls.name.replace("-", "_")
     function.__module__ = "rollslip"
     function.__doc__ = _docs(cls, taken)
@@ -268,7 +303,8 @@ def help_of(cls: type[Campaign]) -> str:
 def _docs(cls: type[Campaign], taken: Sequence[inspect.Parameter]) -> str:
     """Return the docs of the function: those of the class, with its fields as parameters."""
     text, behind, returns = (inspect.getdoc(cls) or "").partition("\n\nReturns\n---")
-    fields, lines = attrs.fields_dict(cls), list[str]()
+    fields = attrs.fields_dict(cls)
+    lines = list[str]()
     for one in taken:
         said = fields[one.name].metadata
         kind = inspect.formatannotation(one.annotation)

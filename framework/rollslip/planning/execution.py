@@ -74,7 +74,9 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
             executed[name] = compute(planned, name, progress=show if in_notebook() else None)
         if executed[name].dataset.attrs.get("outcome") == "interrupted":
             break
-    return Result.of({name: one.dataset for name, one in executed.items()}, partial(_completed, executed))
+    return Result.of(
+        {name: one.dataset for name, one in executed.items()}, partial(_completed, executed)
+    )
 
 
 @attrs.frozen(kw_only=True, eq=False)
@@ -135,9 +137,13 @@ def compute(
     """
     plan = planned
     running = plan.studies[study]
-    for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one
+    for library in (
+        "xarray",
+        *running.libraries,
+    ):  # what takes longer than many a study is no cost of the first one
         importlib.import_module(library)
-    begin, processor = time.perf_counter(), time.process_time()
+    begin = time.perf_counter()
+    processor = time.process_time()
     first: ErrorEstimate | None = None
     taken_back = list[str]()
     while True:
@@ -153,7 +159,9 @@ def compute(
         if progress is not None:
             progress(f"again, on {how_finely(finer.resolution)}", left=plan.seconds_of(study))
     dataset = dataset.assign(law_outputs(running, unwatched, dataset))
-    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in error.errors.items() if found}
+    dataset.attrs |= {
+        f"{part}_error": max(found.values()) for part, found in error.errors.items() if found
+    }
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),
         "taken_back": json.dumps(taken_back),
@@ -161,7 +169,12 @@ def compute(
     processor_time = time.process_time() - processor
     dataset.attrs |= run_origin(plan, evaluated, time.perf_counter() - begin)
     return Executed(
-        study=study, planned=planned, plan=plan, dataset=dataset, error=error, processor_time=processor_time
+        study=study,
+        planned=planned,
+        plan=plan,
+        dataset=dataset,
+        error=error,
+        processor_time=processor_time,
     )
 
 
@@ -174,7 +187,11 @@ def _run(
         assembly = plan.assemblies[study]
         before = assembly.inner.chain.evaluated
         try:
-            store = None if kept is None else Store(kept, scene_hash(plan.scene) + running.digest(assembly), study)
+            store = (
+                None
+                if kept is None
+                else Store(kept, scene_hash(plan.scene) + running.digest(assembly), study)
+            )
             dataset = running.run(assembly, Keep(store=store, progress=progress))
             return plan, dataset, assembly.inner.chain.evaluated - before
         except BoundBrokenError as broken:
@@ -188,7 +205,9 @@ def _completed(executed: Mapping[str, Executed]) -> dict[str, "xr.Dataset"]:
     found = {name: one.documented() for name, one in executed.items()}
     first = next(iter(found))
     for name in {first, *studies_of_slip(found.values())}:
-        found[name] = executed[name].plan.studies[name].with_bands(executed[name].plan.scene, found[name])
+        found[name] = (
+            executed[name].plan.studies[name].with_bands(executed[name].plan.scene, found[name])
+        )
     return found
 
 
@@ -202,8 +221,10 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
 
     The second is what models were made for and how far that was left, as plain values (`rollslip.studies.validity`).
     """
-    running, assembly = plan.studies[study], plan.assemblies[study]
-    accuracy, said = plan.scene.accuracy, list[validity.Told]()
+    running = plan.studies[study]
+    assembly = plan.assemblies[study]
+    accuracy = plan.scene.accuracy
+    said = list[validity.Told]()
     assembly = assembly.with_resistance() if running.with_cage else assembly
     try:
         contacts = running.judged_slices(assembly, dataset)
@@ -211,11 +232,19 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         said = validity.told(outside, off, running.judged_at, tolerance=accuracy.tolerance)
         found = validity.sentences(said, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands
-        outside, off = [], None
-        found = [f"whether models are within their range of validity could not be checked: {refusal}"]
+        outside = []
+        off = None
+        found = [
+            f"whether models are within their range of validity could not be checked: {refusal}"
+        ]
     found += implausible(plan.scene)
-    o, share = plan.scene.operation, assembly.weight_share
-    weighed = running.with_weight or not running.bearing_loads or (o.carrier, o.gravity_direction) != (None, None)
+    o = plan.scene.operation
+    share = assembly.weight_share
+    weighed = (
+        running.with_weight
+        or not running.bearing_loads
+        or (o.carrier, o.gravity_direction) != (None, None)
+    )
     if share > accuracy.tolerance and not weighed:
         found.append(
             f"the weight of the rollers, {100.0 * share:.2g} % of what presses them on average, is left out, as "
@@ -231,7 +260,10 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         for setting, reason in plan.estimated[study].reasons.items()
         if setting in given
     ]
-    if accuracy.slices is not None and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
+    if (
+        accuracy.slices is not None
+        and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance
+    ):
         found.append(
             f"{plan.estimated[study].resolution.slices} laminae leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "

@@ -41,7 +41,8 @@ def json_schema() -> dict[str, Any]:
     }
     for row in keys(models=True):
         *tables, name = row.key.split(".")
-        at, of_law = root, len(tables) > 1 and tables[0] == "models" and name not in ("model", "*")
+        at = root
+        of_law = len(tables) > 1 and tables[0] == "models" and name not in ("model", "*")
         if of_law and len(tables) > 2:  # of a law in a law
             continue
         for table in tables:
@@ -74,7 +75,9 @@ def _put(at: dict[str, Any], name: str, row: SchemaRow) -> None:
     kind = re.fullmatch(r"models\.(\w+)(\.model)?", row.key)
     names: dict[str, Any] = {}
     if kind:
-        names = {"enum": [*(SEPARATORS if kind[1] == "separator" else available(model_kind(kind[1])))]}
+        names = {
+            "enum": [*(SEPARATORS if kind[1] == "separator" else available(model_kind(kind[1])))]
+        }
     if row.type.startswith("a name, or a table"):
         table = {"type": "object", "properties": {}, "additionalProperties": False}
         of: dict[str, Any] = {"anyOf": [{"type": "string", **names}, table]}

@@ -18,7 +18,12 @@ from rollslip.units import expectation
 __all__ = ["example", "keys", "keys_of"]
 
 #: What people call a table.
-_TABLES: Final = {"oil": "lubricant", "material": "bearing.material", "model": "models", "studies": "study"}
+_TABLES: Final = {
+    "oil": "lubricant",
+    "material": "bearing.material",
+    "model": "models",
+    "studies": "study",
+}
 _LAWS: Final = ("contact", "film", "pressure", "traction")
 
 
@@ -37,7 +42,9 @@ def _behind(key: str, models: bool) -> list[SchemaRow]:
     if key == "lubricant.*":
         return [row for row in rows_of(OilTable, "lubricant.") if row.key != "lubricant.name"]
     if key == "study.*":
-        return [row for name in available("study") for row in _of_class("study", name, f"study.{name}.")]
+        return [
+            row for name in available("study") for row in _of_class("study", name, f"study.{name}.")
+        ]
     for kind in _LAWS:
         if key == f"models.{kind}.*" and models:
             return [
@@ -80,7 +87,11 @@ def example(row: SchemaRow) -> str:
         least = re.search(r"from (\d+)", row.usual)
         return least.group(1) if least else "1"
     if not value:
-        value = row.type.split(" or ")[0] if row.type not in ("text", "a name, or a table", "table") else "NAME"
+        value = (
+            row.type.split(" or ")[0]
+            if row.type not in ("text", "a name, or a table", "table")
+            else "NAME"
+        )
     if row.type.startswith("list"):
         return "[]" if value in ("", "NAME") or value.startswith("list") else f'["{value}"]'
     if value in ("True", "False"):

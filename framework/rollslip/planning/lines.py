@@ -40,7 +40,8 @@ def part_as_dict(part: Part) -> dict[str, Any]:
 
 def of_bearing(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     """Return the lines of models, oil, clearance, rings and what pulls at the rollers."""
-    scene, law = assembly.scene, assembly.lubricant.pressure_viscosity_law
+    scene = assembly.scene
+    law = assembly.lubricant.pressure_viscosity_law
     named = dict(scene.raw or {}).get("models", {})
     parts = [_stage(kind, model, named) for kind, model in assembly.models.items()]
     reasons = (f"the law of the oil, {assembly.lubricant.name}", law.caution())
@@ -55,14 +56,20 @@ def of_bearing(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     parts.append(_inlet(assembly.film))
     if (mounted := scene.bearing.mounted) is not None:
         clearance = format_quantity(mounted.clearance, "m", 3)
-        parts.append(Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted)))
+        parts.append(
+            Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted))
+        )
     weighed = all(study.with_weight for study in studies.values())
     return [*parts, rings(assembly), *_pulls(assembly, weighed)]
 
 
 def of_studies(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     """Return the lines of cage, heat and damage, which hang on what is asked."""
-    return [*_cage(assembly, studies), *_heat(assembly.scene, studies), *_damage(assembly.scene, studies)]
+    return [
+        *_cage(assembly, studies),
+        *_heat(assembly.scene, studies),
+        *_damage(assembly.scene, studies),
+    ]
 
 
 def time_in_words(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
@@ -73,7 +80,8 @@ def time_in_words(seconds: float, studies: Iterable[Study], assembly: Assembly) 
 
 def how_finely(resolution: Resolution) -> str:
     """Return of how many laminae and positions something is evaluated."""
-    slices, positions = resolution.slices, resolution.instants or 1
+    slices = resolution.slices
+    positions = resolution.instants or 1
     fine = f"{slices} lamina{'e' * (slices != 1)} of a roller"
     return fine + f", {positions} roller positions within a pitch" * (positions > 1)
 
@@ -83,8 +91,13 @@ def check(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[
     if not costs or not study.has_error_estimate(assembly):
         return []
     least, times = _CHECK
-    own = study.curved(assembly) in (None, study)  # else judged by curves that take nothing of the time in motion
-    then = "; beyond its tolerance it runs again, which takes longer" * study.may_run_again(assembly)
+    own = study.curved(assembly) in (
+        None,
+        study,
+    )  # else judged by curves that take nothing of the time in motion
+    then = "; beyond its tolerance it runs again, which takes longer" * study.may_run_again(
+        assembly
+    )
     return [
         Part(
             part="check of the result",
@@ -101,15 +114,22 @@ def own_cage(scene: Scene, studies: Mapping[str, Study]) -> str:
         return ""
     cage = read_cage(scene)
     told = "; ".join(in_words(scene, cage))
-    return f"the cage is the bearing's own, {told}" if scene.models.neighbour_friction is None else f"cage: {told}"
+    return (
+        f"the cage is the bearing's own, {told}"
+        if scene.models.neighbour_friction is None
+        else f"cage: {told}"
+    )
 
 
-def foreseen(assembly: Assembly, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:
+def foreseen(
+    assembly: Assembly, studies: Mapping[str, Study], seconds: float, evaluations: int
+) -> list[str]:
     """Return in words what somebody should know before a plan is run; empty if there is nothing."""
     scene = assembly.scene
     said = [
         f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
-        + '; nothing finer is computed than with accuracy.tolerance = "exact"' * (name == "tolerance")
+        + '; nothing finer is computed than with accuracy.tolerance = "exact"'
+        * (name == "tolerance")
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
     ]
@@ -131,21 +151,33 @@ def foreseen(assembly: Assembly, studies: Mapping[str, Study], seconds: float, e
 
 def caged(studies: Mapping[str, Study]) -> bool:
     """Whether a study tells of the cage."""
-    return any(study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values())
+    return any(
+        study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values()
+    )
 
 
 def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     """The drags, where a study asks for the cage."""
     if not any(study.with_cage for study in studies.values()):
         reason = "the scene has no study of cage and rollers in motion"
-        return [Part(part="cage, drag and integrators", included=False, choice="not loaded", reason=reason)]
+        return [
+            Part(
+                part="cage, drag and integrators",
+                included=False,
+                choice="not loaded",
+                reason=reason,
+            )
+        ]
     named = "drag" in (assembly.scene.cage or {})
     supply = assembly.scene.lubrication.supply
     reason = "cage.drag names it" if named else f"default, of lubrication.supply = {supply!r}"
     choice, known = in_words(assembly.scene, assembly.cage)
     parts = [
         Part(part="cage", choice=choice, reason=known),
-        *(Part(part="drag", choice=one.name, resolution=one.equation, reason=reason) for one in assembly.cage.drags),
+        *(
+            Part(part="drag", choice=one.name, resolution=one.equation, reason=reason)
+            for one in assembly.cage.drags
+        ),
     ]
     if assembly.cage.drags.bound_below:
         reason = LOWER_BOUNDS if len(parts) > 1 else SWITCHED_OFF
@@ -158,7 +190,11 @@ def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
     if scene.models.thermal is None:
         return []
     held = _held(scene, studies)
-    reason = f"not in {', '.join(held)}, at the temperatures of the operation" if held else "the scene names it"
+    reason = (
+        f"not in {', '.join(held)}, at the temperatures of the operation"
+        if held
+        else "the scene names it"
+    )
     found = any(study.with_heat for study in studies.values())
     return [Part(part="thermal", included=found, choice=scene.models.thermal.name, reason=reason)]
 
@@ -168,7 +204,10 @@ def _damage(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
     if any(study.with_damage for study in studies.values()):
         return []
     reason = "no study of this run measures damage"
-    return [Part(part="damage", included=False, choice=one.name, reason=reason) for one in scene.models.damage]
+    return [
+        Part(part="damage", included=False, choice=one.name, reason=reason)
+        for one in scene.models.damage
+    ]
 
 
 def _held(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
@@ -178,7 +217,11 @@ def _held(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
     from rollslip.studies.thermal_balance.model import thermal_model  # nobody else needs it
 
     model = thermal_model(scene)
-    return [name for name, study in studies.items() if not study.with_heat] if model and model.nodes else []
+    return (
+        [name for name, study in studies.items() if not study.with_heat]
+        if model and model.nodes
+        else []
+    )
 
 
 def _stage(kind: str, model: SliceModel, named: Any) -> Part:
@@ -196,18 +239,29 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
 
 def _pulls(assembly: Assembly, weighed: bool) -> list[Part]:
     """Return what acts on all rollers in one direction, but for the weight that all studies have themselves."""
-    o, share, tolerance = assembly.scene.operation, assembly.weight_share, assembly.scene.accuracy.tolerance
+    o = assembly.scene.operation
+    share = assembly.weight_share
+    tolerance = assembly.scene.accuracy.tolerance
     direction = o.gravity_direction
     if (carrier := o.carrier) is not None:
-        what, direction = "carrier", carrier.direction
+        what = "carrier"
+        direction = carrier.direction
         why = "the bearing turns about another axis; the cage's own weight there is its guide's, and left out"
     elif (share > tolerance and not weighed) or direction is not None:
         weight = format_quantity(assembly.roller_mass * GRAVITY, "N", 2)
         what = "gravity of rollers"
         why = f"{weight} each, {100.0 * share:.2g} % of what presses a roller on average"
         if direction is None or share <= tolerance:
-            less = "below the tolerance" if share <= tolerance else "operation.gravity_direction would take it in"
-            return [Part(part=what, choice=weight, resolution="", reason=f"{why}: {less}", included=False)]
+            less = (
+                "below the tolerance"
+                if share <= tolerance
+                else "operation.gravity_direction would take it in"
+            )
+            return [
+                Part(
+                    part=what, choice=weight, resolution="", reason=f"{why}: {less}", included=False
+                )
+            ]
     else:
         return []
     force = format_quantity(math.hypot(*assembly.body_force), "N", 2)
@@ -217,11 +271,15 @@ def _pulls(assembly: Assembly, weighed: bool) -> list[Part]:
 
 def _inlet(film: FilmModel) -> Part:
     """What heat and want of oil in the inlet do to the film."""
-    heating, starvation = film.inlet_heating, film.inlet_starvation
+    heating = film.inlet_heating
+    starvation = film.inlet_starvation
     return Part(
         part="thermal inlet shear",
         included=bool(heating),
-        choice=(heating or "isothermal inlet") + (f", starved by {starvation}" if starvation else ""),
+        choice=(heating or "isothermal inlet")
+        + (f", starved by {starvation}" if starvation else ""),
         resolution="every loaded lamina" if heating else "",
-        reason=f"film model {film.name!r} asks for it" if heating else "the scene does not ask for it",
+        reason=f"film model {film.name!r} asks for it"
+        if heating
+        else "the scene does not ask for it",
     )

@@ -43,8 +43,11 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     assembly = assemble(as_scene(scene))
     loads = assembly.load_distribution(instants)
 
-    orbit, rings, sense = np.radians(np.arange(361.0)), assembly.rings, assembly.kinematics.direction
-    psi, shape = sense * loads.psi % (2.0 * np.pi), np.zeros((2, instants, orbit.size))
+    orbit = np.radians(np.arange(361.0))
+    rings = assembly.rings
+    sense = assembly.kinematics.direction
+    psi = sense * loads.psi % (2.0 * np.pi)
+    shape = np.zeros((2, instants, orbit.size))
     if rings is not None:
         m = rings.inner.stiffness.size
         shape[0] = -loads.deflection[:, :m] @ rings.inner.at(sense * orbit).T
@@ -54,7 +57,11 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     contacts = ("ring", "instant", "roller")
     return xr.Dataset(
         {
-            "normal_force": (contacts, np.stack([loads.inner_force, loads.outer_force]), about("N", "normal force")),
+            "normal_force": (
+                contacts,
+                np.stack([loads.inner_force, loads.outer_force]),
+                about("N", "normal force"),
+            ),
             "load_per_length": (
                 (*contacts, "slice"),
                 np.stack([loads.inner_load, loads.outer_load]),
@@ -65,20 +72,36 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
                 loads.displacement * np.array([1.0, sense]),
                 about("m", "displacement of the inner ring"),
             ),
-            "roller_tilt": (("instant", "roller"), loads.roller_tilt, about("rad", "tilt of the roller")),
+            "roller_tilt": (
+                ("instant", "roller"),
+                loads.roller_tilt,
+                about("rad", "tilt of the roller"),
+            ),
             "raceway_shape": (
                 ("ring", "instant", "orbit_angle"),
                 shape,
                 about("m", "how far the raceway stands outwards of a circle"),
             ),
-            "moment": ("instant", loads.moment, about("N m", "moment on the inner ring from its misalignment")),
+            "moment": (
+                "instant",
+                loads.moment,
+                about("N m", "moment on the inner ring from its misalignment"),
+            ),
         },
         coords={
             "ring": ("ring", np.array(["inner", "outer"]), about("1", "ring")),
-            "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
+            "direction": (
+                "direction",
+                np.array(["along", "across"]),
+                about("1", "direction to the line of load"),
+            ),
             "angle": (("instant", "roller"), psi, about("rad", "position from the line of load")),
             "orbit_angle": ("orbit_angle", orbit, about("rad", "angle from the line of load")),
-            "position": ("slice", loads.position, about("m", "position along the roller from its middle")),
+            "position": (
+                "slice",
+                loads.position,
+                about("m", "position along the roller from its middle"),
+            ),
         },
         attrs={
             "force_residual": loads.force_residual,

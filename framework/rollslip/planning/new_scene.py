@@ -81,8 +81,14 @@ def checked(option: str, value: str) -> str:
     """Return what is given for an option as a scene says it; a decimal comma that is clear becomes a point."""
     if option in _KINDS:
         offer = find(_KINDS[option], value.strip())
-        as_stamped = value.strip().upper()  # what is written of a bearing of a family tells its cage
-        stamped = option == "bearing" and offer.is_family and find(_KINDS[option], as_stamped).name == offer.name
+        as_stamped = (
+            value.strip().upper()
+        )  # what is written of a bearing of a family tells its cage
+        stamped = (
+            option == "bearing"
+            and offer.is_family
+            and find(_KINDS[option], as_stamped).name == offer.name
+        )
         return as_stamped if stamped else offer.name
     if option in _UNITS:
         value = value.replace(",", ".") if _COMMA.match(value) else value
@@ -96,7 +102,11 @@ def checked(option: str, value: str) -> str:
         spelled = value.strip().casefold()
         spelled = names.get(spelled, spelled)
         if spelled not in kinds:
-            raise SceneError([f"{option}: there are {words} {', '.join(kinds)}, not {words.split()[-1]} {value!r}"])
+            raise SceneError(
+                [
+                    f"{option}: there are {words} {', '.join(kinds)}, not {words.split()[-1]} {value!r}"
+                ]
+            )
         return spelled
     return value.strip()
 
@@ -111,7 +121,8 @@ def completed(
     given: Mapping[str, str], ask: Callable[[str, str], str] | None = None
 ) -> tuple[dict[str, str], list[str]]:
     """Return a value for each option, and the options of which none is given: asked for with what is usual, or that."""
-    values, errors = dict[str, str](), list[RollslipError]()
+    values = dict[str, str]()
+    errors = list[RollslipError]()
     for option, text in given.items():
         try:
             values[option] = checked(option, text)
@@ -121,13 +132,26 @@ def completed(
         raise errors[0] if len(errors) == 1 else SceneError([str(error) for error in errors])
     if (own := own_cage(values.get("bearing"))) and not own.make:
         if "cage" in values:
-            raise SceneError([f"cage: {values['bearing']} is a full complement bearing, which has none; leave it out"])
+            raise SceneError(
+                [
+                    f"cage: {values['bearing']} is a full complement bearing, which has none; leave it out"
+                ]
+            )
         values["cage"] = ""
-    if "cage" not in values and ask is None and (own := own_cage(values.get("bearing"))) and own.letters:
+    if (
+        "cage" not in values
+        and ask is None
+        and (own := own_cage(values.get("bearing")))
+        and own.letters
+    ):
         values["cage"] = own.make
     missing = [option for option in MEANING if option not in values]
     for option in missing:
-        usual = assumed_load(values["bearing"]) if option == "load" else checked(option, ASSUMED[option])
+        usual = (
+            assumed_load(values["bearing"])
+            if option == "load"
+            else checked(option, ASSUMED[option])
+        )
         if option == "cage" and (own := own_cage(values["bearing"])):
             usual = own.make
         values[option] = usual if ask is None else ask(option, usual)
@@ -160,9 +184,18 @@ def new(bearing: str, **given: str) -> Scene:
     16
     """
     if unknown := given.keys() - MEANING.keys():
-        raise SceneError([f"new: there is no {', '.join(sorted(unknown))}; there are {', '.join(MEANING)}"])
-    if wrong := [name for name, text in {"bearing": bearing, **given}.items() if not isinstance(text, str)]:
-        raise SceneError([f"new: {name}: a text is expected, with a unit where it has one: '2 kN'" for name in wrong])
+        raise SceneError(
+            [f"new: there is no {', '.join(sorted(unknown))}; there are {', '.join(MEANING)}"]
+        )
+    if wrong := [
+        name for name, text in {"bearing": bearing, **given}.items() if not isinstance(text, str)
+    ]:
+        raise SceneError(
+            [
+                f"new: {name}: a text is expected, with a unit where it has one: '2 kN'"
+                for name in wrong
+            ]
+        )
     values, missing = completed({"bearing": bearing, **given})
     return parse_scene(new_scene("new scene", frozenset(missing), **values), "new scene")
 
@@ -172,7 +205,9 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     values = _values(**given) | _marks(assumed)
     file = importlib.resources.files("rollslip.planning") / "new_scene.toml.in"
     template = string.Template(file.read_text(encoding="utf-8"))
-    left = parse_scene(template.substitute(values, clearance="", radial_clearance=""), source).bearing
+    left = parse_scene(
+        template.substitute(values, clearance="", radial_clearance=""), source
+    ).bearing
     told = {"clearance": left.mounted or "of a bearing without clearance classes"}
     told["radial_clearance"] = format_quantity(left.radial_clearance, "m", 3)
     text = _aligned(template.substitute(values | told))
@@ -186,7 +221,9 @@ def _marks(assumed: frozenset[str]) -> dict[str, str]:
     """Return what stands behind the value of each option."""
     bare = ("speed", "load")  # they have no other comment
     return {
-        f"assumed_{option}": f"{' #' if option in bare else ';'} ASSUMED, write yours" if option in assumed else ""
+        f"assumed_{option}": f"{' #' if option in bare else ';'} ASSUMED, write yours"
+        if option in assumed
+        else ""
         for option in MEANING
     }
 
@@ -194,13 +231,20 @@ def _marks(assumed: frozenset[str]) -> dict[str, str]:
 def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, object]:
     """Return what the template takes."""
     named: Any = load(find("bearing", bearing))
-    b, own = named.bearing, own_cage(bearing)
+    b = named.bearing
+    own = own_cage(bearing)
     follows = own is not None and own.make == cage
     of = cage or "brass"  # of a full complement nothing of it is written
-    make, guidance = MAKES[of], own.guidance if own is not None and follows else MAKES[of].guidance
+    make = MAKES[of]
+    guidance = own.guidance if own is not None and follows else MAKES[of].guidance
     says = own.letters if own is not None and follows else ""
     mass, inertia = estimated_inertia(b, of)
-    lengths = ("roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter")
+    lengths = (
+        "roller_diameter",
+        "roller_length",
+        "inner_raceway_diameter",
+        "outer_raceway_diameter",
+    )
     return {
         "version": importlib.metadata.version("rollslip"),
         "bearing": bearing,
@@ -228,7 +272,10 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
 def _seats(b: Bearing) -> dict[str, str]:
     """Return marks of the lines of fits, which are comments where a raceway has no ring that sits anywhere."""
     found = {}
-    for seat, part, raceway in (("on_shaft", "shaft", b.inner_raceway), ("in_housing", "housing", b.outer_raceway)):
+    for seat, part, raceway in (
+        ("on_shaft", "shaft", b.inner_raceway),
+        ("in_housing", "housing", b.outer_raceway),
+    ):
         bare = raceway is not None and raceway.without_ring
         found[seat] = "# " if bare or not b.mounting else ""
         found[f"no_{part}"] = f"; not here: rollers run on the {part} itself" if bare else ""
@@ -239,6 +286,8 @@ def _aligned(text: str) -> str:
     """Return a scene with the comments behind its values below one another."""
     lines = []
     for line in text.splitlines():
-        value, sign, comment = line.partition(" # ") if not line.startswith("# Written") else (line, "", "")
+        value, sign, comment = (
+            line.partition(" # ") if not line.startswith("# Written") else (line, "", "")
+        )
         lines.append(f"{value:<40} # {comment}" if sign else line)
     return "\n".join(lines) + "\n"

@@ -61,7 +61,9 @@ class Plan:
     @property
     def degrees_of_freedom(self) -> int:
         """Unknowns of the largest system that is solved."""
-        moving = [one for one in self.studies.values() if one.in_time] or list(self.studies.values())
+        moving = [one for one in self.studies.values() if one.in_time] or list(
+            self.studies.values()
+        )
         return max(one.degrees_of_freedom(self.assembly) for one in moving)
 
     @property
@@ -70,7 +72,8 @@ class Plan:
         return sum(one.evaluations(self.assemblies[name]) for name, one in self.studies.items())
 
     def __repr__(self) -> str:
-        named, studies = self.scene.source or self.scene.title, ", ".join(self.studies)
+        named = self.scene.source or self.scene.title
+        studies = ", ".join(self.studies)
         return f"Plan of {named!r}: {studies}; {duration_range(self.seconds)}"
 
     @property
@@ -110,14 +113,18 @@ class Plan:
             self,
             assemblies={**self.assemblies, study: assembly},
             estimated={**self.estimated, study: estimated},
-            make_parts=partial(_scaled_parts, self, study) if scaled else partial(_parts_before, self),
+            make_parts=partial(_scaled_parts, self, study)
+            if scaled
+            else partial(_parts_before, self),
         )
 
     def taking_back(self, study: str, bound: LeftOut) -> "Plan":
         """Return the plan of a study with what was left out under a bound taken back in."""
         before = self.estimated[study]
         left_out = tuple(one for one in before.left_out if one is not bound)
-        estimated = attrs.evolve(before, resolution=bound.taken_back(before.resolution), left_out=left_out)
+        estimated = attrs.evolve(
+            before, resolution=bound.taken_back(before.resolution), left_out=left_out
+        )
         return self._refined(study, estimated)
 
     def again(self, study: str, estimated: Estimated) -> "Plan":
@@ -154,8 +161,13 @@ class Plan:
         """Return the plan as plain values, for JSON; an error that cannot be determined is null."""
         return {
             "scene": self.scene.source,
-            "studies": {name: attrs.asdict(study) | {"units": _units(study)} for name, study in self.studies.items()},
-            "resolutions": {name: attrs.asdict(one.resolution) for name, one in self.estimated.items()},
+            "studies": {
+                name: attrs.asdict(study) | {"units": _units(study)}
+                for name, study in self.studies.items()
+            },
+            "resolutions": {
+                name: attrs.asdict(one.resolution) for name, one in self.estimated.items()
+            },
             "parts": [part_as_dict(part) for part in self.parts],
             "degrees_of_freedom": self.degrees_of_freedom,
             "evaluations": self.evaluations,
@@ -168,7 +180,8 @@ def _units(settings: Any) -> dict[str, str]:
     """Return the unit of each number among settings, those of settings in them too."""
     found = dict[str, str]()
     for one in attrs.fields(type(settings)):
-        value, unit = getattr(settings, one.name), one.metadata.get("unit")
+        value = getattr(settings, one.name)
+        unit = one.metadata.get("unit")
         if attrs.has(type(value)):
             found |= _units(value)
         elif unit is not None or (isinstance(value, int | float) and not isinstance(value, bool)):
@@ -178,8 +191,14 @@ def _units(settings: Any) -> dict[str, str]:
 
 def _at_once(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembly]:
     """Return studies and bearing; if one is wrong, with what is wrong of the other and of the cage."""
-    problems, found, first = list[str](), list[Any](), list[RollslipError]()
-    for make in (partial(settings, scene, study), partial(assemble, scene), partial(read_cage, scene)):
+    problems = list[str]()
+    found = list[Any]()
+    first = list[RollslipError]()
+    for make in (
+        partial(settings, scene, study),
+        partial(assemble, scene),
+        partial(read_cage, scene),
+    ):
         if len(found) == 2:  # a cage that no study asks for may be wrong
             break
         try:
@@ -189,13 +208,19 @@ def _at_once(scene: Scene, study: str | None) -> tuple[dict[str, Study], Assembl
             problems += error.problems if isinstance(error, SceneError) else [str(error)]
     if first:
         every = dict.fromkeys([*problems, *unknown_names(scene.raw or {}, Location(scene.origins))])
-        raise first[0] if len(first) == 1 and len(every) == len({*problems}) else SceneError([*every])
+        raise (
+            first[0] if len(first) == 1 and len(every) == len({*problems}) else SceneError([*every])
+        )
     chosen, stated = found
     return chosen, stated
 
 
 def plan(
-    scene: Scene | str, study: str | None = None, *, cheaper_laws: bool = True, without: Collection[str] = ()
+    scene: Scene | str,
+    study: str | None = None,
+    *,
+    cheaper_laws: bool = True,
+    without: Collection[str] = (),
 ) -> Plan:
     """Plan a scene: the cheapest way that keeps the error it states.
 
@@ -223,11 +248,19 @@ def plan(
     if scene.plugins.require:
         check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
     chosen, stated = _at_once(scene, study)
-    studies = {name: one.without(frozenset(without) | _known_better(one, chosen)) for name, one in chosen.items()}
+    studies = {
+        name: one.without(frozenset(without) | _known_better(one, chosen))
+        for name, one in chosen.items()
+    }
     require_memory(studies, stated)
-    estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
+    estimated = {
+        name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()
+    }
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
-    assemblies = {name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in estimated.items()}
+    assemblies = {
+        name: stated.at(one.resolution).with_bounds(*one.left_out)
+        for name, one in estimated.items()
+    }
     made = Plan(
         scene=scene,
         assembly=stated,
@@ -246,7 +279,8 @@ def plan(
 
 def _parts(plan: Plan) -> tuple[Part, ...]:
     """Return the lines of a plan that was just made."""
-    stated, studies = plan.assembly, plan.studies
+    stated = plan.assembly
+    studies = plan.studies
     parts = of_bearing(stated, studies)
     for name, one in studies.items():
         assembly = stated.at(plan.estimated[name].resolution)
@@ -267,8 +301,15 @@ def _parts_before(before: Plan, _: Plan) -> tuple[Part, ...]:
 def _scaled_parts(before: Plan, study: str, plan: Plan) -> tuple[Part, ...]:
     """Return the lines of a plan with a finer resolution for a study; costs grow with its numbers."""
     estimated = plan.estimated[study]
-    few, many = (one.slices * (one.instants or 1) for one in (before.estimated[study].resolution, estimated.resolution))
-    seconds = {part.part: many / few * part.seconds for part in before.parts if part.study == study and part.seconds}
+    few, many = (
+        one.slices * (one.instants or 1)
+        for one in (before.estimated[study].resolution, estimated.resolution)
+    )
+    seconds = {
+        part.part: many / few * part.seconds
+        for part in before.parts
+        if part.study == study and part.seconds
+    }
     lines = [
         attrs.evolve(part, study=study, seconds=seconds.pop(part.part, None))
         for part in plan.studies[study].parts(plan.assembly.at(estimated.resolution), estimated, {})
@@ -281,8 +322,12 @@ def _scaled_parts(before: Plan, study: str, plan: Plan) -> tuple[Part, ...]:
 def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:
     """Single values that a study of the cage tells by these or other names: one question has one answer."""
     caged = [one for one in chosen.values() if one.with_cage and not study.with_cage]
-    told = {name for one in caged for own, output in one.outputs.items() for name in (own, *output.also)}
-    same = {name: output for name, output in study.outputs.items() if not output.dims and name in told}
+    told = {
+        name for one in caged for own, output in one.outputs.items() for name in (own, *output.also)
+    }
+    same = {
+        name: output for name, output in study.outputs.items() if not output.dims and name in told
+    }
     return frozenset(same) | {output.status for output in same.values()}
 
 
@@ -297,7 +342,9 @@ def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> 
 # What it costs, told before it is spent ------------------------------------------------------------------------------
 
 
-def require_memory(studies: Mapping[str, Study], assembly: Assembly, memory: float | None = None) -> None:
+def require_memory(
+    studies: Mapping[str, Study], assembly: Assembly, memory: float | None = None
+) -> None:
     """Refuse studies whose results do not fit into memory."""
     memory = _memory() if memory is None else memory
     problems = []

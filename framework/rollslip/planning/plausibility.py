@@ -40,7 +40,8 @@ def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
 
     What stands at keys that are ``moved`` is left to `implausible_along`.
     """
-    raw, where = scene.tables, Location(scene.origins)
+    raw = scene.tables
+    where = Location(scene.origins)
     found = [*_unusual_values(Scene, raw, where)]
     found += _unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
     found += _oil(scene, raw, where.at("lubricant"))
@@ -55,13 +56,20 @@ def implausible(scene: Scene, moved: Collection[str] = ()) -> list[str]:
     if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
         found += [(at, text) for at, text in doubts(scene) if at.path not in told]
     found += _clearance(scene, raw, where.at("bearing"))
-    return [*dict.fromkeys(at.says(told) for at, told in found if ".".join(map(str, at.path)) not in moved)]
+    return [
+        *dict.fromkeys(
+            at.says(told) for at, told in found if ".".join(map(str, at.path)) not in moved
+        )
+    ]
 
 
-def _unusual_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> Iterator[tuple[Location, str]]:
+def _unusual_relations(
+    scene: Scene, raw: Mapping[str, object], where: Location
+) -> Iterator[tuple[Location, str]]:
     """Yield place and sentence for each relation that is not usual, but of values that are not by themselves."""
     for relation in RELATIONS:
-        at, told = relation.at(where), relation.fault(scene, raw, "usual")
+        at = relation.at(where)
+        told = relation.fault(scene, raw, "usual")
         if told and not any(_unusual(relation.attribute(scene), relation.written(raw), at)):
             yield at, told
 
@@ -83,23 +91,39 @@ def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tupl
     if not isinstance(before, Mapping) or now.get("name") in (None, before.get("name")):
         return
     own = {key: as_written(value) for key, value in before.items() if key != "name"}
-    kept = [f"{key} = {value}" for key, value in own.items() if key in now and now[key] == before[key]]
+    kept = [
+        f"{key} = {value}" for key, value in own.items() if key in now and now[key] == before[key]
+    ]
     left = [f"{key} = {value}" for key, value in own.items() if key not in now]
     name = now["name"]
     if kept:
-        yield where, f"{name!r} keeps what the scene states: {', '.join(kept)}; lubricant={name} alone leaves it out"
+        yield (
+            where,
+            f"{name!r} keeps what the scene states: {', '.join(kept)}; lubricant={name} alone leaves it out",
+        )
     if left:
-        yield where, f"{name!r} leaves out what the scene states: {', '.join(left)}; lubricant.name={name} keeps it"
+        yield (
+            where,
+            f"{name!r} leaves out what the scene states: {', '.join(left)}; lubricant.name={name} keeps it",
+        )
 
 
-def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
+def _clearance(
+    scene: Scene, raw: Mapping[str, Any], where: Location
+) -> Iterator[tuple[Location, str]]:
     """Yield what is stated beside a clearance in operation and not used, and that seats leave a preload."""
     for key in unused(raw.get("bearing", {})):
         yield where.at(key), "is not used: bearing.radial_clearance is stated, that in operation"
-    b, mounted = scene.bearing, scene.bearing.mounted
-    at, uniform = where.at("mounting" if mounted else "radial_clearance"), -b.radial_clearance
+    b = scene.bearing
+    mounted = scene.bearing.mounted
+    at = where.at("mounting" if mounted else "radial_clearance")
+    uniform = -b.radial_clearance
     rings = rings_of(
-        scene, lambda choice, at: structure_model("ring", {"model": choice.name, **choice.parameters}, at, []), []
+        scene,
+        lambda choice, at: structure_model(
+            "ring", {"model": choice.name, **choice.parameters}, at, []
+        ),
+        [],
     )
     stated = {} if rings is None else rings.yielding
     for ring, shapes in stated.items() if mounted else ():
@@ -110,9 +134,17 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
         return
     parts = [(uniform, 0, "")] if uniform > 0.0 else []
     if rings is not None and (rings.waves or rings.tables):  # all parts together
-        formed = next(ring for ring in ("outer", "inner") if getattr(getattr(b, f"{ring}_raceway"), "form", ()))
-        by_form = 2.0 * float(rings.form(np.linspace(0.0, 2.0 * np.pi, 721)).max()) + min(uniform, 0.0)
-        lobes = max(rings.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))[0]  # a table is taken for an oval
+        formed = next(
+            ring
+            for ring in ("outer", "inner")
+            if getattr(getattr(b, f"{ring}_raceway"), "form", ())
+        )
+        by_form = 2.0 * float(rings.form(np.linspace(0.0, 2.0 * np.pi, 721)).max()) + min(
+            uniform, 0.0
+        )
+        lobes = max(rings.waves, key=lambda wave: wave[1], default=(2, 0.0, 0.0))[
+            0
+        ]  # a table is taken for an oval
         if by_form > 0.0:
             at = at if parts else where.at(f"{formed}_raceway")
             parts.append((by_form, lobes, " by the form" if parts else ""))
@@ -122,12 +154,15 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
     here = "rings are" if len(rigid) == 2 else f"the {rigid[0]} ring is"
     keys = " and ".join(f"models.{ring}_ring" for ring in rigid)
     how = f": {mounted}" if mounted and uniform > 0.0 else ""
-    told, seated = "too large", " (with the housing and shaft of bearing.mounting, or thick ones)"
+    told = "too large"
+    seated = " (with the housing and shaft of bearing.mounting, or thick ones)"
     with contextlib.suppress(RollslipError):
         shares = []
         for preload, lobes, what in parts:
             bare, held = (100 * one.share(lobes) for one in yielding(b, lobes=lobes, stated=stated))
-            shares.append(f"of {preload * 1e6:.3g} um{what} about {bare:.0f} % (bare rings) to {held:.0f} %{seated}")
+            shares.append(
+                f"of {preload * 1e6:.3g} um{what} about {bare:.0f} % (bare rings) to {held:.0f} %{seated}"
+            )
             seated = ""
         told = f"too large: {' and '.join(shares)} reach the rollers"
     yield (
@@ -138,7 +173,8 @@ def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterato
 
 
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
-    models, cage = raw.get("models"), raw.get("cage")
+    models = raw.get("models")
+    cage = raw.get("cage")
     for kind, model in models.items() if isinstance(models, Mapping) else ():
         yield from _unusual_model(model_kind(kind), model, where.at("models").at(kind))
     drags = cage.get("drag", ()) if isinstance(cage, Mapping) else ()
@@ -146,13 +182,19 @@ def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location,
         yield from _unusual_model("drag", drag, where.at("cage").at("drag").at(k))
 
 
-def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], which: str = "values") -> list[str]:
+def implausible_along(
+    scene: Scene, of: Quantity, values: Sequence[object], which: str = "values"
+) -> list[str]:
     """Return what is unusual of values that a key of a scene takes, each kind once, with the first value that is.
 
     What is unusual in the scene by itself is left to `implausible`.
     """
-    told_by_itself = {at.path for at, _ in (*_unusual_relations(scene, resolved(scene), Location({})), *doubts(scene))}
-    first, counts = dict[str, str](), dict[str, int]()
+    told_by_itself = {
+        at.path
+        for at, _ in (*_unusual_relations(scene, resolved(scene), Location({})), *doubts(scene))
+    }
+    first = dict[str, str]()
+    counts = dict[str, int]()
     for value in values:
         for key, told in _unusual_at(scene, of, value, told_by_itself):
             first.setdefault(key, told)
@@ -161,18 +203,26 @@ def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], whic
     for key, told in first.items():
         among = f"{counts[key]} of {len(values)} {which}"
         at = f"{key}, {among}" if key.startswith(of.key) else f"{key}, at {among} of {of.key}"
-        found.append(f"{at}{', the first' if counts[key] > 1 else ''}: {told}" if len(values) > 1 else f"{key}: {told}")
+        found.append(
+            f"{at}{', the first' if counts[key] > 1 else ''}: {told}"
+            if len(values) > 1
+            else f"{key}: {told}"
+        )
     return found
 
 
-def _unusual_at(scene: Scene, of: Quantity, value: object, told_by_itself: set[Any]) -> Iterator[tuple[str, str]]:
+def _unusual_at(
+    scene: Scene, of: Quantity, value: object, told_by_itself: set[Any]
+) -> Iterator[tuple[str, str]]:
     """Yield each key that is unusual where a key takes a value, and what is."""
     if of.model:
         for at, told in _unusual_model(of.model, value, Location({}, split_key(of.key))):
             yield at.says(""), told
     elif of.unit is not None or of.whole:
         number: Any = of.read(value)
-        if told := unusual(of.attribute, number, None if of.unit is None else unit_given(value, of.unit)):
+        if told := unusual(
+            of.attribute, number, None if of.unit is None else unit_given(value, of.unit)
+        ):
             yield of.key, told
     changed = evolve(scene, {of.key: value})
     for at, told in (*_unusual_relations(changed, changed.tables, Location({})), *doubts(changed)):
@@ -191,14 +241,17 @@ def _unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Lo
     for key, attribute in fields_of(cls):
         if key not in raw:
             continue
-        value, at = raw[key], where.at(key)
+        value = raw[key]
+        at = where.at(key)
         if (kind := attribute.metadata.get("kind")) is not None:
             yield from _unusual_model(kind, value, at)
             continue
         for inner, table, place in _tables(kinds[attribute.name], value, at):
             yield from _unusual_values(inner, table, place)
             for a in attrs.fields(inner):
-                if a.metadata.get("own_unit"):  # a property over temperature: its values are those of the property
+                if a.metadata.get(
+                    "own_unit"
+                ):  # a property over temperature: its values are those of the property
                     yield from _unusual(attribute, table.get(a.name), place.at(a.name))
         yield from _unusual(attribute, value, at)
 
@@ -214,22 +267,34 @@ def _unusual_model(kind: str, raw: object, where: Location) -> Iterator[tuple[Lo
             yield from _unusual_values(cls, raw, where)
 
 
-def _tables(kind: Any, raw: object, where: Location) -> Iterator[tuple[Any, Mapping[str, object], Location]]:
+def _tables(
+    kind: Any, raw: object, where: Location
+) -> Iterator[tuple[Any, Mapping[str, object], Location]]:
     """Yield the attrs classes that a value is read as, its tables and their places."""
     for one in get_args(kind) if get_origin(kind) in (Union, UnionType, tuple) else (kind,):
         if attrs.has(one) and isinstance(raw, Mapping):
             yield one, raw, where
         elif attrs.has(one) and isinstance(raw, list | tuple):
-            yield from ((one, table, where.at(k)) for k, table in enumerate(raw) if isinstance(table, Mapping))
+            yield from (
+                (one, table, where.at(k))
+                for k, table in enumerate(raw)
+                if isinstance(table, Mapping)
+            )
 
 
-def _unusual(attribute: "attrs.Attribute[Any]", raw: object, where: Location) -> Iterator[tuple[Location, str]]:
+def _unusual(
+    attribute: "attrs.Attribute[Any]", raw: object, where: Location
+) -> Iterator[tuple[Location, str]]:
     """Yield place and sentence for a number, or for each of a list, that its field does not call usual."""
     if isinstance(raw, list | tuple):
         for k, one in enumerate(raw):
             yield from _unusual(attribute, one, where.at(k))
         return
-    if isinstance(raw, bool) or not isinstance(raw, Real | str) or raw in attribute.metadata.get("words", ()):
+    if (
+        isinstance(raw, bool)
+        or not isinstance(raw, Real | str)
+        or raw in attribute.metadata.get("words", ())
+    ):
         return
     unit = attribute.metadata.get("unit")
     try:

@@ -35,12 +35,17 @@ class Watch:
     """The time since something began, and what was last told of it; all of it was estimated to take some seconds."""
 
     def __init__(self, seconds: float) -> None:
-        self._seconds, self.begin = seconds, time.monotonic()
-        self.at, self._share, self._left = self.begin, math.nan, math.nan
+        self._seconds = seconds
+        self.begin = time.monotonic()
+        self.at = self.begin
+        self._share = math.nan
+        self._left = math.nan
 
     def tell(self, share: float, left: float) -> None:
         """Take the share that is done, and the time left [s] where it is known."""
-        self.at, self._share, self._left = time.monotonic(), share, left
+        self.at = time.monotonic()
+        self._share = share
+        self._left = left
 
     def left_in_words(self) -> str:
         """Return the time left in words; nothing where it is not known."""
@@ -55,7 +60,9 @@ def in_notebook() -> bool:
 
 
 @contextmanager
-def progress_in_notebook(what: str, seconds: Callable[[], float] = lambda: math.nan) -> Iterator[Shown]:
+def progress_in_notebook(
+    what: str, seconds: Callable[[], float] = lambda: math.nan
+) -> Iterator[Shown]:
     """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end.
 
     Its estimated time [s] is a function, since an estimate takes time that nothing but a notebook needs.
@@ -64,7 +71,8 @@ def progress_in_notebook(what: str, seconds: Callable[[], float] = lambda: math.
         yield lambda text, share=math.nan, left=math.nan: None
         return
     page: Any = importlib.import_module("IPython.display")
-    watch, place = Watch(seconds()), page.display(page.HTML(escape(what)), display_id=True)
+    watch = Watch(seconds())
+    place = page.display(page.HTML(escape(what)), display_id=True)
 
     def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
         watch.tell(share, left)

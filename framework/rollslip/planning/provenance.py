@@ -55,13 +55,16 @@ __all__ = [
 
 def origin(**facts: Any) -> dict[str, Any]:
     """Return facts as attributes of a dataset, and when it was made."""
-    return as_attributes(**facts) | {"created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")}
+    return as_attributes(**facts) | {
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    }
 
 
 def as_attributes(**facts: Any) -> dict[str, Any]:
     """Return facts as attributes of a dataset; structures become JSON text."""
     return {
-        name: fact if isinstance(fact, str | Number) else json.dumps(fact, default=dict) for name, fact in facts.items()
+        name: fact if isinstance(fact, str | Number) else json.dumps(fact, default=dict)
+        for name, fact in facts.items()
     }
 
 
@@ -80,7 +83,8 @@ def run_origin(plan: Plan, evaluations: int, wall_time: float) -> dict[str, Any]
 
 def models_origin(plan: Plan, study: str) -> dict[str, Any]:
     """Return the attributes that describe the models and data of a result of a study, and what to cite for them."""
-    scene, assembly = plan.scene, plan.assemblies[study]
+    scene = plan.scene
+    assembly = plan.assemblies[study]
     models = [pair for kind, model in plan.models for pair in ((kind, model), *submodels(model))]
     raw: Mapping[str, Any] = scene.raw or {}
     offers = [*(find(kind, model.name) for kind, model in models), *named_data(raw)]
@@ -89,11 +93,18 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
         packages=packages_of(offers),
         models=models_told(plan.models),
         lubricant=lubricant_told(assembly.lubricant),
-        **({"bound_below": 1} if "cage" in assembly.known_cage and assembly.cage.drags.bound_below else {}),
+        **(
+            {"bound_below": 1}
+            if "cage" in assembly.known_cage and assembly.cage.drags.bound_below
+            else {}
+        ),
         **({"own_cage": own} if own else {}),
-        data=[data_told(offer) for offer in named_data(raw) if offer.kind != "lubricant"] + surfaces_told(raw),
+        data=[data_told(offer) for offer in named_data(raw) if offer.kind != "lubricant"]
+        + surfaces_told(raw),
         film_limits=film_limits_told(assembly),
-        conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},
+        conditions={
+            raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways
+        },
         **citations_told(citations(plan)),
     )
 
@@ -104,7 +115,9 @@ def together(origins: Collection[Mapping[str, Any]], *lists: str) -> dict[str, A
     for one in origins:
         found["packages"] |= json.loads(one["packages"])
     for key in ("models", *lists, *CITED):
-        found[key] = list({json.dumps(item): item for one in origins for item in json.loads(one[key])}.values())
+        found[key] = list(
+            {json.dumps(item): item for one in origins for item in json.loads(one[key])}.values()
+        )
     return found
 
 
@@ -113,7 +126,8 @@ def together(origins: Collection[Mapping[str, Any]], *lists: str) -> dict[str, A
 
 def scene_told(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
     """Return title, text and hash of a scene; `given` is the scene as it was written, where a campaign changes it."""
-    given, mounted = given or scene, scene.bearing.mounted
+    given = given or scene
+    mounted = scene.bearing.mounted
     return {
         "title": _title(given),
         "source": given.source,
@@ -121,14 +135,22 @@ def scene_told(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
         **({"changed": 1} if CHANGES in given.origins.values() else {}),
-        **({} if mounted is None else {"clearance": {"text": str(mounted), "terms": mounted.terms}}),
+        **(
+            {} if mounted is None else {"clearance": {"text": str(mounted), "terms": mounted.terms}}
+        ),
     }
 
 
 def _title(scene: Scene) -> str:
     """Title of a scene, and what was changed of what it was written for."""
-    paths = [path for path, place in scene.origins.items() if place == CHANGES and path and path[0] in NOTED]
-    last = [path for path in paths if not any(path == other[: len(path)] != other for other in paths)]
+    paths = [
+        path
+        for path, place in scene.origins.items()
+        if place == CHANGES and path and path[0] in NOTED
+    ]
+    last = [
+        path for path in paths if not any(path == other[: len(path)] != other for other in paths)
+    ]
     told = (f"{'.'.join(map(str, path))} = {reduce(getitem, path, scene.raw)}" for path in last)  # type: ignore[arg-type]
     speaks = scene.title and last and scene.origins.get(("title",)) != CHANGES
     return f"{scene.title}; changed: {', '.join(told)}" if speaks else scene.title
@@ -228,7 +250,8 @@ def cited(models: Iterable[SliceModel], others: Iterable[Citation]) -> list[Cita
 
 def data_references(assembly: "Assembly") -> list[Citation]:
     """Citations of the oil and of all else that the scene takes by its name."""
-    oil, offers = assembly.lubricant, named_data(assembly.scene.raw or {})
+    oil = assembly.lubricant
+    offers = named_data(assembly.scene.raw or {})
     used = (one for offer in offers for one in get_class(offer.kind, offer.name).references)
     return [*used, *oil.references, *oil.pressure_viscosity_law.references]
 
@@ -241,4 +264,8 @@ def citations_told(found: Iterable[Citation]) -> dict[str, list[Any]]:
 
 def references_of(model: SliceModel) -> list[Citation]:
     """Citations of a model and of the models it is composed of."""
-    return list(dict.fromkeys([*model.references, *(one for _, child in submodels(model) for one in child.references)]))
+    return list(
+        dict.fromkeys(
+            [*model.references, *(one for _, child in submodels(model) for one in child.references)]
+        )
+    )

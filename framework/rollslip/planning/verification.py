@@ -30,7 +30,9 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
     of_slices = error.errors.get("slices", {}) if accuracy.slices is not None else {}
     warnings = list[str]()
     if error.refusal:
-        warnings.append(f"how far this is off could not be judged, as on more laminae or positions {error.refusal}")
+        warnings.append(
+            f"how far this is off could not be judged, as on more laminae or positions {error.refusal}"
+        )
     for result, size in exceeding(error.total, accuracy).items():
         # "exact" is the finest, whatever it leaves; slices that the scene fixes have a warning of their own
         if accuracy.of(result) == EXACT or of_slices.get(result, 0.0) > accuracy.of(result):
@@ -40,7 +42,9 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
                 f"{result} is off by {size:.1e} at most: it is that just before one jumps, between two positions"
             )
         else:
-            warnings.append(f"{_excess(result, size, accuracy, error)}; {_remedy(plan, study, result, size, error)}")
+            warnings.append(
+                f"{_excess(result, size, accuracy, error)}; {_remedy(plan, study, result, size, error)}"
+            )
     return warnings
 
 
@@ -76,7 +80,11 @@ def _remedy(plan: Plan, study: str, result: str, size: float, error: ErrorEstima
         order = min(max(error.orders.get(result, MAX_ORDER), MIN_ORDER), MAX_ORDER)
         ratio = max(size / tolerance, 2.0) if math.isfinite(size) else 10.0
         finer = 0.5 * tolerance * ratio ** (-2.0 / order)
-        remedy = f"type --set accuracy.{key}={finer:.0e}" if finer > EXACT else "type --set accuracy.tolerance=exact"
+        remedy = (
+            f"type --set accuracy.{key}={finer:.0e}"
+            if finer > EXACT
+            else "type --set accuracy.tolerance=exact"
+        )
     if result == "critical_slip" and running.followed and (points := getattr(running, "points", 0)):
         remedy += f", or go along more slips by --set {running.table}.points={DENSER * points - 2}"
     return remedy
@@ -110,7 +118,9 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=told)
 
 
-def accuracy_rows(plan: Plan, study: str, found: Mapping[str, float], how: str) -> list[dict[str, Any]]:
+def accuracy_rows(
+    plan: Plan, study: str, found: Mapping[str, float], how: str
+) -> list[dict[str, Any]]:
     """Return rows of result, tolerance, estimated error and the error that was found."""
     estimated = plan.estimated[study].total
 

@@ -41,7 +41,13 @@ class PlainAccount(Account):
             for c in curves(dataset) if c.has_critical
         ]  # fmt: skip
         return Answer(
-            rows=(*known, *(Row(key=name, label=name, text=text) for name, text in single_values(dataset).items()))
+            rows=(
+                *known,
+                *(
+                    Row(key=name, label=name, text=text)
+                    for name, text in single_values(dataset).items()
+                ),
+            )
         )
 
     @staticmethod
@@ -100,7 +106,11 @@ class PlainAccount(Account):
     def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
         """Return the contacts that the curves are of."""
         return [
-            Contact(one.name, one.regime, float(one.film_parameter[one.film_parameter > 0.0].min(initial=math.inf)))
+            Contact(
+                one.name,
+                one.regime,
+                float(one.film_parameter[one.film_parameter > 0.0].min(initial=math.inf)),
+            )
             for one in curves(dataset)
         ]
 
@@ -131,7 +141,11 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     """
     expect_results("answer", *results)
     if len(cases := {case for one in results if (case := case_of(one))}) > 1:
-        raise SceneError([f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"])
+        raise SceneError(
+            [
+                f"answer: results of one case are expected, not of {len(cases)}; ask for each on its own"
+            ]
+        )
     found = merged(
         ((str(one.attrs.get("study", "")), account_of(one).answer(one)) for one in results),
         scene or next(filter(None, map(file_of, results)), ""),
@@ -151,7 +165,12 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
 def file_of(dataset: "xr.Dataset") -> str:
     """Return the file or the shipped scene that a result is of; nothing where there is none, or it was changed."""
     source = str(dataset.attrs.get("source", ""))
-    return source if "changed" not in dataset.attrs and (source.endswith(".toml") or source in shipped_scenes()) else ""
+    return (
+        source
+        if "changed" not in dataset.attrs
+        and (source.endswith(".toml") or source in shipped_scenes())
+        else ""
+    )
 
 
 def account_of(dataset: "xr.Dataset") -> Account:
@@ -184,8 +203,14 @@ def telling(*paths: str | os.PathLike[str]) -> Iterator[None]:
     except OTHERWISE as error:
         if any(note.startswith("raised by ") for note in getattr(error, "__notes__", ())):
             raise
-        what = str(error.args[0] if isinstance(error, KeyError) and error.args else error).partition(". ")[0]
-        what = f"there is no {what!r} in it" if isinstance(error, KeyError) and " " not in what else shown_short(what)
+        what = str(
+            error.args[0] if isinstance(error, KeyError) and error.args else error
+        ).partition(". ")[0]
+        what = (
+            f"there is no {what!r} in it"
+            if isinstance(error, KeyError) and " " not in what
+            else shown_short(what)
+        )
         raise OutputError(
             f"{', '.join(map(str, paths))}: cannot be read as a result of its study: {what} ({type(error).__name__}); "
             "another program has changed it, or another version of its package wrote it: run the scene again"

@@ -37,14 +37,18 @@ COLOURS: Final = {"OK": ("black", "green"), "SLIPS": ("black", "yellow"), "SKIDS
 #: Cage slip that is acceptable where no result says another.
 ACCEPTABLE: Final = 0.05
 #: Slip [1] below which an assumption moves nothing that matters, and the factor on it from which one is told.
-_SMALL, _MOVES = 0.005, 1.2
+_SMALL = 0.005
+_MOVES = 1.2
 #: Change of a result that is none, and one that is told on its own.
-_UNMOVED, _MUCH = 0.01, 0.1
+_UNMOVED = 0.01
+_MUCH = 0.1
 #: Most notes that are told on their own, and changes below which the others are told.
-_FEW, _STEPS = 2, (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
+_FEW = 2
+_STEPS = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
 _Moved = Mapping[str, tuple[float, float]]
 #: Lines of an answer and rows of it, at most; width where there is no terminal, and between which it is kept.
-MOST_LINES, MOST_ROWS = 15, 8
+MOST_LINES = 15
+MOST_ROWS = 8
 _WIDTH: Final = 100
 #: Letters of the longest heading below the rows.
 _HEADING: Final = len("assumed")
@@ -89,8 +93,16 @@ class Note:
     @property
     def most(self) -> tuple[str, float]:
         """What moves most, slips that nobody minds aside, and by which share; infinite where there is none left."""
-        found = {name: _change(*ends) for name, ends in (self.moved or {}).items() if _matters(name, *ends)}
-        name = "slip" if found.get("slip", 0.0) > _MUCH else max(found, key=lambda one: found[one], default="")
+        found = {
+            name: _change(*ends)
+            for name, ends in (self.moved or {}).items()
+            if _matters(name, *ends)
+        }
+        name = (
+            "slip"
+            if found.get("slip", 0.0) > _MUCH
+            else max(found, key=lambda one: found[one], default="")
+        )
         return name, found.get(name, 0.0)
 
     @property
@@ -112,7 +124,11 @@ class Note:
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as JSON has it, what it moves in SI units."""
-        moved = None if self.moved is None else {name: [*map(or_none, ends)] for name, ends in self.moved.items()}
+        moved = (
+            None
+            if self.moved is None
+            else {name: [*map(or_none, ends)] for name, ends in self.moved.items()}
+        )
         return {"code": self.code, "short": self.short, "text": self.text, "weight": self.weight,
                 "instead": self.instead, "moved": moved}  # fmt: skip
 
@@ -151,7 +167,9 @@ class Rule:
         said = []
         for fact, sign, limit in self.when:
             factor, other = limit if isinstance(limit, tuple) else (limit, "")
-            number = " x ".join(filter(None, (f"{factor:g}" if factor != 1.0 or not other else "", other)))
+            number = " x ".join(
+                filter(None, (f"{factor:g}" if factor != 1.0 or not other else "", other))
+            )
             said.append(f"{fact} is not known" if sign == "none" else f"{fact} {sign} {number}")
         return " and ".join(said) or "else"
 
@@ -184,11 +202,15 @@ _NOTHING: Final[_Interval] = (math.nan, math.nan)
 
 def holds(rule: Rule, facts: Mapping[str, _Interval]) -> bool | None:
     """Return whether all conditions of a rule hold; None where facts do not decide that."""
-    each = [_holds(facts.get(fact, _NOTHING), sign, limit, facts) for fact, sign, limit in rule.when]
+    each = [
+        _holds(facts.get(fact, _NOTHING), sign, limit, facts) for fact, sign, limit in rule.when
+    ]
     return False if False in each else None if None in each else True
 
 
-def _holds(fact: _Interval, sign: str, limit: float | tuple[float, str], facts: Mapping[str, _Interval]) -> bool | None:
+def _holds(
+    fact: _Interval, sign: str, limit: float | tuple[float, str], facts: Mapping[str, _Interval]
+) -> bool | None:
     if sign == "none":
         return math.isnan(fact[0])
     factor, other = limit if isinstance(limit, tuple) else (limit, "")
@@ -247,7 +269,8 @@ class Answer:
         """
         width = max(width or shutil.get_terminal_size((_WIDTH, 24)).columns, 40)
         head = _wrapped(["   ".join(filter(None, (self.verdict, ", ".join(self.case))))], width)
-        rows, groups = [(row.label, row.text, row.note) for row in self.shown()], self.groups(more)
+        rows = [(row.label, row.text, row.note) for row in self.shown()]
+        groups = self.groups(more)
         for _ in _shortened(rows, groups, width, f" ({more})"):
             below = [line for name, texts in groups for line in
                      aligned(list(_headed(name, texts)), math.inf if name == "next" else width)]  # fmt: skip
@@ -290,13 +313,20 @@ class Answer:
             for row in self.shown()
         )
         groups = dict(self.groups())
-        groups["notes"] = [*self.faults, *dict.fromkeys(f"{one.code} {one.short}".strip() for one in self.notes)]
+        groups["notes"] = [
+            *self.faults,
+            *dict.fromkeys(f"{one.code} {one.short}".strip() for one in self.notes),
+        ]
         below = "".join(
-            f"<p>{name}: {'<br/>'.join(map(escape, texts[:MOST_ROWS]))}</p>" for name, texts in groups.items() if texts
+            f"<p>{name}: {'<br/>'.join(map(escape, texts[:MOST_ROWS]))}</p>"
+            for name, texts in groups.items()
+            if texts
         )
         verdict = f"<strong>{self.verdict}</strong> " if self.verdict else ""
         head = f"<p>{verdict}{escape(', '.join(self.case))}</p>"
-        titles = "".join(f'<th scope="col">{title}</th>' for title in ("quantity", "value", "band, remarks"))
+        titles = "".join(
+            f'<th scope="col">{title}</th>' for title in ("quantity", "value", "band, remarks")
+        )
         table = f"<table><thead><tr>{titles}</tr></thead><tbody>{rows}</tbody></table>"
         return f'<div class="answer {self.verdict.lower()}">{head}{table}{below}</div>'
 
@@ -312,7 +342,8 @@ def merged(answers: Iterable[tuple[str, Answer]], scene: str = "") -> Answer:
     Without one commands are those of Python, for a scene that stands in no file.
     """
     given = sorted(answers, key=lambda each: -max((row.known for row in each[1].rows), default=-1))
-    best, faults = dict[str, Row](), [fault for _, one in given for fault in one.faults]
+    best = dict[str, Row]()
+    faults = [fault for _, one in given for fault in one.faults]
     for study, one in given:
         for row in (attrs.evolve(row, by=row.by or study) for row in one.rows):
             known = best.setdefault(row.key, row)
@@ -343,11 +374,20 @@ def judged(answer: Answer) -> Answer:
     facts = facts_of(answer)
     states = [(rule, holds(rule, facts)) for rule in RULES]
     rule = next(one for one, state in states if state)
-    verdict, words, rank = rule.verdict, rule.words, {name: k for k, name in enumerate((*VERDICTS, UNKNOWN))}
-    open_ = [one for one, state in states if state is None and rank[verdict] < rank[one.verdict] < rank[UNKNOWN]]
+    verdict = rule.verdict
+    words = rule.words
+    rank = {name: k for k, name in enumerate((*VERDICTS, UNKNOWN))}
+    open_ = [
+        one
+        for one, state in states
+        if state is None and rank[verdict] < rank[one.verdict] < rank[UNKNOWN]
+    ]
     if open_:
-        rule, verdict = open_[0], UNKNOWN
-        lacks = " and ".join(dict.fromkeys(fact for fact, *_ in rule.when if not _known(facts.get(fact))))
+        rule = open_[0]
+        verdict = UNKNOWN
+        lacks = " and ".join(
+            dict.fromkeys(fact for fact, *_ in rule.when if not _known(facts.get(fact)))
+        )
         words = f"whether it {rule.verdict.lower()} is not known: no {lacks}"
         words = words if lacks else f"whether it is {rule.words} is not known"
     per_cent = {"acceptable": 100.0 * answer.acceptable, "twice": 200.0 * answer.acceptable}
@@ -357,7 +397,10 @@ def judged(answer: Answer) -> Answer:
         rows = (Row(key="cage_slip", label="cage slip", text="not computed"), *rows)
     key = rule.row if any(row.key == rule.row for row in rows) else "cage_slip"
     rows = tuple(
-        attrs.evolve(row, note="; ".join(filter(None, (row.note, words)))) if row.key == key else row for row in rows
+        attrs.evolve(row, note="; ".join(filter(None, (row.note, words))))
+        if row.key == key
+        else row
+        for row in rows
     )
     marked = key if verdict != "OK" else ""
     return attrs.evolve(answer, rows=rows, verdict=verdict, rule=rule.code, marked=marked)
@@ -368,11 +411,16 @@ def facts_of(answer: Answer) -> dict[str, _Interval]:
     rows = {row.key: row for row in answer.rows}
     facts = {"acceptable slip": (answer.acceptable, answer.acceptable)}
     if (slip := rows.get("cage_slip")) is not None and not math.isnan(slip.value):
-        facts["cage slip"] = (abs(slip.value), abs(slip.value))  # a cage that runs ahead slides as much
+        facts["cage slip"] = (
+            abs(slip.value),
+            abs(slip.value),
+        )  # a cage that runs ahead slides as much
         if slip.band is not None:
             facts |= {
                 name: (end, end)
-                for name, end in zip(("low end of the band", "high end of the band"), slip.band, strict=True)
+                for name, end in zip(
+                    ("low end of the band", "high end of the band"), slip.band, strict=True
+                )
             }
     if (reserve := rows.get("drag_reserve")) is not None and not math.isnan(reserve.value):
         facts["reserve to skidding"] = reserve.band or (reserve.value, reserve.value)
@@ -388,7 +436,10 @@ def _differ(one: Row, other: Row) -> bool:
     if one is other or math.isnan(one.value) or math.isnan(other.value) or math.isinf(one.value):
         return False
     least = 1e-3 if one.key == "cage_slip" else 0.0
-    return abs(one.value - other.value) > max(abs(one.value), abs(other.value)) * (one.within + other.within) + least
+    return (
+        abs(one.value - other.value)
+        > max(abs(one.value), abs(other.value)) * (one.within + other.within) + least
+    )
 
 
 # What a result says of itself -----------------------------------------------------------------------------------------
@@ -404,9 +455,12 @@ def case_of(dataset: "xr.Dataset") -> tuple[str, ...]:
     oil = json.loads(a.get("lubricant", "{}")).get("name", "")
     oil = re.sub(r"^iso-vg-(\d+)$", r"ISO VG \1", oil)
     oil = oil.upper() if oil.startswith("mil-") else oil
-    inner, outer = (operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer"))
+    inner, outer = (
+        operation.get(f"{ring}_speed", 0.0) * 30.0 / math.pi for ring in ("inner", "outer")
+    )
     speed = f"{inner:.0f} rpm" + (f" (outer ring {outer:.0f} rpm)" if outer else "")
-    (unit, size), load = force_unit(operation["radial_load"]), operation["radial_load"]
+    (unit, size) = force_unit(operation["radial_load"])
+    load = operation["radial_load"]
     last = f"{plain(load * size)} {unit}", f"{plain(operation['temperature'] - 273.15)} °C"
     return tuple(filter(None, (named[0] if named else a.get("source", ""), oil, speed, *last)))
 
@@ -414,7 +468,8 @@ def case_of(dataset: "xr.Dataset") -> tuple[str, ...]:
 def assumed_of(dataset: "xr.Dataset") -> tuple[str, ...]:
     """Return what nobody gave: marks of a new scene, and what scatters, with the slips that it leads to."""
     a = dataset.attrs
-    marked, table = list[str](), ""
+    marked = list[str]()
+    table = ""
     for begins, key in _ASSUMED.findall(a.get("scene", "")):
         table = begins or table
         marked += filter(None, [_NAMED.get(table, table) if key == "name" else key])
@@ -435,19 +490,30 @@ def _quantity(one: Mapping[str, Any]) -> str:
     *_, table, name = one["key"].split(".")
     ends = one["ends"]
     if name.endswith("factor"):
-        called = f"drag {table}" if name == "factor" else name.removesuffix("_factor").replace("_", " ")
+        called = (
+            f"drag {table}" if name == "factor" else name.removesuffix("_factor").replace("_", " ")
+        )
         return f"{called} x {two(ends[0])} to {two(ends[1])}"
-    called, unit = name.replace("_", " "), shown_unit(max(map(abs, ends)), one["unit"] or "1")
+    called = name.replace("_", " ")
+    unit = shown_unit(max(map(abs, ends)), one["unit"] or "1")
     low, high = (converted(end, one["unit"], unit) for end in ends)
     if low > 0.0 and high < 1e-3:  # a number that nobody reads: by what it is multiplied
         return f"{called} x {two(math.sqrt(low / high))} to {two(math.sqrt(high / low))}"
-    return f"{called} {two(low)} to {two(high)} {unit}".rstrip() if max(abs(low), abs(high)) > 1e-3 else called
+    return (
+        f"{called} {two(low)} to {two(high)} {unit}".rstrip()
+        if max(abs(low), abs(high)) > 1e-3
+        else called
+    )
 
 
 def _ends(low: float, high: float) -> str:
     """Two slips, in the order of what leads to them."""
     texts = [percent(end) if math.isfinite(end) else "skidding" for end in (low, high)]
-    return f"{texts[0].removesuffix(' %')} to {texts[1]}" if texts[0][-1] == texts[1][-1] == "%" else " to ".join(texts)
+    return (
+        f"{texts[0].removesuffix(' %')} to {texts[1]}"
+        if texts[0][-1] == texts[1][-1] == "%"
+        else " to ".join(texts)
+    )
 
 
 # Notes ---------------------------------------------------------------------------------------------------------------
@@ -455,10 +521,13 @@ def _ends(low: float, high: float) -> str:
 
 def counted_notes(notes: Iterable[Note], more: str = "") -> str:
     """Say what the laws outside their range do to the result, the worst first; ``more`` is where all are told."""
-    every, where = list(notes), f" ({more})" if more else ""
+    every = list(notes)
+    where = f" ({more})" if more else ""
     if all(note.moved is None for note in every):
         codes = list(dict.fromkeys(note.code or note.short for note in every))
-        return f"{len(codes)} on laws outside their range: {' '.join(codes)}{where}" if codes else ""
+        return (
+            f"{len(codes)} on laws outside their range: {' '.join(codes)}{where}" if codes else ""
+        )
     moving = [note for note in every if note.most[1] >= _UNMOVED]
     first = [note for note in moving if note.most[1] > _MUCH][:_FEW]
     rest = moving[len(first) :]
@@ -468,7 +537,11 @@ def counted_notes(notes: Iterable[Note], more: str = "") -> str:
         limit = next((f"{100.0 * step:g} %" for step in _STEPS if most <= step), "a factor of 2")
         of = " or ".join(sorted({note.most[0] for note in rest}))
         alone = f"{rest[0].code} moves the {of} by up to {limit}"
-        none = alone if len(rest) == 1 else f"{len(rest)}, none of which moves the {of} by more than {limit}"
+        none = (
+            alone
+            if len(rest) == 1
+            else f"{len(rest)}, none of which moves the {of} by more than {limit}"
+        )
         said.append(f"{len(rest)} more below {limit}" if first else none)
     unknown = [note.code or note.short for note in every if note.moved is None]
     said += [f"{' '.join(unknown)} not evaluated"] if unknown else []
@@ -477,7 +550,8 @@ def counted_notes(notes: Iterable[Note], more: str = "") -> str:
 
 def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
     """Return the laws that results left, each once and where its consequence is largest, the worst first."""
-    found, every = dict[str, tuple[tuple[bool, float], Note]](), list(datasets)
+    found = dict[str, tuple[tuple[bool, float], Note]]()
+    every = list(datasets)
     at: dict[str, dict[str, Any]] = {
         row["code"]: row for one in every for row in json.loads(one.attrs.get("consequences", "[]"))
     }
@@ -487,10 +561,14 @@ def notes_of(datasets: "Iterable[xr.Dataset]") -> tuple[Note, ...]:
             row = at.get(code, {"moved": {}} if at else {})
             moved = row.get("moved")
             if moved is not None:
-                moved = {name: (first, math.inf if last is None else last) for name, (first, last) in moved.items()}
+                moved = {
+                    name: (first, math.inf if last is None else last)
+                    for name, (first, last) in moved.items()
+                }
             note = Note(code=code, short=one["short"], text=one["text"], weight=one["weight"],
                         instead=row.get("instead", ""), moved=moved)  # fmt: skip
-            key, rank = code or f"{one['law']} {one['made_for']}", (one["warned"], one["weight"])
+            key = code or f"{one['law']} {one['made_for']}"
+            rank = (one["warned"], one["weight"])
             if key not in found or rank > found[key][0]:
                 found[key] = rank, note
     ranked = sorted(found.values(), key=lambda each: (_rank(each[1]), each[0]), reverse=True)
@@ -527,7 +605,9 @@ def _shortened(rows: list[tuple[str, str, str]], groups: Sequence[tuple[str, lis
     yield
     del assumed[1:]
     yield
-    room = max(width - sum(max((len(row[k]) for row in rows), default=0) + 2 for k in (0, 1)) - 2, 4)
+    room = max(
+        width - sum(max((len(row[k]) for row in rows), default=0) + 2 for k in (0, 1)) - 2, 4
+    )
     for k in reversed(range(len(rows))):
         label, text, note = rows[k]
         if len(note) > room:
@@ -560,7 +640,9 @@ def aligned(rows: Sequence[tuple[str, ...]], width: float) -> list[str]:
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]) - 1)]
     lines = []
     for row in rows:
-        before = "  " + "".join(f"{text:<{size}}  " for text, size in zip(row, widths, strict=False))
+        before = "  " + "".join(
+            f"{text:<{size}}  " for text, size in zip(row, widths, strict=False)
+        )
         room = int(min(max(width - len(before), 16), 1000))
         parts = textwrap.wrap(row[-1], room, break_on_hyphens=False, break_long_words=False) or [""]
         lines += [(before if not k else " " * len(before)) + part for k, part in enumerate(parts)]

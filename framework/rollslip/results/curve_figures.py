@@ -12,7 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.curves import Curve, Curves, curve_names, curves, percent
-from rollslip.results.style import MARKER, ONE_COLUMN, ROW, Sheet, axis_label, lay_out, light_to_dark
+from rollslip.results.style import (
+    MARKER,
+    ONE_COLUMN,
+    ROW,
+    Sheet,
+    axis_label,
+    lay_out,
+    light_to_dark,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +59,9 @@ def plain_curves(dataset: "xr.Dataset") -> "Figure":
     shown = curves(dataset)
     lines = [
         draw_curve(axes, curve, colour, curve.name)
-        for curve, colour in zip(shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True)
+        for curve, colour in zip(
+            shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True
+        )
     ]
     axes.set_xlabel(axis_label(dataset[of.slip], "", "%"))
     axes.set_ylabel(axis_label(dataset[of.variable], "", "–"))
@@ -61,14 +71,17 @@ def plain_curves(dataset: "xr.Dataset") -> "Figure":
 
 def over_slip(dataset: "xr.Dataset", name: str) -> "Figure":
     """Draw a variable of the points of all curves over slip, those of small numbers lighter."""
-    of, sheet = Curves.of(dataset), Sheet()
+    of = Curves.of(dataset)
+    sheet = Sheet()
     assert of is not None
     names = curve_names(dataset)
     for k, label in enumerate(names):
-        slip, colour = 100.0 * dataset[of.slip], light_to_dark()(1.0 - k / max(len(names) - 1, 1))
+        slip = 100.0 * dataset[of.slip]
+        colour = light_to_dark()(1.0 - k / max(len(names) - 1, 1))
         sheet.line(slip, dataset[name][k], label, color=colour)
     return sheet.done(
-        axis_label(dataset[of.slip], "", "%"), axis_label(dataset[name], "", dataset[name].attrs["units"])
+        axis_label(dataset[of.slip], "", "%"),
+        axis_label(dataset[name], "", dataset[name].attrs["units"]),
     )
 
 
@@ -123,7 +136,8 @@ def finish(
 
     rows = np.vstack([curve.friction for curve in shown] + ([] if others is None else [others]))
     finite = rows[np.isfinite(rows)]
-    low, high = finite.min(initial=0.0), finite.max(initial=0.0)
+    low = finite.min(initial=0.0)
+    high = finite.max(initial=0.0)
     # a curve of rounding noise is a zero line, not a range below zero
     low = low if low < -1e-6 * high else 0.0
     high = high if high > low else low + 1.0
@@ -132,12 +146,21 @@ def finish(
     room = 0.05 + 0.07 * len(notes.splitlines()) + 0.08 * bool(critical)
     axes.set_ylim(low, low + (high - low) / (1.0 - room))
     axes.set_xlim(100 * shown[0].slip[0], 100 * shown[0].slip[-1])
-    written = axes.text(0.015, 0.985, notes, transform=axes.transAxes, va="top", fontsize=6.5, color="0.25")
+    written = axes.text(
+        0.015, 0.985, notes, transform=axes.transAxes, va="top", fontsize=6.5, color="0.25"
+    )
     written.set_in_layout(False)
     if critical:
         rests_on = critical[0].rests_on  # on a line of its own, as wide as the figure is
-        words = f"slip at largest traction {rests_on};\nfriction falls beyond it" if rests_on else _CRITICAL
-        handles = [*handles, Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER)]
+        words = (
+            f"slip at largest traction {rests_on};\nfriction falls beyond it"
+            if rests_on
+            else _CRITICAL
+        )
+        handles = [
+            *handles,
+            Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER),
+        ]
     figure.legend(handles=handles, loc="outside upper left")
     rows_of_legend = sum(1 + str(handle.get_label()).count("\n") for handle in handles)
     figure.set_figheight(ONE_COLUMN[1] + ROW * rows_of_legend)
@@ -152,11 +175,17 @@ def _write_critical(axes: "Axes", critical: Sequence[Curve], rows: Array, writte
         dense = np.linspace(curve.slip[0], curve.slip[-1], 1000)
         points = [np.column_stack((100 * dense, np.interp(dense, curve.slip, row))) for row in rows]
         pixels = axes.transData.transform(np.concatenate(points))
-        label = write_beside(axes, percent(curve.critical_slip), (100 * curve.critical_slip, curve.critical_friction))
+        label = write_beside(
+            axes, percent(curve.critical_slip), (100 * curve.critical_slip, curve.critical_friction)
+        )
 
-        def covered(place: tuple[float, float, str], label: "Annotation" = label, pixels: Array = pixels) -> int:
+        def covered(
+            place: tuple[float, float, str], label: "Annotation" = label, pixels: Array = pixels
+        ) -> int:
             label.set_position(place[:2])
-            label.set(horizontalalignment=place[2], verticalalignment="bottom" if place[1] > 0 else "top")
+            label.set(
+                horizontalalignment=place[2], verticalalignment="bottom" if place[1] > 0 else "top"
+            )
             box = label.get_window_extent()
             inside = np.all((box.min < pixels) & (pixels < box.max), axis=1)
             words = sum(box.overlaps(other) for other in taken)
@@ -174,6 +203,8 @@ def _notes(shown: Sequence[Curve], width: int) -> str:
         if not curve.has_critical:
             without.setdefault(curve.status.partition(",")[0], []).append(curve.name)
     return "\n".join(
-        textwrap.fill(status if len(names) == len(shown) else f"{', '.join(names)}: {status}", width)
+        textwrap.fill(
+            status if len(names) == len(shown) else f"{', '.join(names)}: {status}", width
+        )
         for status, names in without.items()
     )

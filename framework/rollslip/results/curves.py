@@ -17,7 +17,16 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Curve", "Curves", "critical_rows", "curve_names", "curves", "digits", "or_none", "percent"]
+__all__ = [
+    "Curve",
+    "Curves",
+    "critical_rows",
+    "curve_names",
+    "curves",
+    "digits",
+    "or_none",
+    "percent",
+]
 
 Array = NDArray[np.float64]
 
@@ -112,8 +121,15 @@ class Curve:
     def _first(self) -> str:
         """Say where friction falls or rises beside its largest value, of which the range may hold a part only."""
         if not self.falls_before:
-            rises = self.has_critical and self.friction[-1] - self.friction[-2] > _RISES * self.critical_friction
-            return f"; at the end of the range, {percent(self.slip[-1])}, it rises again" if rises else ""
+            rises = (
+                self.has_critical
+                and self.friction[-1] - self.friction[-2] > _RISES * self.critical_friction
+            )
+            return (
+                f"; at the end of the range, {percent(self.slip[-1])}, it rises again"
+                if rises
+                else ""
+            )
         return (
             f"; it falls with slip already from {percent(self.first_slip)} on, a first maximum of "
             f"{digits(self.first_friction, 3)}, before it rises once more"
@@ -143,7 +159,8 @@ def curve_names(dataset: "xr.Dataset") -> list[str]:
 
 def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
     """Return how results of each curve are told apart: ", inner ring" or " at 300 N"."""
-    values, unit = dataset[curves.over].to_numpy(), dataset[curves.over].attrs.get("units", "1")
+    values = dataset[curves.over].to_numpy()
+    unit = dataset[curves.over].attrs.get("units", "1")
     if values.dtype.kind in "UO":
         return [f", {value} {curves.over}" for value in values]
     return [f" at {format_quantity(float(value), unit)}" for value in values]
@@ -159,7 +176,11 @@ def curves(dataset: "xr.Dataset") -> list[Curve]:
         one = dataset.isel({of.over: position})
         slip = one[of.slip]
         first = [float(one[name]) if name in one else math.nan for name in FIRST]
-        film = one["film_parameter"] if "film_parameter" in one else slip.copy(data=np.full(slip.shape, np.nan))
+        film = (
+            one["film_parameter"]
+            if "film_parameter" in one
+            else slip.copy(data=np.full(slip.shape, np.nan))
+        )
         found.append(
             Curve(
                 name=name,
@@ -172,7 +193,9 @@ def curves(dataset: "xr.Dataset") -> list[Curve]:
                 critical_friction=float(one["critical_friction"]),
                 status=str(one["critical_status"].item()),
                 rests_on=str(dataset.attrs.get("curves_with", "")),
-                regime=_regime(one["regime"].to_numpy()) if "regime" in one and one["regime"].dims == slip.dims else "",
+                regime=_regime(one["regime"].to_numpy())
+                if "regime" in one and one["regime"].dims == slip.dims
+                else "",
                 first_slip=first[0],
                 first_friction=first[1],
             )
@@ -197,7 +220,11 @@ def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
             "critical_friction": or_none(curve.critical_friction),
             "status": curve.status,
         }
-        | (dict(zip(FIRST, map(or_none, (curve.first_slip, curve.first_friction)), strict=True)) if told else {})
+        | (
+            dict(zip(FIRST, map(or_none, (curve.first_slip, curve.first_friction)), strict=True))
+            if told
+            else {}
+        )
         for curve in curves(dataset)
     }
 

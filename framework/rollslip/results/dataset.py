@@ -25,11 +25,28 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Attributes that may differ between two runs of the same scene.
-VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "integration_seconds", "real_time_factor")
+VOLATILE = (
+    "created",
+    "cost",
+    "plan",
+    "wall_time",
+    "integration_time",
+    "integration_seconds",
+    "real_time_factor",
+)
 #: Attributes that say what to cite: as it reads, and as data.
 CITED = ("citations", "bibliography")
 #: What attributes are that any result may have: texts, finite numbers from 0 on, and structures as JSON.
-_TEXTS: Final = ("study", "scene_hash", "source", "created", "title", "description", "note", "scene")
+_TEXTS: Final = (
+    "study",
+    "scene_hash",
+    "source",
+    "created",
+    "title",
+    "description",
+    "note",
+    "scene",
+)
 _NUMBERS: Final = ("evaluations", "wall_time")
 _STRUCTURES: Final = dict.fromkeys(
     ("accuracy", "bibliography", "citations", "models", "plan", "taken_back", "warnings"), list
@@ -38,7 +55,14 @@ _STRUCTURES: Final = dict.fromkeys(
      "validity"), dict
 )  # fmt: skip
 #: What readers raise where a file, or what it holds, is of another shape than they take for granted.
-OTHERWISE: Final = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
+OTHERWISE: Final = (
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
 
 #: Characters of a value that a message shows.
 _SHOWN: Final = 80
@@ -66,8 +90,14 @@ def about(unit: str, long_name: str) -> dict[str, Any]:
 
 def rows_along(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
     """Return the values of all variables that have one dimension alone, by name, for each place along it."""
-    columns = {str(name): one.to_numpy().tolist() for name, one in dataset.variables.items() if one.dims == (dim,)}
-    return [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+    columns = {
+        str(name): one.to_numpy().tolist()
+        for name, one in dataset.variables.items()
+        if one.dims == (dim,)
+    }
+    return [
+        dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
+    ]
 
 
 def save(dataset: "xr.Dataset", path: Path) -> None:
@@ -78,7 +108,10 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     OutputError
         If it cannot be written.
     """
-    told = {key: readable(value) if isinstance(value, str) else value for key, value in dataset.attrs.items()}
+    told = {
+        key: readable(value) if isinstance(value, str) else value
+        for key, value in dataset.attrs.items()
+    }
     content = bytes(dataset.assign_attrs({**told, _MARK[0]: _MARK[1]}).to_netcdf(engine="h5netcdf"))
     with whole_file(path) as partial:
         partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
@@ -103,7 +136,11 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         content = path.read_bytes()
         sealed = _check_seal(content, path)
         with h5py.File(io.BytesIO(content)) as file:  # xarray would read dimensions at once
-            claims = sum(one.size * one.dtype.itemsize for one in file.values() if isinstance(one, h5py.Dataset))
+            claims = sum(
+                one.size * one.dtype.itemsize
+                for one in file.values()
+                if isinstance(one, h5py.Dataset)
+            )
         if claims > _MOST_PACKED * len(content) + _FREELY:
             raise ValueError(f"it claims {claims:.3g} bytes of values in {len(content)} bytes")
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", phony_dims="access") as stored:
@@ -118,7 +155,9 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     if (
         "study" not in dataset.attrs or not {"scene_hash", "created"} & dataset.attrs.keys()
     ):  # validations have no scene
-        raise OutputError(f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene")
+        raise OutputError(
+            f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene"
+        )
     for name, value in dataset.attrs.items():
         if fault := _fault(str(name), value):
             raise OutputError(
@@ -141,7 +180,11 @@ def _fault(name: str, value: object) -> str:
         held = json.loads(value) if isinstance(value, str) else None
     except (ValueError, RecursionError) as error:
         return f"is {shown_short(value)}, and has to be {expected} in JSON ({error})"
-    return "" if isinstance(held, _STRUCTURES[name]) else f"is {shown_short(value)}, and has to be {expected} in JSON"
+    return (
+        ""
+        if isinstance(held, _STRUCTURES[name])
+        else f"is {shown_short(value)}, and has to be {expected} in JSON"
+    )
 
 
 def shown_short(value: object) -> str:

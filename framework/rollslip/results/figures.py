@@ -40,7 +40,9 @@ class Result(xr.Dataset):  # type: ignore[no-untyped-call]
     _held: dict[str, xr.Dataset] | None
 
     @classmethod
-    def of(cls, results: Mapping[str, xr.Dataset], complete: Callable[[], dict[str, xr.Dataset]]) -> "Result":
+    def of(
+        cls, results: Mapping[str, xr.Dataset], complete: Callable[[], dict[str, xr.Dataset]]
+    ) -> "Result":
         """Return the result of a run, given those of its studies, and what gives them with all that an answer needs.
 
         Notes, bands and costs take as long as many a study, so they are computed when somebody asks for them.
@@ -135,7 +137,8 @@ class Figures(dict[str, "Figure"]):
         with styled():
             drawn = {name: as_svg(figure, self.captions[name], "") for name, figure in self.items()}
         pictures = {  # each a document of its own: the same ids stand in all of them
-            name: f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}" for name, svg in drawn.items()
+            name: f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
+            for name, svg in drawn.items()
         }
         return "".join(
             f'<figure><img src="{picture}" alt="{escape(self.captions[name])}"/>'
@@ -171,11 +174,14 @@ def plot(result: "xr.Dataset") -> Figures:
     figures = Figures()
     with styled():
         for name, caption, figure in _drawn(result):
-            figures[name], figures.captions[name] = figure, caption
+            figures[name] = figure
+            figures.captions[name] = caption
     return figures
 
 
-def report(*results: "xr.Dataset | str | Path", out: str | Path | None = None, overwrite: bool = False) -> Path:
+def report(
+    *results: "xr.Dataset | str | Path", out: str | Path | None = None, overwrite: bool = False
+) -> Path:
     """Write one HTML report of results, as ``rollslip report`` does.
 
     Parameters
@@ -200,23 +206,34 @@ def report(*results: "xr.Dataset | str | Path", out: str | Path | None = None, o
     from rollslip.results.report import is_report, write_report
 
     if out is None:
-        beside = {Path(one) if _is_folder(one) else Path(one).parent for one in results if isinstance(one, str | Path)}
+        beside = {
+            Path(one) if _is_folder(one) else Path(one).parent
+            for one in results
+            if isinstance(one, str | Path)
+        }
         out = (beside.pop() if len(beside) == 1 else Path()) / "report.html"
     expect_results("report", *(one for one in results if not isinstance(one, str | Path)))
     if (out := Path(out)).exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if out.exists() and not is_report(out):
-        raise OutputError(f"{out}: is no report of rollslip, so it is not replaced; name another --out")
-    datasets, places = dict[str, xr.Dataset](), dict[str, str]()
+        raise OutputError(
+            f"{out}: is no report of rollslip, so it is not replaced; name another --out"
+        )
+    datasets = dict[str, xr.Dataset]()
+    places = dict[str, str]()
     stored_too = [sorted(Path(one).glob("*.nc")) if _is_folder(one) else [one] for one in results]
     if not any(stored_too):
         raise OutputError("report: there is no result (.nc) in that folder; name that of a run")
     for number, given in enumerate((one for several in stored_too for one in several), 1):
         one = given if isinstance(given, xr.Dataset) else open_result(given)
-        stored, place = one is not given, str(given) if one is not given else f"result {number}"
-        for study, dataset in (one.complete() if isinstance(one, Result) else {one.attrs["study"]: one}).items():
+        stored = one is not given
+        place = str(given) if one is not given else f"result {number}"
+        for study, dataset in (
+            one.complete() if isinstance(one, Result) else {one.attrs["study"]: one}
+        ).items():
             name = study if study not in datasets else place if stored else f"{study} of {place}"
-            datasets[name], places[name] = dataset, place
+            datasets[name] = dataset
+            places[name] = place
     figures = {}
     with tempfile.TemporaryDirectory() as folder:
         for k, (name, dataset) in enumerate(datasets.items()):
@@ -270,4 +287,8 @@ def _drawn(result: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
                 about = variable.attrs
                 caption = f"{about['long_name']} over slip, by {about[LAW]!r}."
-                yield f"{account.name}-{name}".replace("_", "-"), capital(caption), over_slip(result, str(name))
+                yield (
+                    f"{account.name}-{name}".replace("_", "-"),
+                    capital(caption),
+                    over_slip(result, str(name)),
+                )

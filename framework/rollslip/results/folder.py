@@ -90,7 +90,9 @@ def _refuse(target: Path, overwrite: bool) -> None:
             )
         foreign = _foreign(target)
     if foreign:
-        shown = ", ".join(foreign[:5]) + (f" and {len(foreign) - 5} more" if len(foreign) > 5 else "")
+        shown = ", ".join(foreign[:5]) + (
+            f" and {len(foreign) - 5} more" if len(foreign) > 5 else ""
+        )
         raise OutputError(
             f"{target}: holds what rollslip did not write there, or what was changed since: {shown}; nothing is "
             f"replaced; move that away, or {elsewhere}"
@@ -114,7 +116,9 @@ def _foreign(folder: Path) -> list[str]:
 def _files(folder: Path, but: str = _LOCK) -> list[str]:
     """Names of everything in a folder but of sub-folders that hold something, relative to it."""
     found = list[str]()
-    for path in sorted(folder.iterdir()):  # glob takes a folder that it may not list for an empty one
+    for path in sorted(
+        folder.iterdir()
+    ):  # glob takes a folder that it may not list for an empty one
         inside = [] if path.is_symlink() or not path.is_dir() else _files(path, "")
         found += [f"{path.name}/{name}" for name in inside] or [path.name]
     return [name for name in found if name != but]
@@ -139,7 +143,9 @@ def _clear_up(target: Path, own: Path) -> None:
             with suppress(FileNotFoundError), FileLock(left / _LOCK, blocking=False):
                 shutil.rmtree(left, ignore_errors=True)
         except Timeout:
-            raise BusyError(f"{target}: another run is writing there; wait for it, or name another --out") from None
+            raise BusyError(
+                f"{target}: another run is writing there; wait for it, or name another --out"
+            ) from None
     for old in _beside(target, _OLD):
         if target.exists():
             shutil.rmtree(old, ignore_errors=True)
@@ -148,7 +154,9 @@ def _clear_up(target: Path, own: Path) -> None:
 
 
 def _beside(target: Path, sort: str) -> list[Path]:
-    return [path for path in target.parent.iterdir() if path.name.startswith(f".{target.name}.{sort}")]
+    return [
+        path for path in target.parent.iterdir() if path.name.startswith(f".{target.name}.{sort}")
+    ]
 
 
 def _exchange(partial: Path, target: Path) -> None:

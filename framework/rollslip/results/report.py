@@ -39,7 +39,15 @@ from rollslip.results.answer import Answer, case_of
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
 from rollslip.results.style import GROUND, INK, adapting
-from rollslip.results.words import capital, confidence, counted, html_table, of_laws, warned, with_unit
+from rollslip.results.words import (
+    capital,
+    confidence,
+    counted,
+    html_table,
+    of_laws,
+    warned,
+    with_unit,
+)
 from rollslip.scene.schema import rows_of, schema
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -80,11 +88,18 @@ _ITSELF: Final = re.compile(r"^rollslip( run |\.report\(rollslip\.run\()(.*?)( -
 
 
 def _beyond(of: re.Match[str]) -> str:
-    return f"rollslip uncertainty {of[2]}" if of[3].startswith(" ") else f"rollslip.uncertainty({of[2]})"
+    return (
+        f"rollslip uncertainty {of[2]}"
+        if of[3].startswith(" ")
+        else f"rollslip.uncertainty({of[2]})"
+    )
 
 
 def write_report(
-    datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path, scene: str = ""
+    datasets: "Mapping[str, xr.Dataset]",
+    figures: Mapping[str, Sequence[Path]],
+    path: Path,
+    scene: str = "",
 ) -> None:
     """Write one self-contained HTML file about the results of a run; `scene` is what its commands are to take."""
     cases = {case for one in datasets.values() if (case := case_of(one))}
@@ -117,8 +132,12 @@ def write_report(
                 title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
                 style=_STYLE + colours,
                 verdict=_answered(first, lead, datasets) if first.rows or first.verdict else "",
-                introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
-                contents="".join(f'<li><a href="#{section.key}">{section.heading}</a></li>' for section in shown),
+                introduction="".join(
+                    _tag("p", text) for _, text in _distinct(datasets, "description") if text
+                ),
+                contents="".join(
+                    f'<li><a href="#{section.key}">{section.heading}</a></li>' for section in shown
+                ),
                 sections="".join(section.html for section in shown),
             ),
             encoding="utf-8",
@@ -147,9 +166,17 @@ class _Section:
 
 def _answered(first: Answer, lead: str, datasets: "Datasets") -> str:
     """Return what fills the first page: the answer with its notes, and its figure beside what was given."""
-    scene = next((one.attrs["scene_resolved"] for one in datasets.values() if "scene_resolved" in one.attrs), "{}")
-    given, units = dict(_flat(json.loads(scene))), _known_keys(())
-    rows = [[name, _value(given[key], units.get(key, ("",))[0])] for key, name in _GIVEN.items() if key in given]
+    scene = next(
+        (one.attrs["scene_resolved"] for one in datasets.values() if "scene_resolved" in one.attrs),
+        "{}",
+    )
+    given = dict(_flat(json.loads(scene)))
+    units = _known_keys(())
+    rows = [
+        [name, _value(given[key], units.get(key, ("",))[0])]
+        for key, name in _GIVEN.items()
+        if key in given
+    ]
     return f'{first.html()}<div class="given">{lead}{html_table(("input", "value"), rows)}</div>'
 
 
@@ -172,7 +199,9 @@ def _warnings(datasets: "Datasets") -> str:
 def _findings(datasets: "Datasets") -> str:
     body = ""
     for name, dataset in datasets.items():
-        if told := "".join(_told(part) for part in (*account_of(dataset).story(dataset), of_laws(dataset)) if part):
+        if told := "".join(
+            _told(part) for part in (*account_of(dataset).story(dataset), of_laws(dataset)) if part
+        ):
             body += _tag("h3", name) + told
     sure = confidence(datasets.values())
     return body + (_tag("p", f"Confidence: {sure}.") if sure and body else "")
@@ -181,7 +210,11 @@ def _findings(datasets: "Datasets") -> str:
 def _told(part: str | list[str] | Table) -> str:
     if isinstance(part, Table):
         return html_table(part.head, part.rows, capital(part.caption))
-    return _tag("p", capital(part)) if isinstance(part, str) else _list(f"{capital(text)}." for text in part)
+    return (
+        _tag("p", capital(part))
+        if isinstance(part, str)
+        else _list(f"{capital(text)}." for text in part)
+    )
 
 
 def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, str, str]:
@@ -192,7 +225,8 @@ def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, 
     named[len(first) :] = sorted(named[len(first) :], key=lambda one: _width(one[1]) > _WIDE)
     colours = adapting([svg for _, svg in named])
     drawn = [_figure(svg, number, name) for number, (name, svg) in enumerate(named, 1)]
-    lead, others = "".join(drawn[: len(first)]), "".join(drawn[len(first) :])
+    lead = "".join(drawn[: len(first)])
+    others = "".join(drawn[len(first) :])
     return lead, f'<div class="figures">{others}</div>' if others else "", colours if named else ""
 
 
@@ -209,12 +243,17 @@ def _figure(svg: str, number: int, name: str) -> str:
         found = re.search(rf"<dc:{element}>(.*?)</dc:{element}>", svg, re.DOTALL)
         return escape(unescape(found[1]) if found else default)
 
-    caption, findings = metadata("title", name), metadata("description", "")
+    caption = metadata("title", name)
+    findings = metadata("description", "")
     root, _, drawing = svg[svg.index("<svg") :].partition(">")
     drawing = re.sub(r"<metadata>.*?</metadata>|<title>.*?</title>", "", drawing, flags=re.DOTALL)
     drawing = re.sub(r'(\sid="|href="#|url\(#)', rf"\g<1>figure{number}-", drawing)
     width = _width(svg)
-    kind = f' class="wide-one" style="{_LEAST}: {_READABLE * width:.0f}px"' if _WIDE < width < math.inf else ""
+    kind = (
+        f' class="wide-one" style="{_LEAST}: {_READABLE * width:.0f}px"'
+        if _WIDE < width < math.inf
+        else ""
+    )
     root = re.sub(r' (?:width|height)="[^"]*"', "", root)
     label = f'role="img" aria-label="{caption} {findings}"'
     return (
@@ -229,12 +268,21 @@ def _plan(datasets: "Datasets") -> str:
         body += heading
         for caption, included in (("Modelled", True), ("Left out", False)):
             rows = [
-                [p["part"], p["choice"], p["resolution"], error_text(p.get("errors", {})), _cost(p), p["reason"]]
+                [
+                    p["part"],
+                    p["choice"],
+                    p["resolution"],
+                    error_text(p.get("errors", {})),
+                    _cost(p),
+                    p["reason"],
+                ]
                 for p in parts
                 if p["included"] is included
             ]
             body += html_table(
-                ("part", "choice", "resolution", "estimated error", "estimated cost", "why"), rows, caption
+                ("part", "choice", "resolution", "estimated error", "estimated cost", "why"),
+                rows,
+                caption,
             )
     for heading, rows in _per_study(datasets, "accuracy"):
         body += heading + html_table(
@@ -243,7 +291,10 @@ def _plan(datasets: "Datasets") -> str:
                 [
                     row["result"].replace("_", " "),
                     f"{row['tolerance']:g}",
-                    *("-" if row[which] is None else f"{row[which]:.1e}" for which in ("estimated", "found")),
+                    *(
+                        "-" if row[which] is None else f"{row[which]:.1e}"
+                        for which in ("estimated", "found")
+                    ),
                     row["how"],
                 ]
                 for row in rows
@@ -251,7 +302,9 @@ def _plan(datasets: "Datasets") -> str:
             "Whether the plan kept its word",
         )
     for _, cost in _per_study(datasets, "cost"):
-        actual, estimated = (format_quantity(cost[which], "s", 2) for which in ("actual", "estimated"))
+        actual, estimated = (
+            format_quantity(cost[which], "s", 2) for which in ("actual", "estimated")
+        )
         body += f"<p>Time of the processor: {actual}, estimated {estimated}.</p>"
     return body
 
@@ -284,8 +337,11 @@ def _models(datasets: "Datasets") -> str:
 def _input(datasets: "Datasets") -> str:
     body = ""
     for heading, scene in _per_study(datasets, "scene_resolved"):
-        rows, known = [], _known_keys(scene.get("study", {}))
-        for key, value in _flat({k: v for k, v in scene.items() if k not in ("title", "description")}):
+        rows = []
+        known = _known_keys(scene.get("study", {}))
+        for key, value in _flat(
+            {k: v for k, v in scene.items() if k not in ("title", "description")}
+        ):
             unit, meaning = known.get(key, ("", ""))
             rows.append([key, _value(value, unit), meaning])
         body += heading + html_table(("key", "value", "meaning"), rows)
@@ -296,7 +352,9 @@ def _known_keys(studies: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Unit and meaning of the keys of a scene, also of the tables that the reader of scenes leaves raw."""
     rows = [*schema(), *rows_of(OilTable, "lubricant.")]
     for name in studies:
-        with contextlib.suppress(PluginError):  # the package is not here, or broken: its keys go without a meaning
+        with contextlib.suppress(
+            PluginError
+        ):  # the package is not here, or broken: its keys go without a meaning
             rows += rows_of(get_class("study", name), f"study.{name}.")
     return {row.key: (row.unit, row.doc) for row in rows}
 
@@ -321,7 +379,9 @@ def _oil(datasets: "Datasets") -> str:
             body += _tag("p", f"Data quality: {each}. {legend(grades.values())}.")
     for heading, named in _per_study(datasets, "data"):
         for one in named:
-            body += heading + _tag("p", f"{one['kind'].capitalize()} {one['name']}. {one['source']} {one['validity']}")
+            body += heading + _tag(
+                "p", f"{one['kind'].capitalize()} {one['name']}. {one['source']} {one['validity']}"
+            )
     for heading, clearance in _per_study(datasets, "clearance"):
         body += heading + _tag("p", f"Clearance in operation: {clearance['text']}.")
     for heading, rings in _per_study(datasets, "conditions"):
@@ -347,7 +407,9 @@ def _regimes(datasets: "Datasets") -> str:
                 light = "the contact" if largest < LIGHT else "no"
             regime = contact.regime or ", ".join(
                 f"{LONG_NAMES[str(kind)]} {percent(share)}"
-                for kind, share in zip(dataset["regime"].values, dataset["regime_share"].values[position], strict=True)
+                for kind, share in zip(
+                    dataset["regime"].values, dataset["regime_share"].values[position], strict=True
+                )
                 if share > 0.0
             )
             film = _value(contact.film_parameter, "1", digits=3)
@@ -370,7 +432,11 @@ def _numbers(datasets: "Datasets") -> str:
         [
             label,
             *(
-                _value(dataset.attrs.get(key) if key in _NUMBERS or key in numbers[name] else None, unit, digits=3)
+                _value(
+                    dataset.attrs.get(key) if key in _NUMBERS or key in numbers[name] else None,
+                    unit,
+                    digits=3,
+                )
                 for name, dataset in datasets.items()
             ),
         ]
@@ -382,13 +448,25 @@ def _numbers(datasets: "Datasets") -> str:
 
 def _provenance(datasets: "Datasets") -> str:
     rows = [
-        [label, [f"{value} ({', '.join(names)})" if len(found) > 1 else str(value) for names, value in found]]
-        for key, label in (("source", "scene"), ("scene_hash", "SHA-256 of the scene"), ("created", "created"))
+        [
+            label,
+            [
+                f"{value} ({', '.join(names)})" if len(found) > 1 else str(value)
+                for names, value in found
+            ],
+        ]
+        for key, label in (
+            ("source", "scene"),
+            ("scene_hash", "SHA-256 of the scene"),
+            ("created", "created"),
+        )
         if (found := _distinct(datasets, key))
     ]
     body = html_table(("", "value"), rows)
     for heading, packages in _per_study(datasets, "packages"):
-        body += heading + html_table(("package", "version"), [list(item) for item in packages.items()])
+        body += heading + html_table(
+            ("package", "version"), [list(item) for item in packages.items()]
+        )
     return body
 
 
@@ -426,10 +504,15 @@ def _distinct(datasets: "Datasets", attribute: str) -> list[tuple[list[str], Any
     return [(names, value) for value, names in found.items()]
 
 
-def _per_study(datasets: "Datasets", attribute: str, read: Callable[[str], Any] = json.loads) -> list[tuple[str, Any]]:
+def _per_study(
+    datasets: "Datasets", attribute: str, read: Callable[[str], Any] = json.loads
+) -> list[tuple[str, Any]]:
     """Values of an attribute, each under a heading that says whose it is unless all datasets have the same."""
     found = _distinct(datasets, attribute)
-    return [(_tag("h3", ", ".join(names)) if len(found) > 1 else "", read(value)) for names, value in found]
+    return [
+        (_tag("h3", ", ".join(names)) if len(found) > 1 else "", read(value))
+        for names, value in found
+    ]
 
 
 def _value(value: object, unit: str, digits: int = 6) -> str:

@@ -36,7 +36,13 @@ if TYPE_CHECKING:
 RING_COLOURS: Final = {"inner": "#0072B2", "outer": "#C07F00"}
 #: The same palette for models that are compared, and dashes that tell them apart in grey.
 MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#C07F00", "#3A92C8")
-DASHES: Final = ("solid", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (5, 1.5, 1, 1.5, 1, 1.5)))
+DASHES: Final = (
+    "solid",
+    (0, (4, 1.5)),
+    (0, (1, 1)),
+    (0, (5, 1.5, 1, 1.5)),
+    (0, (5, 1.5, 1, 1.5, 1, 1.5)),
+)
 #: Nunez, Anderton & Renslow (2018): lightness rises evenly, for grey print and every kind of colour vision.
 SEQUENTIAL: Final = "cividis"
 #: Brewer (2003): for what has a sign, white at zero; blue and red are told apart with every kind of colour vision.
@@ -110,23 +116,41 @@ def as_svg(figure: "Figure", caption: str, findings: str) -> str:
     canvas: Any = FigureCanvasSVG(figure)
     with io.StringIO() as text:
         canvas.print_svg(  # savefig draws every figure once more before
-            text, metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None}
+            text,
+            metadata={
+                "Title": caption,
+                "Description": findings,
+                "Creator": "rollslip",
+                "Date": None,
+            },
         )
-        return re.sub(r"<text>\s*(<tspan.*?</tspan>)\s*</text>", _in_words, text.getvalue(), flags=re.DOTALL)
+        return re.sub(
+            r"<text>\s*(<tspan.*?</tspan>)\s*</text>", _in_words, text.getvalue(), flags=re.DOTALL
+        )
 
 
 def _in_words(text: re.Match[str]) -> str:
     """Put the letters of mathematical text, which matplotlib writes one by one, together to words."""
-    letters = re.findall(r'<tspan x="([^"]*)" y="([^"]*)" style="([^"]*)">(.*?)</tspan>', text[1], re.DOTALL)
+    letters = re.findall(
+        r'<tspan x="([^"]*)" y="([^"]*)" style="([^"]*)">(.*?)</tspan>', text[1], re.DOTALL
+    )
     words: list[list[str]] = []
-    for (y, style), some in groupby(sorted(letters, key=lambda one: float(one[0])), key=lambda one: one[1:3]):
+    for (y, style), some in groupby(
+        sorted(letters, key=lambda one: float(one[0])), key=lambda one: one[1:3]
+    ):
         run = list(some)
-        while run and words and run[0][3].isspace():  # a space that begins a word would be swallowed
+        while (
+            run and words and run[0][3].isspace()
+        ):  # a space that begins a word would be swallowed
             run.pop(0)
             words[-1][3] += " "
         if run:
-            words.append([run[0][0], y, style, "".join(letter for *_, letter in run).replace("\u00a0", " ")])
-    said = "".join(f'<tspan x="{x}" y="{y}" style="{style}">{word}</tspan>' for x, y, style, word in words)
+            words.append(
+                [run[0][0], y, style, "".join(letter for *_, letter in run).replace("\u00a0", " ")]
+            )
+    said = "".join(
+        f'<tspan x="{x}" y="{y}" style="{style}">{word}</tspan>' for x, y, style, word in words
+    )
     return f"<text>{said}</text>"
 
 
@@ -140,7 +164,13 @@ def _pdf(figure: "Figure", path: Path, caption: str, findings: str) -> None:
     set_plainly(figure)
     canvas: Any = FigureCanvasPdf(figure)
     canvas.print_pdf(
-        path, metadata={"Title": caption, "Subject": findings, "Creator": "rollslip", "CreationDate": None}
+        path,
+        metadata={
+            "Title": caption,
+            "Subject": findings,
+            "Creator": "rollslip",
+            "CreationDate": None,
+        },
     )
 
 
@@ -150,7 +180,9 @@ def _png(figure: "Figure", path: Path, caption: str, findings: str) -> None:
     set_plainly(figure)
     figure.set_dpi(_DPI)
     canvas: Any = FigureCanvasAgg(figure)
-    canvas.print_png(path, metadata={"Title": caption, "Description": findings, "Software": "rollslip"})
+    canvas.print_png(
+        path, metadata={"Title": caption, "Description": findings, "Software": "rollslip"}
+    )
 
 
 #: What figures are written as.
@@ -189,7 +221,9 @@ def _plain_ticks() -> "type[ScalarFormatter]":
 
         def get_offset(self) -> str:
             said = super().get_offset()
-            power = re.fullmatch(r"\$\\times\\mathdefault\{10\^\{(\S+)\}\}\\mathdefault\{\}\$", said)
+            power = re.fullmatch(
+                r"\$\\times\\mathdefault\{10\^\{(\S+)\}\}\\mathdefault\{\}\$", said
+            )
             return f"×10{power[1].translate(_RAISED)}" if power else said
 
     return PlainTicks
@@ -244,7 +278,8 @@ def against_zero(low: float, high: float) -> dict[str, Any]:
     from matplotlib.colors import Normalize
 
     if not low <= high:  # nothing is known
-        low, high = 0.0, 1.0
+        low = 0.0
+        high = 1.0
     if low < 0.0 < high:
         most = max(-low, high)
         return {"cmap": matplotlib.colormaps[DIVERGING], "norm": Normalize(-most, most)}
@@ -313,7 +348,8 @@ def on_dark(colour: str) -> str:
     ('#15181c', '#e6e9ec')
     """
     lightness, *tone = _oklab(colour)
-    ground, ink = _oklab(GROUND), _oklab(INK)
+    ground = _oklab(GROUND)
+    ink = _oklab(INK)
     # the faint tone of ground and ink comes with them, so that greys lie between the two
     turned = ground + max(0.0, 1.0 - lightness) ** _LIFT * (ink - ground) + np.array([0.0, *tone])
     linear = np.linalg.solve(_CONES, np.linalg.solve(_OKLAB, turned) ** 3).clip(0.0, 1.0)
@@ -327,7 +363,9 @@ def adapting(svgs: list[str]) -> str:
     On paper, on a light screen, and where style sheets are not understood, they are as they were.
     """
     drawn = sorted(set().union(*(_DRAWN.findall(svg) for svg in svgs)))
-    rules = "".join(f'figure [style*="{part}: {of}"]{{{part}:{on_dark(of)}!important}}' for part, of in drawn)
+    rules = "".join(
+        f'figure [style*="{part}: {of}"]{{{part}:{on_dark(of)}!important}}' for part, of in drawn
+    )
     # black is left out in a drawing wherever it is the default
     return f"@media screen and (prefers-color-scheme: dark){{figure svg{{fill:{INK}}}{rules}}}\n"
 
@@ -342,11 +380,17 @@ _HANDLE: Final = 0.35
 class Sheet:
     """A figure that is being drawn: ``axes`` as Matplotlib gives them for panels, ``handles`` of their legend."""
 
-    def __init__(self, size: tuple[float, float] = ONE_COLUMN, *panels: Any, **options: Any) -> None:
+    def __init__(
+        self, size: tuple[float, float] = ONE_COLUMN, *panels: Any, **options: Any
+    ) -> None:
         from matplotlib.figure import Figure
 
         self.figure = Figure(figsize=size, layout="constrained")
-        place: Any = self.figure.subplot_mosaic if isinstance(next(iter(panels), 1), list) else self.figure.subplots
+        place: Any = (
+            self.figure.subplot_mosaic
+            if isinstance(next(iter(panels), 1), list)
+            else self.figure.subplots
+        )
         self.axes: Any = place(*panels, **options)
         self.handles: list[Artist] = []
 
@@ -365,7 +409,14 @@ class Sheet:
         self.handles.append(Line2D([], [], label=label, **style))
 
     def done(
-        self, x: str = "", y: str = "", *, columns: int = 1, height: float | None = None, title: str = "", **legend: Any
+        self,
+        x: str = "",
+        y: str = "",
+        *,
+        columns: int = 1,
+        height: float | None = None,
+        title: str = "",
+        **legend: Any,
     ) -> "Figure":
         """Label the axes of a single panel, put the legend above and make room for it; ``height`` is that without."""
         if x:
@@ -377,11 +428,20 @@ class Sheet:
         if (width := self.figure.get_figwidth()) < _LETTER * long + _HANDLE * len(of):
             for handle in self.handles:
                 room = int((width / len(of) - _HANDLE) / _LETTER)
-                handle.set_label(textwrap.fill(str(handle.get_label()), room, break_on_hyphens=False))
-        rows = max((sum(str(one.get_label()).count("\n") + 1 for one in column) for column in of), default=0)
+                handle.set_label(
+                    textwrap.fill(str(handle.get_label()), room, break_on_hyphens=False)
+                )
+        rows = max(
+            (sum(str(one.get_label()).count("\n") + 1 for one in column) for column in of),
+            default=0,
+        )
         if self.handles:
             about = {"title": title, "alignment": "left"} if title else {}
-            self.figure.legend(handles=self.handles, ncols=columns, **{"loc": "outside upper left", **about, **legend})
+            self.figure.legend(
+                handles=self.handles,
+                ncols=columns,
+                **{"loc": "outside upper left", **about, **legend},
+            )
         without = self.figure.get_figheight() if height is None else height
         self.figure.set_figheight(without + ROW * (rows + bool(title)))
         return self.figure

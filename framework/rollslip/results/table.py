@@ -64,10 +64,20 @@ def sheet(*results: "xr.Dataset") -> Sheet:
     return of_points(results[0]) if _has_points(results[0]) else _of_answer(results)
 
 
-def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iterable[str]) -> list[Path]:
+def save_tables(
+    results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iterable[str]
+) -> list[Path]:
     """Write tables into a folder and return the files: ``answer`` of a run, and NAME of what has many points."""
-    found = {f"{name}{more}": of for name, one in results.items() for more, of in account_of(one).sheets(one).items()}
-    found |= {name: of_points(one) for name, one in results.items() if _has_points(one) and name not in found}
+    found = {
+        f"{name}{more}": of
+        for name, one in results.items()
+        for more, of in account_of(one).sheets(one).items()
+    }
+    found |= {
+        name: of_points(one)
+        for name, one in results.items()
+        if _has_points(one) and name not in found
+    }
     written = []
     for name, of in (found or {"answer": sheet(*results.values())}).items():
         for ending in formats:
@@ -78,7 +88,9 @@ def save_tables(results: Mapping[str, "xr.Dataset"], folder: Path, formats: Iter
     return written
 
 
-def in_people_s_unit(name: str, values: Iterable[float], unit: str, given: str = "") -> tuple[str, list[float | None]]:
+def in_people_s_unit(
+    name: str, values: Iterable[float], unit: str, given: str = ""
+) -> tuple[str, list[float | None]]:
     """Return the unit in which people read the largest of some values, percent of shares, and them in it, or None.
 
     That in which they were given comes first.
@@ -86,8 +98,12 @@ def in_people_s_unit(name: str, values: Iterable[float], unit: str, given: str =
     values = list(values)
     shown = "%" if in_percent(name, unit) else given if given != "1" else ""
     if unit != "1" and not shown:
-        shown = shown_unit(float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit)
-    return shown, [float(f"{converted(x, unit, shown):.12g}") if math.isfinite(x) else None for x in values]
+        shown = shown_unit(
+            float(np.max(np.abs([x for x in values if math.isfinite(x)]), initial=0.0)), unit
+        )
+    return shown, [
+        float(f"{converted(x, unit, shown):.12g}") if math.isfinite(x) else None for x in values
+    ]
 
 
 def _has_points(dataset: "xr.Dataset") -> bool:
@@ -108,7 +124,10 @@ def of_points(dataset: "xr.Dataset") -> Sheet:
     over = dataset["status"].dims
     shape = tuple(dataset.sizes[name] for name in over)
     columns = dict[str, Any]()
-    for name, of in (*((name, dataset[name]) for name in over if name in dataset.coords), *dataset.data_vars.items()):
+    for name, of in (
+        *((name, dataset[name]) for name in over if name in dataset.coords),
+        *dataset.data_vars.items(),
+    ):
         inner = [dim for dim in of.dims if dim not in over]
         if not set(of.dims) & set(over) or math.prod(of.sizes[dim] for dim in inner) > _COLUMNS:
             continue
@@ -117,16 +136,24 @@ def of_points(dataset: "xr.Dataset") -> Sheet:
             labels = [str(of[dim][k].item() if dim in of.coords else k + 1) for dim, k in zip(inner, place, strict=True)
                       if of.sizes[dim] > 1]  # fmt: skip
             missing = [dim for dim in over if dim not in one.dims]
-            whole = one.expand_dims({dim: dataset.sizes[dim] for dim in missing}).transpose(*over).to_numpy()
+            whole = (
+                one.expand_dims({dim: dataset.sizes[dim] for dim in missing})
+                .transpose(*over)
+                .to_numpy()
+            )
             label = " ".join((str(one.attrs.get("key", name)), *labels))
             if whole.dtype.kind == "f":
                 si = str(one.attrs.get("units", "1"))
                 given = str(one.attrs.get("given", ""))
-                unit, values = in_people_s_unit(label.rpartition(".")[2], whole.ravel().tolist(), si, given)
+                unit, values = in_people_s_unit(
+                    label.rpartition(".")[2], whole.ravel().tolist(), si, given
+                )
                 columns[f"{label} [{unit}]" if unit else label] = values
             else:
                 columns[label] = whole.ravel().tolist()
-    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)] if math.prod(shape) else []
+    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)] if math.prod(
+        shape
+    ) else []
 
 
 def _csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
@@ -139,7 +166,9 @@ def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Non
         from openpyxl import Workbook
         from openpyxl.styles import Font
     except ImportError:
-        raise OutputError("xlsx: needs openpyxl; pip install 'rollslip[xlsx]', or take csv") from None
+        raise OutputError(
+            "xlsx: needs openpyxl; pip install 'rollslip[xlsx]', or take csv"
+        ) from None
     book = Workbook()
     sheet = book.active
     for row in (head, *rows):
@@ -151,6 +180,6 @@ def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Non
 
 
 #: Ending -> what writes it.
-FORMATS: Final[Mapping[str, Callable[[Path, Sequence[str], Iterable[Sequence[Any]]], None]]] = MappingProxyType(
-    {"csv": _csv, "xlsx": _xlsx}
+FORMATS: Final[Mapping[str, Callable[[Path, Sequence[str], Iterable[Sequence[Any]]], None]]] = (
+    MappingProxyType({"csv": _csv, "xlsx": _xlsx})
 )

@@ -52,23 +52,31 @@ TOLD_FROM: Final = 0.005
 #: How the warning begins that counts bounds which are no warnings of their own.
 REST: Final = "laws are outside their range of validity, too, where the consequence is"
 #: Bounds that are told at once, at most, and the slip of a driven cage, without sign, that is told as none.
-_MOST, _NOTHING = 3, 1e-4
+_MOST = 3
+_NOTHING = 1e-4
 #: Values of a variable that are told one by one, at most.
 _ONE_BY_ONE: Final = 8
 
 
-def first_line(version: str, subject: str, digest: str, models: Iterable[tuple[str, str, str, str]]) -> str:
+def first_line(
+    version: str, subject: str, digest: str, models: Iterable[tuple[str, str, str, str]]
+) -> str:
     """Return the first line about a run: version, what it is of, and models, with others' packages behind."""
     named = dict[str, list[str]]()
     for kind, name, package, offered in models:
-        named.setdefault(kind, []).append(name if package == "rollslip" else f"{name} ({package} {offered})")
+        named.setdefault(kind, []).append(
+            name if package == "rollslip" else f"{name} ({package} {offered})"
+        )
     used = "; ".join(f"{kind} {', '.join(names)}" for kind, names in named.items())
     return f"rollslip {version} | {subject} {digest[:12]} | {used}"
 
 
 def estimated(dataset: "xr.Dataset") -> str:
     """Say how many conductances of a heat balance are estimated; empty if none is."""
-    count = sum(value.endswith("W/K") for value in json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values())
+    count = sum(
+        value.endswith("W/K")
+        for value in json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values()
+    )
     return f"{count} conductances that all this rests on are estimated" if count else ""
 
 
@@ -77,7 +85,8 @@ def runs_away(slip: float, drag: float, status: str) -> str:
     if math.isnan(slip):
         return status
     return (
-        f"skidding begins at a cage slip of {three_digits(slip)}, limit drag torque {format_quantity(drag, 'N m', 3)}"
+        f"skidding begins at a cage slip of {three_digits(slip)}, limit drag torque "
+        f"{format_quantity(drag, 'N m', 3)}"
     )
 
 
@@ -104,7 +113,9 @@ def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list
     What several results warn of alike is told once, where its consequence is largest; without ``laws`` no bounds
     are. No full stops.
     """
-    others, bounds, every = dict[str, None](), dict[tuple[str, str], dict[str, Any]](), list(datasets)
+    others = dict[str, None]()
+    bounds = dict[tuple[str, str], dict[str, Any]]()
+    every = list(datasets)
     in_rows = [IN_ROWS] if not laws and any("makers_least_load" in one for one in every) else []
     for dataset in every:
         said = json.loads(dataset.attrs.get("validity") or "{}").get("told", [])
@@ -116,21 +127,33 @@ def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list
             known = bounds.setdefault((one["law"], one["made_for"]), one)
             if (one["warned"], one["weight"]) > (known["warned"], known["weight"]):
                 bounds[one["law"], one["made_for"]] = one
-    ranked = sorted(bounds.values(), key=lambda one: (not one["warned"], not one["measured"], -one["weight"]))
+    ranked = sorted(
+        bounds.values(), key=lambda one: (not one["warned"], not one["measured"], -one["weight"])
+    )
     first = [one["text"] for one in ranked[:_MOST] if one["warned"]]
-    return ([*others, *first], [one["short"] for one in ranked[len(first) :]]) if laws else ([*others], [])
+    return (
+        ([*others, *first], [one["short"] for one in ranked[len(first) :]])
+        if laws
+        else ([*others], [])
+    )
 
 
 def counted(more: "Sequence[str]") -> str:
     """Say how many bounds are not told at once, and which; no full stop."""
-    what = "1 more bound of a law is left" if len(more) == 1 else f"{len(more)} more bounds of laws are left"
+    what = (
+        "1 more bound of a law is left"
+        if len(more) == 1
+        else f"{len(more)} more bounds of laws are left"
+    )
     return f"{what}, with less consequence or one that nobody knows: {'; '.join(more)}"
 
 
 def confidence(datasets: "Iterable[xr.Dataset]") -> str:
     """Say what results rest on: a law that approximates another, and the quality of the data; no full stop."""
     every = list(datasets)
-    checked: list[dict[str, Any]] = [json.loads(d.attrs["validity"]) for d in every if d.attrs.get("validity")]
+    checked: list[dict[str, Any]] = [
+        json.loads(d.attrs["validity"]) for d in every if d.attrs.get("validity")
+    ]
     said = list[str]()
     if off := [one["approximation"] for one in checked if one.get("approximation")]:
         most = max(off, key=lambda one: float(one["rms"]))
@@ -138,11 +161,20 @@ def confidence(datasets: "Iterable[xr.Dataset]") -> str:
             f"{most['law']!r} is {100.0 * most['rms']:.2g} % (rms) off {most['reference']!r}, which it approximates"
         )
     kept: list[dict[str, Any]] = [
-        {"kind": "oil"} | json.loads(d.attrs["lubricant"]) for d in every if d.attrs.get("lubricant")
+        {"kind": "oil"} | json.loads(d.attrs["lubricant"])
+        for d in every
+        if d.attrs.get("lubricant")
     ]
     kept += [one for d in every for one in json.loads(d.attrs.get("data", "[]"))]
     for kind in dict.fromkeys(one["kind"] for one in kept):
-        if grades := sorted({grade for one in kept if one["kind"] == kind for grade in one.get("grades", {}).values()}):
+        if grades := sorted(
+            {
+                grade
+                for one in kept
+                if one["kind"] == kind
+                for grade in one.get("grades", {}).values()
+            }
+        ):
             ends = " and ".join(dict.fromkeys((grades[0], grades[-1])))
             said.append(f"data quality of the {kind} {ends} (A printed to D estimated)")
     return "; ".join(said)
@@ -154,11 +186,15 @@ def of_laws(dataset: "xr.Dataset") -> list[str]:
     for variable in dataset.data_vars.values():
         if LAW not in variable.attrs:
             continue
-        (dim, *_), unit = variable.dims, dataset[variable.dims[0]].attrs.get("units", "1")
+        (dim, *_) = variable.dims
+        unit = dataset[variable.dims[0]].attrs.get("units", "1")
         for at, values in zip(dataset[dim].to_numpy().tolist(), variable.to_numpy(), strict=True):
             known = values[np.isfinite(values)]
             ends = (
-                (with_unit(float(end), variable.attrs["units"]) for end in (known.min(), known.max()))
+                (
+                    with_unit(float(end), variable.attrs["units"])
+                    for end in (known.min(), known.max())
+                )
                 if known.size
                 else ("no value",)
             )
@@ -171,7 +207,9 @@ def of_laws(dataset: "xr.Dataset") -> list[str]:
 
 def capital(text: str) -> str:
     """Return a text with a capital as its first letter, unless its first word is a name such as "steady_slip"."""
-    return f"{text[:1].upper()}{text[1:]}" if text.partition(" ")[0].rstrip(":,;").isalpha() else text
+    return (
+        f"{text[:1].upper()}{text[1:]}" if text.partition(" ")[0].rstrip(":,;").isalpha() else text
+    )
 
 
 def single_values(dataset: "xr.Dataset") -> dict[str, str]:
@@ -183,11 +221,20 @@ def single_values(dataset: "xr.Dataset") -> dict[str, str]:
     for name in map(str, dataset.data_vars):
         for label, at in places(dataset, name):
             one = dataset[name].isel(at)
-            value, said_by = one.item(), next((s for s in (f"{name}_status", "status") if s in dataset), None)
+            value = one.item()
+            said_by = next((s for s in (f"{name}_status", "status") if s in dataset), None)
             if isinstance(value, float):
                 status = None if said_by is None else dataset[said_by]
-                missing = "no value" if status is None else str(status.isel(at if status.ndim else {}).item())
-                said = with_unit(value, one.attrs.get("units", "1")) if math.isfinite(value) else missing
+                missing = (
+                    "no value"
+                    if status is None
+                    else str(status.isel(at if status.ndim else {}).item())
+                )
+                said = (
+                    with_unit(value, one.attrs.get("units", "1"))
+                    if math.isfinite(value)
+                    else missing
+                )
             elif name.endswith("_status") and name.removesuffix("_status") in dataset:
                 continue  # said where the value is missing
             else:
@@ -278,8 +325,13 @@ def duration_range(seconds: float) -> str:
     """
     if seconds < 0.005:
         return "less than 0.01 s"
-    low, high = duration(0.5 * seconds), duration(3.0 * seconds)
-    return f"{low.removesuffix(' s')} to {high}" if high.count(" ") == low.count(" ") == 1 else f"{low} to {high}"
+    low = duration(0.5 * seconds)
+    high = duration(3.0 * seconds)
+    return (
+        f"{low.removesuffix(' s')} to {high}"
+        if high.count(" ") == low.count(" ") == 1
+        else f"{low} to {high}"
+    )
 
 
 def span(low: float, high: float) -> str:
@@ -343,7 +395,9 @@ def in_python(command: str) -> str:
     'rollslip.report(rollslip.run(scene, study="steady-slip"))'
     """
     _, name, _, *words = shlex.split(command)
-    changes, given, flags = dict[str, str](), "", list[str]()
+    changes = dict[str, str]()
+    given = ""
+    flags = list[str]()
     while words:
         option, *words = words
         if not words or words[0].startswith("--"):

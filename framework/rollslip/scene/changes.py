@@ -17,7 +17,17 @@ from rollslip.structure import bare_key, fields_of, resolved, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, loads, split_key
 from rollslip.units import as_written, quantity, typed, unit_given
 
-__all__ = ["CHANGES", "NOTED", "SHORT", "Known", "Quantity", "evolve", "full_key", "parse_set", "unknown"]
+__all__ = [
+    "CHANGES",
+    "NOTED",
+    "SHORT",
+    "Known",
+    "Quantity",
+    "evolve",
+    "full_key",
+    "parse_set",
+    "unknown",
+]
 
 #: A person's word for a key -> the key.
 SHORT: Final[Mapping[str, str]] = MappingProxyType({
@@ -25,12 +35,18 @@ SHORT: Final[Mapping[str, str]] = MappingProxyType({
     "clearance": "bearing.radial_clearance", "oil": "lubricant.name",
 })  # fmt: skip
 #: What a name may be meant for, where a person's word or a table is given one.
-_NAMED: Final = {"bearing": "bearing.name", "cage": "cage.make", "clearance": "bearing.clearance_class"}
+_NAMED: Final = {
+    "bearing": "bearing.name",
+    "cage": "cage.make",
+    "clearance": "bearing.clearance_class",
+}
 CHANGES: Final = "changes"
 #: What the table of an oil may have, which is read where its laws are known.
 _OF_OIL: Final = frozenset(attrs.fields_dict(OilTable))
 #: Tables of what a scene's note speaks of.
-NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
+NOTED: Final = frozenset(
+    {"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"}
+)
 
 
 @attrs.frozen(eq=False)
@@ -47,7 +63,8 @@ class Quantity:
 
     def read(self, raw: object, given: str | None = None) -> object:
         """Return a value as the scene takes it, checked as far as one value on its own can be."""
-        value, attribute = raw, self.attribute
+        value = raw
+        attribute = self.attribute
         if self.unit is not None:
             value = quantity(raw, self.unit)
             given = unit_given(raw, self.unit) if given is None else given
@@ -91,7 +108,9 @@ def unknown(key: str, known: dict[str, Quantity]) -> str:
             f"{name}, where values are uncertain with --samples N"
         )
     tail = {one.rpartition(".")[2]: one for one in reversed(known)}
-    near = nearest(key, known, count=1) or [tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)]
+    near = nearest(key, known, count=1) or [
+        tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)
+    ]
     hint = did_you_mean(near, "'rollslip schema' and 'rollslip models NAME' list the keys")
     table = key.rpartition(".")[0]
     if table.count(".") > 1 and not any(one.startswith(f"{table}.") for one in known):
@@ -125,10 +144,15 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     scene = as_scene(scene)
     if not (isinstance(changes, Mapping) and all(isinstance(key, str) for key in changes)):
         given = as_written(changes)
-        raise SceneError([f"changes: values by key are expected, {{'operation.radial_load': '3 kN'}}, not {given}"])
+        raise SceneError(
+            [
+                f"changes: values by key are expected, {{'operation.radial_load': '3 kN'}}, not {given}"
+            ]
+        )
     raw: dict[str, Any] = dict(scene.tables)
     origins = dict(scene.origins)
-    problems, changed = [], set[str]()
+    problems = []
+    changed = set[str]()
     for key, value in changes.items():
         try:
             asked = split_key(full_key(key).strip())
@@ -156,7 +180,9 @@ def evolve(scene: Scene | str | PathLike[str], changes: Mapping[str, object]) ->
     if changed & NOTED and "note" not in changed:  # what it says of the scene holds no more
         raw.pop("note", None)
         origins.pop(("note",), None)
-    follows = {"cage", "models"} if "bearing" in changed else set()  # a cage, or none, is what the bearing's name says
+    follows = (
+        {"cage", "models"} if "bearing" in changed else set()
+    )  # a cage, or none, is what the bearing's name says
     kept = {key: getattr(scene, key) for key in raw.keys() - changed - follows}
     return checked_scene(raw, origins, scene.source, scene.text, kept)
 
@@ -170,11 +196,14 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
     where = list[str | int]()
     for part in path[:-1]:
         if isinstance(table, list):
-            name, bare = where[-1], str(bare_key(kind))
+            name = where[-1]
+            bare = str(bare_key(kind))
             entries = [one if isinstance(one, dict) else {bare: one} for one in table]
             names = [str(one.get(bare)) for one in entries]
             if part not in names:
-                raise ValueError(f"leads nowhere: {name!r} names {', '.join(names) or 'nothing'}, not {part!r}")
+                raise ValueError(
+                    f"leads nowhere: {name!r} names {', '.join(names) or 'nothing'}, not {part!r}"
+                )
             where.append(names.index(str(part)))
             table[:] = entries
             table = table[int(where[-1])]
@@ -200,12 +229,16 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
             else:
                 default = attribute.default if attribute is not None else None
                 choice = attrs.has(type(default)) and bare_key(type(default)) is not None
-                below = resolved(default) if choice else {}  # of other tables, defaults come when they are read
+                below = (
+                    resolved(default) if choice else {}
+                )  # of other tables, defaults come when they are read
             table[part] = below
         where.append(part)
         table = below
     if isinstance(table, list):
-        raise ValueError(f"leads nowhere: {path[-2]!r} is a list; add a parameter of one, or set all of the list")
+        raise ValueError(
+            f"leads nowhere: {path[-2]!r} is a list; add a parameter of one, or set all of the list"
+        )
     before = table.get(path[-1])
     table[path[-1]] = value
     return before, (*where, path[-1])
@@ -229,11 +262,16 @@ def parse_set(text: str) -> tuple[str, object]:
     """
     key, equals, value = readable(text).partition("=")
     if not equals or not key.strip():
-        raise SceneError([f"{as_written(text)}: write KEY=VALUE, such as operation.radial_load='500 N'"])
-    key, value = key.strip(), value.strip()
+        raise SceneError(
+            [f"{as_written(text)}: write KEY=VALUE, such as operation.radial_load='500 N'"]
+        )
+    key = key.strip()
+    value = value.strip()
     try:
         parsed = loads(f"value = {value}")
     except (ValueError, RecursionError):
         return key, value
-    plain = parsed.keys() == {"value"} and isinstance(parsed["value"], bool | int | float | str | list | dict)
+    plain = parsed.keys() == {"value"} and isinstance(
+        parsed["value"], bool | int | float | str | list | dict
+    )
     return key, typed(parsed["value"]) if plain else value

@@ -77,14 +77,18 @@ def interference(fit: str, diameter: float) -> tuple[float, float]:
     seats = {up_to: limits for up_to, limits in classes[fit].items() if limits}
     for up_to, limits in seats.items():
         if diameter <= 1e-3 * float(up_to):
-            low, high, ring_low = (round(1e-6 * float(one), 12) for one in (*limits.split(), ring[up_to]))
+            low, high, ring_low = (
+                round(1e-6 * float(one), 12) for one in (*limits.split(), ring[up_to])
+            )
             mean = 0.5 * (low + high - ring_low)
             return mean if fit.islower() else -mean, math.hypot(high - low, ring_low) / 12**0.5
     most = format_quantity(1e-3 * max(map(float, seats)), "m")
     raise ValueError(f"{fit} is known up to {most}, not for {format_quantity(diameter, 'm')}")
 
 
-def share(ring: Material, raceway: float, seat: float, beyond: float, other: Material | None = None) -> float:
+def share(
+    ring: Material, raceway: float, seat: float, beyond: float, other: Material | None = None
+) -> float:
     """Return the share of an interference that comes through a ring to its raceway, of diameters, in plane stress.
 
     2 s r/(E |r^2 - s^2| (w + w')), with w = ((x^2 + s^2)/|x^2 - s^2| +- nu)/E of ring and seat (Lame).
@@ -108,22 +112,37 @@ def share(ring: Material, raceway: float, seat: float, beyond: float, other: Mat
 
 def spun(material: Material, speed: float, inside: float, outside: float) -> tuple[float, float]:
     """Return by how much the diameters [m] of a free annulus widen at a speed [rad/s], in plane stress."""
-    nu, force = material.poisson_ratio, material.density * speed**2 / (16.0 * material.elastic_modulus)
+    nu = material.poisson_ratio
+    force = material.density * speed**2 / (16.0 * material.elastic_modulus)
     return (
         force * inside * ((3.0 + nu) * outside**2 + (1.0 - nu) * inside**2),
         force * outside * ((1.0 - nu) * outside**2 + (3.0 + nu) * inside**2),
     )
 
 
-def _pushed(bearing: Bearing, speeds: tuple[float, float], outside: float, held: float, gap: float) -> float:
+def _pushed(
+    bearing: Bearing, speeds: tuple[float, float], outside: float, held: float, gap: float
+) -> float:
     """Return by how much rollers widen the outer raceway [m] by their centrifugal force at the epicyclic cage speed.
 
     p of Z m R_m w_c^2 all round an annulus (Lame), of whose seat the share ``held`` acts once it has closed a gap.
     """
-    inner, outer, steel = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter, bearing.material_of("outer")
+    inner = bearing.inner_raceway_diameter
+    outer = bearing.outer_raceway_diameter
+    steel = bearing.material_of("outer")
     cage = (inner * speeds[0] + outer * speeds[1]) / (inner + outer)
-    rollers = bearing.rollers * bearing.material.density * math.pi / 4.0 * bearing.roller_diameter**2
-    pressure = rollers * bearing.roller_length * (inner + outer) / 4.0 * cage * cage / (math.pi * outer * bearing.width)
+    rollers = (
+        bearing.rollers * bearing.material.density * math.pi / 4.0 * bearing.roller_diameter**2
+    )
+    pressure = (
+        rollers
+        * bearing.roller_length
+        * (inner + outer)
+        / 4.0
+        * cage
+        * cage
+        / (math.pi * outer * bearing.width)
+    )
     strain = pressure / steel.elastic_modulus
     if math.isinf(outside):
         return strain * outer * (1.0 + steel.poisson_ratio)
@@ -145,13 +164,16 @@ def operating(
     ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says,
     from ``temperature`` of the outer ring. An outer ring that is not ``rigid`` in the equilibrium widens there.
     """
-    m, (of_inner, of_outer) = bearing.mounting or Mounting(), map(bearing.material_of, ("inner", "outer"))
-    shaft_steel, housing_steel = m.shaft_material or of_inner, m.housing_material or of_outer
+    m = bearing.mounting or Mounting()
+    (of_inner, of_outer) = map(bearing.material_of, ("inner", "outer"))
+    shaft_steel = m.shaft_material or of_inner
+    housing_steel = m.housing_material or of_outer
     bare = {
         part: raceway is not None and raceway.without_ring
         for part, raceway in (("shaft", bearing.inner_raceway), ("housing", bearing.outer_raceway))
     }
-    inner, outer = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter
+    inner = bearing.inner_raceway_diameter
+    outer = bearing.outer_raceway_diameter
     bore, outside = bearing.boundaries
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
     for name, size, low, high in (
@@ -160,7 +182,9 @@ def operating(
     ):
         if not low < size < high and not math.isinf(size):
             bound = (
-                f"less than {format_quantity(high, 'm')}" if size >= high else f"more than {format_quantity(low, 'm')}"
+                f"less than {format_quantity(high, 'm')}"
+                if size >= high
+                else f"more than {format_quantity(low, 'm')}"
             )
             raise FieldError(name, f"must be {bound}, not {format_quantity(size, 'm')}")
     shaft, pressed, of_shaft = _seat(m, "shaft", usual_fit(bore), bore, bare["shaft"])
@@ -174,22 +198,43 @@ def operating(
     if temperatures is not None:
         warm, rollers = (one - temperatures[2] for one in temperatures[:2])
         temperature = temperatures[2]
-    more = [0.0 if of is None else of - m.expansion for of in (m.shaft_expansion, m.housing_expansion)]
-    shrunk = more[0] * (temperature + warm - _FITTED) * bore, -more[1] * (temperature - _FITTED) * outside
+    more = [
+        0.0 if of is None else of - m.expansion for of in (m.shaft_expansion, m.housing_expansion)
+    ]
+    shrunk = (
+        more[0] * (temperature + warm - _FITTED) * bore,
+        -more[1] * (temperature - _FITTED) * outside,
+    )
     wider = more[1] * (temperature - _FITTED) * outer
-    fitted = [min(one, m.smoothing * one) + grown for one, grown in zip((pressed, tight), shrunk, strict=True)]
+    fitted = [
+        min(one, m.smoothing * one) + grown
+        for one, grown in zip((pressed, tight), shrunk, strict=True)
+    ]
 
     def seated(speed: float) -> float:
         """Widening of the inner raceway [m]."""
         if bare["shaft"]:
-            return more[0] * (temperature + warm - _FITTED) * inner + spun(of_inner, speed, m.shaft_bore, inner)[1]
+            return (
+                more[0] * (temperature + warm - _FITTED) * inner
+                + spun(of_inner, speed, m.shaft_bore, inner)[1]
+            )
         at_bore, grown = spun(of_inner, speed, bore, inner)
         left = fitted[0] - at_bore + spun(shaft_steel, speed, m.shaft_bore, bore)[1]
         return through[0] * max(left, 0.0) + grown
 
-    grown = spun(of_outer, speeds[1], outer, beyond)[0] - seated(speeds[0]) + seated(0.0) if m.growth else 0.0
+    grown = (
+        spun(of_outer, speeds[1], outer, beyond)[0] - seated(speeds[0]) + seated(0.0)
+        if m.growth
+        else 0.0
+    )
     if m.growth and rigid:
-        grown += _pushed(bearing, speeds, around if bare["housing"] else outside, through[1], max(-fitted[1], 0.0))
+        grown += _pushed(
+            bearing,
+            speeds,
+            around if bare["housing"] else outside,
+            through[1],
+            max(-fitted[1], 0.0),
+        )
     before = bearing.nominal_clearance if m.initial_clearance is None else m.initial_clearance
     scatters = zip(through, (of_shaft, of_housing), fitted, strict=True)
     return MountedClearance(
@@ -197,23 +242,31 @@ def operating(
             (bearing.clearance_class or "before mounting", before),
             (shaft, -seated(0.0)),
             (housing, wider if bare["housing"] else -through[1] * max(fitted[1], 0.0)),
-            (f"for {warm:.3g} K", -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers)),
+            (
+                f"for {warm:.3g} K",
+                -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers),
+            ),
             ("for speed", grown),
             ("of deviation", m.clearance_deviation),
         ),
         deviation=math.hypot(
-            m.initial_tolerance / math.sqrt(12.0), *(m.smoothing * a * b for a, b, mean in scatters if mean > 0.0)
+            m.initial_tolerance / math.sqrt(12.0),
+            *(m.smoothing * a * b for a, b, mean in scatters if mean > 0.0),
         ),
         assumed=tuple(
             f"{part}_fit"
             for part in ("shaft", "housing")
-            if not bare[part] and getattr(m, f"{part}_fit") is None and getattr(m, f"{part}_interference") is None
+            if not bare[part]
+            and getattr(m, f"{part}_fit") is None
+            and getattr(m, f"{part}_interference") is None
         ),
         rigid=rigid,
     )
 
 
-def _seat(m: Mounting, part: str, usual: str, diameter: float, bare: bool) -> tuple[str, float, float]:
+def _seat(
+    m: Mounting, part: str, usual: str, diameter: float, bare: bool
+) -> tuple[str, float, float]:
     """Return name, mean interference and its standard deviation [m] of a seat."""
     given = getattr(m, f"{part}_interference")
     if bare:
@@ -225,8 +278,11 @@ def _seat(m: Mounting, part: str, usual: str, diameter: float, bare: bool) -> tu
         return part, 0.0, 0.0
     if given is not None:
         return f"{part} fit", given, 0.0
-    key, name = f"{part}_fit", getattr(m, f"{part}_fit") or usual
-    fit, fits = name.replace(" ", ""), [*tolerance_classes()][2:]  # the first two are those of rings
+    key = f"{part}_fit"
+    name = getattr(m, f"{part}_fit") or usual
+    # the first two are those of rings
+    fit = name.replace(" ", "")
+    fits = [*tolerance_classes()][2:]
     if fit not in fits:
         there = ", ".join(one for one in fits if one.islower() == (part == "shaft"))
         raise FieldError(
@@ -234,16 +290,23 @@ def _seat(m: Mounting, part: str, usual: str, diameter: float, bare: bool) -> tu
             f"no fit of a {part} is called {as_written(name)}; there are {there}, or give an interference",
         )
     if fit.islower() != (part == "shaft"):
-        raise FieldError(key, f"{name!r} is no fit of a {part}: shafts have small letters, housings capital ones")
+        raise FieldError(
+            key, f"{name!r} is no fit of a {part}: shafts have small letters, housings capital ones"
+        )
     try:
         return fit, *interference(fit, diameter)
     except ValueError as error:
         raise FieldError(key, f"{error}; give an interference in its place") from None
 
 
-def listed(own: dict[str, object], name: str, data: Bearing, where: Location, problems: list[str]) -> Bearing:
+def listed(
+    own: dict[str, object], name: str, data: Bearing, where: Location, problems: list[str]
+) -> Bearing:
     """Return a named bearing, in the clearance class that the own keys of its table name."""
-    from rollslip.catalogue.discovery import find, get_class  # only a class that is named needs a plugin
+    from rollslip.catalogue.discovery import (
+        find,
+        get_class,
+    )  # only a class that is named needs a plugin
 
     wanted = own.get("clearance_class")
     if not isinstance(wanted, str):
@@ -277,10 +340,13 @@ def before_mounting(filled: dict[str, Any], own: Mapping[str, object], data: Bea
         table["initial_clearance"] = data.radial_clearance
 
 
-def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: list[str]) -> Bearing:
+def in_operation(
+    scene: Any, raw: Mapping[str, Any], where: Location, problems: list[str]
+) -> Bearing:
     """Return the bearing of a scene with its clearance in operation, where none is stated and it has a mounting."""
     b: Bearing = scene.bearing
-    o, at = scene.operation, where.at("bearing")
+    o = scene.operation
+    at = where.at("bearing")
     if "radial_clearance" in raw["bearing"]:
         if where.origins.get(("bearing", "radial_clearance")) != "changes":
             new = {
@@ -291,16 +357,24 @@ def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: 
             said = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out"
             problems += [at.at(key).says(said) for key in unused(raw["bearing"]) if key in new]
         return b if b.mounted is None else attrs.evolve(b, mounted=None)
-    if b.clearance_class is not None and (b.mounting is None or b.mounting.initial_clearance is None):
+    if b.clearance_class is not None and (
+        b.mounting is None or b.mounting.initial_clearance is None
+    ):
         said = "only a bearing with bearing.name has classes; give bearing.mounting.initial_clearance, the middle of it"
         problems.append(at.at("clearance_class").says(said))
         return b
     if b.mounting is None:
         return b
     rings = {"inner_ring_temperature", "outer_ring_temperature"} & raw["operation"].keys()
-    warm = (o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature) if rings else None
+    warm = (
+        (o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature)
+        if rings
+        else None
+    )
     try:
-        mounted = operating(b, (o.inner_speed, o.outer_speed), warm, o.temperature, _rigid(scene.models.outer_ring))
+        mounted = operating(
+            b, (o.inner_speed, o.outer_speed), warm, o.temperature, _rigid(scene.models.outer_ring)
+        )
         return attrs.evolve(b, radial_clearance=mounted.clearance, mounted=mounted)
     except FieldError as error:
         at = at if error.field == "radial_clearance" else at.at("mounting")

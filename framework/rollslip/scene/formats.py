@@ -29,7 +29,9 @@ class Read:
     """What a file says."""
 
     document: object  #: The neutral parameters, as `rollslip.scene.interchange.from_parameters` takes them.
-    notes: tuple[str, ...] = ()  #: What was missing or not used, a sentence each, without full stops.
+    notes: tuple[
+        str, ...
+    ] = ()  #: What was missing or not used, a sentence each, without full stops.
 
 
 @attrs.frozen
@@ -45,7 +47,9 @@ class SceneFormat(abc.ABC):
     """A file format of scenes; a package derives a class and offers an instance by the hook ``scene_formats``."""
 
     name: str  #: As its entry point has it.
-    endings: ClassVar[tuple[str, ...]]  #: Endings of its files, in small letters, such as ``(".json",)``.
+    endings: ClassVar[
+        tuple[str, ...]
+    ]  #: Endings of its files, in small letters, such as ``(".json",)``.
 
     @abc.abstractmethod
     def read(self, content: bytes, source: str) -> Read:
@@ -65,7 +69,9 @@ class SceneFormat(abc.ABC):
 
 
 #: The kind of a file format.
-SCENE_FORMAT: Final = Kind(name="format", hook="scene_formats", base=SceneFormat, data=True, listed=False)
+SCENE_FORMAT: Final = Kind(
+    name="format", hook="scene_formats", base=SceneFormat, data=True, listed=False
+)
 
 
 def endings() -> dict[str, str]:

@@ -66,8 +66,12 @@ def to_parameters(scene: Scene) -> dict[str, Any]:
 def _told(value: object, key: str) -> Any:
     unit = _units().get(key)
     if isinstance(value, Mapping):
-        return {name: _told(inner, f"{key}.{name}" if key else name) for name, inner in value.items()}
-    if isinstance(value, list | tuple) and not (unit and all(isinstance(one, float) for one in value)):
+        return {
+            name: _told(inner, f"{key}.{name}" if key else name) for name, inner in value.items()
+        }
+    if isinstance(value, list | tuple) and not (
+        unit and all(isinstance(one, float) for one in value)
+    ):
         return [_told(one, f"{key}[]") for one in value]
     if isinstance(value, str):
         return value if key.rpartition(".")[2] in _WORDS else _parted(value)
@@ -90,7 +94,9 @@ def from_parameters(document: object, source: str = "parameters") -> Scene:
     if document.get("version") != VERSION:
         came = as_written(document.get("version"))
         raise SceneError(
-            [f"{source}: version: {came} is not read, only {VERSION}; write the file anew, or update rollslip"]
+            [
+                f"{source}: version: {came} is not read, only {VERSION}; write the file anew, or update rollslip"
+            ]
         )
     if unknown := sorted(document.keys() - {"format", "version", "parameters"}):
         raise SceneError([f"{source}: {', '.join(map(as_written, unknown))}: unknown key"])
@@ -107,7 +113,11 @@ def from_parameters(document: object, source: str = "parameters") -> Scene:
     # what follows, the clearance that a mounting leaves and equal temperatures, was written out for others
     operation = raw["operation"]
     bearing = {key: value for key, value in raw["bearing"].items() if key != "radial_clearance"}
-    equal = [key for key in operation if key.endswith("_temperature") and operation[key] == operation["temperature"]]
+    equal = [
+        key
+        for key in operation
+        if key.endswith("_temperature") and operation[key] == operation["temperature"]
+    ]
     for left_out in (equal, []):
         stated = {key: value for key, value in operation.items() if key not in left_out}
         with contextlib.suppress(SceneError):
@@ -119,18 +129,27 @@ def from_parameters(document: object, source: str = "parameters") -> Scene:
 
 def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
     if isinstance(value, Mapping) and "value" in value and "unit" in value:
-        number, unit = value["value"], value["unit"]
+        number = value["value"]
+        unit = value["unit"]
         numbers = number if isinstance(number, list) else [number]
-        good = all(isinstance(one, int | float) and not isinstance(one, bool) and _finite(one) for one in numbers)
+        good = all(
+            isinstance(one, int | float) and not isinstance(one, bool) and _finite(one)
+            for one in numbers
+        )
         if not good or not isinstance(unit, str) or len(value) > 2:
-            problems.append(f"{source}: {key}: a finite number, or a list of them, with a text 'unit' is expected")
+            problems.append(
+                f"{source}: {key}: a finite number, or a list of them, with a text 'unit' is expected"
+            )
             return None
         if unit in (_units().get(key), "1"):
             return number
         texts = [f"{one!r} {unit}" for one in numbers]
         return texts if isinstance(number, list) else texts[0]
     if isinstance(value, Mapping):
-        return {name: _read(inner, f"{key}.{name}" if key else name, source, problems) for name, inner in value.items()}
+        return {
+            name: _read(inner, f"{key}.{name}" if key else name, source, problems)
+            for name, inner in value.items()
+        }
     if isinstance(value, list):
         return [_read(one, f"{key}[]", source, problems) for one in value]
     if value is None:
@@ -166,7 +185,11 @@ class Json(SceneFormat):
 
     def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
         """Write a file; results have no place in it."""
-        notes = () if result is None else ("the result: this format holds parameters alone; not written",)
+        notes = (
+            ()
+            if result is None
+            else ("the result: this format holds parameters alone; not written",)
+        )
         return Written(json.dumps(document, indent=2, allow_nan=False) + "\n", notes)
 
 
@@ -207,9 +230,13 @@ def write_foreign(
     """
     source = readable(os.fspath(path))
     known = _known(path, source)
-    if lost := [name.replace("_", "-") for name in choices if name not in attrs.fields_dict(type(known))]:
+    if lost := [
+        name.replace("_", "-") for name in choices if name not in attrs.fields_dict(type(known))
+    ]:
         raise SceneError([f"{source}: format {known.name} does not know --{lost[0]}"])
-    if result is not None and (of := str(result.attrs.get("scene_hash", ""))) != (own := scene_hash(scene)):
+    if result is not None and (of := str(result.attrs.get("scene_hash", ""))) != (
+        own := scene_hash(scene)
+    ):
         raise SceneError(
             [f"{source}: the result is of another scene, {of[:12] or 'which it does not say'}, not of {own[:12]}; run "
              "this one, or give the one that was run, with the same --set"]
@@ -222,7 +249,9 @@ def write_foreign(
 
 def _known(path: str | os.PathLike[str], source: str) -> SceneFormat:
     if (found := format_of(path)) is None:
-        raise SceneError([f"{source}: no installed format has this ending; there are: {', '.join(endings())}"])
+        raise SceneError(
+            [f"{source}: no installed format has this ending; there are: {', '.join(endings())}"]
+        )
     return found
 
 
@@ -247,7 +276,11 @@ def parameter_schema() -> dict[str, Any]:
         "type": "object",
         "required": ["format", "version", "parameters"],
         "additionalProperties": False,
-        "properties": {"format": {"const": FORMAT}, "version": {"const": VERSION}, "parameters": root},
+        "properties": {
+            "format": {"const": FORMAT},
+            "version": {"const": VERSION},
+            "parameters": root,
+        },
     }
 
 

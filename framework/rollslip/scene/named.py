@@ -23,16 +23,21 @@ NAMED: Final = {"bearing": "a bearing that a plugin offers", "surface": " or ".j
 _KINDS: Final = frozenset(key for key, _ in fields_of(Models)) - {"separator"}
 
 
-def with_named_data(raw: dict[str, object], where: Location, problems: list[str]) -> dict[str, object]:
+def with_named_data(
+    raw: dict[str, object], where: Location, problems: list[str]
+) -> dict[str, object]:
     """Return a raw scene with the values of the data that its tables name; the name itself is no value of a scene."""
     complete = dict(raw)
     for kind in NAMED:
-        table, at = raw.get(kind), where.at(kind).at("name")
+        table = raw.get(kind)
+        at = where.at(kind).at("name")
         if not isinstance(table, Mapping) or "name" not in table:
             continue
         own = {key: value for key, value in table.items() if key != "name"}
         complete[kind] = own
-        from rollslip.catalogue.discovery import get_class  # only a scene that names data needs a plugin
+        from rollslip.catalogue.discovery import (
+            get_class,
+        )  # only a scene that names data needs a plugin
 
         try:
             if not isinstance(name := table["name"], str):
@@ -40,7 +45,9 @@ def with_named_data(raw: dict[str, object], where: Location, problems: list[str]
                     get_class(kind, str(name))  # says what is called so: 6312 is a ball bearing
                 problems.append(at.says(f"a text is expected, not {as_written(name)}"))
                 continue
-            data: Any = SURFACES[surface_name(name)][0] if kind == "surface" else get_class(kind, name).data
+            data: Any = (
+                SURFACES[surface_name(name)][0] if kind == "surface" else get_class(kind, name).data
+            )
             if kind == "bearing":
                 data = listed(own, name, data, where.at(kind), problems)
             complete[kind] = filled = _filled(own, data)
@@ -50,7 +57,11 @@ def with_named_data(raw: dict[str, object], where: Location, problems: list[str]
         except PluginError as error:
             raise type(error)(at.says(str(error))) from error
         if not gives:  # as when a name is set in a scene that spells all values out
-            problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
+            problems.append(
+                at.says(
+                    f"{name!r} gives nothing, every value is written out; leave out what it gives"
+                )
+            )
     return complete
 
 
@@ -59,13 +70,16 @@ def surface_name(written: str) -> str:
     from rollslip.catalogue.discovery import folded  # only a scene that names data needs it
 
     if (name := next((one for one in SURFACES if folded(one) == folded(written)), None)) is None:
-        raise UnknownNameError(f"no surface is called {as_written(written)}; there are: {', '.join(SURFACES)}")
+        raise UnknownNameError(
+            f"no surface is called {as_written(written)}; there are: {', '.join(SURFACES)}"
+        )
     return name
 
 
 def with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:
     """Return a raw scene with the cage that its bearing's name stands for, or without one, where it does not say."""
-    bearing, cage = raw.get("bearing"), raw.get("cage", {})
+    bearing = raw.get("bearing")
+    cage = raw.get("cage", {})
     if not (isinstance(bearing, Mapping) and "name" in bearing and isinstance(cage, Mapping)):
         return complete
     from rollslip.catalogue.discovery import own_cage  # only a scene that names data needs a plugin
@@ -91,11 +105,17 @@ def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
         inner = attrs.has(type(value))
         if key not in filled:
             default: Any = attribute.default
-            follows = isinstance(default, attrs.Factory) and default.takes_self and default.factory(data) == value  # type: ignore[arg-type]
+            follows = (
+                isinstance(default, attrs.Factory)
+                and default.takes_self
+                and default.factory(data) == value
+            )  # type: ignore[arg-type]
             if value is not None and not follows:
                 filled[key] = resolved(value) if inner else value
         elif inner and bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):
-            filled[key] = _filled(below, value)  # a table that may be a bare name is a choice, and taken whole
+            filled[key] = _filled(
+                below, value
+            )  # a table that may be a bare name is a choice, and taken whole
     return filled
 
 
@@ -105,7 +125,8 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
 
     wanted = [("lubricant", where.at("lubricant").at("name"), raw.get("lubricant"), "name")]
     for table in ("models", "study"):
-        below, at = raw.get(table), where.at(table)
+        below = raw.get(table)
+        at = where.at(table)
         for key, given in below.items() if isinstance(below, Mapping) else ():
             if table == "study":
                 wanted.append(("study", at.at(key), key, ""))

@@ -44,7 +44,9 @@ def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -
     said = list[str]()
     for name, value in tables.items():
         if isinstance(value, Mapping) and name not in known:
-            near = f"; did you mean {' or '.join(found)}?" if (found := nearest(name, known)) else ""
+            near = (
+                f"; did you mean {' or '.join(found)}?" if (found := nearest(name, known)) else ""
+            )
             said.append(where.at(name).says(f"no law of a contact is called so{near}"))
         elif not isinstance(value, Mapping) and name not in has and None not in models.values():
             used = ", ".join(law.name for law in laws)
@@ -58,10 +60,14 @@ def members(reads: tuple[frozenset[str], ...]) -> frozenset[str]:
     return frozenset().union(*reads) & CONDITIONS.keys()
 
 
-def check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location) -> None:
+def check_given(
+    models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location
+) -> None:
     """Refuse models that read what the scene does not give."""
     reads = tuple(frozenset(model.reads) for model in models)
-    if not any(lubricant.slopes.values()) and not any(math.isnan(getattr(conditions, name)) for name in members(reads)):
+    if not any(lubricant.slopes.values()) and not any(
+        math.isnan(getattr(conditions, name)) for name in members(reads)
+    ):
         return
     problems = [
         where.at("lubricant").says(

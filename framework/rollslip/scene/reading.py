@@ -59,10 +59,14 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         if source in shipped:
             return parse_scene(decoded(_of_package(source), source), source)
         if not source or not _exists(path):
-            with suppress(UnknownNameError):  # of one that packages offer it tells what is in its way
+            with suppress(
+                UnknownNameError
+            ):  # of one that packages offer it tells what is in its way
                 _of_package(source)
             alike = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
-            said = f"no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"
+            said = (
+                f"no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"
+            )
             raise SceneError([f"{source!r}: {said}"])
     try:
         read = content_of(path)
@@ -89,8 +93,12 @@ def _of_package(name: str) -> bytes:
     try:
         return bytes(load(offer).read())
     except (ImportError, OSError) as error:
-        blame = f"scene {name!r} of package {offer.package} {offer.version}: its file cannot be read"
-        raise PluginError(f"{blame} ({in_words(error)}); repair or uninstall {offer.package}") from error
+        blame = (
+            f"scene {name!r} of package {offer.package} {offer.version}: its file cannot be read"
+        )
+        raise PluginError(
+            f"{blame} ({in_words(error)}); repair or uninstall {offer.package}"
+        ) from error
 
 
 def _exists(path: Path) -> bool:
@@ -123,7 +131,9 @@ def checked_scene(
     complete = with_own_cage(raw, with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
-        scene = attrs.evolve(scene, bearing=in_operation(scene, complete, Location(origins), problems))
+        scene = attrs.evolve(
+            scene, bearing=in_operation(scene, complete, Location(origins), problems)
+        )
         problems += impossible_relations(scene, complete, Location(origins))
     if scene is None or problems:
         raise SceneError([*problems, *unknown_names(raw, Location(origins))])

@@ -39,7 +39,9 @@ class Relation:
     #: table, field: The value that is blamed: ``operation.radial_load``.
     table: str
     field: str
-    of: Callable[[Scene], float]  # returns what it amounts to in a scene, in `unit`; NaN where that cannot be said
+    of: Callable[
+        [Scene], float
+    ]  # returns what it amounts to in a scene, in `unit`; NaN where that cannot be said
     unit: str  # SI unit of it
     words: str  # what it amounts to, in words: "of the roller diameter"
     #: usual, possible: Least and largest of it that are usual, and that are possible.
@@ -66,7 +68,9 @@ class Relation:
         """Return what it would amount to with another value; NaN if the scene cannot have that."""
         table: Any = getattr(scene, self.table)
         try:
-            other: Any = attrs.evolve(scene, **{self.table: attrs.evolve(table, **{self.field: value})})
+            other: Any = attrs.evolve(
+                scene, **{self.table: attrs.evolve(table, **{self.field: value})}
+            )
         except FieldError:
             return math.nan
         return self.of(other)
@@ -74,8 +78,16 @@ class Relation:
     def fault(self, scene: Scene, raw: Mapping[str, object], which: str) -> str:
         """Say how what a scene amounts to leaves what is "usual", or "possible", of it; nothing where it does not."""
         written = self.written(raw)
-        whole = isinstance(written, Real) and not isinstance(written, bool) and float(written).is_integer()
-        span: Span = self.bare if which == "usual" and whole and self.bare is not None else getattr(self, which)
+        whole = (
+            isinstance(written, Real)
+            and not isinstance(written, bool)
+            and float(written).is_integer()
+        )
+        span: Span = (
+            self.bare
+            if which == "usual" and whole and self.bare is not None
+            else getattr(self, which)
+        )
         amounts = self.of(scene)
         if math.isnan(amounts) or span[0] <= amounts <= span[1]:
             return ""
@@ -83,10 +95,14 @@ class Relation:
         unit = attribute.metadata["unit"]
         value: float = getattr(getattr(scene, self.table), self.field)
         given = None if unit is None or written is None else unit_given(written, unit)
-        sums = scene.bearing.mounted if self.field == "radial_clearance" else None  # what it follows from
+        sums = (
+            scene.bearing.mounted if self.field == "radial_clearance" else None
+        )  # what it follows from
         shown = as_given(value, attribute, given) if sums is None else str(sums)
         said = f"{shown} is {self._shown(amounts)} {self.words}, {self.range_in_words(span)} is {which}"
-        if unit is None or given is None or math.isinf(span[1]):  # of too little nothing is likely: any unit has more
+        if (
+            unit is None or given is None or math.isinf(span[1])
+        ):  # of too little nothing is likely: any unit has more
             return said
         of_field: Span = attribute.metadata["usual"]
         meant = likely(
@@ -94,7 +110,8 @@ class Relation:
             given,
             unit,
             lambda other: (
-                of_field[0] <= other <= of_field[1] and self.usual[0] <= self.with_value(scene, other) <= self.usual[1]
+                of_field[0] <= other <= of_field[1]
+                and self.usual[0] <= self.with_value(scene, other) <= self.usual[1]
             ),
         )
         return said if meant is None else f"{said}; did you mean {meant!r}?"
@@ -102,7 +119,9 @@ class Relation:
     def _shown(self, amounts: float) -> str:
         if self.unit == _SPEED_FACTOR:
             return f"{amounts:.2g} {self.unit}"
-        return f"{100 * amounts:.3g} %" if self.unit == "1" else format_quantity(amounts, self.unit, 3)
+        return (
+            f"{100 * amounts:.3g} %" if self.unit == "1" else format_quantity(amounts, self.unit, 3)
+        )
 
     def range_in_words(self, span: Span) -> str:
         """Say from what to what it may go."""
@@ -151,9 +170,14 @@ def _most_loaded(scene: Scene) -> tuple[float, float, float]:
     w = 5 F_r/(Z l): half the rollers carry, at no clearance, without profile, tilt and centrifugal force.
     """
     b = scene.bearing
-    inner, roller = b.inner_raceway_diameter / 2, b.roller_diameter / 2
+    inner = b.inner_raceway_diameter / 2
+    roller = b.roller_diameter / 2
     load: float = _STRIBECK * scene.operation.radial_load / (b.rollers * b.roller_length)
-    return load, inner * roller / (inner + roller), b.material.elastic_modulus / (1 - b.material.poisson_ratio**2)
+    return (
+        load,
+        inner * roller / (inner + roller),
+        b.material.elastic_modulus / (1 - b.material.poisson_ratio**2),
+    )
 
 
 def _pressure(load: float, radius: float, modulus: float) -> float:
@@ -167,7 +191,9 @@ def impossible_pressure(load: float, radius: float, modulus: float) -> str:
     if pressure <= _PRESSURE[1]:
         return ""
     most = format_quantity(_PRESSURE[1], "Pa")
-    return f"{format_quantity(pressure, 'Pa', 3)} of pressure after Hertz, at most {most} is possible"
+    return (
+        f"{format_quantity(pressure, 'Pa', 3)} of pressure after Hertz, at most {most} is possible"
+    )
 
 
 def _over_half_width(scene: Scene, which: str) -> float:
@@ -196,7 +222,9 @@ def skf_least_load(bearing: Any, speed: float) -> float:
 def _rollers(scene: Scene) -> float:
     """Mass of all rollers [kg]."""
     b = scene.bearing
-    return float(b.rollers * b.material.density * math.pi / 4.0 * b.roller_diameter**2 * b.roller_length)
+    return float(
+        b.rollers * b.material.density * math.pi / 4.0 * b.roller_diameter**2 * b.roller_length
+    )
 
 
 def _over_least_load(scene: Scene) -> float:
@@ -240,7 +268,9 @@ RELATIONS: Final = (
     Relation(
         "bearing",
         "rollers",
-        lambda scene: scene.bearing.rollers * scene.bearing.roller_diameter / (math.pi * _pitch(scene)),
+        lambda scene: (
+            scene.bearing.rollers * scene.bearing.roller_diameter / (math.pi * _pitch(scene))
+        ),
         "1",
         "of the pitch circle filled with rollers",
         (0.3, 1.01),
@@ -285,7 +315,9 @@ RELATIONS: Final = (
     Relation(
         "lubrication",
         "oil_level",
-        lambda scene: math.nan if (level := scene.lubrication.oil_level) is None else level / _pitch(scene),
+        lambda scene: (
+            math.nan if (level := scene.lubrication.oil_level) is None else level / _pitch(scene)
+        ),
         "1",
         "of the pitch diameter",
         (0, DEEPEST),
@@ -337,4 +369,6 @@ RELATIONS: Final = (
 
 def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
     """Return a sentence for each relation that no bearing can have, with its place."""
-    return [one.at(where).says(told) for one in RELATIONS if (told := one.fault(scene, raw, "possible"))]
+    return [
+        one.at(where).says(told) for one in RELATIONS if (told := one.fault(scene, raw, "possible"))
+    ]

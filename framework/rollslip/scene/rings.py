@@ -31,7 +31,8 @@ class _Row:
 def _table(part: FormPart) -> tuple[Floats, Floats]:
     """Return angles and heights of a part of a form that is no wave."""
     if part.file is not None:
-        text, faults = named_text(part.file), list[str]()
+        text = named_text(part.file)
+        faults = list[str]()
         columns, _ = read_columns(text, part.file, _Row, faults)
         if faults:
             raise FieldError("file", faults[0])
@@ -39,20 +40,32 @@ def _table(part: FormPart) -> tuple[Floats, Floats]:
     return np.array(part.angles), np.array(part.heights)
 
 
-def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], problems: list[str]) -> Rings | None:
+def rings_of(
+    scene: Any, make: Callable[[Any, Location], RingModel | None], problems: list[str]
+) -> Rings | None:
     """Return the rings of a scene; None where both are rigid and round. What is wrong is added to ``problems``.
 
     ``make`` gives the model of a choice, or adds to ``problems`` too.
     """
-    b, o, m, where = scene.bearing, scene.operation, scene.models, Location(scene.origins)
+    b = scene.bearing
+    o = scene.operation
+    m = scene.models
+    where = Location(scene.origins)
     raceways = [raceway for raceway in (b.inner_raceway, b.outer_raceway) if raceway is not None]
-    if m.inner_ring is None and m.outer_ring is None and not any(raceway.form for raceway in raceways):
+    if (
+        m.inner_ring is None
+        and m.outer_ring is None
+        and not any(raceway.form for raceway in raceways)
+    ):
         return None
-    found, waves, tables = dict[str, RingShapes](), list[tuple[int, float, float]](), list[tuple[Floats, Floats]]()
+    found = dict[str, RingShapes]()
+    waves = list[tuple[int, float, float]]()
+    tables = list[tuple[Floats, Floats]]()
     turns: tuple[list[tuple[int, int]], list[tuple[int, int]]] = [], []
     rings = ("inner", m.inner_ring, o.inner_speed), ("outer", m.outer_ring, o.outer_speed)
     for number, (ring, choice, speed) in enumerate(rings, 1):
-        raceway, at = getattr(b, f"{ring}_raceway"), where.at("bearing").at(f"{ring}_raceway").at("form")
+        raceway = getattr(b, f"{ring}_raceway")
+        at = where.at("bearing").at(f"{ring}_raceway").at("form")
         form = () if raceway is None else raceway.form
         periods = math.gcd(*(part.lobes or 1 for part in form)) if speed != 0.0 else 0
         for part in form:
@@ -77,7 +90,8 @@ def rings_of(scene: Any, make: Callable[[Any, Location], RingModel | None], prob
         return None
     formed = range(b.rollers) if tables else {lobes for lobes, _, _ in waves}
     kept = {ring: _enough(b, one, formed, scene.accuracy.tolerance) for ring, one in found.items()}
-    inner, outer = kept["inner"][0], kept["outer"][0]
+    inner = kept["inner"][0]
+    outer = kept["outer"][0]
     left = sum(error for _, error in kept.values())
     return Rings(inner, outer, tuple(waves), tuple(tables), left, (*turns[0], *turns[1]))
 
@@ -115,9 +129,12 @@ def _contact(bearing: Bearing) -> tuple[float, float]:
 def _softness(bearing: Bearing, shapes: RingShapes) -> tuple[NDArray[np.intp], Floats]:
     """Return waves and Phi of each shape: Z k a^2/K of the hoop, Z k a^2/(4 K) of others, a their largest amplitude."""
     size = np.abs(shapes.harmonics)
-    waves, held = size.argmax(axis=1), np.maximum(shapes.stiffness, 1e-6)
+    waves = size.argmax(axis=1)
+    held = np.maximum(shapes.stiffness, 1e-6)
     k = _contact(bearing)[1]
-    return waves, bearing.rollers * k * size.max(axis=1) ** 2 / held / np.where(waves == 0, 1.0, 4.0)
+    return waves, bearing.rollers * k * size.max(axis=1) ** 2 / held / np.where(
+        waves == 0, 1.0, 4.0
+    )
 
 
 def _enough(
@@ -131,7 +148,9 @@ def _enough(
     if shapes.stops is not None or shapes.pushes.any() or not shapes.stiffness.size:
         return shapes, 0.0
     waves, phi = _softness(bearing, shapes)
-    effect = phi * np.where(np.isin(waves, [*formed]), 1.0, np.minimum(1.0, 60.0 / np.maximum(waves, 1) ** 4.0))
+    effect = phi * np.where(
+        np.isin(waves, [*formed]), 1.0, np.minimum(1.0, 60.0 / np.maximum(waves, 1) ** 4.0)
+    )
     kept = waves <= waves[effect >= tolerance].max(initial=-1)
     columns = ("harmonics", "stiffness", "pushes", "mass")
     some = {name: own[kept] for name in columns if (own := getattr(shapes, name)) is not None}
@@ -139,7 +158,10 @@ def _enough(
 
 
 def yielding(
-    bearing: Bearing, load: float = 0.0, lobes: int = 3, stated: Mapping[str, RingShapes] | None = None
+    bearing: Bearing,
+    load: float = 0.0,
+    lobes: int = 3,
+    stated: Mapping[str, RingShapes] | None = None,
 ) -> tuple[Yielding, Yielding]:
     """Return what bare rings do to loads of rollers, and such on what they sit on; ``stated`` ones are as they are.
 
@@ -157,7 +179,9 @@ def yielding(
         for ring, given in (("inner", inner), ("outer", outer)):
             shapes = (stated or {}).get(ring)
             if shapes is None or not shapes.stiffness.size:
-                shapes = get_class("ring", _YIELDING)(harmonics=phi.size - 1, **given).shapes(bearing, ring, False)
+                shapes = get_class("ring", _YIELDING)(harmonics=phi.size - 1, **given).shapes(
+                    bearing, ring, False
+                )
             waves, soft = _softness(bearing, shapes)
             for n in range(phi.size):
                 phi[n] += soft[waves == n].max(initial=0.0)

@@ -35,12 +35,15 @@ def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
     """Yield the keys of one table of a scene, ``prefix`` before each."""
     kinds = types_of(cls)
     for name, attribute in fields_of(cls):
-        kind, metadata = kinds[attribute.name], attribute.metadata
+        kind = kinds[attribute.name]
+        metadata = attribute.metadata
         free = metadata.get("rest") or FrozenTable in (kind, *get_args(kind))
         key = prefix + ("*" if metadata.get("rest") else f"{name}.*" if free else name)
         if attrs.has(kind):
             if bare_key(kind) is not None:
-                yield SchemaRow(key, "", shown_default(attribute), metadata["doc"], type="a name, or a table")
+                yield SchemaRow(
+                    key, "", shown_default(attribute), metadata["doc"], type="a name, or a table"
+                )
             if key in NAMED:
                 yield SchemaRow(
                     f"{key}.name",
@@ -52,19 +55,35 @@ def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
             yield from rows_of(kind, f"{key}.")
         else:
             usual, possible = (shown_range(attribute, which) for which in ("usual", "possible"))
-            unit, shown = metadata["unit"] or "", shown_type(kind, attribute)
-            yield SchemaRow(key, unit, shown_default(attribute), metadata["doc"], usual, possible, shown)
+            unit = metadata["unit"] or ""
+            shown = shown_type(kind, attribute)
+            yield SchemaRow(
+                key, unit, shown_default(attribute), metadata["doc"], usual, possible, shown
+            )
             if shown == "table" and get_origin(kind) is not tuple:  # one that may be left out
-                yield from (row for one in get_args(kind) if attrs.has(one) for row in rows_of(one, f"{key}."))
+                yield from (
+                    row
+                    for one in get_args(kind)
+                    if attrs.has(one)
+                    for row in rows_of(one, f"{key}.")
+                )
 
 
 def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
     """Return what a field takes, in words, with the choices where there are some."""
-    validator = getattr(attribute.validator, "validator", attribute.validator)  # that of an optional value
-    choices = [str(one) for one in (*getattr(validator, "options", ()), *attribute.metadata.get("words", ()))]
+    validator = getattr(
+        attribute.validator, "validator", attribute.validator
+    )  # that of an optional value
+    choices = [
+        str(one)
+        for one in (*getattr(validator, "options", ()), *attribute.metadata.get("words", ()))
+    ]
     kinds = [one for one in get_args(kind) or (kind,) if one is not type(None)]
     many = get_origin(kind) is tuple
-    words = {float: "quantity" if attribute.metadata.get("unit") not in (None, "1") else "number", int: "whole number"}
+    words = {
+        float: "quantity" if attribute.metadata.get("unit") not in (None, "1") else "number",
+        int: "whole number",
+    }
     words |= {bool: "true or false", str: "text", Any: "a name, or a table"}
     if choices and str in kinds:
         return ("list of " if many else "") + " or ".join(choices)
@@ -72,9 +91,9 @@ def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
         return f"a name, or a table{', or a list of them' if many else ''}"
     plain = next((words[one] for one in kinds if one in words), "table")
     if many:
-        return (
-            f"list of {plain.replace('quantity', 'quantities').replace('number', 'numbers').replace('text', 'texts')}"
-        )
+        plural = plain.replace("quantity", "quantities")
+        plural = plural.replace("number", "numbers")
+        return f"list of {plural.replace('text', 'texts')}"
     return " or ".join([plain, *choices])
 
 
@@ -86,7 +105,8 @@ def shown_range(attribute: "attrs.Attribute[Any]", which: str) -> str:
 
 def shown_default(attribute: "attrs.Attribute[Any]") -> str:
     """Return the default of a field as people read it: with unit, "required" or "derived"."""
-    default, unit = attribute.default, attribute.metadata.get("unit")
+    default = attribute.default
+    unit = attribute.metadata.get("unit")
     if default is attrs.NOTHING:
         return "required"
     if isinstance(default, attrs.Factory):  # type: ignore[arg-type]

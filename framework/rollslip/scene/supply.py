@@ -23,9 +23,11 @@ DENSITY: Final = 870.0
 SLOPE: Final = 0.40
 DEEPEST: Final = 0.3
 #: Jets: speed n d_m [mm/min] from which air carries oil off, and the share that is left at last (C).
-_FAST, _FAST_FRACTION = 5e5, 0.03
+_FAST = 5e5
+_FAST_FRACTION = 0.03
 #: SKF's K_rs of a low bath and of a jet, and of grease and of oil with air [1] (A).
-_LOW, _LEAN = 3e-8, 6e-8
+_LOW = 3e-8
+_LEAN = 6e-8
 #: SKF's K_Z of cylindrical roller bearings with a cage [1] (A).
 _KZ = 5.1
 
@@ -80,7 +82,9 @@ _WITH_FLOW = ("splash", "circulating", "jet")
 class Lubrication:
     """How oil gets to the bearing."""
 
-    supply: str = field(default="bath", doc="kind of supply", validator=one_of(*SUPPLIES), bare=True)
+    supply: str = field(
+        default="bath", doc="kind of supply", validator=one_of(*SUPPLIES), bare=True
+    )
     oil_level: float | None = field(
         default=None,
         unit="m",
@@ -162,9 +166,14 @@ class Supplied(NamedTuple):
         >>> f"{Supplied.of(Lubrication(oil_level=0.002), rings, 0.01, n, 20e-6).starvation:.6f}"
         '0.938355'
         """
-        kind, (d, D) = SUPPLIES[lubrication.supply], (1e3 * one for one in boundaries)
-        n, nu, mean = abs(speed) * 30.0 / math.pi, 1e6 * viscosity, 0.5 * (d + D)
-        level = kind.level * roller_diameter if lubrication.oil_level is None else lubrication.oil_level
+        kind = SUPPLIES[lubrication.supply]
+        (d, D) = (1e3 * one for one in boundaries)
+        n = abs(speed) * 30.0 / math.pi
+        nu = 1e6 * viscosity
+        mean = 0.5 * (d + D)
+        level = (
+            kind.level * roller_diameter if lubrication.oil_level is None else lubrication.oil_level
+        )
         phi = kind.fraction + kind.times * SLOPE * 1e3 * level / (D - d)
         if level > 0.0:
             phi *= 1.0 + (2.6e5 * nu / (n * mean**2)) ** 1.38
@@ -177,7 +186,12 @@ class Supplied(NamedTuple):
             K_rs = lubrication.starvation_constant
         exponent = K_rs * nu * n * (d + D) * math.sqrt(_KZ / (2.0 * (D - d)))
         stated = lubrication.oil_fraction
-        return cls(min(phi, 1.0) if stated is None else stated, math.exp(-min(exponent, _MOST)), kind.land, K_rs)
+        return cls(
+            min(phi, 1.0) if stated is None else stated,
+            math.exp(-min(exponent, _MOST)),
+            kind.land,
+            K_rs,
+        )
 
 
 #: Exponent beyond which no oil is left in the inlets; a film of nothing has no friction.

@@ -15,7 +15,16 @@ from typing import Any, ClassVar, Final
 import attrs
 
 from rollslip.datasets import Bearing, Surface
-from rollslip.fields import FieldError, Scatter, at_least, field, in_range, non_negative, one_of, positive
+from rollslip.fields import (
+    FieldError,
+    Scatter,
+    at_least,
+    field,
+    in_range,
+    non_negative,
+    one_of,
+    positive,
+)
 from rollslip.scene.supply import Lubrication
 from rollslip.structure import FrozenTable, resolved
 from rollslip.units import format_quantity
@@ -37,7 +46,9 @@ class LubricantTable:
     """The oil as it is written: the name of a shipped one, the user's own data, or both."""
 
     name: str | None = field(default=None, doc="name of an oil that a plugin ships", bare=True)
-    data: FrozenTable = field(default=FrozenTable(), doc="the user's own data, or changes to the named oil", rest=True)
+    data: FrozenTable = field(
+        default=FrozenTable(), doc="the user's own data, or changes to the named oil", rest=True
+    )
 
 
 _follow_temperature = attrs.Factory(lambda operation: operation.temperature, takes_self=True)
@@ -68,7 +79,9 @@ def _temperature(of: str, default: object = _follow_temperature) -> Any:
 class Carrier:
     """The carrier of a planet: load and speeds of rings are those that are seen from it."""
 
-    speed: float = field(unit="rad/s", doc="rotational speed of the carrier", usual=(-2e3, 2e3), possible=(-1e6, 1e6))
+    speed: float = field(
+        unit="rad/s", doc="rotational speed of the carrier", usual=(-2e3, 2e3), possible=(-1e6, 1e6)
+    )
     radius: float = field(
         unit="m",
         doc="distance of the axis of the bearing from that of the carrier",
@@ -77,7 +90,9 @@ class Carrier:
         possible=(1e-4, 50),
     )
     direction: float = field(
-        default=attrs.Factory(lambda carrier: math.copysign(math.pi / 2, carrier.speed), takes_self=True),
+        default=attrs.Factory(
+            lambda carrier: math.copysign(math.pi / 2, carrier.speed), takes_self=True
+        ),
         unit="rad",
         doc="direction away from the axis of the carrier, from the line of load; by default as teeth drive the carrier",
         usual=(-6.2832, 6.2832),
@@ -90,12 +105,15 @@ class Operation:
     """What the bearing is doing."""
 
     advice: ClassVar[Mapping[str, str]] = dict.fromkeys(  # on keys that others have
-        ("axial_load", "axial_force", "thrust_load"), "axial loads, which ribs carry, are not modelled; leave it out"
+        ("axial_load", "axial_force", "thrust_load"),
+        "axial loads, which ribs carry, are not modelled; leave it out",
     )
 
     inner_speed: float = _speed("inner")
     outer_speed: float = _speed("outer", 0.0)
-    radial_load: float = field(unit="N", doc="radial load", validator=non_negative, usual=(0, 1e7), possible=(0, 1e9))
+    radial_load: float = field(
+        unit="N", doc="radial load", validator=non_negative, usual=(0, 1e7), possible=(0, 1e9)
+    )
     temperature: float = _temperature("all parts that have none of their own", attrs.NOTHING)
     inner_ring_temperature: float = _temperature("the inner ring")
     outer_ring_temperature: float = _temperature("the outer ring")
@@ -108,7 +126,9 @@ class Operation:
         possible=(-0.1, 0.1),
     )
 
-    carrier: Carrier | None = field(default=None, doc="carrier that the bearing turns with about another axis")
+    carrier: Carrier | None = field(
+        default=None, doc="carrier that the bearing turns with about another axis"
+    )
     gravity_direction: float | None = field(
         default=None,
         unit="rad",
@@ -119,10 +139,15 @@ class Operation:
 
     def __attrs_post_init__(self) -> None:
         if self.carrier is not None and self.gravity_direction is not None:
-            raise FieldError("gravity_direction", "it turns round where a carrier does; leave out one of them")
+            raise FieldError(
+                "gravity_direction", "it turns round where a carrier does; leave out one of them"
+            )
         if self.inner_speed == self.outer_speed:
             speed = format_quantity(self.inner_speed, "rad/s")
-            raise FieldError("inner_speed", f"both rings turn at {speed}, so nothing rolls; give them different speeds")
+            raise FieldError(
+                "inner_speed",
+                f"both rings turn at {speed}, so nothing rolls; give them different speeds",
+            )
 
 
 @attrs.frozen(kw_only=True)
@@ -146,7 +171,12 @@ class Separator:
     the law of the boundary friction of raceways tends to 0.1 where sliding is far more than rolling (B).
     """
 
-    name: str = field(key="model", doc="cage, or none for a full complement", validator=one_of(*SEPARATORS), bare=True)
+    name: str = field(
+        key="model",
+        doc="cage, or none for a full complement",
+        validator=one_of(*SEPARATORS),
+        bare=True,
+    )
     coefficient: float | None = field(
         default=None,
         unit="1",
@@ -176,10 +206,18 @@ def model_kind(key: str) -> str:
 class Models:
     """Which law each stage of a contact follows."""
 
-    contact: ModelChoice = field(default=ModelChoice(name="palmgren"), doc="load and deflection of a contact")
-    film: ModelChoice = field(default=ModelChoice(name="inlet-correction"), doc="thickness of the oil film")
-    pressure: ModelChoice = field(default=ModelChoice(name="light-contact"), doc="pressure in the film")
-    traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
+    contact: ModelChoice = field(
+        default=ModelChoice(name="palmgren"), doc="load and deflection of a contact"
+    )
+    film: ModelChoice = field(
+        default=ModelChoice(name="inlet-correction"), doc="thickness of the oil film"
+    )
+    pressure: ModelChoice = field(
+        default=ModelChoice(name="light-contact"), doc="pressure in the film"
+    )
+    traction: ModelChoice = field(
+        default=ModelChoice(name="lambda-blend"), doc="friction of a contact"
+    )
     separator: Separator | None = field(
         default=None,
         doc="what keeps rollers apart: cage, or none for a full complement; by default what the bearing's name says, "
@@ -196,7 +234,8 @@ class Models:
         doc="where bulk temperatures come from; by default operation gives them",
     )
     damage: tuple[ModelChoice, ...] = field(
-        default=(), doc="what measures the damage that slip does: one model or several; by default none"
+        default=(),
+        doc="what measures the damage that slip does: one model or several; by default none",
     )
     torque: tuple[ModelChoice, ...] = field(
         default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),
@@ -250,7 +289,9 @@ class Accuracy:
     slices: int | None = field(
         default=None,
         doc="laminae along a roller, where a profile or a tilt needs them; auto for as many as the tolerance needs",
-        validator=attrs.validators.optional(attrs.validators.and_(at_least(3), in_range(3, 10_000))),
+        validator=attrs.validators.optional(
+            attrs.validators.and_(at_least(3), in_range(3, 10_000))
+        ),
         words={"auto": None},
         usual=(3, 1001),
     )
@@ -287,15 +328,23 @@ class Scene:
 
     title: str = field(default="", doc="one line about the scene")
     description: str = field(default="", doc="more about the scene, its sources for example")
-    note: str = field(default="", doc="what has to be known before any of its results; told in their first lines")
+    note: str = field(
+        default="", doc="what has to be known before any of its results; told in their first lines"
+    )
     bearing: Bearing = field(doc="geometry and material of the bearing")
     surface: Surface = field(default=Surface(), doc="roughness of the running surfaces")
     lubricant: LubricantTable = field(doc="the oil")
-    lubrication: Lubrication = field(default=Lubrication(), doc="how oil gets to the bearing, by default from a bath")
+    lubrication: Lubrication = field(
+        default=Lubrication(), doc="how oil gets to the bearing, by default from a bath"
+    )
     operation: Operation = field(doc="what the bearing is doing")
     models: Models = field(default=Models(), doc="which law each stage of a contact follows")
-    cage: FrozenTable | None = field(default=None, doc="the cage; by default that of the bearing, estimated (D)")
-    study: Mapping[str, FrozenTable] = field(default=FrozenTable(), doc="settings of each study, by its name")
+    cage: FrozenTable | None = field(
+        default=None, doc="the cage; by default that of the bearing, estimated (D)"
+    )
+    study: Mapping[str, FrozenTable] = field(
+        default=FrozenTable(), doc="settings of each study, by its name"
+    )
     accuracy: Accuracy = field(default=Accuracy(), doc="how exact the result has to be")
     plugins: Plugins = field(default=Plugins(), doc="packages that are required")
     sweep: FrozenTable | None = field(default=None, doc="what is swept, for rollslip sweep")
@@ -305,7 +354,9 @@ class Scene:
 
     source: str = attrs.field(default="", eq=False, metadata={"key": None})
     text: str = attrs.field(default="", eq=False, repr=False, metadata={"key": None})
-    raw: FrozenTable | None = attrs.field(default=None, eq=False, repr=False, metadata={"key": None})
+    raw: FrozenTable | None = attrs.field(
+        default=None, eq=False, repr=False, metadata={"key": None}
+    )
     origins: Mapping[tuple[str | int, ...], str] = attrs.field(
         factory=dict, eq=False, repr=False, metadata={"key": None}
     )
@@ -318,5 +369,10 @@ class Scene:
     def __repr__(self) -> str:
         state = ((self.operation.radial_load, "N"), (self.operation.inner_speed, "rad/s"))
         size = format_quantity(self.bearing.inner_raceway_diameter, "m", 4)
-        told = ", ".join(format_quantity(value, unit, 4) for value, unit in (*state, (self.operation.temperature, "K")))
-        return f"Scene {self.source or self.title!r}: {self.bearing.rollers} rollers on {size}, {told}"
+        told = ", ".join(
+            format_quantity(value, unit, 4)
+            for value, unit in (*state, (self.operation.temperature, "K"))
+        )
+        return (
+            f"Scene {self.source or self.title!r}: {self.bearing.rollers} rollers on {size}, {told}"
+        )

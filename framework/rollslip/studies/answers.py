@@ -110,7 +110,9 @@ class Measurable:
     """A quantity that can be measured, as a variable of a study."""
 
     variable: str  #: The variable; its `Output` names the status.
-    beyond: bool = False  #: Whether no value means one beyond the range of the study, larger than all in it.
+    beyond: bool = (
+        False  #: Whether no value means one beyond the range of the study, larger than all in it.
+    )
     below: str = ""  #: What the status says where no value means one below the range, smaller than all in it.
     #: Of steady slips, which of those that last: 0 the smallest, -1 the largest; None where there is one value.
     lasting: int | None = None

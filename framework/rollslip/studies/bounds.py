@@ -36,7 +36,9 @@ class BoundaryFriction(LeftOut):
             return
         thinnest = float(slices.film_thickness.min()) / slices.conditions.roughness
         if not thinnest >= self.limit:
-            raise BoundBrokenError(self, f"a film parameter of {thinnest:.4g} is below {self.limit:g}")
+            raise BoundBrokenError(
+                self, f"a film parameter of {thinnest:.4g} is below {self.limit:g}"
+            )
 
     def taken_back(self, resolution: Resolution) -> Resolution:
         """Return the resolution with boundary friction."""
@@ -65,7 +67,9 @@ class ExactLaw(LeftOut):
         for name, found in _largest(self.law, slices).items():
             most = self.most[name]
             if not found <= most:
-                raise BoundBrokenError(self, f"a {name.replace('_', ' ')} of {found:.4g} is above {most:.4g}")
+                raise BoundBrokenError(
+                    self, f"a {name.replace('_', ' ')} of {found:.4g} is above {most:.4g}"
+                )
 
     def taken_back(self, resolution: Resolution) -> Resolution:
         """Return the resolution with the law that the scene names."""
@@ -110,7 +114,9 @@ class LightContacts(LeftOut):
     def __call__(self, slices: Slices) -> None:
         """Check the load parameter of the mean load."""
         if len(slices) and not (found := mean_load(slices)) >= self.least:
-            raise BoundBrokenError(self, f"a mean load parameter of {found:.4g} is below {self.least:.4g}")
+            raise BoundBrokenError(
+                self, f"a mean load parameter of {found:.4g} is below {self.least:.4g}"
+            )
 
     def taken_back(self, resolution: Resolution) -> Resolution:
         """Return the resolution with the film's own pressure."""
@@ -132,15 +138,23 @@ class Extremes:
     """What was met in slices: thinnest film, hottest inlet, lightest mean load, largest of each group of a law."""
 
     def __init__(self, law: TractionModel) -> None:
-        self.thinnest, self.groups, self._law = math.inf, dict[str, float](), law
-        self.hottest, self.lightest = 0.0, math.inf
+        self.thinnest = math.inf
+        self.groups = dict[str, float]()
+        self._law = law
+        self.hottest = 0.0
+        self.lightest = math.inf
 
     def __call__(self, slices: Slices) -> None:
         """Take in evaluated slices."""
         if not len(slices):
             return
-        self.thinnest = min(self.thinnest, float(slices.film_thickness.min()) / slices.conditions.roughness)
-        self.hottest, self.lightest = max(self.hottest, hottest(slices)), min(self.lightest, mean_load(slices))
+        self.thinnest = min(
+            self.thinnest, float(slices.film_thickness.min()) / slices.conditions.roughness
+        )
+        self.hottest, self.lightest = (
+            max(self.hottest, hottest(slices)),
+            min(self.lightest, mean_load(slices)),
+        )
         if self._law.closed_form is not None:
             found = _largest(self._law, slices)
             self.groups = {name: max(self.groups.get(name, 0.0), x) for name, x in found.items()}

@@ -31,7 +31,13 @@ from rollslip.errors import ConvergenceError
 from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
 from rollslip.studies.answers import Errors, Estimated, Some, combined
-from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts
+from rollslip.studies.bounds import (
+    BoundaryFriction,
+    ExactLaw,
+    Extremes,
+    InletHeating,
+    LightContacts,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,7 +134,9 @@ class Curved:
     @property
     def slip_range(self) -> float:
         """Slip up to which its curves go; for studies with `curves`."""
-        raise NotImplementedError(f"study {self.name!r} gives curves, but does not say up to which slip")
+        raise NotImplementedError(
+            f"study {self.name!r} gives curves, but does not say up to which slip"
+        )
 
     @property
     def averaged(self) -> bool:
@@ -164,7 +172,9 @@ class Curved:
         return attrs.evolve(self, **settings)
 
     @classmethod
-    def together(cls, cases: "Sequence[tuple[Self, Assembly]]", outputs: frozenset[str]) -> list[Some] | None:
+    def together(
+        cls, cases: "Sequence[tuple[Self, Assembly]]", outputs: frozenset[str]
+    ) -> list[Some] | None:
         """Return some outputs of several points in one go; None if there is no such way to these."""
         return None
 
@@ -177,8 +187,12 @@ class Curved:
 
     def has_error_estimate(self, assembly: Assembly) -> bool:
         """Whether it is estimated after a run how far a result is off: curves, or single values."""
-        has_values = type(self).witnessed is not Curved.witnessed and not assembly.scene.accuracy.exact
-        return assembly.resolution.instants is not None and (has_values or self.curved(assembly) is not None)
+        has_values = (
+            type(self).witnessed is not Curved.witnessed and not assembly.scene.accuracy.exact
+        )
+        return assembly.resolution.instants is not None and (
+            has_values or self.curved(assembly) is not None
+        )
 
     def may_run_again(self, assembly: Assembly) -> bool:
         """Whether a result whose error exceeds its tolerance is run again, finer: one that has the curves itself."""
@@ -187,7 +201,9 @@ class Curved:
 
 def exceeding(errors: Errors, accuracy: Accuracy, fraction: float = 1.0) -> Errors:
     """Return those of some errors that exceed a fraction of their tolerances."""
-    return {name: error for name, error in errors.items() if not error <= fraction * accuracy.of(name)}
+    return {
+        name: error for name, error in errors.items() if not error <= fraction * accuracy.of(name)
+    }
 
 
 # Curves at few slips -------------------------------------------------------------------------------------------------
@@ -203,23 +219,37 @@ class Probe:
         peaks = list[tuple[float, ...]]()
         for k, curve in enumerate(study.curves(assembly, grid, (1,))[0]):
             padded = np.concatenate(([-np.inf], curve, [-np.inf]))
-            is_peak = (curve >= padded[:-2]) & (curve > padded[2:]) & (curve >= _RIVAL * curve.max()) & (curve > 0.0)
+            is_peak = (
+                (curve >= padded[:-2])
+                & (curve > padded[2:])
+                & (curve >= _RIVAL * curve.max())
+                & (curve > 0.0)
+            )
             for best in np.flatnonzero(is_peak).tolist():
-                near = np.linspace(grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)], _AROUND + 2)[1:]
+                near = np.linspace(
+                    grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)], _AROUND + 2
+                )[1:]
                 values = study.curves(assembly, near, (1,))[0][k]
                 top = max(int(np.argmax(values)), 1)
                 if top == near.size - 1:
                     continue  # it rises up to the end of the range
-                if not np.min(np.abs(np.diff(values[top - 1 : top + 2]))) <= _LEVEL * values[top]:  # else level
+                if (
+                    not np.min(np.abs(np.diff(values[top - 1 : top + 2]))) <= _LEVEL * values[top]
+                ):  # else level
                     peaks.append((k, len(slips), near[1] - near[0]))
                     slips += [*near[top - 1 : top + 2]]
         self._slip = np.array(slips)
         self._peaks = np.array(peaks).reshape(-1, 3).T
 
-    def sample(self, assembly: Assembly, *instants: int, small: Sequence[float] = ()) -> list[Sample]:
+    def sample(
+        self, assembly: Assembly, *instants: int, small: Sequence[float] = ()
+    ) -> list[Sample]:
         """Return curves and maxima on each of some numbers of positions, at small shares of the range of slips too."""
         slips = np.concatenate((self._slip, np.multiply(small, self._study.slip_range)))
-        return [(curves, self._maxima(curves)) for curves in self._study.curves(assembly, slips, instants)]
+        return [
+            (curves, self._maxima(curves))
+            for curves in self._study.curves(assembly, slips, instants)
+        ]
 
     def _maxima(self, curves: Array) -> Array:
         """Return the slips of the maxima, NaN where there is none among the slips around it."""
@@ -257,7 +287,9 @@ def _everywhere(coarse: Sample, fine: Sample) -> Errors:
     return {**difference(coarse, fine), "friction": _largest(change)}
 
 
-def errors_between(judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.Dataset") -> dict[str, float]:
+def errors_between(
+    judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.Dataset"
+) -> dict[str, float]:
     """Return the relative errors of a result against a finer one, infinite where only one has a value.
 
     A variable of several values is a curve, and relative to its largest one; critical slips are each relative to
@@ -269,9 +301,15 @@ def errors_between(judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.D
         if coarse.shape != true.shape or np.any(np.isnan(coarse) != np.isnan(true)):
             errors[result] = math.inf
         elif not np.all(np.isnan(true)):
-            scale = np.abs(true) if result == "critical_slip" else np.fmax.reduce(np.abs(true), axis=-1, keepdims=True)
+            scale = (
+                np.abs(true)
+                if result == "critical_slip"
+                else np.fmax.reduce(np.abs(true), axis=-1, keepdims=True)
+            )
             scale = np.maximum(scale, fine[name].attrs.get("floor", 0.0))
-            errors[result] = float(np.nanmax(np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0)))
+            errors[result] = float(
+                np.nanmax(np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0))
+            )
     return errors
 
 
@@ -314,7 +352,10 @@ class Bound:
     def over(cls, numbers: Sequence[int], errors: Sequence[Errors], fine: int) -> "Bound":
         """Return the least bound on what some numbers of points differ by from finer ones."""
         pairs = zip(numbers, errors, strict=True)
-        scaled = [{name: n * n / error_fraction(n, fine) * error for name, error in one.items()} for n, one in pairs]
+        scaled = [
+            {name: n * n / error_fraction(n, fine) * error for name, error in one.items()}
+            for n, one in pairs
+        ]
         return cls(constants=combined(scaled, max))
 
     def at(self, n: int) -> Errors:
@@ -323,7 +364,10 @@ class Bound:
 
     def needed(self, allowed: Errors) -> float:
         """Return how many points errors need."""
-        return max((math.sqrt(constant / allowed[name]) for name, constant in self.constants.items()), default=0.0)
+        return max(
+            (math.sqrt(constant / allowed[name]) for name, constant in self.constants.items()),
+            default=0.0,
+        )
 
 
 def few_slices(assembly: Assembly) -> Assembly:
@@ -331,7 +375,9 @@ def few_slices(assembly: Assembly) -> Assembly:
     return assembly.at(attrs.evolve(assembly.resolution, slices=FEW, quadrature="equal"))
 
 
-def by_curves(study: Curved, assembly: Assembly, *, share: float = 1.0, cheaper_laws: bool = True) -> Estimated:
+def by_curves(
+    study: Curved, assembly: Assembly, *, share: float = 1.0, cheaper_laws: bool = True
+) -> Estimated:
     """Choose the resolution of a study by its curves, on a ladder of few slices and roller positions."""
     if assembly.scene.accuracy.exact:
         return exactly(study, assembly)
@@ -358,7 +404,9 @@ def with_tables(estimated: Estimated, assembly: Assembly, share: float) -> Estim
     )
 
 
-def slices_and_instants(study: Curved, assembly: Assembly, share: float) -> tuple[Estimated, Probe, Assembly]:
+def slices_and_instants(
+    study: Curved, assembly: Assembly, share: float
+) -> tuple[Estimated, Probe, Assembly]:
     """Choose slices and positions alone; return probe and bearing with few slices, by which that was done, too."""
     accuracy = assembly.scene.accuracy
     best = finest(assembly.scene)
@@ -379,12 +427,19 @@ def slices_and_instants(study: Curved, assembly: Assembly, share: float) -> tupl
     if assembly.slices > 1:
 
         def sampled(n: int, rule: str = "equal") -> Sample:
-            return probe.sample(few.at(attrs.evolve(few.resolution, slices=n, quadrature=rule)), SOME)[0]
+            return probe.sample(
+                few.at(attrs.evolve(few.resolution, slices=n, quadrature=rule)), SOME
+            )[0]
 
-        rest = {name: max(error - left.get(name, 0.0), 0.3 * error) for name, error in allowed.items()}
+        rest = {
+            name: max(error - left.get(name, 0.0), 0.3 * error) for name, error in allowed.items()
+        }
         fine = sampled(_SLICES[-1])
         rules = ["equal", "gauss"] if accuracy.slices is None else ["equal"]
-        bounds = {rule: Bound.of(_SLICES, [*(sampled(n, rule) for n in _SLICES[:-1]), fine]) for rule in rules}
+        bounds = {
+            rule: Bound.of(_SLICES, [*(sampled(n, rule) for n in _SLICES[:-1]), fine])
+            for rule in rules
+        }
         needed = {rule: bound.needed(rest) for rule, bound in bounds.items()}
         rule = min(needed, key=needed.__getitem__)
         slices = accuracy.slices or _whole(needed[rule], _SLICES[0], best.slices)
@@ -397,7 +452,9 @@ def _whole(number: float, low: int, high: int | None) -> int:
     return int(min(max(math.ceil(min(number, 1e9)), low), high or low))
 
 
-def _laws(chosen: Estimated, study: Curved, probe: Probe, few: Assembly, cheaper_laws: bool) -> Estimated:
+def _laws(
+    chosen: Estimated, study: Curved, probe: Probe, few: Assembly, cheaper_laws: bool
+) -> Estimated:
     """Leave out what is not needed, or changes too little, and take a closed form where its share allows it."""
     law = few.traction.full_film
     limit = few.traction.full_film_from
@@ -430,11 +487,16 @@ def _laws(chosen: Estimated, study: Curved, probe: Probe, few: Assembly, cheaper
             resolution = attrs.evolve(resolution, **changes)
             errors[name] = error
             left_out.append(bound)
-    return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out), laws_tried=True)
+    return attrs.evolve(
+        chosen, resolution=resolution, errors=errors, left_out=tuple(left_out), laws_tried=True
+    )
 
 
 def by_doubling(
-    run: Callable[[Assembly], "xr.Dataset"], judged: Mapping[str, str], acts: Collection[str], assembly: Assembly
+    run: Callable[[Assembly], "xr.Dataset"],
+    judged: Mapping[str, str],
+    acts: Collection[str],
+    assembly: Assembly,
 ) -> Estimated:
     """Choose the resolution of a study without curves: doubled until what is judged stands still.
 
@@ -445,7 +507,9 @@ def by_doubling(
     best = finest(assembly.scene)
     if accuracy.exact or not judged:
         return Estimated(resolution=best if judged else assembly.resolution)
-    few = attrs.evolve(assembly.resolution, slices=accuracy.slices or _SLICES[0], quadrature="equal", instants=SOME)
+    few = attrs.evolve(
+        assembly.resolution, slices=accuracy.slices or _SLICES[0], quadrature="equal", instants=SOME
+    )
 
     def solved(**number: Any) -> "xr.Dataset":
         return run(assembly.at(attrs.evolve(few, **number)))
@@ -462,7 +526,8 @@ def by_doubling(
         fine = solved(**{part: number})
         while number < most:
             number = min(2 * number, most)
-            coarse, fine = fine, solved(**{part: number})
+            coarse = fine
+            fine = solved(**{part: number})
             errors[part] = errors_between(judged, coarse, fine)
             off = exceeding(errors[part], accuracy, 0.5 * _AIM)  # slices and positions add up
             if not off:
@@ -537,11 +602,13 @@ class _Run:
         """
         import xarray as xr
 
-        study, times = self.curved, 1
+        study = self.curved
+        times = 1
         if study is not self.study:
             study = study.evolved(points=_SAMPLED_SLIPS)
         if dense and (points := getattr(study, "points", 0)):
-            study, times = study.evolved(points=DENSER * (points - 1) + 1), DENSER
+            study = study.evolved(points=DENSER * (points - 1) + 1)
+            times = DENSER
         case = study, at.at(attrs.evolve(at.resolution, instants=instants))
         found = type(study).together([case], frozenset(study.judged.values()))
         if found is None or study.curves_of is None:
@@ -561,12 +628,17 @@ class _Run:
         err alike. Few slips show it, and where it is not clearly below its tolerance those of the result.
         """
         resolution = self.assembly.resolution
-        many = attrs.evolve(resolution, slices=_FINER_SLICES * resolution.slices, quadrature="gauss")
+        many = attrs.evolve(
+            resolution, slices=_FINER_SLICES * resolution.slices, quadrature="gauss"
+        )
         pair = self.assembly, self.assembly.at(many)
         changes = self.change(*(self.probe.sample(at, instants)[0] for at in pair))
         if exceeding(changes, self.accuracy, _CLEAR):
             changes = self.change(*(self.solution(at, instants) for at in pair))
-        return {name: change / error_fraction(1, _FINER_SLICES, AT_ONCE) for name, change in changes.items()}
+        return {
+            name: change / error_fraction(1, _FINER_SLICES, AT_ONCE)
+            for name, change in changes.items()
+        }
 
     def of_instants(self, at: Assembly, orders: dict[str, float]) -> Errors:
         """Return the errors of the positions by 2 m + 1 others, and put the orders with which they fall in a mapping.
@@ -582,17 +654,24 @@ class _Run:
         half = (m + 1) // 2
         least = _min_order(self.curved)
         reference = self.solution(at, 2 * m + 1, dense=self.curved.followed)
-        is_known = at is self.assembly and self.curved is self.study and not isinstance(reference, tuple)
+        is_known = (
+            at is self.assembly and self.curved is self.study and not isinstance(reference, tuple)
+        )
         changes = self.change(self.dataset if is_known else self.solution(at, m), reference)
         if self.curved.followed:
             changes = combined((changes, self.change(self.solution(at, m + 1), reference)), max)
-        errors = {name: change / error_fraction(m, 2 * m + 1, least) for name, change in changes.items()}
+        errors = {
+            name: change / error_fraction(m, 2 * m + 1, least) for name, change in changes.items()
+        }
         if not exceeding(errors, self.accuracy, _CLEAR):
             return errors
         before = self.change(self.solution(at, half), reference)
-        orders |= {name: _order(half, m, before.get(name, 0.0), change) for name, change in changes.items()}
+        orders |= {
+            name: _order(half, m, before.get(name, 0.0), change) for name, change in changes.items()
+        }
         return {
-            name: change / error_fraction(m, 2 * m + 1, max(orders[name], least)) for name, change in changes.items()
+            name: change / error_fraction(m, 2 * m + 1, max(orders[name], least))
+            for name, change in changes.items()
         }
 
     def of_parts(self) -> ErrorEstimate:
@@ -610,7 +689,9 @@ class _Run:
             errors["instants"] = self.of_instants(self.few, orders)
         if self.accuracy.exact:
             return found
-        is_off = exceeding(errors.get("instants", {}), self.accuracy, _CLEAR) and exceeding(found.total, self.accuracy)
+        is_off = exceeding(errors.get("instants", {}), self.accuracy, _CLEAR) and exceeding(
+            found.total, self.accuracy
+        )
         if is_off and self.few is not self.assembly:
             errors["instants"] = self.of_instants(self.assembly, orders)
         if "slices" in errors and m > SOME and exceeding(found.total, self.accuracy):
@@ -627,25 +708,41 @@ class _Run:
         resolution = self.assembly.resolution
         orders = {name: min(max(order, MIN_ORDER), AT_ONCE) for name, order in found.orders.items()}
         # curves that are followed from slip to slip hang on more than few slips
-        compares = bool(found.errors.get("slices")) and "instants" in found.errors and not self.curved.followed
+        compares = (
+            bool(found.errors.get("slices"))
+            and "instants" in found.errors
+            and not self.curved.followed
+        )
 
         def errors_by(finer: Resolution, *, of_curves: bool = compares) -> Errors:
             at = self.assembly.at(finer)
             changes = dict(self.study.witnessed(at, self.dataset))
             if of_curves:
-                samples = (self.probe.sample(one, one.resolution.instants or 1)[0] for one in (self.assembly, at))
+                samples = (
+                    self.probe.sample(one, one.resolution.instants or 1)[0]
+                    for one in (self.assembly, at)
+                )
                 changes = {**self.change(*samples), **changes}
-            return {name: change / error_fraction(1, 2, orders.get(name, AT_ONCE)) for name, change in changes.items()}
+            return {
+                name: change / error_fraction(1, 2, orders.get(name, AT_ONCE))
+                for name, change in changes.items()
+            }
 
         more = 2 * (resolution.instants or 1) + 1
         if resolution.slices < _SOME_SLICES:
             more = max(more, _SOME_INSTANTS)
-        dense = math.ceil((2.0 if resolution.quadrature == "gauss" else math.pi) * resolution.slices)
+        dense = math.ceil(
+            (2.0 if resolution.quadrature == "gauss" else math.pi) * resolution.slices
+        )
         twice = attrs.evolve(resolution, slices=max(dense, _SOME_SLICES), quadrature="gauss")
         at_once = errors_by(attrs.evolve(twice, instants=more, **self.complete))
         # they may err as the run does by chance, and others hardly do as well
-        if exceeding(at_once, self.accuracy, _BEYOND_CHANCE) and not exceeding(at_once, self.accuracy):
-            others = attrs.evolve(resolution, slices=2 * resolution.slices + 1, instants=more + 1, **self.complete)
+        if exceeding(at_once, self.accuracy, _BEYOND_CHANCE) and not exceeding(
+            at_once, self.accuracy
+        ):
+            others = attrs.evolve(
+                resolution, slices=2 * resolution.slices + 1, instants=more + 1, **self.complete
+            )
             at_once = combined((at_once, errors_by(others, of_curves=False)), max)
         alone = dict[str, Errors]()
         if exceeding(_without_jumps(at_once), self.accuracy):
@@ -689,7 +786,9 @@ def estimate_error(
         complete={name: getattr(whole, name) for name in _PARTS_OF_CONTACT},
     )
     try:
-        found = ErrorEstimate(errors={part: {} for part in ("slices", "instants")[assembly.slices == 1 :]})
+        found = ErrorEstimate(
+            errors={part: {} for part in ("slices", "instants")[assembly.slices == 1 :]}
+        )
         if curved is not None:
             found = run.of_parts()
         if not accuracy.exact:
@@ -711,11 +810,15 @@ def by_seen_order(found: ErrorEstimate, first: ErrorEstimate | None) -> ErrorEst
     errors = {}
     for name, error in slices.items():
         order = _order(first.slices, found.slices, before.get(name, 0.0), error)
-        errors[name] = error * error_fraction(1, _FINER_SLICES) / error_fraction(1, _FINER_SLICES, order)
+        errors[name] = (
+            error * error_fraction(1, _FINER_SLICES) / error_fraction(1, _FINER_SLICES, order)
+        )
     return attrs.evolve(found, errors={**found.errors, "slices": errors})
 
 
-def refined(study: Curved, assembly: Assembly, estimated: Estimated, error: ErrorEstimate) -> Estimated | None:
+def refined(
+    study: Curved, assembly: Assembly, estimated: Estimated, error: ErrorEstimate
+) -> Estimated | None:
     """Return the resolution with which a run is made again whose error exceeds its tolerance; None if it is not.
 
     Slices take the second order of their rule, positions the order that was seen, a half at least: few may err alike.
@@ -727,20 +830,26 @@ def refined(study: Curved, assembly: Assembly, estimated: Estimated, error: Erro
     if not off or not study.may_run_again(assembly):
         return None
     resolution = estimated.resolution
-    found = " and ".join(f"{name.replace('_', ' ')} off by {size:.1e}" for name, size in off.items())
+    found = " and ".join(
+        f"{name.replace('_', ' ')} off by {size:.1e}" for name, size in off.items()
+    )
     if off.keys() & exceeding(error.alone.get(LEFT_OUT, {}), accuracy, _AIM_AGAIN).keys():
         taken_back = (*_PARTS_OF_CONTACT, "law")
         return attrs.evolve(
             estimated,
             resolution=estimated.complete,
             left_out=(),
-            errors={part: errors for part, errors in estimated.errors.items() if part not in taken_back},
+            errors={
+                part: errors for part, errors in estimated.errors.items() if part not in taken_back
+            },
             seen=f"what was left out of a contact was seen to leave {found}",
         )
     numbers = numbers_of(resolution)
     most = numbers_of(finest(assembly.scene))
     finished = [part for part in error.errors if numbers[part] >= most[part]]
-    stays = combined((of.get(part, {}) for part in finished for of in (error.errors, error.alone)), max)
+    stays = combined(
+        (of.get(part, {}) for part in finished for of in (error.errors, error.alone)), max
+    )
     if off.keys() <= exceeding(stays, accuracy).keys():
         return None
     times = _growth(error, {name: accuracy.of(name) for name in off})
@@ -750,11 +859,17 @@ def refined(study: Curved, assembly: Assembly, estimated: Estimated, error: Erro
         least = MAX_ORDER if part == "slices" else _min_order(study)
         orders = {name: max(min(error.orders.get(name, 1.0), MAX_ORDER), least) for name in errors}
         exceeded = [name for name in errors if name in off]
-        aims = [(errors[name] / (_AIM_AGAIN * accuracy.of(name))) ** (1.0 / orders[name]) for name in exceeded]
+        aims = [
+            (errors[name] / (_AIM_AGAIN * accuracy.of(name))) ** (1.0 / orders[name])
+            for name in exceeded
+        ]
         factor = min(max(1.0, times[part], *aims), _MAX_FACTOR)
         more[part] = max(min(math.ceil(factor * numbers[part]), most[part]), numbers[part])
         if errors:
-            left[part] = {name: size * (numbers[part] / more[part]) ** orders[name] for name, size in errors.items()}
+            left[part] = {
+                name: size * (numbers[part] / more[part]) ** orders[name]
+                for name, size in errors.items()
+            }
     if more == numbers or assembly.scene.bearing.rollers * math.prod(more.values()) > _MAX_SLICES:
         return None
     return attrs.evolve(
@@ -776,7 +891,9 @@ def _growth(error: ErrorEstimate, tolerances: Errors) -> dict[str, float]:
             rest = max(2.0 * _AIM_AGAIN * tolerance - others, _AIM_AGAIN * tolerance)
             times[part] = max(times[part], math.sqrt(size / rest))
         if max(times.values()) <= 1.0:
-            times = dict.fromkeys(parts, math.sqrt(error.at_once.get(name, 0.0) / (2.0 * _AIM_AGAIN * tolerance)))
+            times = dict.fromkeys(
+                parts, math.sqrt(error.at_once.get(name, 0.0) / (2.0 * _AIM_AGAIN * tolerance))
+            )
     return times
 
 

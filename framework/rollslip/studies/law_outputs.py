@@ -35,11 +35,14 @@ def law_outputs(study: Study, assembly: Assembly, dataset: "xr.Dataset") -> Vari
     curves = None if type(study).evaluated is Study.evaluated else study.curves_of
     if curves is not None:
         contacts = [*study.evaluated(assembly, dataset)]
-        groups = [[one for one in contacts if one.curve == k] for k in range(dataset.sizes[curves.over])]
+        groups = [
+            [one for one in contacts if one.curve == k] for k in range(dataset.sizes[curves.over])
+        ]
         dims: tuple[str, ...] = (curves.over, curves.slip)
     else:
         contacts = study.judged_slices(assembly, dataset)
-        groups, dims = [[one for one in contacts if one.ring == ring] for ring in RINGS], ("ring", "steady")
+        groups = [[one for one in contacts if one.ring == ring] for ring in RINGS]
+        dims = ("ring", "steady")
         if len(groups[0]) != dataset.sizes.get("steady"):
             dims = ("ring",)
     found = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]()
@@ -59,7 +62,10 @@ def _means(law: SliceModel, name: str, contacts: Sequence[Evaluated], assembly: 
     loaded = [k for k, one in enumerate(contacts) if len(one.load)]
     for table in filled(contacts, assembly):
         weighted = table.force * quantity(law, name, table.slices)
-        sums[:, loaded] = np.add.reduceat(weighted, table.starts), np.add.reduceat(table.force, table.starts)
+        sums[:, loaded] = (
+            np.add.reduceat(weighted, table.starts),
+            np.add.reduceat(table.force, table.starts),
+        )
     with np.errstate(invalid="ignore"):
         means: Array = sums[0] / sums[1]
     return means

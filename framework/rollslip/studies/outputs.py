@@ -24,21 +24,28 @@ Values: TypeAlias = tuple[Variables, Variables, dict[str, Any]]
 
 def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     """Return the outputs asked for, or the default ones, with the words that belong to them."""
-    known, problems = study.outputs, []
+    known = study.outputs
+    problems = []
     also = {other: name for name, output in known.items() for other in output.also}
-    asked = tuple(dict.fromkeys(name if name in known else also.get(name, name) for name in names)) or tuple(
-        name for name, output in known.items() if output.default
-    )
+    asked = tuple(
+        dict.fromkeys(name if name in known else also.get(name, name) for name in names)
+    ) or tuple(name for name, output in known.items() if output.default)
     for name in asked:
         if name not in known:
             near = nearest(name, known, count=1)
-            having = [other for other in available("study") if name in get_class("study", other).outputs]
+            having = [
+                other for other in available("study") if name in get_class("study", other).outputs
+            ]
             hint = f"did you mean {near[0]!r}? " if near else ""
             hint = f"study {' or '.join(map(repr, having))} has it. " if having else hint
-            problems.append(f"output: study {study.name!r} has no {name!r}; {hint}There are: {', '.join(known)}")
+            problems.append(
+                f"output: study {study.name!r} has no {name!r}; {hint}There are: {', '.join(known)}"
+            )
     if problems:
         raise SceneError(problems)
-    return tuple(dict.fromkeys((*asked, *(known[name].status for name in asked if known[name].status))))
+    return tuple(
+        dict.fromkeys((*asked, *(known[name].status for name in asked if known[name].status)))
+    )
 
 
 def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
@@ -60,10 +67,16 @@ def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
             _, value, said = study.outputs[name].variable(dataset.attrs[name])
             wanted[name] = _plain((), value, said)
     dims = {dim for of, *_ in wanted.values() for dim in of if dim in dataset.coords}
-    return wanted, {dim: _plain((dim,), dataset[dim], dataset[dim].attrs) for dim in dims}, dict(dataset.attrs)
+    return (
+        wanted,
+        {dim: _plain((dim,), dataset[dim], dataset[dim].attrs) for dim in dims},
+        dict(dataset.attrs),
+    )
 
 
-def evaluate_together(cases: Sequence[tuple[Study, Assembly]], names: Sequence[str]) -> list[Values] | None:
+def evaluate_together(
+    cases: Sequence[tuple[Study, Assembly]], names: Sequence[str]
+) -> list[Values] | None:
     """Return what `evaluate` does for several points in one go; None where their study has no way to."""
     results = type(cases[0][0]).together(cases, frozenset(names)) if cases else None
     return None if results is None else [_picked(some, names) for some in results]
@@ -75,5 +88,7 @@ def _picked(found: Some, names: Sequence[str]) -> Values:
     return wanted, {dim: _plain(*coords[dim]) for of, *_ in wanted.values() for dim in of}, {}
 
 
-def _plain(dims: Any, values: Any, said: Mapping[str, Any]) -> tuple[tuple[str, ...], Any, Mapping[str, Any]]:
+def _plain(
+    dims: Any, values: Any, said: Mapping[str, Any]
+) -> tuple[tuple[str, ...], Any, Mapping[str, Any]]:
     return (dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), said

@@ -19,14 +19,18 @@ def share_of(assembly: Assembly, estimated: Estimated) -> str:
     if estimated.seen:
         return f"{estimated.seen}, so it was run again"
     accuracy = assembly.scene.accuracy
-    share = " and ".join(f"{accuracy.of(result):g} ({result.replace('_', ' ')})" for result in estimated.total)
+    share = " and ".join(
+        f"{accuracy.of(result):g} ({result.replace('_', ' ')})" for result in estimated.total
+    )
     return f"the fewest whose estimated error keeps {share}" if share else "the finest of all"
 
 
 def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
     """Return how a contact is cut along the roller."""
-    scene, resolution = assembly.scene, assembly.resolution
-    bearing, tilted = scene.bearing, scene.operation.misalignment != 0.0
+    scene = assembly.scene
+    resolution = assembly.resolution
+    bearing = scene.bearing
+    tilted = scene.operation.misalignment != 0.0
     if assembly.slices == 1:
         return Part(
             part="slices",
@@ -35,7 +39,9 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
             resolution="1",
             reason="straight rollers and aligned rings load a contact evenly along its length",
         )
-    uneven = " and ".join(["the profile"] * (bearing.profile.shape != "none") + ["the misalignment"] * tilted)
+    uneven = " and ".join(
+        ["the profile"] * (bearing.profile.shape != "none") + ["the misalignment"] * tilted
+    )
     points = "equal laminae" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
     if scene.accuracy.slices is not None:
         why = "accuracy.slices fixes their number"
@@ -50,7 +56,8 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
 
 def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -> list[Part]:
     """Return how the load is spread over rollers and instants, and which rollers carry nothing."""
-    bearing, instants = assembly.scene.bearing, assembly.resolution.instants
+    bearing = assembly.scene.bearing
+    instants = assembly.resolution.instants
     doubled = f"roller positions doubled until the curve moves by less than {assembly.scene.accuracy.tolerance:g}"
     loaded = int(np.count_nonzero(assembly.load_distribution(1).inner_force[0]))
     return [
@@ -75,7 +82,9 @@ def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -
 
 def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
     """Return whether boundary friction takes part, and the law that serves in place of the scene's."""
-    resolution, errors, found = assembly.resolution, estimated.errors, list[Part]()
+    resolution = assembly.resolution
+    errors = estimated.errors
+    found = list[Part]()
     limit = assembly.at(attrs.evolve(resolution, boundary=True)).traction.full_film_from
     if limit is not None:
         said = "whether all films are full was not looked at"
@@ -91,7 +100,10 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
                 reason=f"a film is full from a film parameter of {limit:g}; {said}",
             )
         )
-    parts = {"inlet_heating": ("thermal inlet shear", assembly.film.name), "light_contacts": ("pressure", "hertz")}
+    parts = {
+        "inlet_heating": ("thermal inlet shear", assembly.film.name),
+        "light_contacts": ("pressure", "hertz"),
+    }
     for name, (part, choice) in parts.items():
         if name in errors:
             found.append(
@@ -135,13 +147,17 @@ def spent(costs: Mapping[str, float], meanings: Mapping[str, str]) -> list[Part]
     found = []
     for part, seconds in costs.items():
         reason, _, resolution = meanings.get(part, "a part of the study").partition("|")
-        found.append(Part(part=part, choice="", resolution=resolution, reason=reason, seconds=seconds))
+        found.append(
+            Part(part=part, choice="", resolution=resolution, reason=reason, seconds=seconds)
+        )
     return found
 
 
 def rings(assembly: Assembly) -> Part:
     """How rings yield, and how much that counts for; if they do not, what they would."""
-    scene, both, told = assembly.scene, assembly.rings, ""
+    scene = assembly.scene
+    both = assembly.rings
+    told = ""
     stated = {} if both is None else both.yielding
     with contextlib.suppress(RollslipError):  # no plugin, or no room for a ring
         bare, held = yielding(scene.bearing, scene.operation.radial_load, stated=stated)
@@ -150,10 +166,18 @@ def rings(assembly: Assembly) -> Part:
         told += f" ({held})" if len(stated) == 2 else own
         told += "" if bare.change > scene.accuracy.tolerance else ", less than accuracy.tolerance"
     if both is None:
-        return Part(part="rings that yield", included=False, choice="rigid, round", reason=told or "none is named")
+        return Part(
+            part="rings that yield",
+            included=False,
+            choice="rigid, round",
+            reason=told or "none is named",
+        )
     chosen = (("inner", scene.models.inner_ring), ("outer", scene.models.outer_ring))
-    shapes, formed = both.parity.size, len(both.waves) + len(both.tables)
-    reason = "loads of rollers follow how rings yield and how round raceways are, in one equilibrium"
+    shapes = both.parity.size
+    formed = len(both.waves) + len(both.tables)
+    reason = (
+        "loads of rollers follow how rings yield and how round raceways are, in one equilibrium"
+    )
     return Part(
         part="rings",
         choice=", ".join(f"{of} {'rigid' if one is None else one.name}" for of, one in chosen),

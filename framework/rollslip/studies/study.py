@@ -26,7 +26,16 @@ from rollslip.results.curves import curve_labels
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, structure
 from rollslip.studies import parts
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
+from rollslip.studies.answers import (
+    Compared,
+    Estimated,
+    Evaluated,
+    Keep,
+    Measurable,
+    Output,
+    Part,
+    Some,
+)
 from rollslip.studies.error_estimate import FEW, Curved, by_curves, by_doubling
 from rollslip.studies.timing import timed
 from rollslip.studies.validity import rolling_slices
@@ -116,7 +125,12 @@ class Study(Curved, abc.ABC):
     def of(cls, scene: Scene) -> Self:
         """Return the study with the settings of a scene; what is wrong with them is one `SceneError`."""
         problems = list[str]()
-        study = structure(cls, scene.study.get(cls.name, {}), Location(scene.origins, ("study", cls.name)), problems)
+        study = structure(
+            cls,
+            scene.study.get(cls.name, {}),
+            Location(scene.origins, ("study", cls.name)),
+            problems,
+        )
         if study is None:
             raise SceneError(problems)
         return study
@@ -129,7 +143,9 @@ class Study(Curved, abc.ABC):
     @property
     def attributes(self) -> dict[str, Any]:
         """The attributes by which a result is told from others."""
-        said = {"study": self.name} | ({} if self.curves_of is None else {"curves": self.curves_of.attribute})
+        said = {"study": self.name} | (
+            {} if self.curves_of is None else {"curves": self.curves_of.attribute}
+        )
         return said | ({"curves_with": self.curves_with} if self.curves_with else {})
 
     @property
@@ -203,26 +219,44 @@ class Study(Curved, abc.ABC):
         Where a part cannot be computed a `RollslipError` says why.
         """
         resolution = assembly.resolution
-        few = attrs.evolve(resolution, slices=min(resolution.slices, FEW), quadrature="equal", instants=1)
+        few = attrs.evolve(
+            resolution, slices=min(resolution.slices, FEW), quadrature="equal", instants=1
+        )
         some = assembly.at(few)
-        more = assembly.slices / some.slices * (resolution.instants or 1 if "instants" in self.acts else 1)
+        more = (
+            assembly.slices
+            / some.slices
+            * (resolution.instants or 1 if "instants" in self.acts else 1)
+        )
         return {"run": more * timed(partial(self.run, some), 1)}
 
-    def parts(self, assembly: Assembly, estimated: Estimated, costs: Mapping[str, float]) -> list[Part]:
+    def parts(
+        self, assembly: Assembly, estimated: Estimated, costs: Mapping[str, float]
+    ) -> list[Part]:
         """Return the lines of the plan that are particular to the study, with errors and costs.
 
         The bearing is at the resolution that was chosen, ``costs`` what `cost` says, empty if it has nothing to say.
         """
-        left, errors, why = dict(costs), estimated.errors, parts.share_of(assembly, estimated)
+        left = dict(costs)
+        errors = estimated.errors
+        why = parts.share_of(assembly, estimated)
         found = [parts.slices(assembly, errors.get("slices", {}), why)]
         if self.bearing_loads:
-            found += parts.loads(assembly, errors.get("instants", {}), why, left.pop("load distribution", None))
+            found += parts.loads(
+                assembly, errors.get("instants", {}), why, left.pop("load distribution", None)
+            )
         found += parts.friction(assembly, estimated)
         if "tables" in errors:
             found.append(parts.tables(assembly, errors["tables"], left.pop("tables", None)))
-        return [*found, *self.more_parts(assembly, estimated, left), *parts.spent(left, self.spent_on)]
+        return [
+            *found,
+            *self.more_parts(assembly, estimated, left),
+            *parts.spent(left, self.spent_on),
+        ]
 
-    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+    def more_parts(
+        self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]
+    ) -> list[Part]:
         """Return further lines; what they say of the costs they take out of them."""
         return []
 
@@ -252,13 +286,19 @@ class Study(Curved, abc.ABC):
                 dataset["critical_status"].to_numpy(),
                 strict=True,
             ):
-                found[f"critical slip{label}"] = Compared([[float(slip)]], str(status), "critical_slip")
+                found[f"critical slip{label}"] = Compared(
+                    [[float(slip)]], str(status), "critical_slip"
+                )
         return found
 
     @property
     def judged_at(self) -> str:
         """What state `judged_slices` are at, in words."""
-        return "at the loads of the bearing, without slip" if self.curves_of is None else "over the curves"
+        return (
+            "at the loads of the bearing, without slip"
+            if self.curves_of is None
+            else "over the curves"
+        )
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices by which it is judged whether models were used for what they were made for.
@@ -272,7 +312,8 @@ class Study(Curved, abc.ABC):
             return []
         slips = dataset.sizes[self.curves_of.slip]
         few = set(np.linspace(slips // JUDGED, slips - 1, JUDGED).astype(int).tolist())
-        seen, chosen = Counter[int](), []
+        seen = Counter[int]()
+        chosen = []
         for one in self.evaluated(assembly, dataset):
             if seen[one.curve] in few:
                 chosen.append(one)
@@ -297,7 +338,9 @@ def study_class(name: str, scene: Scene | None = None) -> type[Study]:
     try:
         cls: type[Study] = get_class("study", name)
     except UnknownNameError as error:
-        where = Location(scene.origins if scene is not None and name in scene.study else {}, ("study", name))
+        where = Location(
+            scene.origins if scene is not None and name in scene.study else {}, ("study", name)
+        )
         raise SceneError([where.says(str(error))]) from error
     return cls
 
@@ -308,8 +351,13 @@ def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
     A study that the scene does not mention runs with its defaults; so does the default study for a scene without any.
     """
     if not isinstance(study, str | None):
-        raise SceneError([f"study: the name of one is expected, such as {DEFAULT_STUDY!r}, not {as_written(study)}"])
-    problems, found = list[str](), dict[str, Study]()
+        raise SceneError(
+            [
+                f"study: the name of one is expected, such as {DEFAULT_STUDY!r}, not {as_written(study)}"
+            ]
+        )
+    problems = list[str]()
+    found = dict[str, Study]()
     for name in [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]:
         try:
             found[name] = study_class(name, scene).of(scene)

@@ -86,7 +86,9 @@ class Outside:
     def weight(self) -> float:
         """Share of the force outside times the consequence in its middle; that is 1 where nobody knows it."""
         error = self.validity.error
-        return self.share * (0.01 * error(self.middle) if error is not None and self.values else 1.0)
+        return self.share * (
+            0.01 * error(self.middle) if error is not None and self.values else 1.0
+        )
 
     @property
     def counted(self) -> bool:
@@ -150,7 +152,9 @@ def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
             for name in ("load", "rolling", "sliding", "force")
         )
         places = {
-            name: np.concatenate([np.broadcast_to(one.places[name], len(one.load)) for one in those])
+            name: np.concatenate(
+                [np.broadcast_to(one.places[name], len(one.load)) for one in those]
+            )
             for name in those[0].places
         }
         slices = raceway.evaluate(load, rolling, sliding, **places)
@@ -180,7 +184,9 @@ def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
     elif name in CONDITIONS:
         found = getattr(slices.conditions, name)
     else:
-        raise KeyError(f"{model.name!r} states its validity or its regimes in {name!r}, which is no quantity")
+        raise KeyError(
+            f"{model.name!r} states its validity or its regimes in {name!r}, which is no quantity"
+        )
     return np.broadcast_to(np.asarray(found, dtype=float), (len(slices),))
 
 
@@ -192,7 +198,9 @@ def symbol_of(name: str) -> tuple[str, str]:
     return name.replace("_", " "), {**COLUMNS, **CONDITIONS}.get(name, ("1", ""))[0]
 
 
-def laws_of(model: SliceModel, covered: frozenset[str] = frozenset()) -> Iterator[tuple[str, SliceModel, Validity]]:
+def laws_of(
+    model: SliceModel, covered: frozenset[str] = frozenset()
+) -> Iterator[tuple[str, SliceModel, Validity]]:
     """Yield kind and name of a law, itself and each of its validities, then those of its submodels."""
     kind = next((name for base, name in _KINDS if isinstance(model, base)), "")
     if isinstance(model, ResistanceModel):
@@ -210,37 +218,57 @@ def laws_of(model: SliceModel, covered: frozenset[str] = frozenset()) -> Iterato
 def outside(models: Sequence[SliceModel], tables: Sequence[Filled]) -> list[Outside]:
     """Return where slices lie outside of what laws were made for: the ring with the larger share for each bound."""
     found = []
-    rings = {ring: [table for table in tables if table.ring == ring] for ring in dict.fromkeys(t.ring for t in tables)}
+    rings = {
+        ring: [table for table in tables if table.ring == ring]
+        for ring in dict.fromkeys(t.ring for t in tables)
+    }
     for label, model, validity in (row for one in models for row in laws_of(one)):
         if not rings:
             break
         with np.errstate(all="ignore"):
             values = {
-                ring: np.concatenate([quantity(model, validity.quantity, table.slices) for table in those])
+                ring: np.concatenate(
+                    [quantity(model, validity.quantity, table.slices) for table in those]
+                )
                 for ring, those in rings.items()
             }
-        force = {ring: np.concatenate([table.force for table in those]) for ring, those in rings.items()}
+        force = {
+            ring: np.concatenate([table.force for table in those]) for ring, those in rings.items()
+        }
         shares = {ring: _share(validity, values[ring], force[ring]) for ring in rings}
         ring = max(shares, key=lambda name: shares[name])
         alike = shares[ring] - min(shares.values()) < TOLD_FROM
-        found.append(_outside(label, validity, shares[ring], values[ring], force[ring], "" if alike else ring))
+        found.append(
+            _outside(
+                label, validity, shares[ring], values[ring], force[ring], "" if alike else ring
+            )
+        )
     return found
 
 
 def _share(validity: Validity, values: Array, force: Array) -> float:
     """Share of the force that lies outside of a bound; what is not known lies inside."""
     total = float(force.sum())
-    return min(float(force[validity.excess(values) > 0.0].sum()) / total, 1.0) if total > 0.0 else 0.0
+    return (
+        min(float(force[validity.excess(values) > 0.0].sum()) / total, 1.0) if total > 0.0 else 0.0
+    )
 
 
-def _outside(label: str, validity: Validity, share: float, values: Array, force: Array, ring: str) -> Outside:
-    spread, middle, detail = tuple[float, ...](), math.nan, ""
+def _outside(
+    label: str, validity: Validity, share: float, values: Array, force: Array, ring: str
+) -> Outside:
+    spread = tuple[float, ...]()
+    middle = math.nan
+    detail = ""
     if share > 0.0:
         beyond = validity.excess(values) > 0.0
         low, middle, high = _quantiles(values[beyond], force[beyond], (0.05, 0.5, 0.95))
         spread = low, high
     if validity.quantity == "film_regime" and share > 0.0:
-        parts = {LONG_NAMES[name]: float(force[values == code].sum() / force.sum()) for code, name in enumerate(NAMES)}
+        parts = {
+            LONG_NAMES[name]: float(force[values == code].sum() / force.sum())
+            for code, name in enumerate(NAMES)
+        }
         told = (name for name in parts if parts[name] > 0.0 and name not in validity.bound)
         detail = " and ".join(f"{_percent(parts[name])} {name}" for name in told)
     known = not bool(np.isnan(values).all())
@@ -262,12 +290,15 @@ def _quantiles(values: Array, weight: Array, places: Sequence[float]) -> tuple[f
     return tuple(float(values[order][np.searchsorted(below, at * below[-1])]) for at in places)
 
 
-def difference(traction: TractionModel, tables: Sequence[Filled], assembly: Assembly) -> Difference | None:
+def difference(
+    traction: TractionModel, tables: Sequence[Filled], assembly: Assembly
+) -> Difference | None:
     """Return how far the law of the full film is off the one that it approximates, within the friction of a contact."""
     law = traction.full_film
     if law.solved_by is None or assembly.resolution.traction != "named":
         return None
-    cls, reference = type(law), get_class("traction", law.solved_by)
+    cls = type(law)
+    reference = get_class("traction", law.solved_by)
     given = {a.name for a in attrs.fields(cls)} & {a.name for a in attrs.fields(reference)}  # type: ignore[arg-type]
     exact = reference(**{name: getattr(law, name) for name in given})
     models = assembly.inner.chain.models
@@ -277,13 +308,16 @@ def difference(traction: TractionModel, tables: Sequence[Filled], assembly: Asse
     )
     found = []
     for table in tables:
-        own, force = table.slices, table.force
+        own = table.slices
+        force = table.force
         columns = {name: getattr(own, name) for name in ("load", "rolling_speed", "sliding_speed")}
         columns |= {name: getattr(own, name) for name in (PLACES if chain.placed else ())}
         other = Slices(len(own), own.conditions, **columns)
         chain(other)
         size = np.add.reduceat(force * np.abs(other.friction), table.starts)
-        more = np.add.reduceat(force * (np.abs(own.friction) - np.abs(other.friction)), table.starts)
+        more = np.add.reduceat(
+            force * (np.abs(own.friction) - np.abs(other.friction)), table.starts
+        )
         found.append(more[size > 0.0] / size[size > 0.0])
     off = np.concatenate(found) if found else np.empty(0)
     if off.size == 0:
@@ -341,7 +375,8 @@ def told(
             )
         )
     if off is not None:
-        text, short = _off(off, found, where, what), f"{off.law!r} for {off.reference!r}"
+        text = _off(off, found, where, what)
+        short = f"{off.law!r} for {off.reference!r}"
         first = Told(
             law=off.law,
             made_for=off.reference,
@@ -363,7 +398,10 @@ def sentences(said: Sequence[Told], tolerance: float = 0.0) -> list[str]:
     if not rest:
         return texts
     below = f" or below accuracy.tolerance = {tolerance:g}" if tolerance > 0.0 else ""
-    return [*texts, f"{REST} not known{below}: {'; '.join(rest)}; rollslip run of the scene tells of each"]
+    return [
+        *texts,
+        f"{REST} not known{below}: {'; '.join(rest)}; rollslip run of the scene tells of each",
+    ]
 
 
 def _percent(share: float) -> str:
@@ -384,7 +422,11 @@ def bound_of(validity: Validity) -> str:
 
 def _told_with(one: Outside, off: Difference) -> bool:
     """Whether a bound is one of the approximation itself, whose error is known already."""
-    return one.law == f"traction {off.law!r}" and one.validity.quantity not in {*QUANTITIES, *COLUMNS, *CONDITIONS}
+    return one.law == f"traction {off.law!r}" and one.validity.quantity not in {
+        *QUANTITIES,
+        *COLUMNS,
+        *CONDITIONS,
+    }
 
 
 def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> str:
@@ -408,7 +450,9 @@ def corrections(film: FilmModel) -> list[str]:
     return [said] if film.inlet_starvation else []
 
 
-def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told] = ()) -> dict[str, Any]:
+def record(
+    found: Sequence[Outside], off: Difference | None, said: Sequence[Told] = ()
+) -> dict[str, Any]:
     """Return all as plain values: each bound with its share, what the law is off, and how it is told; NaN is None."""
     rows = [
         {
@@ -418,7 +462,9 @@ def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told
             "share_outside": one.share if one.known else None,
             "ring": one.ring,
             "values_outside": list(one.values),
-            "consequence": one.validity.consequence_at(*one.values) if one.values else one.validity.told,
+            "consequence": one.validity.consequence_at(*one.values)
+            if one.values
+            else one.validity.told,
             "remedy": one.validity.remedy,
             "source": one.validity.source,
         }
@@ -433,7 +479,8 @@ def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told
 
 def rolling_slices(assembly: Assembly) -> list[Evaluated]:
     """Return the loaded slices of both rings at the first instant, where the bearing rolls without slip."""
-    loads, speeds = assembly.load_distribution(1), assembly.kinematics.surface_speeds(0.0, 0.0)
+    loads = assembly.load_distribution(1)
+    speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
     found = []
     for raceway, load, rolling in (
         (assembly.inner, loads.inner_load, speeds.inner_rolling),
@@ -441,5 +488,7 @@ def rolling_slices(assembly: Assembly) -> list[Evaluated]:
     ):
         places = assembly.places(raceway.ring, loads.psi[0], np.arange(float(loads.psi.shape[1])))
         one = LoadedContacts(raceway, load[0], assembly.widths, 1.0, places=places)
-        found.append(Evaluated(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places))
+        found.append(
+            Evaluated(0, raceway.ring, one.load, float(rolling), 0.0, one.force, one.places)
+        )
     return found

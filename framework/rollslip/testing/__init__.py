@@ -17,7 +17,9 @@ from rollslip.errors import PluginError
 try:
     import hypothesis as _hypothesis  # noqa: F401 - everything below needs it
 except ModuleNotFoundError as _missing:
-    raise PluginError("the conformance kit draws its inputs with hypothesis: install rollslip[kit]") from _missing
+    raise PluginError(
+        "the conformance kit draws its inputs with hypothesis: install rollslip[kit]"
+    ) from _missing
 
 from rollslip.testing.findings import Conformance, Finding, as_dict, conformance, format_findings
 from rollslip.testing.rules import Nonconformance, all_checks, checks_of, rule

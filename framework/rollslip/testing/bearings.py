@@ -60,7 +60,9 @@ def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
 
 
 @rule(ThermalModel, DamageModel, TorqueFormula, RingModel)
-def check_has_an_equation_and_references(model: ThermalModel | DamageModel | TorqueFormula | RingModel) -> None:
+def check_has_an_equation_and_references(
+    model: ThermalModel | DamageModel | TorqueFormula | RingModel,
+) -> None:
     """A name, an equation, and references."""
     refuse_unless(isinstance(model.equation, str) and model.equation.strip(), "it has no equation")
     refuse_unless(model.references and all(map(is_citation, model.references)), CITATIONS_WANTED)
@@ -71,8 +73,11 @@ def check_heat_is_conserved(model: ThermalModel) -> None:
     """What flows into all nodes is what is lost, less what is carried away."""
     bound, start = _bound(model)
     for T, losses in _draws(start):
-        flows, away = np.asarray(bound.inflows(T, losses)), bound.carried_away(T)
-        refuse_unless(flows.shape == T.shape, f"inflows have shape {flows.shape}, there are {T.size} nodes")
+        flows = np.asarray(bound.inflows(T, losses))
+        away = bound.carried_away(T)
+        refuse_unless(
+            flows.shape == T.shape, f"inflows have shape {flows.shape}, there are {T.size} nodes"
+        )
         missing = sum(losses.values()) - sum(away.values()) - float(flows.sum())
         size = max([sum(losses.values()), *np.abs(flows), *map(abs, away.values())])
         if not abs(missing) <= _ROUNDING * size:
@@ -93,9 +98,14 @@ def check_a_warmer_node_takes_less_heat_and_the_others_no_less(model: ThermalMod
             warmer[k] += 1.0
             moved = np.asarray(bound.inflows(warmer, losses)) - before
             slack = _ROUNDING * float(np.abs(before).max())
-            refuse_unless(moved[k] <= slack, f"the {node} takes {moved[k]:.3g} W more where it is 1 K warmer")
+            refuse_unless(
+                moved[k] <= slack, f"the {node} takes {moved[k]:.3g} W more where it is 1 K warmer"
+            )
             others = np.delete(moved, k)
-            refuse_unless(np.all(others >= -slack), f"other nodes take less heat where the {node} is 1 K warmer")
+            refuse_unless(
+                np.all(others >= -slack),
+                f"other nodes take less heat where the {node} is 1 K warmer",
+            )
 
 
 @rule(ThermalModel)
@@ -104,7 +114,9 @@ def check_nodes_have_capacities_and_keys_of_the_scene(model: ThermalModel) -> No
     bound, start = _bound(model)
     capacities = np.asarray(bound.capacities(), dtype=float)
     refuse_unless(
-        capacities.shape == start.shape and np.all(capacities > 0.0) and np.all(np.isfinite(capacities)),
+        capacities.shape == start.shape
+        and np.all(capacities > 0.0)
+        and np.all(np.isfinite(capacities)),
         f"capacities are {capacities}; give one above zero for each of {', '.join(bound.nodes)}",
     )
     changes = bound.changes(start, load_scene("1032930-70C"))
@@ -124,8 +136,10 @@ _MISSED = 1e-3
 def _contacts() -> tuple[Contacts, ...]:
     """Contacts of both rings, whose parts differ in temperature: light to heavy, slow to fast, with slip."""
     scene = evolve(load_scene("1032930-70C"), {"operation.roller_temperature": "85 degC"})
-    assembly, random = assemble(scene), np.random.default_rng(7)
-    load, rolling = 10.0 ** random.uniform(3.0, 5.3, _DRAWN), 10.0 ** random.uniform(-0.3, 1.6, _DRAWN)
+    assembly = assemble(scene)
+    random = np.random.default_rng(7)
+    load = 10.0 ** random.uniform(3.0, 5.3, _DRAWN)
+    rolling = 10.0 ** random.uniform(-0.3, 1.6, _DRAWN)
     sliding = rolling * random.uniform(-1.0, 1.0, _DRAWN)
     return tuple(
         Contacts.of(assembly, ring, raceway.evaluate(load, rolling, sliding))
@@ -150,12 +164,17 @@ def check_says_what_it_measures_and_what_it_does_not(model: DamageModel) -> None
     """No measure of damage holds in general; who reads a value has to know its unit and its limits."""
     for name in ("measure", "unit", "scope"):
         text = getattr(model, name)
-        refuse_unless(isinstance(text, str) and bool(text.strip()), f"{name} is {text!r}; say it in words")
+        refuse_unless(
+            isinstance(text, str) and bool(text.strip()), f"{name} is {text!r}; say it in words"
+        )
     try:
         check_unit(model.unit)
     except UnitError as error:
         raise Nonconformance(f"unit {model.unit!r} is no SI unit: {error}") from error
-    refuse_unless(model.worst in ("largest", "smallest"), f"worst is {model.worst!r}; it is largest or smallest")
+    refuse_unless(
+        model.worst in ("largest", "smallest"),
+        f"worst is {model.worst!r}; it is largest or smallest",
+    )
 
 
 @rule(DamageModel)
@@ -163,7 +182,9 @@ def check_gives_one_finite_value_for_each_slice(model: DamageModel) -> None:
     """A measure is a finite number, not negative, of every loaded slice."""
     for contacts in _contacts():
         values = _value(model, contacts)
-        refuse_unless(values.shape == (_DRAWN,), f"the measure of {_DRAWN} slices has shape {values.shape}")
+        refuse_unless(
+            values.shape == (_DRAWN,), f"the measure of {_DRAWN} slices has shape {values.shape}"
+        )
         wrong = np.flatnonzero(~(np.isfinite(values) & (values >= 0.0)))
         refuse_unless(not wrong.size, f"the measure of slice {wrong[:1]} is {values[wrong[:1]]}")
 
@@ -172,9 +193,12 @@ def check_gives_one_finite_value_for_each_slice(model: DamageModel) -> None:
 def check_slices_are_measured_alone_and_left_as_they_are(model: DamageModel) -> None:
     """Each slice has its own measure, whatever is beside it, and laws that follow see what was there."""
     for contacts in _contacts():
-        before, values = contacts.slices.taken(), _value(model, contacts)
+        before = contacts.slices.taken()
+        values = _value(model, contacts)
         for name in COLUMNS:
-            same = np.array_equal(getattr(before, name), getattr(contacts.slices, name), equal_nan=True)
+            same = np.array_equal(
+                getattr(before, name), getattr(contacts.slices, name), equal_nan=True
+            )
             refuse_unless(same, f"evaluate() writes to {name}; work on a copy")
         back = _value(model, _changed(contacts, slice(None, None, -1)))[::-1]
         off = float(np.abs(back - values).max() / (np.abs(values).max() or 1.0))
@@ -185,12 +209,15 @@ def check_slices_are_measured_alone_and_left_as_they_are(model: DamageModel) -> 
 def check_more_friction_is_no_better(model: DamageModel) -> None:
     """With more friction surfaces fare no better, and without friction no worse."""
     for contacts in _contacts():
-        values, slices = harm(model, _value(model, contacts)), contacts.slices
+        values = harm(model, _value(model, contacts))
+        slices = contacts.slices
         slack = _ROUNDING * np.abs(values)
         more = harm(model, _value(model, _changed(contacts, friction=2.0 * slices.friction)))
         refuse_unless(np.all(more >= values - slack), "a measure is better with twice the friction")
         none = harm(model, _value(model, _changed(contacts, friction=0.0)))
-        refuse_unless(np.all(none <= values + slack), "a measure is worse without friction than with it")
+        refuse_unless(
+            np.all(none <= values + slack), "a measure is worse without friction than with it"
+        )
 
 
 @rule(DamageModel)
@@ -202,12 +229,17 @@ def check_across_a_contact_it_is_as_bad_as_the_measure_says(model: DamageModel) 
         if across is None:
             raise Inapplicable("it has one value for a contact")
         across = np.asarray(across, dtype=float)
-        refuse_unless(across.shape == (_DRAWN, places.size), f"across() has shape {across.shape}, not (n, m)")
+        refuse_unless(
+            across.shape == (_DRAWN, places.size), f"across() has shape {across.shape}, not (n, m)"
+        )
         refuse_unless(bool(np.all(np.isfinite(across))), "across() has places without a value")
         values = _value(model, contacts)
         short = harm(model, values) - harm(model, across).max(axis=1)
         worst = float((short / np.maximum(np.abs(values), np.finfo(float).tiny)).max())
-        refuse_unless(worst <= _MISSED, f"no place across a contact is as bad as it says: {worst:.1e} (relative) less")
+        refuse_unless(
+            worst <= _MISSED,
+            f"no place across a contact is as bad as it says: {worst:.1e} (relative) less",
+        )
 
 
 @rule(DamageModel)
@@ -215,10 +247,17 @@ def check_a_limit_has_a_source(model: DamageModel) -> None:
     """A limit is a number above zero and who found it; where there is none, None says so."""
     if (limit := model.limit) is None:
         raise Inapplicable("it has no limit")
-    refuse_unless(isinstance(limit, tuple) and len(limit) == 2, f"limit is {limit!r}; give value and source, or None")
+    refuse_unless(
+        isinstance(limit, tuple) and len(limit) == 2,
+        f"limit is {limit!r}; give value and source, or None",
+    )
     value, source = limit
-    refuse_unless(isinstance(value, int | float) and 0.0 < value < math.inf, f"the limit is {value!r}")
-    refuse_unless(isinstance(source, str) and bool(source.strip()), f"the source of the limit is {source!r}")
+    refuse_unless(
+        isinstance(value, int | float) and 0.0 < value < math.inf, f"the limit is {value!r}"
+    )
+    refuse_unless(
+        isinstance(source, str) and bool(source.strip()), f"the source of the limit is {source!r}"
+    )
 
 
 # Formulas of the friction torque -------------------------------------------------------------------------------------
@@ -247,7 +286,9 @@ def _duties() -> Iterator[Duty]:
 def _torque(formula: TorqueFormula, duty: Duty) -> Mapping[str, float]:
     terms = formula.terms(duty)
     refuse_unless(
-        isinstance(terms, Mapping) and terms and all(isinstance(term, str) and term.strip() for term in terms),
+        isinstance(terms, Mapping)
+        and terms
+        and all(isinstance(term, str) and term.strip() for term in terms),
         f"terms() returned {terms!r}; return torques [N m] by what makes them",
     )
     return terms
@@ -259,9 +300,15 @@ def check_every_term_resists(formula: TorqueFormula) -> None:
     names = None
     for duty in _duties():
         terms = _torque(formula, duty)
-        bad = {term: torque for term, torque in terms.items() if not (math.isfinite(torque) and torque >= 0.0)}
+        bad = {
+            term: torque
+            for term, torque in terms.items()
+            if not (math.isfinite(torque) and torque >= 0.0)
+        }
         refuse_unless(not bad, f"terms are {bad} at {duty}")
-        refuse_unless(names in (None, tuple(terms)), f"terms are {', '.join(terms)} here, {names} elsewhere")
+        refuse_unless(
+            names in (None, tuple(terms)), f"terms are {', '.join(terms)} here, {names} elsewhere"
+        )
         names = tuple(terms)
 
 
@@ -270,10 +317,14 @@ def check_more_load_resists_no_less(formula: TorqueFormula) -> None:
     """The sum of the terms does not fall with load."""
     for duty in _duties():
         less, more = (
-            sum(_torque(formula, attrs.evolve(duty, radial_load=factor * duty.radial_load)).values())
+            sum(
+                _torque(formula, attrs.evolve(duty, radial_load=factor * duty.radial_load)).values()
+            )
             for factor in (1.0, 2.0)
         )
-        refuse_unless(more >= less * (1.0 - 1e-12), f"{less:.6g} N m at {duty}, {more:.6g} at twice the load")
+        refuse_unless(
+            more >= less * (1.0 - 1e-12), f"{less:.6g} N m at {duty}, {more:.6g} at twice the load"
+        )
 
 
 @rule(TorqueFormula)
@@ -284,7 +335,10 @@ def check_an_oil_without_density_is_refused_in_words_or_not_needed(formula: Torq
             known = sum(_torque(formula, attrs.evolve(duty, density=None)).values())
         except DomainError:
             continue
-        refuse_unless(known == sum(_torque(formula, duty).values()), "without a density the torque is another one")
+        refuse_unless(
+            known == sum(_torque(formula, duty).values()),
+            "without a density the torque is another one",
+        )
 
 
 @rule(RingModel)
@@ -296,4 +350,7 @@ def check_a_preloaded_bearing_rests_in_it_and_presses_less(model: RingModel) -> 
         shapes = model.shapes(scene.bearing, ring, speed)
         rings = Rings(*((RingShapes(), shapes) if ring == "outer" else (shapes, RingShapes())))
         loads = attrs.evolve(assemble(scene), rings=rings, known_loads={}).load_distribution()
-        refuse_unless(loads.inner_force.mean() <= rigid.mean() * (1.0 + 1e-9), f"a yielding {ring} ring presses more")
+        refuse_unless(
+            loads.inner_force.mean() <= rigid.mean() * (1.0 + 1e-9),
+            f"a yielding {ring} ring presses more",
+        )

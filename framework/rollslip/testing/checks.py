@@ -81,13 +81,18 @@ MEETING: Final = 0.06
 def check_reads_and_writes_members_that_exist(model: SliceModel) -> None:
     """What is read needs a range, what is written a column, and nothing is both."""
     known = {*COLUMNS, *CONDITIONS}
-    refuse_unless(model.reads <= known, f"it reads {sorted(model.reads - known)}, which the slices do not have")
+    refuse_unless(
+        model.reads <= known,
+        f"it reads {sorted(model.reads - known)}, which the slices do not have",
+    )
     refuse_unless(
         model.writes and model.writes <= {*COLUMNS},
         f"it writes {sorted(model.writes)}; it must write at least one column and columns only",
     )
     both = model.reads & model.writes
-    refuse_unless(not both, f"it reads and writes {sorted(both)}; a second run would give something else")
+    refuse_unless(
+        not both, f"it reads and writes {sorted(both)}; a second run would give something else"
+    )
     for base in STAGES:
         if isinstance(model, base):
             missing = set(base.writes) - set(model.writes)
@@ -110,14 +115,21 @@ def check_reads_and_writes_members_that_exist(model: SliceModel) -> None:
 
 @rule(SliceModel)
 @without_evaluation
-def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(model: SliceModel) -> None:
+def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(
+    model: SliceModel,
+) -> None:
     """A validity is a bound of a quantity that slices have, with consequence, remedy and source; its error a number.
 
     Nobody has to state one.
     """
-    slices = Slices(4, Conditions(**typical_values(model, CONDITIONS)), **typical_values(model, COLUMNS))
+    slices = Slices(
+        4, Conditions(**typical_values(model, CONDITIONS)), **typical_values(model, COLUMNS)
+    )
     for one in model.validity:
-        refuse_unless(isinstance(one, Validity), f"validity holds {one!r}, which is no rollslip.models.Validity")
+        refuse_unless(
+            isinstance(one, Validity),
+            f"validity holds {one!r}, which is no rollslip.models.Validity",
+        )
         where = f"validity in {one.quantity!r}"
         refuse_unless(
             one.low <= one.high and (one.low > -math.inf or one.high < math.inf),
@@ -125,7 +137,10 @@ def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(model:
         )
         for name in ("consequence", "remedy", "source"):
             text = getattr(one, name)
-            refuse_unless(isinstance(text, str) and text.strip(), f"{where}: {name} is {text!r}; say it in words")
+            refuse_unless(
+                isinstance(text, str) and text.strip(),
+                f"{where}: {name} is {text!r}; say it in words",
+            )
         try:
             values = quantity(model, one.quantity, slices)
         except Exception as error:
@@ -133,7 +148,10 @@ def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(model:
                 f"{where}: {type(error).__name__}: {error}; state it in quantities() of the law, in one of "
                 f"{', '.join(QUANTITIES)}, or in a member of the slices"
             ) from error
-        refuse_unless(np.all(np.isfinite(values)), f"{where}: it is {values[0]} where every member has a usual value")
+        refuse_unless(
+            np.all(np.isfinite(values)),
+            f"{where}: it is {values[0]} where every member has a usual value",
+        )
         refuse_unless(
             ("{error}" in one.consequence) == (one.error is not None),
             f"{where}: error and {{error}} in the consequence go together",
@@ -170,11 +188,14 @@ def check_takes_what_a_bearing_gives(model: SliceModel) -> None:
             try:
                 # the refusal of the first is in the words that a user would read
                 conditions = Conditions(**typical_values(model, members(model, CONDITIONS)))
-                evaluate(shaped, Slices(1, conditions, **typical_values(model, members(model, COLUMNS))))
+                evaluate(
+                    shaped, Slices(1, conditions, **typical_values(model, members(model, COLUMNS)))
+                )
             except DomainError as error:
                 message = str(error)
         refuse_unless(
-            n >= 32, f"the {form} form takes {n} of 64 slices of engineering size from its own domain ({message})"
+            n >= 32,
+            f"the {form} form takes {n} of 64 slices of engineering size from its own domain ({message})",
         )
 
 
@@ -195,7 +216,14 @@ def check_fills_what_it_writes_and_touches_nothing_else(model: SliceModel) -> No
             before = copy_of(given)
             results.append(evaluate(shaped, given))
             untouched = [name for name in COLUMNS if name not in model.writes]
-            same(given, before, shaped, 0.0, f"the {form} form changes a column it does not write", untouched)
+            same(
+                given,
+                before,
+                shaped,
+                0.0,
+                f"the {form} form changes a column it does not write",
+                untouched,
+            )
         for other in results[1:]:
             what = f"the {form} form gives another result where what it does not read was another"
             same(other, results[0], shaped, 0.0, what)
@@ -213,7 +241,9 @@ def check_takes_read_only_inputs(model: SliceModel) -> None:
         with np.errstate(all="ignore"):
             model.evaluate(Slices.of_columns(slices.conditions, columns))
     except (ValueError, AttributeError) as error:
-        raise Nonconformance(f"evaluate() asks for more than it reads, or writes to it: {error}") from error
+        raise Nonconformance(
+            f"evaluate() asks for more than it reads, or writes to it: {error}"
+        ) from error
 
 
 @rule(SliceModel)
@@ -229,7 +259,9 @@ def check_compiled_equals_numpy(model: SliceModel) -> None:
             # at the edge of its domain rounding may decide
             refuse_unless(
                 all(refused.values())
-                or any(refuses(shaped, nudged) for shaped in forms.values() for nudged in near(slices)),
+                or any(
+                    refuses(shaped, nudged) for shaped in forms.values() for nudged in near(slices)
+                ),
                 f"the {'compiled' if refused['compiled'] else 'NumPy'} form refuses what the other takes; "
                 f"at {shown(model, slices, 0)}",
             )
@@ -260,7 +292,13 @@ def check_does_not_depend_on_the_block_size(model: SliceModel) -> None:
         whole = evaluate(shaped, copy_of(slices), 0)
         for block in (1, 2, 7, 64, 256):
             part = evaluate(shaped, copy_of(slices), block)
-            same(part, whole, shaped, bits(form, model), f"{form} form, blocks of {block} against all at once")
+            same(
+                part,
+                whole,
+                shaped,
+                bits(form, model),
+                f"{form} form, blocks of {block} against all at once",
+            )
 
 
 @rule(SliceModel)
@@ -271,9 +309,19 @@ def check_does_not_depend_on_the_order_of_slices(model: SliceModel) -> None:
         straight = evaluate(shaped, copy_of(slices))
         n = len(slices)
         # backwards, rotated, and alternately from both ends
-        for order in (np.arange(n)[::-1], np.roll(np.arange(n), 101), np.argsort(np.arange(n) % 2, kind="stable")):
+        for order in (
+            np.arange(n)[::-1],
+            np.roll(np.arange(n), 101),
+            np.argsort(np.arange(n) % 2, kind="stable"),
+        ):
             other = evaluate(shaped, picked(slices, order))
-            same(other, picked(straight, order), shaped, bits(form, model), f"{form} form, another order of slices")
+            same(
+                other,
+                picked(straight, order),
+                shaped,
+                bits(form, model),
+                f"{form} form, another order of slices",
+            )
 
 
 @rule(SliceModel)
@@ -282,9 +330,21 @@ def check_has_no_hidden_state(model: SliceModel) -> None:
     for form, shaped in forms_of(model):
         slices = table(shaped, MANY)
         first = evaluate(shaped, copy_of(slices))
-        same(evaluate(shaped, copy_of(slices)), first, shaped, 0.0, f"{form} form, the same input again")
+        same(
+            evaluate(shaped, copy_of(slices)),
+            first,
+            shaped,
+            0.0,
+            f"{form} form, the same input again",
+        )
         evaluate(shaped, picked(slices, np.arange(len(slices))[::-3]))
-        same(evaluate(shaped, copy_of(slices)), first, shaped, 0.0, f"{form} form, after another input")
+        same(
+            evaluate(shaped, copy_of(slices)),
+            first,
+            shaped,
+            0.0,
+            f"{form} form, after another input",
+        )
     slices = table(model, MANY)
     first = evaluate(model, copy_of(slices))
     same(evaluate(attrs.evolve(cast(Any, model)), slices), first, model, 0.0, "a model made anew")
@@ -298,11 +358,18 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
         if not len(slices):
             continue
         n = _slices_of_a_millisecond(shaped, slices) if form == "compiled" else len(slices)
-        chain, tasks = Chain(shaped), []
+        chain = Chain(shaped)
+        tasks = []
         for k in range(THREADS):
             given = picked(slices, (np.arange(n) + 37 * k) % len(slices))
             expected = evaluate(shaped, copy_of(given))
-            holds = partial(same, expected=expected, model=shaped, tolerance=0.0, what=f"{form} form, eight threads")
+            holds = partial(
+                same,
+                expected=expected,
+                model=shaped,
+                tolerance=0.0,
+                what=f"{form} form, eight threads",
+            )
             # the reference beside a kernel is not what threads run
             seconds = MEETING if form == "compiled" or model.kernel() is None else 0.0
             tasks.append(partial(_repeat, chain, given, holds, seconds))
@@ -311,7 +378,8 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
 
 def _slices_of_a_millisecond(model: SliceModel, slices: Slices) -> int:
     """Return how many slices keep a kernel busy for so long that calls in other threads overlap with it."""
-    chain, given = Chain(model), copy_of(slices)
+    chain = Chain(model)
+    given = copy_of(slices)
     start = time.perf_counter()
     chain(given)
     seconds = time.perf_counter() - start
@@ -375,7 +443,9 @@ def check_refuses_values_outside_its_domain(model: SliceModel) -> None:
                         f"{form} form, {member} = {value!r}: the error does not name the member: {error}",
                     )
                 else:
-                    raise Nonconformance(f"{form} form, {member} = {value!r} is taken: there is no error")
+                    raise Nonconformance(
+                        f"{form} form, {member} = {value!r} is taken: there is no error"
+                    )
 
 
 @rule(SliceModel)
@@ -387,13 +457,20 @@ def check_answers_its_whole_domain_with_numbers_or_an_error(model: SliceModel) -
     }
     base = typical_values(model, extremes)
     choices = st.fixed_dictionaries(
-        {name: st.one_of(st.just(base[name]), st.sampled_from(extremes[name])) for name in sorted(extremes)}
+        {
+            name: st.one_of(st.just(base[name]), st.sampled_from(extremes[name]))
+            for name in sorted(extremes)
+        }
     )
     for form, shaped in forms_of(model):
 
-        def answers(chosen: Mapping[str, float], form: str = form, shaped: SliceModel = shaped) -> None:
+        def answers(
+            chosen: Mapping[str, float], form: str = form, shaped: SliceModel = shaped
+        ) -> None:
             conditions = Conditions(**{name: chosen[name] for name in members(model, CONDITIONS)})
-            slices = Slices(1, conditions, **{name: chosen[name] for name in members(model, COLUMNS)})
+            slices = Slices(
+                1, conditions, **{name: chosen[name] for name in members(model, COLUMNS)}
+            )
             try:
                 evaluate(shaped, slices)
             except DomainError:
@@ -405,7 +482,10 @@ def check_answers_its_whole_domain_with_numbers_or_an_error(model: SliceModel) -
                 ) from error
             for name in sorted(model.writes):
                 value = float(getattr(slices, name)[0])
-                refuse_unless(math.isfinite(value), f"{form} form: {name} = {value}; at {shown(model, slices, 0)}")
+                refuse_unless(
+                    math.isfinite(value),
+                    f"{form} form: {name} = {value}; at {shown(model, slices, 0)}",
+                )
 
         for name, values in extremes.items():
             for value in values:
@@ -447,7 +527,8 @@ def parameters_in_other_units(model: Any, powers: tuple[int, int, int, int]) -> 
     """Return a model whose parameters, and those of its children, are given in other units."""
     changes = {}
     for attribute in attrs.fields(type(model)):
-        value, unit = getattr(model, attribute.name), attribute.metadata.get("unit")
+        value = getattr(model, attribute.name)
+        unit = attribute.metadata.get("unit")
         if isinstance(value, MODELS):
             changes[attribute.alias] = parameters_in_other_units(value, powers)
         elif isinstance(value, float) and unit is not None and any(dimension(unit)):
@@ -476,11 +557,14 @@ def check_does_not_know_metre_kilogram_second_and_kelvin(model: SliceModel) -> N
             for name in members(model, CONDITIONS)
         }
         columns = {
-            name: in_other_units(getattr(slices, name), COLUMNS[name][0], powers) for name in members(model, COLUMNS)
+            name: in_other_units(getattr(slices, name), COLUMNS[name][0], powers)
+            for name in members(model, COLUMNS)
         }
         other = Slices(len(slices), Conditions(**conditions), **columns)
         units = " and ".join(
-            f"{4.0**-power:g} {unit}" for power, unit in zip(powers, ("m", "kg", "s", "K"), strict=True) if power
+            f"{4.0**-power:g} {unit}"
+            for power, unit in zip(powers, ("m", "kg", "s", "K"), strict=True)
+            if power
         )
         try:
             evaluate(Unlimited(parameters_in_other_units(model, powers)), other)  # type: ignore[arg-type]
@@ -490,7 +574,9 @@ def check_does_not_know_metre_kilogram_second_and_kelvin(model: SliceModel) -> N
                 f"dimension: {error}"
             ) from error
         for name in sorted(model.writes):
-            getattr(expected, name)[:] = in_other_units(getattr(expected, name), COLUMNS[name][0], powers)
+            getattr(expected, name)[:] = in_other_units(
+                getattr(expected, name), COLUMNS[name][0], powers
+            )
         what = (
             f"counted in units of {units} the law is another, so a number in it, such as the place of a jump, has a "
             "dimension that no parameter declares"

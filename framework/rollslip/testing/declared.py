@@ -54,16 +54,22 @@ def _usual(model: SliceModel, locked: Collection[str] = ()) -> _Watched:
 def check_keeps_to_what_it_declares(model: SliceModel) -> None:
     """It writes what it says, all of it and nothing else, and needs no more than it reads; other rules rest on this."""
     if unknown := sorted({*model.reads, *model.domain} - {*COLUMNS, *CONDITIONS}):
-        raise Nonconformance(f"it reads, or gives a range for, {', '.join(unknown)}, which slices do not have")
+        raise Nonconformance(
+            f"it reads, or gives a range for, {', '.join(unknown)}, which slices do not have"
+        )
     for form in ("evaluate()", "the kernel") if model.kernel() is not None else ("evaluate()",):
         inputs = [name for name in COLUMNS if name not in model.writes]
-        slices, before = _usual(model, inputs if form == "evaluate()" else ()), _usual(model)
+        slices = _usual(model, inputs if form == "evaluate()" else ())
+        before = _usual(model)
         try:
             _run(model, slices, form)
         except (DomainError, PluginError):
             continue  # it refuses usual values, or has no kernel that can be bound: other rules' business
         except Exception as error:
-            told = _written_of(model, error, inputs) or f"fails at usual values: {type(error).__name__}: {error}"
+            told = (
+                _written_of(model, error, inputs)
+                or f"fails at usual values: {type(error).__name__}: {error}"
+            )
             raise Nonconformance(f"{form} {told}") from error
         _compare(model, form, slices, before)
 
@@ -111,7 +117,9 @@ def _compare(model: SliceModel, form: str, slices: _Watched, before: Slices) -> 
                 f"the column itself, slices.{name}[...] = ..., and not a name of your own"
             )
         if np.any(np.isnan(values)):
-            more = asked or [name for name in CONDITIONS if math.isnan(getattr(slices.conditions, name))]
+            more = asked or [
+                name for name in CONDITIONS if math.isnan(getattr(slices.conditions, name))
+            ]
             raise Nonconformance(
                 f"{form} gives {name} = nan where all that it reads is usual, so it reads what is not in reads: "
                 f"{'' if asked else 'one of '}{', '.join(more)}; add it there, with its range in domain"
@@ -120,7 +128,10 @@ def _compare(model: SliceModel, form: str, slices: _Watched, before: Slices) -> 
 
 def not_run(model: Any, check: Check) -> str:
     """Return why a check need not be run on a model: the rule that it rests on is broken; nothing where it is not."""
-    if not (isinstance(model, SliceModel) and rests_on_evaluation(check)) or check is check_keeps_to_what_it_declares:
+    if (
+        not (isinstance(model, SliceModel) and rests_on_evaluation(check))
+        or check is check_keeps_to_what_it_declares
+    ):
         return ""
     try:
         check_keeps_to_what_it_declares(model)

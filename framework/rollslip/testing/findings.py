@@ -25,7 +25,14 @@ from rollslip.testing import (  # noqa: F401 - they put their rules on the list
     values,
 )
 from rollslip.testing.declared import not_run
-from rollslip.testing.rules import Check, Inapplicable, Questionable, all_checks, checks_of, subjects
+from rollslip.testing.rules import (
+    Check,
+    Inapplicable,
+    Questionable,
+    all_checks,
+    checks_of,
+    subjects,
+)
 
 _STATES: Final = ("ok", "expected", "skipped", "warning", "failed")
 NONE_EXPECTED: Final[Mapping[str, str]] = MappingProxyType({})
@@ -77,16 +84,23 @@ def _sentence(error: BaseException, model: object) -> str:
         for frame, line in traceback.walk_tb(None if cause is None else cause.__traceback__)
         if frame.f_globals.get("__name__", "").partition(".")[0] == root != "rollslip"
     ]
-    said = str(error) if isinstance(error, AssertionError | Questionable) else f"{type(error).__name__}: {error}"
+    said = (
+        str(error)
+        if isinstance(error, AssertionError | Questionable)
+        else f"{type(error).__name__}: {error}"
+    )
     return said + "".join(places[-1:])
 
 
-def run_check(model: object, check: Check, reason: str | None = None) -> tuple[Finding, Exception | None]:
+def run_check(
+    model: object, check: Check, reason: str | None = None
+) -> tuple[Finding, Exception | None]:
     """Run one check on a model; return the finding, and the error behind it.
 
     ``reason`` is why the check is expected to fail, if it is.
     """
-    name, error = name_of(model), None
+    name = name_of(model)
+    error = None
     try:
         check(model)
     except Inapplicable as cause:
@@ -97,13 +111,19 @@ def run_check(model: object, check: Check, reason: str | None = None) -> tuple[F
         wrong = "warning" if isinstance(error, Questionable) else "failed"
         status, message = ("expected", reason) if reason else (wrong, _sentence(error, model))
     elif reason:
-        status, message = "failed", f"it passes, but is listed as an expected failure ({reason}); take it off the list"
+        status = "failed"
+        message = (
+            f"it passes, but is listed as an expected failure ({reason}); take it off the list"
+        )
     else:
-        status, message = "ok", ""
+        status = "ok"
+        message = ""
     return Finding(name, check.__name__, status, message), error
 
 
-def judge(model: object, check: Check, reason: str | None = None) -> tuple[Finding, Exception | None]:
+def judge(
+    model: object, check: Check, reason: str | None = None
+) -> tuple[Finding, Exception | None]:
     """Run one check on a model, as `run_check`, unless a rule that it rests on is broken: that is said once."""
     if cause := not_run(model, check):
         return Finding(name_of(model), check.__name__, "skipped", cause), None
@@ -119,7 +139,9 @@ def cases_of(model: object, given: Mapping[str, str]) -> list[tuple[Any, Check, 
     ]
 
 
-def conformance(model: object, expected_failures: Mapping[str, str] = NONE_EXPECTED) -> list[Finding]:
+def conformance(
+    model: object, expected_failures: Mapping[str, str] = NONE_EXPECTED
+) -> list[Finding]:
     """Check a model against all rules of its kind, in this process.
 
     Parameters
@@ -193,7 +215,8 @@ class Conformance:
             return
         if not self.models:
             raise PluginError(f"{type(self).__name__}.models is empty; list the models to check")
-        cases, ids = [], []
+        cases = []
+        ids = []
         for k, model in enumerate(self.models):
             for case in cases_of(model, self.expected_failures):
                 cases.append(case)

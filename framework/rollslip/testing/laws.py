@@ -44,7 +44,17 @@ from rollslip.testing.rules import (
     same,
     without_evaluation,
 )
-from rollslip.testing.samples import BEARING, copy_of, evaluate, for_all, forms_of, picked, shown, signed, table
+from rollslip.testing.samples import (
+    BEARING,
+    copy_of,
+    evaluate,
+    for_all,
+    forms_of,
+    picked,
+    shown,
+    signed,
+    table,
+)
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
 
@@ -60,7 +70,14 @@ def check_mean_pressure_carries_the_load(filled: Slices, form: str, shaped: Slic
     """The mean pressure over the width 2 b is the load per length, w = 2 b p."""
     carried = copy_of(filled)
     carried.load[:] = 2 * filled.half_width * filled.pressure
-    same(carried, filled, shaped, max(1e-12, shaped.tolerance), f"{form} form, 2 b p against w", ["load"])
+    same(
+        carried,
+        filled,
+        shaped,
+        max(1e-12, shaped.tolerance),
+        f"{form} form, 2 b p against w",
+        ["load"],
+    )
     refuse_unless(np.all(filled.half_width > 0), f"{form} form: half_width is not positive")
 
 
@@ -74,8 +91,11 @@ def check_half_width_rises_with_the_load(model: ContactModel) -> None:
 @without_evaluation
 def check_deflection_is_a_stage_of_its_own(model: ContactModel) -> None:
     """The deflection fills load and stiffness from the approach, and is the same stage whenever it is asked for."""
-    one, other = model.deflection(), model.deflection()
-    refuse_unless(isinstance(one, SliceModel), f"deflection() must return a SliceModel, not {one!r}")
+    one = model.deflection()
+    other = model.deflection()
+    refuse_unless(
+        isinstance(one, SliceModel), f"deflection() must return a SliceModel, not {one!r}"
+    )
     refuse_unless(one == other, "deflection() returns another stage each time")
     refuse_unless(
         one.writes == {"load", "stiffness"} and "approach" in one.reads,
@@ -92,9 +112,12 @@ def _monotonic(of: str, columns: Mapping[str, int]) -> Callable[[Slices, str, Sl
             if more is None:
                 continue
             for name, direction in columns.items():
-                before, after = getattr(filled, name), getattr(more, name)
+                before = getattr(filled, name)
+                after = getattr(more, name)
                 slack = 10 * shaped.tolerance * np.abs(before)
-                good = {1: after > before, 0: after >= before - slack, -1: after <= before + slack}[direction]
+                good = {1: after > before, 0: after >= before - slack, -1: after <= before + slack}[
+                    direction
+                ]
                 if (i := first_of(~good & (getattr(filled, of) > 0))) is not None:
                     wanted = {1: "must rise", 0: "must not fall", -1: "must not rise"}[direction]
                     raise Nonconformance(
@@ -110,7 +133,9 @@ def _carries_nothing_apart(filled: Slices, form: str, shaped: SliceModel) -> Non
         values = getattr(filled, name)
         good = np.where(filled.approach > 0, values >= 0, values == 0)
         if (i := first_of(~good)) is not None:
-            raise Nonconformance(f"{form} form: {name} = {values[i]:g} at {shown(shaped, filled, i)}")
+            raise Nonconformance(
+                f"{form} form: {name} = {values[i]:g} at {shown(shaped, filled, i)}"
+            )
 
 
 @rule("deflection")
@@ -122,7 +147,9 @@ def check_surfaces_apart_carry_nothing(model: SliceModel) -> None:
         for approach in (0.0, -0.0, -1e-9, -1e-3):
             apart = changed(base, shaped, approach=approach)
             if apart is None:
-                raise Nonconformance(f"{form} form refuses an approach of {approach:g}: surfaces may be apart")
+                raise Nonconformance(
+                    f"{form} form refuses an approach of {approach:g}: surfaces may be apart"
+                )
             _carries_nothing_apart(apart, form, shaped)
 
 
@@ -134,7 +161,9 @@ def check_load_rises_with_the_approach(model: SliceModel) -> None:
 
 @rule("deflection")
 @on_drawn_slices
-def check_stiffness_is_the_derivative_of_the_load(filled: Slices, form: str, shaped: SliceModel) -> None:
+def check_stiffness_is_the_derivative_of_the_load(
+    filled: Slices, form: str, shaped: SliceModel
+) -> None:
     """The slope that Newton's method is given is that of the load, by central differences."""
     step = 1e-5  # leaves 1e-10 of the third derivative, and 1e-11 of rounding
     touching = filled.approach > 1e-12
@@ -142,12 +171,17 @@ def check_stiffness_is_the_derivative_of_the_load(filled: Slices, form: str, sha
     filled = picked(filled, touching)
     # a law whose stiffness has no bound at the end of its range is not told by differences there
     assume(changed(filled, shaped, approach=filled.approach * 1.03) is not None)
-    sides = [changed(filled, shaped, approach=filled.approach * factor) for factor in (1 - step, 1 + step)]
+    sides = [
+        changed(filled, shaped, approach=filled.approach * factor)
+        for factor in (1 - step, 1 + step)
+    ]
     if sides[0] is None or sides[1] is None:
         assume(False)
     slope = copy_of(filled)
     slope.stiffness[:] = (sides[1].load - sides[0].load) / (sides[1].approach - sides[0].approach)
-    same(filled, slope, shaped, 1e-7, f"{form} form, stiffness against dw/d(approach)", ["stiffness"])
+    same(
+        filled, slope, shaped, 1e-7, f"{form} form, stiffness against dw/d(approach)", ["stiffness"]
+    )
 
 
 # Film ----------------------------------------------------------------------------------------------------------------
@@ -162,7 +196,9 @@ def check_film_is_positive(filled: Slices, form: str, shaped: FilmModel) -> None
         assume(filled.conditions.pressure_viscosity > 0)
     if (i := first_of(~(filled.film_thickness > 0))) is not None:
         thickness = filled.film_thickness[i]
-        raise Nonconformance(f"{form} form: film_thickness = {thickness:g}; at {shown(shaped, filled, i)}")
+        raise Nonconformance(
+            f"{form} form: film_thickness = {thickness:g}; at {shown(shaped, filled, i)}"
+        )
 
 
 @rule(FilmModel)
@@ -202,7 +238,9 @@ def check_is_odd_in_slip(filled: Slices, form: str, shaped: SliceModel) -> None:
     """Friction does not know which surface is the faster one: mu(-V) = -mu(V)."""
     mirrored = changed(filled, shaped, sliding_speed=-filled.sliding_speed)
     if mirrored is None:
-        raise Nonconformance(f"{form} form refuses the opposite slip; at {shown(shaped, filled, 0)}")
+        raise Nonconformance(
+            f"{form} form refuses the opposite slip; at {shown(shaped, filled, 0)}"
+        )
     mirrored.friction[:] *= -1
     same(mirrored, filled, shaped, shaped.tolerance, f"{form} form, -mu(-V) against mu(V)")
 
@@ -215,7 +253,9 @@ def check_is_zero_at_zero_slip(filled: Slices, form: str, shaped: SliceModel) ->
     if still is None:
         raise Nonconformance(f"{form} form refuses pure rolling; at {shown(shaped, filled, 0)}")
     if (i := first_of(still.friction != 0)) is not None:
-        raise Nonconformance(f"{form} form: mu = {still.friction[i]:g} at V = 0; at {shown(shaped, still, i)}")
+        raise Nonconformance(
+            f"{form} form: mu = {still.friction[i]:g} at V = 0; at {shown(shaped, still, i)}"
+        )
 
 
 @rule(TractionModel)
@@ -223,7 +263,9 @@ def check_is_zero_at_zero_slip(filled: Slices, form: str, shaped: SliceModel) ->
 def check_takes_power_out_of_sliding(filled: Slices, form: str, shaped: SliceModel) -> None:
     """Friction is along the sliding and never drives it: mu V >= 0."""
     if (i := first_of(np.sign(filled.friction) * np.sign(filled.sliding_speed) < 0)) is not None:
-        raise Nonconformance(f"{form} form: mu = {filled.friction[i]:g} drives; at {shown(shaped, filled, i)}")
+        raise Nonconformance(
+            f"{form} form: mu = {filled.friction[i]:g} drives; at {shown(shaped, filled, i)}"
+        )
 
 
 @rule(TractionModel)
@@ -234,7 +276,8 @@ def check_friction_is_below_one_in_a_bearing(model: TractionModel) -> None:
         if len(filled):
             i = int(np.argmax(np.abs(filled.friction)))
             refuse_unless(
-                abs(filled.friction[i]) <= 1, f"{form} form: mu = {filled.friction[i]:g}; at {shown(shaped, filled, i)}"
+                abs(filled.friction[i]) <= 1,
+                f"{form} form: mu = {filled.friction[i]:g}; at {shown(shaped, filled, i)}",
             )
 
 
@@ -243,7 +286,9 @@ def check_friction_is_below_one_in_a_bearing(model: TractionModel) -> None:
 
 @rule(PressureViscosity)
 @on_drawn_slices
-def check_without_pressure_the_oil_is_as_it_was(filled: Slices, form: str, shaped: SliceModel) -> None:
+def check_without_pressure_the_oil_is_as_it_was(
+    filled: Slices, form: str, shaped: SliceModel
+) -> None:
     """A law says how viscosity rises: at no pressure eta is eta0 and its fall with temperature beta0."""
     still = changed(filled, shaped, pressure=0.0)
     if still is None:
@@ -251,7 +296,13 @@ def check_without_pressure_the_oil_is_as_it_was(filled: Slices, form: str, shape
     ambient = copy_of(still)
     ambient.film_viscosity[:] = still.conditions.viscosity
     ambient.film_thermoviscosity[:] = still.conditions.thermoviscosity
-    same(still, ambient, shaped, max(1e-12, shaped.tolerance), f"{form} form, at no pressure against the oil's")
+    same(
+        still,
+        ambient,
+        shaped,
+        max(1e-12, shaped.tolerance),
+        f"{form} form, at no pressure against the oil's",
+    )
 
 
 @rule(PressureViscosity)
@@ -262,13 +313,25 @@ def check_viscosity_does_not_fall_with_pressure(law: PressureViscosity) -> None:
 
 @rule(PressureViscosity)
 @on_drawn_slices
-def check_values_at_pressures_are_those_of_the_stage(filled: Slices, form: str, shaped: PressureViscosity) -> None:
+def check_values_at_pressures_are_those_of_the_stage(
+    filled: Slices, form: str, shaped: PressureViscosity
+) -> None:
     """``at``, which traction models ask for pressures within a contact, gives what the stage gives for a slice."""
     asked = copy_of(filled)
     values = shaped.at(filled.conditions, filled.pressure.reshape(1, -1))
-    refuse_unless(all(np.shape(one) == (1, len(filled)) for one in values), "at() loses the shape of its pressures")
+    refuse_unless(
+        all(np.shape(one) == (1, len(filled)) for one in values),
+        "at() loses the shape of its pressures",
+    )
     asked.film_viscosity[:], asked.film_thermoviscosity[:] = (np.ravel(one) for one in values)
-    same(asked, filled, shaped, max(1e-9, shaped.tolerance), f"{form} form, at() against it", ["film_viscosity"])
+    same(
+        asked,
+        filled,
+        shaped,
+        max(1e-9, shaped.tolerance),
+        f"{form} form, at() against it",
+        ["film_viscosity"],
+    )
 
 
 @rule(PressureViscosity)
@@ -322,7 +385,10 @@ def check_torque_is_finite_and_the_same_again(model: DragModel) -> None:
     def holds(speeds: tuple[float, ...]) -> None:
         first = _torque(model, speeds)
         _torque(model, (*speeds[2::-1], *speeds[3:]))
-        refuse_unless(_torque(model, speeds) == first, f"the torque at {speeds} rad/s is another at the second time")
+        refuse_unless(
+            _torque(model, speeds) == first,
+            f"the torque at {speeds} rad/s is another at the second time",
+        )
 
     for_all(_given(model), holds)
 
@@ -332,9 +398,11 @@ def check_torque_changes_sign_with_all_speeds(model: DragModel) -> None:
     """A bearing seen from its other side is the same bearing."""
 
     def holds(speeds: tuple[float, ...]) -> None:
-        one, mirrored = _torque(model, speeds), _torque(model, (*(-speed for speed in speeds[:3]), *speeds[3:]))
+        one = _torque(model, speeds)
+        mirrored = _torque(model, (*(-speed for speed in speeds[:3]), *speeds[3:]))
         refuse_unless(
-            abs(one + mirrored) <= 1e-12 * abs(one), f"the torque is {one:g} at {speeds} rad/s, mirrored {mirrored:g}"
+            abs(one + mirrored) <= 1e-12 * abs(one),
+            f"the torque is {one:g} at {speeds} rad/s, mirrored {mirrored:g}",
         )
 
     for_all(_given(model), holds)
@@ -346,8 +414,13 @@ def check_torque_takes_power_out_of_a_cage_between_still_rings(model: DragModel)
 
     def holds(speeds: tuple[float, ...]) -> None:
         torque = _torque(model, (speeds[0], 0.0, 0.0, *speeds[3:]))
-        refuse_unless(torque * speeds[0] <= 0, f"the torque {torque:g} N m drives a cage at {speeds[0]:g} rad/s")
-        refuse_unless(speeds[0] != 0 or torque == 0, f"the torque is {torque:g} N m where all is at rest")
+        refuse_unless(
+            torque * speeds[0] <= 0,
+            f"the torque {torque:g} N m drives a cage at {speeds[0]:g} rad/s",
+        )
+        refuse_unless(
+            speeds[0] != 0 or torque == 0, f"the torque is {torque:g} N m where all is at rest"
+        )
 
     for_all(_given(model), holds)
 
@@ -362,7 +435,8 @@ def check_compiled_torque_equals_python(model: DragModel) -> None:
         raise Nonconformance(f"its kernel() {problem}")
 
     def holds(speeds: tuple[float, ...]) -> None:
-        found, expected = compiled.torque(capsule, *speeds), _torque(model, speeds)
+        found = compiled.torque(capsule, *speeds)
+        expected = _torque(model, speeds)
         refuse_unless(
             abs(found - expected) <= model.tolerance * abs(expected) + DENORMAL,
             f"the compiled torque is {found:.17g} at {speeds} rad/s, that of Python {expected:.17g}",
@@ -373,16 +447,22 @@ def check_compiled_torque_equals_python(model: DragModel) -> None:
 
 @rule(ResistanceModel)
 @on_drawn_slices
-def check_resistance_takes_power_out_of_rolling(filled: Slices, form: str, shaped: SliceModel) -> None:
+def check_resistance_takes_power_out_of_rolling(
+    filled: Slices, form: str, shaped: SliceModel
+) -> None:
     """A surface that rolls is resisted, never driven."""
     if (i := first_of(filled.resistance < 0)) is not None:
         resistance = filled.resistance[i]
-        raise Nonconformance(f"{form} form: the resistance is {resistance:g} N/m; at {shown(shaped, filled, i)}")
+        raise Nonconformance(
+            f"{form} form: the resistance is {resistance:g} N/m; at {shown(shaped, filled, i)}"
+        )
 
 
 @rule(ResistanceModel)
 @on_drawn_slices
-def check_resistance_does_not_fall_with_load_and_speed(filled: Slices, form: str, shaped: SliceModel) -> None:
+def check_resistance_does_not_fall_with_load_and_speed(
+    filled: Slices, form: str, shaped: SliceModel
+) -> None:
     """A contact that is loaded more, or rolls faster, resists at least as much."""
     for of in ("load", "rolling_speed"):
         _monotonic(of, {"resistance": 0})(filled, form, shaped)
@@ -401,7 +481,8 @@ def check_coefficient_of_the_pocket_is_a_share(model: PocketFriction) -> None:
 
 
 def _temperatures(oil: Lubricant) -> "st.SearchStrategy[float]":
-    low, high = oil.minimum_temperature, oil.maximum_temperature
+    low = oil.minimum_temperature
+    high = oil.maximum_temperature
     return st.one_of(st.sampled_from([low, high]), st.floats(low, high))
 
 
@@ -412,10 +493,16 @@ def check_says_what_it_is_and_what_vouches_for_it(oil: Lubricant) -> None:
         re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", oil.name),
         f"its name is {oil.name!r}; use small letters, digits and hyphens, as in 'sae-30'",
     )
-    refuse_unless(len(oil.description.split()) >= 3, f"its description is {oil.description!r}; say what it is")
-    refuse_unless(len(oil.source.split()) >= 3, f"its source is {oil.source!r}; say where its data come from")
     refuse_unless(
-        isinstance(oil.references, tuple) and oil.references and all(map(is_citation, oil.references)),
+        len(oil.description.split()) >= 3, f"its description is {oil.description!r}; say what it is"
+    )
+    refuse_unless(
+        len(oil.source.split()) >= 3, f"its source is {oil.source!r}; say where its data come from"
+    )
+    refuse_unless(
+        isinstance(oil.references, tuple)
+        and oil.references
+        and all(map(is_citation, oil.references)),
         f"its references are {oil.references!r}; {CITATIONS_WANTED}",
     )
 
@@ -433,26 +520,37 @@ def check_viscosity_falls_with_temperature(oil: Lubricant) -> None:
         )
     for state in states:
         for name, value in attrs.asdict(state).items():
-            low = -math.inf if name == "pressure_thermoviscosity" else 0.0 if name == "thermoviscosity" else 5e-324
+            low = (
+                -math.inf
+                if name == "pressure_thermoviscosity"
+                else 0.0
+                if name == "thermoviscosity"
+                else 5e-324
+            )
             refuse_unless(
-                math.isnan(value) or low <= value < math.inf, f"{name} = {value:g} at {state.temperature:g} K"
+                math.isnan(value) or low <= value < math.inf,
+                f"{name} = {value:g} at {state.temperature:g} K",
             )
 
 
 @rule(Lubricant)
 def check_slopes_are_those_of_its_laws(oil: Lubricant) -> None:
     """beta0 = -dln(eta0)/dT and gamma = -dalpha/dT, by differences; at the corner of a table either side will do."""
-    low, high = oil.minimum_temperature, oil.maximum_temperature
+    low = oil.minimum_temperature
+    high = oil.maximum_temperature
     step = 1e-4 * (high - low) / 100
 
     def slopes(T: float, value: Callable[[float], float]) -> list[float]:
-        below, above = max(T - step, low), min(T + step, high)
+        below = max(T - step, low)
+        above = min(T + step, high)
         ends = [(below, above), (below, T), (T, above)]
         return [-(value(b) - value(a)) / (b - a) for a, b in ends if b > a]
 
     laws: dict[str, Callable[[float], float]] = {
         "thermoviscosity": lambda T: math.log(oil.at(T).viscosity),
-        "pressure_thermoviscosity": lambda T: oil.at(T).pressure_viscosity * oil.pressure_thermoviscosity_factor,
+        "pressure_thermoviscosity": lambda T: (
+            oil.at(T).pressure_viscosity * oil.pressure_thermoviscosity_factor
+        ),
     }
 
     def holds(T: float) -> None:
@@ -462,7 +560,8 @@ def check_slopes_are_those_of_its_laws(oil: Lubricant) -> None:
             expected = slopes(T, of)
             scale = abs(of(T)) / T
             refuse_unless(
-                math.isnan(found) or any(abs(found - e) <= 1e-4 * abs(e) + 1e-6 * scale for e in expected),
+                math.isnan(found)
+                or any(abs(found - e) <= 1e-4 * abs(e) + 1e-6 * scale for e in expected),
                 f"{name} = {found:.9g} at {T:g} K, by differences {expected[0]:.9g}",
             )
 
@@ -472,13 +571,25 @@ def check_slopes_are_those_of_its_laws(oil: Lubricant) -> None:
 @rule(Lubricant)
 def check_refuses_temperatures_outside_its_range(oil: Lubricant) -> None:
     """Beyond the range there is an error that names the oil, no number."""
-    low, high = oil.minimum_temperature, oil.maximum_temperature
-    refuse_unless(200.0 < low < high < 800.0, f"its range is {low:g} to {high:g} K; give the range of its data")
+    low = oil.minimum_temperature
+    high = oil.maximum_temperature
+    refuse_unless(
+        200.0 < low < high < 800.0,
+        f"its range is {low:g} to {high:g} K; give the range of its data",
+    )
     oil.at(low), oil.at(high)
-    for T in (math.nan, math.inf, -math.inf, math.nextafter(low, 0.0), math.nextafter(high, math.inf)):
+    for T in (
+        math.nan,
+        math.inf,
+        -math.inf,
+        math.nextafter(low, 0.0),
+        math.nextafter(high, math.inf),
+    ):
         try:
             oil.at(T)
         except DomainError as error:
-            refuse_unless(oil.name in str(error), f"the error at {T!r} K does not name the oil: {error}")
+            refuse_unless(
+                oil.name in str(error), f"the error at {T!r} K does not name the oil: {error}"
+            )
         else:
             raise Nonconformance(f"{T!r} K is taken: there is no error")

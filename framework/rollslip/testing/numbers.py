@@ -15,7 +15,14 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from rollslip.errors import DomainError
-from rollslip.models import ContactModel, FilmModel, PressureModel, ResistanceModel, SliceModel, TractionModel
+from rollslip.models import (
+    ContactModel,
+    FilmModel,
+    PressureModel,
+    ResistanceModel,
+    SliceModel,
+    TractionModel,
+)
 from rollslip.testing.rules import (
     Inapplicable,
     Nonconformance,
@@ -123,12 +130,15 @@ def check_computes_in_double_precision(model: SliceModel) -> None:
         slices = table(shaped, 64, BEARING)
         for member in sorted(model.reads - {"regime"}) if len(slices) else ():
             try:
-                one, small, large = (_scaled(slices, shaped, member, 1.0 + by) for by in (0.0, step, 1e4 * step))
+                one, small, large = (
+                    _scaled(slices, shaped, member, 1.0 + by) for by in (0.0, step, 1e4 * step)
+                )
             except DomainError:
                 continue  # at the end of its range
             for name in sorted(model.writes - {"regime"}):
                 value = getattr(one, name)
-                found, expected = getattr(small, name) - value, 1e-4 * (getattr(large, name) - value)
+                found = getattr(small, name) - value
+                expected = 1e-4 * (getattr(large, name) - value)
                 seen = np.abs(expected) > 0.01 * step * np.abs(value)
                 lost = seen & (np.abs(found - expected) > 0.2 * np.abs(expected))
                 if np.sum(seen) >= 8 and 2 * np.sum(lost) > np.sum(seen):
@@ -158,7 +168,9 @@ class _Counted(np.ndarray[Any, Any]):
         _Counted.count += 1
         plain = [one.view(np.ndarray) if isinstance(one, _Counted) else one for one in inputs]
         if out := options.get("out"):
-            options["out"] = tuple(one.view(np.ndarray) if isinstance(one, _Counted) else one for one in out)
+            options["out"] = tuple(
+                one.view(np.ndarray) if isinstance(one, _Counted) else one for one in out
+            )
         found = getattr(ufunc, method)(*plain, **options)
         return found.view(_Counted) if type(found) is np.ndarray else found
 
@@ -183,7 +195,9 @@ def operations(model: SliceModel, slices: Slices) -> int:
         with np.errstate(all="ignore"):
             model.evaluate(Slices.of_columns(given.conditions, columns))
     except Exception as error:  # of a compiler that takes plain arrays alone
-        raise Inapplicable(f"operations on its columns cannot be counted ({type(error).__name__})") from error
+        raise Inapplicable(
+            f"operations on its columns cannot be counted ({type(error).__name__})"
+        ) from error
     return _Counted.count
 
 
@@ -196,8 +210,13 @@ def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
     few = picked(slices, slice(0, max(len(slices) // 4, 1)))
     if len(slices) < 8:
         raise Inapplicable("there are too few slices that it takes")
-    many, less = operations(model, slices), operations(model, few)
-    why = "they grow with the slices: put arrays in place of the loop" if many > 2 * less else "evaluate it less often"
+    many = operations(model, slices)
+    less = operations(model, few)
+    why = (
+        "they grow with the slices: put arrays in place of the loop"
+        if many > 2 * less
+        else "evaluate it less often"
+    )
     if many > OPERATIONS:
         raise Questionable(
             f"evaluate() takes {many:,} operations on columns for {len(slices)} slices and {less:,} for {len(few)}; "
@@ -230,7 +249,9 @@ def check_shapes_are_words_that_are_known(model: TractionModel) -> None:
     """``shapes`` says of "cold" and "heated" what friction does over slip, and of "bound" what it stays below."""
     known = f"'cold' and 'heated' may be {', '.join(map(repr, SHAPES))}; 'bound' names a parameter or a method"
     for of, shape in model.shapes.items():
-        good = shape in SHAPES if of in ("cold", "heated") else of == "bound" and hasattr(model, shape)
+        good = (
+            shape in SHAPES if of in ("cold", "heated") else of == "bound" and hasattr(model, shape)
+        )
         refuse_unless(good, f"its shapes say {of!r}: {shape!r}; {known} of the law")
 
 
@@ -239,7 +260,9 @@ def check_friction_has_the_shapes_that_it_says(model: TractionModel) -> None:
     """Over slips from none to all, cold and heated, and below its bound, as laws in the box are held to theirs."""
     if not model.shapes:
         raise Inapplicable("it declares no shapes")
-    cold = {name: 0.0 for name in ("thermoviscosity", "pressure_thermoviscosity") if name in model.reads}
+    cold = {
+        name: 0.0 for name in ("thermoviscosity", "pressure_thermoviscosity") if name in model.reads
+    }
     heats = "film_thermoviscosity" in model.reads
     low, high = model.domain["sliding_speed"]
     speed = np.clip(np.logspace(-9, 6, 301), low, high)
@@ -262,7 +285,11 @@ def check_friction_has_the_shapes_that_it_says(model: TractionModel) -> None:
             at = picked(base, np.repeat(np.arange(len(base)), speed.size))
             filled = changed(at, shaped, sliding_speed=np.tile(speed, len(base)))
             bound = getattr(model, model.shapes["bound"])
-            over = np.zeros(1) if filled is None else filled.friction - (bound(filled) if callable(bound) else bound)
+            over = (
+                np.zeros(1)
+                if filled is None
+                else filled.friction - (bound(filled) if callable(bound) else bound)
+            )
             i = int(np.argmax(over))
             refuse_unless(
                 over[i] <= 1e-9,

@@ -28,7 +28,15 @@ from rollslip.models import (
     TractionModel,
 )
 from rollslip.references import Reference
-from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown, with_scene
+from rollslip.testing.samples import (
+    copy_of,
+    drawn_tables,
+    evaluate,
+    for_all,
+    forms_of,
+    shown,
+    with_scene,
+)
 from rollslip_kernels.slices import Slices
 
 Check = Callable[[Any], None]
@@ -65,7 +73,14 @@ def rule(*kinds: type | str, first: bool = False) -> Callable[[Check], Check]:
 
 
 MODELS: Final = (SliceModel, DragModel, PocketFriction, IntegratorModel)
-STAGES: Final = (ContactModel, FilmModel, PressureModel, PressureViscosity, TractionModel, ResistanceModel)
+STAGES: Final = (
+    ContactModel,
+    FilmModel,
+    PressureModel,
+    PressureViscosity,
+    TractionModel,
+    ResistanceModel,
+)
 
 
 #: Rules of slice models that look at what is declared alone.
@@ -117,7 +132,9 @@ def all_checks() -> list[Check]:
 def subjects(model: object) -> list[Any]:
     """Return a model and the stages that it hands out: what is checked in its name."""
     if isinstance(model, type) and not ((of := kind_of(model)) and of.waits):
-        raise PluginError(f"{model.__qualname__} is a class; the checks take a model, {model.__qualname__}(...)")
+        raise PluginError(
+            f"{model.__qualname__} is a class; the checks take a model, {model.__qualname__}(...)"
+        )
     if isinstance(model, ContactModel):
         return [model, model.deflection()]
     return [with_scene(model) if isinstance(model, Drag | FilmModel) else model]
@@ -131,7 +148,8 @@ def refuse_unless(holds: object, message: str) -> None:
 
 #: What is asked of references.
 CITATIONS_WANTED: Final = (
-    "give a tuple of citations, each a text that says who, what, where and when, or a rollslip.references.Reference"
+    "give a tuple of citations, each a text that says who, what, where and when, "
+    "or a rollslip.references.Reference"
 )
 
 
@@ -141,11 +159,17 @@ def is_citation(one: object) -> bool:
 
 
 def same(
-    found: Slices, expected: Slices, model: SliceModel, tolerance: float, what: str, names: Iterable[str] = ()
+    found: Slices,
+    expected: Slices,
+    model: SliceModel,
+    tolerance: float,
+    what: str,
+    names: Iterable[str] = (),
 ) -> None:
     """Refuse a difference in the columns a model writes; tolerance 0 compares bits."""
     for name in names or sorted(model.writes):
-        one, other = getattr(found, name), getattr(expected, name)
+        one = getattr(found, name)
+        other = getattr(expected, name)
         if tolerance == 0.0:
             bad = one.view(np.int64) != other.view(np.int64)
         else:
@@ -154,7 +178,9 @@ def same(
                     np.isnan(one) & np.isnan(other)
                 )
         if (i := first_of(bad)) is not None:
-            allowed = "the same bits" if tolerance == 0.0 else f"a relative difference of {tolerance:g}"
+            allowed = (
+                "the same bits" if tolerance == 0.0 else f"a relative difference of {tolerance:g}"
+            )
             raise Nonconformance(
                 f"{what}: {name} = {one[i]:.17g} against {other[i]:.17g}, allowed is {allowed}; "
                 f"at {shown(model, expected, i)}"

@@ -28,7 +28,10 @@ LOADING: Final = "loading"
 
 
 def check_in_subprocess(
-    kind: str, name: str, time_limit: float = 120.0, expected_failures: Mapping[str, str] = NONE_EXPECTED
+    kind: str,
+    name: str,
+    time_limit: float = 120.0,
+    expected_failures: Mapping[str, str] = NONE_EXPECTED,
 ) -> list[Finding]:
     """Check a model of the catalogue, with its default parameters, in a process of its own.
 
@@ -66,9 +69,14 @@ def check_in_subprocess(
             planned = next((note["planned"] for note in notes if "planned" in note), None)
             if end is None:
                 return findings
-            begun = [note["begun"] for note in notes if "begun" in note and note["begun"] not in ended]
+            begun = [
+                note["begun"] for note in notes if "begun" in note and note["begun"] not in ended
+            ]
             if planned is None or not begun:  # another child would come no further
-                return [*findings, Finding(name, LOADING, "failed", f"{end} while loading or between checks")]
+                return [
+                    *findings,
+                    Finding(name, LOADING, "failed", f"{end} while loading or between checks"),
+                ]
             findings.append(Finding(begun[0][0], begun[0][1], "failed", f"{end} in {begun[0][1]}"))
             ended += begun
             hangs += end.startswith("did not end")
@@ -78,23 +86,38 @@ def check_in_subprocess(
                 return findings + [Finding(case[0], case[1], "skipped", reason) for case in rest]
 
 
-def _child(folder: Path, order: dict[str, Any], time_limit: float) -> tuple[list[dict[str, Any]], str | None]:
+def _child(
+    folder: Path, order: dict[str, Any], time_limit: float
+) -> tuple[list[dict[str, Any]], str | None]:
     """Run one child; return its notes, and how it ended unless it came to the end of its work."""
-    notes, output = folder / "notes", folder / "output"
+    notes = folder / "notes"
+    output = folder / "output"
     notes.write_text("")
     with output.open("wb") as stream:
         child = subprocess.Popen(
-            [sys.executable, "-c", "from rollslip.testing.runner import work; work()", str(notes), json.dumps(order)],
+            [
+                sys.executable,
+                "-c",
+                "from rollslip.testing.runner import work; work()",
+                str(notes),
+                json.dumps(order),
+            ],
             stdin=subprocess.DEVNULL,
             stdout=stream,
             stderr=stream,
-            env=os.environ | {"HYPOTHESIS_STORAGE_DIRECTORY": str(folder / "hypothesis")},  # not where the user works
+            env=os.environ
+            | {
+                "HYPOTHESIS_STORAGE_DIRECTORY": str(folder / "hypothesis")
+            },  # not where the user works
         )
-        hung, size, since = False, -1, time.monotonic()
+        hung = False
+        size = -1
+        since = time.monotonic()
         try:
             while child.poll() is None:
                 if (now := notes.stat().st_size) != size:
-                    size, since = now, time.monotonic()
+                    size = now
+                    since = time.monotonic()
                 if time.monotonic() - since > time_limit:
                     hung = True
                     break
@@ -103,7 +126,11 @@ def _child(folder: Path, order: dict[str, Any], time_limit: float) -> tuple[list
             child.kill()
             code = child.wait()
     # a line that a dying child could not finish says nothing
-    said = [json.loads(line) for line in notes.read_text().splitlines(keepends=True) if line.endswith("\n")]
+    said = [
+        json.loads(line)
+        for line in notes.read_text().splitlines(keepends=True)
+        if line.endswith("\n")
+    ]
     if {"done": True} in said:
         return said, None
     last = (output.read_text(errors="replace").strip().splitlines() or [""])[-1]
@@ -122,7 +149,8 @@ def _ending(code: int) -> str:
 
 def work() -> None:
     """Do what a child is for: arguments are the file for the notes and the order as JSON."""
-    path, order = sys.argv[1], json.loads(sys.argv[2])
+    path = sys.argv[1]
+    order = json.loads(sys.argv[2])
     with open(path, "a", encoding="utf-8") as file:
 
         def note(**said: object) -> None:
@@ -132,7 +160,14 @@ def work() -> None:
         try:
             cases = cases_of(get_model(order["kind"], order["name"]), order["expected_failures"])
         except RollslipError as error:
-            note(found={"model": order["name"], "check": LOADING, "status": "failed", "message": str(error)})
+            note(
+                found={
+                    "model": order["name"],
+                    "check": LOADING,
+                    "status": "failed",
+                    "message": str(error),
+                }
+            )
             cases = []
         note(planned=[[name_of(model), check.__name__] for model, check, _ in cases])
         for model, check, reason in cases:
@@ -140,6 +175,13 @@ def work() -> None:
             if case not in order["ended"]:
                 note(begun=case)
                 finding, _ = judge(model, check, reason)
-                note(found={"model": case[0], "check": case[1], "status": finding.status, "message": finding.message})
+                note(
+                    found={
+                        "model": case[0],
+                        "check": case[1],
+                        "status": finding.status,
+                        "message": finding.message,
+                    }
+                )
         note(done=True)
         os._exit(0)  # not through what the plugin has left behind for the end of the process

@@ -140,15 +140,25 @@ class Exponential(PressureViscosity):
     name = "exponential"
     domain = MappingProxyType(
         dict.fromkeys(
-            ("pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"), NON_NEGATIVE
+            (
+                "pressure",
+                "viscosity",
+                "pressure_viscosity",
+                "thermoviscosity",
+                "pressure_thermoviscosity",
+            ),
+            NON_NEGATIVE,
         )
     )
     reads = frozenset(domain)
 
     def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
         """Return viscosity and its fall with temperature."""
-        c, p = conditions, np.asarray(pressure, dtype=float)
-        return c.viscosity * np.exp(c.pressure_viscosity * p), c.thermoviscosity + c.pressure_thermoviscosity * p
+        c = conditions
+        p = np.asarray(pressure, dtype=float)
+        return c.viscosity * np.exp(
+            c.pressure_viscosity * p
+        ), c.thermoviscosity + c.pressure_thermoviscosity * p
 
 
 def forms_of(model: SliceModel) -> Iterator[tuple[str, SliceModel]]:
@@ -192,7 +202,9 @@ def _is_chosen(limit: float) -> bool:
     return sys.float_info.min <= abs(limit) < sys.float_info.max
 
 
-def _parts(member: str, limits: Limits, magnitudes: Limits | None = None) -> tuple[list[Limits], list[float]]:
+def _parts(
+    member: str, limits: Limits, magnitudes: Limits | None = None
+) -> tuple[list[Limits], list[float]]:
     """Return the intervals to draw from, negative ones mirrored by their order, and the single values to include."""
     low, high = limits
     smallest, largest = magnitudes or MAGNITUDES[member][::2]
@@ -215,7 +227,9 @@ def _between(part: Limits, share: Any) -> Any:
     """Return the values at shares of an interval: even in the logarithm, unless the interval crosses zero."""
     low, high = part
     if low > 0 or high < 0:
-        value = math.copysign(1.0, low) * np.exp((1 - share) * math.log(abs(low)) + share * math.log(abs(high)))
+        value = math.copysign(1.0, low) * np.exp(
+            (1 - share) * math.log(abs(low)) + share * math.log(abs(high))
+        )
     else:
         value = low + share * (high - low)
     return np.clip(value, low, high)
@@ -255,7 +269,8 @@ def members(model: SliceModel, of: Mapping[str, object]) -> list[str]:
 
 def drawn_tables(model: SliceModel) -> "st.SearchStrategy[Slices]":
     """Return a strategy of tables of one to four slices that a model reads."""
-    conditions, columns = members(model, CONDITIONS), members(model, COLUMNS)
+    conditions = members(model, CONDITIONS)
+    columns = members(model, COLUMNS)
     row = st.tuples(*(values(name, _limits(model, name)) for name in columns))
 
     def slices(of_all: tuple[float, ...], rows: list[tuple[float, ...]]) -> Slices:
@@ -271,13 +286,17 @@ def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = N
     conditions = {name: typical(name, _limits(model, name)) for name in members(model, CONDITIONS)}
     slices = Slices(n, Conditions(**conditions))
     for k, name in enumerate(members(model, COLUMNS)):
-        parts, edges = _parts(name, _limits(model, name), None if magnitudes is None else magnitudes.get(name))
+        parts, edges = _parts(
+            name, _limits(model, name), None if magnitudes is None else magnitudes.get(name)
+        )
         # Multiples of an irrational number fill an interval evenly, those of different roots independently.
         shares = np.arange(1, n + 1) * math.sqrt((2, 3, 5, 7, 11, 13, 17, 19, 23, 29)[k]) % 1.0
         column = np.full(n, edges[0] if edges else 0.0)
         for i, part in enumerate(parts):
             column[i :: len(parts)] = _between(part, shares[i :: len(parts)])
-        for i, edge in zip(range(k, n, 2 * len(COLUMNS)), itertools.cycle(edges)) if edges and parts else ():
+        for i, edge in (
+            zip(range(k, n, 2 * len(COLUMNS)), itertools.cycle(edges)) if edges and parts else ()
+        ):
             column[i] = edge
         getattr(slices, name)[:] = np.arange(n) % 4 if name == "regime" else column
     return accepted(model, slices)
@@ -290,14 +309,22 @@ def thin_films(model: SliceModel, n: int) -> Slices:
     limit of the film parameter is a parameter without a dimension; next to it is 1e-16 to 0.1 of it, on either side.
     """
     slices = table(model, n)
-    parameters = (getattr(model, a.name) for a in attrs.fields(cast(Any, type(model))) if a.metadata.get("unit") == "1")
+    parameters = (
+        getattr(model, a.name)
+        for a in attrs.fields(cast(Any, type(model)))
+        if a.metadata.get("unit") == "1"
+    )
     limits = [value for value in parameters if isinstance(value, float) and value > 0.0]
     share = np.arange(1, len(slices) + 1) * math.sqrt(31) % 1.0
     ratio = 10.0 ** (13.0 * share - 12.0)
     for k, limit in enumerate(limits, start=1):
         at = slice(k, None, len(limits) + 1)
-        ratio[at] = limit * (1.0 + np.where(share[at] < 0.5, -1.0, 1.0) * 10.0 ** (30.0 * (share[at] % 0.5) - 16.0))
-    slices.film_thickness[:] = np.clip(ratio * slices.conditions.roughness, *model.domain["film_thickness"])
+        ratio[at] = limit * (
+            1.0 + np.where(share[at] < 0.5, -1.0, 1.0) * 10.0 ** (30.0 * (share[at] % 0.5) - 16.0)
+        )
+    slices.film_thickness[:] = np.clip(
+        ratio * slices.conditions.roughness, *model.domain["film_thickness"]
+    )
     return accepted(model, slices)
 
 
@@ -309,7 +336,9 @@ def accepted(model: SliceModel, slices: Slices) -> Slices:
     try:
         evaluate(model, tried)
     except DomainError:
-        return picked(slices, [i for i in range(len(slices)) if not refuses(model, picked(slices, [i]))])
+        return picked(
+            slices, [i for i in range(len(slices)) if not refuses(model, picked(slices, [i]))]
+        )
     return slices
 
 

@@ -74,10 +74,13 @@ def _result(study: Study) -> "xr.Dataset":
 
 
 def _differs(one: Any, other: Any) -> bool:
-    one, other = np.asarray(one), np.asarray(other)
+    one = np.asarray(one)
+    other = np.asarray(other)
     if one.shape != other.shape:
         return True
-    return not np.array_equal(one, other, equal_nan=one.dtype.kind in "fc" and other.dtype.kind in "fc")
+    return not np.array_equal(
+        one, other, equal_nan=one.dtype.kind in "fc" and other.dtype.kind in "fc"
+    )
 
 
 def _value(result: "xr.Dataset", name: str) -> Any:
@@ -88,17 +91,27 @@ def _value(result: "xr.Dataset", name: str) -> Any:
 def check_its_result_has_the_outputs_it_declares(study: Study) -> None:
     """Sweeps refuse an unknown output before anything runs, so the declaration has to be the truth."""
     result = _result(study)
-    refuse_unless(result.attrs.get("study") == study.name, f"attribute study is {result.attrs.get('study')!r}")
+    refuse_unless(
+        result.attrs.get("study") == study.name, f"attribute study is {result.attrs.get('study')!r}"
+    )
     for name in map(str, result.data_vars):
-        refuse_unless(name in study.outputs, f"the result has {name!r}, which outputs does not declare")
-        output, variable = study.outputs[name], result[name]
+        refuse_unless(
+            name in study.outputs, f"the result has {name!r}, which outputs does not declare"
+        )
+        output = study.outputs[name]
+        variable = result[name]
         dims = tuple(output.dims.split())
-        refuse_unless(variable.dims == dims, f"{name} has the dimensions {variable.dims}, declared are {dims}")
+        refuse_unless(
+            variable.dims == dims, f"{name} has the dimensions {variable.dims}, declared are {dims}"
+        )
         unit = variable.attrs.get("units")
         refuse_unless(unit == output.unit, f"{name} is in {unit!r}, declared is {output.unit!r}")
     for name, output in study.outputs.items():
         if output.attribute or output.default:
-            refuse_unless(_value(result, name) is not None, f"output {name!r} is declared, but the result has none")
+            refuse_unless(
+                _value(result, name) is not None,
+                f"output {name!r} is declared, but the result has none",
+            )
 
 
 @rule(Study)
@@ -109,12 +122,20 @@ def check_what_may_be_missing_has_a_status_in_words(study: Study) -> None:
         values = np.asarray(_value(result, name))
         if values.dtype.kind != "f" or not values.size or values.ndim > 1:
             continue
-        refuse_unless(not np.isinf(values).any(), f"{name} is infinite; NaN with a status says that there is no value")
+        refuse_unless(
+            not np.isinf(values).any(),
+            f"{name} is infinite; NaN with a status says that there is no value",
+        )
         if np.isnan(values).any():
-            refuse_unless(output.status != "", f"{name} is NaN, but no output says in words why (Output.status)")
+            refuse_unless(
+                output.status != "",
+                f"{name} is NaN, but no output says in words why (Output.status)",
+            )
             words = np.asarray(_value(result, output.status))
             empty = np.isnan(values) & (np.broadcast_to(words, values.shape) == "")
-            refuse_unless(not empty.any(), f"{name} is NaN, and its status {output.status!r} is empty")
+            refuse_unless(
+                not empty.any(), f"{name} is NaN, and its status {output.status!r} is empty"
+            )
     unknown = {output.status for output in study.outputs.values()} - {"", *study.outputs}
     refuse_unless(not unknown, f"status {', '.join(sorted(unknown))} is no output of its own")
 
@@ -123,13 +144,18 @@ def check_what_may_be_missing_has_a_status_in_words(study: Study) -> None:
 def check_what_is_judged_is_an_output(study: Study) -> None:
     """A plan holds these variables against the tolerances of the scene."""
     for key, name in study.judged.items():
-        refuse_unless(key in _TOLERANCES, f"judged names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}")
+        refuse_unless(
+            key in _TOLERANCES, f"judged names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}"
+        )
         refuse_unless(name in study.outputs, f"judged names {name!r}, which is no output")
         values = np.asarray(_value(_result(study), name))
-        refuse_unless(values.dtype.kind == "f", f"{name} is compared with a tolerance, but is no number")
+        refuse_unless(
+            values.dtype.kind == "f", f"{name} is compared with a tolerance, but is no number"
+        )
         none = np.all(values == 0.0) and not study.outputs[name].floor
         refuse_unless(
-            not none, f"{name} is 0, of which no error is a share; give the size that is none, Output(floor=)"
+            not none,
+            f"{name} is 0, of which no error is a share; give the size that is none, Output(floor=)",
         )
     unknown = ", ".join(sorted(study.acts - set(AXES)))
     refuse_unless(not unknown, f"acts names {unknown}, which nobody can choose")
@@ -141,23 +167,36 @@ def check_its_curves_can_be_compared(study: Study) -> None:
     if (curves := study.curves_of) is None:
         raise Inapplicable("the study gives no friction curves")
     result = _result(study)
-    refuse_unless(Curves.of(result) == curves, "attribute curves is not that of the study; pass attrs=self.attributes")
-    both, one = (curves.over, curves.slip), (curves.over,)
+    refuse_unless(
+        Curves.of(result) == curves,
+        "attribute curves is not that of the study; pass attrs=self.attributes",
+    )
+    both = (curves.over, curves.slip)
+    one = (curves.over,)
     wanted: dict[str, tuple[str, ...]] = {curves.variable: both, "film_parameter": both}
     wanted |= {curves.critical: one, "critical_friction": one, "critical_status": one}
     for name, dims in wanted.items():
-        refuse_unless(name in result and result[name].dims == dims, f"there is no {name!r} over {' and '.join(dims)}")
+        refuse_unless(
+            name in result and result[name].dims == dims,
+            f"there is no {name!r} over {' and '.join(dims)}",
+        )
     parts = list(study.evaluated(_assembly(), result))
     count = {part.curve for part in parts}
-    refuse_unless(count == set(range(result.sizes[curves.over])), f"evaluated() gives slices of the curves {count}")
+    refuse_unless(
+        count == set(range(result.sizes[curves.over])),
+        f"evaluated() gives slices of the curves {count}",
+    )
 
 
 @rule(Study)
 def check_it_gives_the_same_bits_twice(study: Study) -> None:
     """A result must not depend on what ran before."""
-    first, second = _result(study), study.at(_COARSE).run(_assembly())
+    first = _result(study)
+    second = study.at(_COARSE).run(_assembly())
     for name in map(str, first.data_vars):
-        refuse_unless(not _differs(first[name], second[name]), f"{name} is another at the second run")
+        refuse_unless(
+            not _differs(first[name], second[name]), f"{name} is another at the second run"
+        )
 
 
 @rule(Study)
@@ -175,10 +214,13 @@ def check_what_does_not_act_changes_nothing(study: Study) -> None:
 @rule(Study)
 def check_leaving_outputs_out_changes_no_other(study: Study) -> None:
     """Sweeps and fronts leave out what nobody asked for."""
-    kept = {name for name, output in study.outputs.items() if output.default} | set(study.judged.values())
+    kept = {name for name, output in study.outputs.items() if output.default} | set(
+        study.judged.values()
+    )
     fewer = study.without(frozenset(study.outputs.keys() - kept)).at(_COARSE).run(_assembly())
     for name in kept:
-        one, other = _value(_result(study), name), _value(fewer, name)
+        one = _value(_result(study), name)
+        other = _value(fewer, name)
         refuse_unless(other is not None, f"{name} is gone where others are left out")
         refuse_unless(not _differs(one, other), f"{name} is another where others are left out")
 
@@ -191,7 +233,9 @@ def check_short_ways_give_what_a_run_gives(study: Study) -> None:
     variables, _, _ = evaluate(study.at(_COARSE), _assembly(), list(dict.fromkeys(names)))
     for name, (_, values, _) in variables.items():
         one = _value(_result(study), name)
-        refuse_unless(not _differs(np.asarray(one), np.asarray(values)), f"{name} is another by the short way")
+        refuse_unless(
+            not _differs(np.asarray(one), np.asarray(values)), f"{name} is another by the short way"
+        )
 
 
 @rule(Study)
@@ -206,12 +250,20 @@ def check_it_is_planned(study: Study) -> None:
     planned = study.at(estimated.resolution)
     costs = planned.cost(stated.at(estimated.resolution))
     for part, seconds in costs.items():
-        refuse_unless(math.isfinite(seconds) and seconds >= 0.0, f"the cost of {part} is {seconds} s")
+        refuse_unless(
+            math.isfinite(seconds) and seconds >= 0.0, f"the cost of {part} is {seconds} s"
+        )
     lines = planned.parts(stated.at(estimated.resolution), estimated, costs)
     for line in lines:
-        refuse_unless(isinstance(line, Part) and bool(line.part and line.reason), f"{line!r} is no line of a plan")
+        refuse_unless(
+            isinstance(line, Part) and bool(line.part and line.reason),
+            f"{line!r} is no line of a plan",
+        )
     told = sum(line.seconds or 0.0 for line in lines)
-    refuse_unless(math.isclose(told, sum(costs.values()), rel_tol=1e-9), "the lines of the plan leave out some cost")
+    refuse_unless(
+        math.isclose(told, sum(costs.values()), rel_tol=1e-9),
+        "the lines of the plan leave out some cost",
+    )
 
 
 @rule(Study)
@@ -219,7 +271,9 @@ def check_its_results_can_be_stored(study: Study) -> None:
     """Results are netCDF files: names, numbers and texts, attributes of one kind, structures as JSON text."""
     for name, value in _result(study).attrs.items():
         plain = isinstance(value, str | int | float | np.integer | np.floating)
-        refuse_unless(plain, f"attribute {name} is a {type(value).__name__}; a structure goes in as JSON text")
+        refuse_unless(
+            plain, f"attribute {name} is a {type(value).__name__}; a structure goes in as JSON text"
+        )
     json.dumps({name: str(value) for name, value in _result(study).attrs.items()})
     _result(study).to_netcdf(engine="h5netcdf")
 
@@ -227,16 +281,22 @@ def check_its_results_can_be_stored(study: Study) -> None:
 @rule(Study)
 def check_its_result_is_told(study: Study) -> None:
     """Terminal, report and JSON tell a result by its account, or by what its variables say of themselves."""
-    account, result = account_of(_result(study)), _result(study)
+    account = account_of(_result(study))
+    result = _result(study)
     sentences = account.sentences(result)
-    refuse_unless(bool(sentences), "nothing is said of its result; give outputs without dimensions, or curves")
+    refuse_unless(
+        bool(sentences), "nothing is said of its result; give outputs without dimensions, or curves"
+    )
     for sentence in sentences:
         wrong = {"nan", "inf", "None"} & set(re.findall(r"[\w.]+", sentence))
         refuse_unless(not wrong, f"its account says {sentence!r}")
     json.dumps(account.record(result), allow_nan=False)
     for row in (answer := account.answer(result)).rows:
         wrong = {"nan", "inf", "None"} & set(re.findall(r"[\w.]+", f"{row.text} {row.note}"))
-        refuse_unless(bool(row.label) and not wrong, f"its answer says {row.label!r}: {row.text!r}, {row.note!r}")
+        refuse_unless(
+            bool(row.label) and not wrong,
+            f"its answer says {row.label!r}: {row.text!r}, {row.note!r}",
+        )
     json.dumps(answer.as_dict(), allow_nan=False)
 
 
@@ -261,17 +321,28 @@ def check_a_scene_is_read_and_its_bearing_put_together(scene: SceneData) -> None
 def check_a_campaign_has_its_command_and_its_function(campaign: type[Campaign]) -> None:
     """All of both is made of its fields, but for a command that it brings itself, which ``--help`` lists unseen."""
     summary = campaign.summary or help_of(campaign)
-    refuse_unless(summary, f"{campaign.__name__} has no docstring, with which the help of its command begins")
+    refuse_unless(
+        summary, f"{campaign.__name__} has no docstring, with which the help of its command begins"
+    )
     loose = [one.name for one in attrs.fields(campaign) if "doc" not in one.metadata]
     refuse_unless(not loose, f"{', '.join(loose)}: declare it by setting(), which says what it is")
     try:
         function_of(campaign)
     except Exception as error:
-        raise Nonconformance(f"no function can be made of it ({in_words(error)}); give its fields types") from error
+        raise Nonconformance(
+            f"no function can be made of it ({in_words(error)}); give its fields types"
+        ) from error
     if campaign.own_command:
         command = own_command(campaign)
-        is_one = callable(getattr(command, "main", None)) and hasattr(command, "help")  # click is the command line's
-        refuse_unless(is_one, f"{campaign.own_command} is a {type(command).__name__}, no command of click")
+        is_one = callable(getattr(command, "main", None)) and hasattr(
+            command, "help"
+        )  # click is the command line's
+        refuse_unless(
+            is_one, f"{campaign.own_command} is a {type(command).__name__}, no command of click"
+        )
         help = " ".join((command.help or "").split())
         begins = help.startswith(" ".join(summary.split()))
-        refuse_unless(begins, f"its command's help begins with {help[:80]!r}, not with its summary {summary!r}")
+        refuse_unless(
+            begins,
+            f"its command's help begins with {help[:80]!r}, not with its summary {summary!r}",
+        )

@@ -49,30 +49,40 @@ IMPORT_LIMIT: Final = 0.5
 def check_is_frozen(model: Any) -> None:
     """A model is shared between threads, plans and results, so nobody may change it."""
     cls = type(model)
-    refuse_unless(attrs.has(cls), f"{cls.__qualname__} is no attrs class; decorate it with @attrs.frozen")
+    refuse_unless(
+        attrs.has(cls), f"{cls.__qualname__} is no attrs class; decorate it with @attrs.frozen"
+    )
     for name in [*(attribute.name for attribute in attrs.fields(cls)), "an_attribute_of_nobody"]:
         try:
             setattr(model, name, getattr(model, name, None))
         except AttributeError:
             continue
-        raise Nonconformance(f"{cls.__qualname__}.{name} can be set; decorate the class with @attrs.frozen")
+        raise Nonconformance(
+            f"{cls.__qualname__}.{name} can be set; decorate the class with @attrs.frozen"
+        )
 
 
 @rule("value")
 def check_equal_models_are_equal_and_have_equal_hashes(model: Any) -> None:
     """Models are compared with those of a saved result and serve as keys of caches."""
     twin = attrs.evolve(model)
-    refuse_unless(twin == model, f"a copy with the same parameters is not equal: {twin!r} against {model!r}")
+    refuse_unless(
+        twin == model, f"a copy with the same parameters is not equal: {twin!r} against {model!r}"
+    )
     try:
         equal = hash(twin) == hash(model)
     except TypeError as error:
-        raise Nonconformance(f"it cannot be hashed ({error}); keep tuples, not lists, as parameters") from None
+        raise Nonconformance(
+            f"it cannot be hashed ({error}); keep tuples, not lists, as parameters"
+        ) from None
     refuse_unless(equal, "a copy with the same parameters is equal but has another hash")
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)
         if isinstance(value, float) and attribute.init:
             try:
-                other = attrs.evolve(model, **{attribute.alias: value * (1 + 1e-9) if value else 1e-9})
+                other = attrs.evolve(
+                    model, **{attribute.alias: value * (1 + 1e-9) if value else 1e-9}
+                )
             except ValueError:
                 continue  # at the end of the parameter's range
             refuse_unless(other != model, f"two models that differ in {attribute.name} are equal")
@@ -98,7 +108,10 @@ def check_is_named_as_its_entry_point(model: Any) -> None:
         except PluginError as error:
             raise Nonconformance(str(error)) from error
     names = sorted(offer.name for offer in offers)
-    refuse_unless(model.name in names, f"it is called {model.name!r}, its module's entry points {', '.join(names)}")
+    refuse_unless(
+        model.name in names,
+        f"it is called {model.name!r}, its module's entry points {', '.join(names)}",
+    )
 
 
 def _offers(model: Any) -> list[Any]:
@@ -108,7 +121,11 @@ def _offers(model: Any) -> list[Any]:
         raise Inapplicable("it is of no kind")
     offers = [offer for offer in catalogue() if offer.kind == kind.name]
     # a named value's class is not its package's
-    ours = [o for o in offers if (o.name == model.name if kind.data else o.module == type(model).__module__)]
+    ours = [
+        o
+        for o in offers
+        if (o.name == model.name if kind.data else o.module == type(model).__module__)
+    ]
     if not ours:
         raise Inapplicable("no entry point leads to its module")
     return ours
@@ -249,7 +266,8 @@ def answer() -> None:
         if offer.package == "rollslip":
             with suppress(PluginError):
                 load(offer)
-    before, changed = held(), dict[str, list[str]]()
+    before = held()
+    changed = dict[str, list[str]]()
     _set_clocks()
     read = _watch_environment()
     while True:
@@ -257,10 +275,12 @@ def answer() -> None:
             order = pickle.load(sys.stdin.buffer)
         except EOFError:
             return
-        root, given = "", None
+        root = ""
+        given = None
         try:
             model = pickle.loads(order)
-            root, given = type(model).__module__.partition(".")[0], _given(model)
+            root = type(model).__module__.partition(".")[0]
+            given = _given(model)
         except BaseException as error:
             given = f"{type(error).__name__}: {error}"
         changed.setdefault(root, []).extend(altered(before))
@@ -273,7 +293,9 @@ def _set_clocks() -> None:
     """Let the clocks that programs ask for the date be late."""
     import pandas  # noqa: F401 - its compiled dates inherit from the class that they find, and have no room for another
 
-    now, nanoseconds, apart = time.time, time.time_ns, datetime.timedelta(seconds=_LATER)
+    now = time.time
+    nanoseconds = time.time_ns
+    apart = datetime.timedelta(seconds=_LATER)
 
     class Later(datetime.datetime):
         @classmethod
@@ -290,7 +312,8 @@ def _set_clocks() -> None:
 
 def _watch_environment() -> set[tuple[str, str]]:
     """Return a set in which names of variables that are asked for will be, each with the package that asked."""
-    found, kind = set[tuple[str, str]](), type(os.environ)
+    found = set[tuple[str, str]]()
+    kind = type(os.environ)
     plain = kind.__getitem__
 
     def watched(self: Any, name: Any) -> Any:
@@ -312,8 +335,17 @@ def _given(model: Any) -> Any:
     """Return numbers that a model gives for usual inputs."""
     if isinstance(model, DragModel):
         return [model.torque(*speeds) for speeds in ((100.0, 250.0, 0.0), (-30.0, 0.0, 90.0))]
-    filled = [evaluate(form, table(form, 67)) for _, form in forms_of(model)] if isinstance(model, SliceModel) else []
-    return [value for one in filled for name in sorted(model.writes) for value in getattr(one, name).tolist()]
+    filled = (
+        [evaluate(form, table(form, 67)) for _, form in forms_of(model)]
+        if isinstance(model, SliceModel)
+        else []
+    )
+    return [
+        value
+        for one in filled
+        for name in sorted(model.writes)
+        for value in getattr(one, name).tolist()
+    ]
 
 
 @rule("value")
@@ -334,7 +366,8 @@ def check_gives_the_same_in_another_process(model: Any) -> None:
     """Other clock, time zone, language, folder, seed of hashes and variables of the environment: the same numbers."""
     if is_ours(type(model).__module__):
         return
-    here, (there, _, names) = _given(model), _asked(model)
+    here = _given(model)
+    (there, _, names) = _asked(model)
 
     def refuse_another(there: Any, how: str) -> None:
         equal = len(there) == len(here) and not isinstance(there, str)
@@ -344,10 +377,14 @@ def check_gives_the_same_in_another_process(model: Any) -> None:
             "parameter, which results name",
         )
 
-    refuse_another(there, "in a process with another clock, time zone, language, folder and seed of hashes")
+    refuse_another(
+        there, "in a process with another clock, time zone, language, folder and seed of hashes"
+    )
     if names:  # nobody knows what to set before it asks
         other = {name: "2" if os.environ.get(name) != "2" else "3" for name in names}
-        refuse_another(_asked(model, **other)[0], f"where {' and '.join(names)} of the environment is another")
+        refuse_another(
+            _asked(model, **other)[0], f"where {' and '.join(names)} of the environment is another"
+        )
 
 
 # What is said --------------------------------------------------------------------------------------------------------
@@ -386,7 +423,8 @@ def check_says_what_it_is_and_where_it_comes_from(model: Any) -> None:
 def check_every_parameter_has_a_meaning_and_a_unit(model: Any) -> None:
     """What a scene can set is explained there, and read with its unit."""
     for attribute in attrs.fields(attrs.resolve_types(type(model))):
-        doc, unit = attribute.metadata.get("doc"), attribute.metadata.get("unit")
+        doc = attribute.metadata.get("doc")
+        unit = attribute.metadata.get("unit")
         refuse_unless(
             isinstance(doc, str) and doc.strip() and not doc.endswith("."),
             f"parameter {attribute.name} has no meaning; declare it with "
@@ -410,5 +448,6 @@ def check_says_which_film_it_gives(model: FilmModel) -> None:
         "its location must say which thickness it returns: 'minimum', 'central' or 'dp/dx = 0'",
     )
     refuse_unless(
-        model.regime in ("IR", "VR", "IE", "VE", "all"), f"its regime is {model.regime!r}; say IR, VR, IE, VE or all"
+        model.regime in ("IR", "VR", "IE", "VE", "all"),
+        f"its regime is {model.regime!r}; say IR, VR, IE, VE or all",
     )

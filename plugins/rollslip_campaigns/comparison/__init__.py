@@ -64,24 +64,47 @@ class ComparisonSettings(OfScene):
         more="Names, tables with ``model`` and its parameters, or models; by default the scene's own, also of film and "
         "contact. A bare name that the scene uses keeps the scene's parameters.",
     )  # fmt: skip
-    film: Sequence[Any] | str = setting("Film models to compare.", default=(), metavar="A,B", many=True)
-    contact: Sequence[Any] | str = setting("Contact models to compare.", default=(), metavar="A,B", many=True)
+    film: Sequence[Any] | str = setting(
+        "Film models to compare.", default=(), metavar="A,B", many=True
+    )
+    contact: Sequence[Any] | str = setting(
+        "Contact models to compare.", default=(), metavar="A,B", many=True
+    )
     reference: Any = setting(
         "Traction that the others are compared with; NAME,NAME for its film and contact too.", metavar="NAME",
         more="Or a mapping of kind to model. Without it what is reported is no error but a difference.",
     )  # fmt: skip
-    study: str | None = setting("Study with friction curves; by default the first of the scene.", metavar="STUDY")
+    study: str | None = setting(
+        "Study with friction curves; by default the first of the scene.", metavar="STUDY"
+    )
     oil: Sequence[str] | str = setting("Oils to choose from.", default=(), metavar="A,B", many=True)
-    bearing: Sequence[str] | str = setting("Bearings to choose from.", default=(), metavar="A,B", many=True)
-    cage: Sequence[str] | str = setting("What the cage may be of.", default=(), metavar="A,B", many=True)
-    clearance_class: Sequence[str] | str = setting("Clearances to choose from.", default=(), metavar="C3,C4", many=True)
-    outer_ring: Sequence[str] | str = setting("How the outer ring yields.", default=(), metavar="A,B", many=True)
-    inner_ring: Sequence[str] | str = setting("How the inner ring yields.", default=(), metavar="A,B", many=True)
+    bearing: Sequence[str] | str = setting(
+        "Bearings to choose from.", default=(), metavar="A,B", many=True
+    )
+    cage: Sequence[str] | str = setting(
+        "What the cage may be of.", default=(), metavar="A,B", many=True
+    )
+    clearance_class: Sequence[str] | str = setting(
+        "Clearances to choose from.", default=(), metavar="C3,C4", many=True
+    )
+    outer_ring: Sequence[str] | str = setting(
+        "How the outer ring yields.", default=(), metavar="A,B", many=True
+    )
+    inner_ring: Sequence[str] | str = setting(
+        "How the inner ring yields.", default=(), metavar="A,B", many=True
+    )
 
     @property
     def _of_scenes(self) -> bool:
         """Whether scenes are compared by their answers, not laws by their curves."""
-        places = self.oil, self.bearing, self.cage, self.clearance_class, self.outer_ring, self.inner_ring
+        places = (
+            self.oil,
+            self.bearing,
+            self.cage,
+            self.clearance_class,
+            self.outer_ring,
+            self.inner_ring,
+        )
         return any(map(bool, places))
 
     def plan(self) -> "Comparison | Alternatives":
@@ -94,7 +117,9 @@ class ComparisonSettings(OfScene):
 
         return plan_comparison(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Run the combinations."""
         if self._of_scenes:
             from rollslip_campaigns.comparison.alternatives import run_alternatives

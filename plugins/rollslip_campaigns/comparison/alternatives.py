@@ -54,7 +54,11 @@ VARIABLES: Final[Mapping[str, tuple[str, str, float | str]]] = MappingProxyType(
     {
         "cage_slip": ("1", "steady cage slip", math.nan),
         "minimum_load": ("N", "minimum radial load for an acceptable slip", math.nan),
-        "acceptable_reserve": ("1", "driving torque at the acceptable slip over the drags there", math.nan),
+        "acceptable_reserve": (
+            "1",
+            "driving torque at the acceptable slip over the drags there",
+            math.nan,
+        ),
         "drag_reserve": ("1", "limit drag torque over the drag", math.nan),
         "friction_torque": ("N m", "friction torque of the bearing", math.nan),
         "film_parameter": ("1", "smallest film parameter", math.nan),
@@ -87,29 +91,44 @@ class Alternatives:
 def plan_alternatives(asked: "ComparisonSettings") -> Alternatives:
     """Make a scene of each combination of what is named."""
     named = {option: listed(value) for option in KEYS if (value := getattr(asked, option))}
-    others = [one for one in ("traction", "film", "contact", "reference", "study") if getattr(asked, one)]
+    others = [
+        one for one in ("traction", "film", "contact", "reference", "study") if getattr(asked, one)
+    ]
     if others:
-        asked_for, one = " and ".join(f"--{option.replace('_', '-')}" for option in named), others[0]
-        raise SceneError([f"{one}: laws are compared by their curves, {asked_for} by the answer; ask for one of both"])
-    scenes, refused = dict[str, Scene](), dict[str, str]()
+        asked_for = " and ".join(f"--{option.replace('_', '-')}" for option in named)
+        one = others[0]
+        raise SceneError(
+            [
+                f"{one}: laws are compared by their curves, {asked_for} by the answer; ask for one of both"
+            ]
+        )
+    scenes = dict[str, Scene]()
+    refused = dict[str, str]()
     for names in itertools.product(*named.values()):
         label = _BETWEEN.join(names)
         try:
-            there = evolve(asked.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)})
+            there = evolve(
+                asked.given, {KEYS[option]: name for option, name in zip(named, names, strict=True)}
+            )
             assemble(there)  # an oil that nobody knows is refused at once, as is a class
             scenes[label] = there
         except RollslipError as error:
             refused[label] = str(error).removeprefix("changes: ")
     if len(scenes) < 2:
         faults = [f"{label}: {why}" for label, why in refused.items()]
-        raise SceneError(faults or [f"{next(iter(named))}: name two at least, with commas between, to compare them"])
+        raise SceneError(
+            faults
+            or [f"{next(iter(named))}: name two at least, with commas between, to compare them"]
+        )
     keys = tuple(KEYS[option] for option in named)
     return Alternatives(asked.given, keys, scenes, refused)
 
 
 def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
     """Run all and put them side by side, best first."""
-    begin, done, failed = time.perf_counter(), dict[str, Any](), dict(made.refused)
+    begin = time.perf_counter()
+    done = dict[str, Any]()
+    failed = dict(made.refused)
     for k, (label, scene) in enumerate(made.scenes.items()):
         show(label, k / len(made.scenes), math.nan)
         try:
@@ -124,7 +143,11 @@ def run_alternatives(made: Alternatives, show: "Shown") -> "xr.Dataset":
     order = sorted(done, key=lambda label: _rank(answers[label]))
     rows = list[dict[str, Any]]()
     for label, (low, high) in zip(order, _surer(order, done, made.keys), strict=True):
-        found: dict[str, Any] = {"ratio_low": low, "ratio_high": high, "verdict": answers[label].verdict}
+        found: dict[str, Any] = {
+            "ratio_low": low,
+            "ratio_high": high,
+            "verdict": answers[label].verdict,
+        }
         for row in answers[label].rows:
             found[row.key] = row.value
             if row.key == "cage_slip" and row.band is not None:
@@ -163,18 +186,24 @@ def _rank(of: Any) -> tuple[int, float]:
     return -worst, math.inf if math.isnan(slip) else abs(slip)
 
 
-def _surer(order: list[str], done: "Mapping[str, xr.Dataset]", keys: Iterable[str]) -> list[tuple[float, float]]:
+def _surer(
+    order: list[str], done: "Mapping[str, xr.Dataset]", keys: Iterable[str]
+) -> list[tuple[float, float]]:
     """Between what the slip of each is, over that of the first, 5 and 95 %; NaN where it is not known."""
     oil = next((k for k, key in enumerate(keys) if key == KEYS["oil"]), None)
     oils = {label: "" if oil is None else label.split(_BETWEEN)[oil] for label in order}
     first = order[0]
     return [
-        ratio_band(done[label], done[first], own=() if oils[label] == oils[first] else ("lubricant.",))
+        ratio_band(
+            done[label], done[first], own=() if oils[label] == oils[first] else ("lubricant.",)
+        )
         for label in order
     ]
 
 
-def ratio_band(one: "xr.Dataset", other: "xr.Dataset", own: tuple[str, ...] = ()) -> tuple[float, float]:
+def ratio_band(
+    one: "xr.Dataset", other: "xr.Dataset", own: tuple[str, ...] = ()
+) -> tuple[float, float]:
     """Return between what the ratio of two steady slips lies, 5 and 95 %; NaN where a band is not known.
 
     Parameters
@@ -191,7 +220,11 @@ def ratio_band(one: "xr.Dataset", other: "xr.Dataset", own: tuple[str, ...] = ()
     for key in dict.fromkeys((*moved[0], *moved[1])):
         a, b = (of.get(key, (0.0, 0.0)) for of in moved)
         shared = not any(key.startswith(one) for one in own)
-        pairs = [tuple(x - y for x, y in zip(a, b, strict=True))] if shared else [a, tuple(-x for x in b)]
+        pairs = (
+            [tuple(x - y for x, y in zip(a, b, strict=True))]
+            if shared
+            else [a, tuple(-x for x in b)]
+        )
         for ends in pairs:
             up += max(*ends, 0.0) ** 2
             down += min(*ends, 0.0) ** 2
@@ -202,7 +235,8 @@ def ratio_band(one: "xr.Dataset", other: "xr.Dataset", own: tuple[str, ...] = ()
 def _moves(of: "xr.Dataset") -> dict[str, tuple[float, ...]]:
     """By how much the logarithm of the slip moves with each quantity, low and high; nothing where that is not known."""
     band = json.loads(of.attrs.get("band", "{}")).get("steady_slip", {})
-    slip, found = float(np.ravel(of["steady_slip"])[0]), dict[str, tuple[float, ...]]()
+    slip = float(np.ravel(of["steady_slip"])[0])
+    found = dict[str, tuple[float, ...]]()
     if not slip > 0.0:
         return {}
     for row in band.get("moved", ()):

@@ -34,7 +34,8 @@ Keep = Callable[[Slices], Mapping[str, Array]]
 #: Limits between little, some and much of what a law states to be sorted by.
 LIMITS: Final = (0.1, 1.0)
 #: Rounds of timing at most, and the time [s] that is enough for one chain.
-_ROUNDS, _ENOUGH = 20, 1.0
+_ROUNDS = 20
+_ENOUGH = 1.0
 #: Slices that are enough to time.
 _TIMED = 50_000
 #: Standard deviation of a relative difference below which it is the same everywhere.
@@ -52,9 +53,13 @@ class EvaluatedSlices:
     @classmethod
     def of(cls, plan: Plan, study: str, result: "xr.Dataset") -> "EvaluatedSlices":
         """Return the slices of a plan's study, with its result; those of one curve in parts of some size."""
-        parts, some = list[Evaluated](), list[Evaluated]()
+        parts = list[Evaluated]()
+        some = list[Evaluated]()
         for one in plan.studies[study].evaluated(plan.assemblies[study], result):
-            if some and (one.curve != some[0].curve or sum(each.load.size for each in some) + one.load.size > _PART):
+            if some and (
+                one.curve != some[0].curve
+                or sum(each.load.size for each in some) + one.load.size > _PART
+            ):
                 parts.append(_joined(some))
                 some = []
             some.append(one)
@@ -73,16 +78,24 @@ class EvaluatedSlices:
     def _by_curve(self, values: Sequence[Array]) -> list[Array]:
         pairs = list(zip(self.parts, values, strict=True))
         curves = range(1 + max(part.curve for part in self.parts))
-        return [np.concatenate([value for part, value in pairs if part.curve == curve]) for curve in curves]
+        return [
+            np.concatenate([value for part, value in pairs if part.curve == curve])
+            for curve in curves
+        ]
 
     def evaluate(
         self, made: Plan, keep: Callable[[Slices], Mapping[str, Array]]
     ) -> tuple[dict[str, list[Array]], Array]:
         """Return what is to be kept of a combination's tables, for each curve, and the times [s] of its chain."""
-        kept, seconds = list[Mapping[str, Array]](), np.zeros(len(self.parts))
+        kept = list[Mapping[str, Array]]()
+        seconds = np.zeros(len(self.parts))
         for k, part in enumerate(self.parts):
             raceway = getattr(made.assembly, part.ring)
-            columns = {"load": part.load, "rolling_speed": part.rolling, "sliding_speed": part.sliding}
+            columns = {
+                "load": part.load,
+                "rolling_speed": part.rolling,
+                "sliding_speed": part.sliding,
+            }
             table = Slices(part.load.size, raceway.conditions, **columns, **part.places)
             begin = time.perf_counter()
             raceway.chain(table)
@@ -97,10 +110,13 @@ def _joined(some: Sequence[Evaluated]) -> Evaluated:
         return some[0]
 
     def joined(values: Sequence[Any]) -> Array:
-        return np.concatenate([np.broadcast_to(of, one.load.shape) for of, one in zip(values, some, strict=True)])
+        return np.concatenate(
+            [np.broadcast_to(of, one.load.shape) for of, one in zip(values, some, strict=True)]
+        )
 
     columns: dict[str, Any] = {
-        name: joined([getattr(one, name) for one in some]) for name in ("load", "rolling", "sliding", "force")
+        name: joined([getattr(one, name) for one in some])
+        for name in ("load", "rolling", "sliding", "force")
     }
     places = {name: joined([one.places[name] for one in some]) for name in some[0].places}
     return attrs.evolve(some[0], **columns, places=places)
@@ -121,7 +137,11 @@ def keep_criteria(law: TractionModel | None) -> Keep:
 
     def keep(s: Slices) -> dict[str, Array]:
         with np.errstate(all="ignore"):
-            stated = {} if law is None else {name: quantity(law, of, s) for name, (of, _) in law.regimes.items()}
+            stated = (
+                {}
+                if law is None
+                else {name: quantity(law, of, s) for name, (of, _) in law.regimes.items()}
+            )
         return keep_friction(s) | {
             "film regime": film_by_regime(*groups(s))[1],
             "film parameter": s.film_thickness / s.conditions.roughness,
@@ -131,19 +151,27 @@ def keep_criteria(law: TractionModel | None) -> Keep:
     return keep
 
 
-def seconds_per_slice(work: EvaluatedSlices, made: Mapping[str, Plan], first: Mapping[str, Array]) -> dict[str, float]:
+def seconds_per_slice(
+    work: EvaluatedSlices, made: Mapping[str, Plan], first: Mapping[str, Array]
+) -> dict[str, float]:
     """Return the time [s] of each combination's chain: of each part the least of the first and of further rounds.
 
     Of much work parts all over the curves are taken, so few that there is time for many rounds.
     """
-    every = slice(None, None, work.slices // _TIMED | 1)  # odd, since the parts of two rings alternate
-    some, least = EvaluatedSlices(work.parts[every]), {label: times[every] for label, times in first.items()}
+    every = slice(
+        None, None, work.slices // _TIMED | 1
+    )  # odd, since the parts of two rings alternate
+    some = EvaluatedSlices(work.parts[every])
+    least = {label: times[every] for label, times in first.items()}
     spent = {label: float(times.sum()) for label, times in least.items()}
     for _ in range(_ROUNDS):
         for label in least:
             if spent[label] < _ENOUGH:
                 _, times = some.evaluate(made[label], lambda table: {})
-                least[label], spent[label] = np.minimum(least[label], times), spent[label] + float(times.sum())
+                least[label], spent[label] = (
+                    np.minimum(least[label], times),
+                    spent[label] + float(times.sum()),
+                )
     return {label: float(times.sum()) / some.slices for label, times in least.items()}
 
 
@@ -158,18 +186,30 @@ class Bins:
     def of(cls, made: Plan, found: Mapping[str, list[Array]], law: TractionModel | None) -> "Bins":
         """Sort slices by their criteria, as far as the oil, the traction and the law that states some give them."""
         traction = made.assembly.traction
-        bins: dict[str, tuple[str, ...]] = {"film regime": tuple(f"in the {LONG_NAMES[name]} regime" for name in NAMES)}
+        bins: dict[str, tuple[str, ...]] = {
+            "film regime": tuple(f"in the {LONG_NAMES[name]} regime" for name in NAMES)
+        }
         limits: dict[str, tuple[float, ...]] = {"film regime": (0.5, 1.5, 2.5)}
         if (full := traction.full_film_from) is not None:
             limits["film parameter"] = (traction.boundary_up_to, full)
-            films = zip(("boundary", "mixed", "full"), _ranges("Lambda", limits["film parameter"]), strict=True)
+            films = zip(
+                ("boundary", "mixed", "full"),
+                _ranges("Lambda", limits["film parameter"]),
+                strict=True,
+            )
             bins["film parameter"] = tuple(f"in {film} film, {words}" for film, words in films)
         for grouping, (_, symbol) in () if law is None else law.regimes.items():
             if not any(np.isnan(values).any() for values in found[grouping]):
                 limits[grouping] = LIMITS
                 bins[grouping] = tuple(f"where {words}" for words in _ranges(symbol, LIMITS))
         curves = range(len(found["friction"]))
-        return cls(bins, [[np.digitize(found[name][k], limits[name], right=True) for name in bins] for k in curves])
+        return cls(
+            bins,
+            [
+                [np.digitize(found[name][k], limits[name], right=True) for name in bins]
+                for k in curves
+            ],
+        )
 
 
 def _ranges(symbol: str, limits: tuple[float, ...]) -> list[str]:
@@ -178,42 +218,81 @@ def _ranges(symbol: str, limits: tuple[float, ...]) -> list[str]:
 
 
 def attribute_differences(
-    dataset: "xr.Dataset", curve: str, reference: str, work: EvaluatedSlices, found: Mapping[str, list[Array]], by: Bins
+    dataset: "xr.Dataset",
+    curve: str,
+    reference: str,
+    work: EvaluatedSlices,
+    found: Mapping[str, list[Array]],
+    by: Bins,
 ) -> "xr.Dataset":
     """Add to a comparison what each bin holds of the force and of the difference."""
-    labels, sizes = dataset["combination"].to_numpy().tolist(), [len(bins) for bins in by.names.values()]
-    each, begins = (len(labels), dataset.sizes[curve]), np.cumsum([0, *sizes[:-1]])
-    mean, explained = np.full(each, np.nan), np.full((*each, len(sizes)), np.nan)
+    labels = dataset["combination"].to_numpy().tolist()
+    sizes = [len(bins) for bins in by.names.values()]
+    each = (len(labels), dataset.sizes[curve])
+    begins = np.cumsum([0, *sizes[:-1]])
+    mean = np.full(each, np.nan)
+    explained = np.full((*each, len(sizes)), np.nan)
     difference, contribution = np.full((2, *each, sum(sizes)), np.nan)
     share = np.full((dataset.sizes[curve], sum(sizes)), np.nan)
-    for j, (force, standard, codes) in enumerate(zip(work.force, found[reference], by.codes, strict=True)):
+    for j, (force, standard, codes) in enumerate(
+        zip(work.force, found[reference], by.codes, strict=True)
+    ):
 
         def summed(values: Array, codes: list[Any] = codes) -> Array:
-            return np.concatenate([np.bincount(code, values, size) for code, size in zip(codes, sizes, strict=True)])
+            return np.concatenate(
+                [np.bincount(code, values, size) for code, size in zip(codes, sizes, strict=True)]
+            )
 
         share[j] = summed(force) / force.sum()
         weight = force * np.abs(standard)
-        weights, whole, held = summed(weight), weight.sum(), weight > 0.0
+        weights = summed(weight)
+        whole = weight.sum()
+        held = weight > 0.0
         if not whole > 0.0:
             continue
         for label, values in found.items():
             gap = force * np.sign(standard) * (values[j] - standard)
-            at, gaps = (labels.index(label), j), summed(gap)
-            mean[at], contribution[at] = gap.sum() / whole, gaps / whole
+            at = (labels.index(label), j)
+            gaps = summed(gap)
+            mean[at] = gap.sum() / whole
+            contribution[at] = gaps / whole
             with np.errstate(invalid="ignore"):
                 difference[at] = gaps / weights
             spread = (weight[held] * (gap[held] / weight[held] - mean[at]) ** 2).sum()
             between = np.nan_to_num(weights * (difference[at] - mean[at]) ** 2)
-            explained[at] = np.add.reduceat(between, begins) / spread if spread > _ROUNDING**2 * whole else 0.0
-    of, what = ("combination", curve), f"relative difference from {reference}"
+            explained[at] = (
+                np.add.reduceat(between, begins) / spread if spread > _ROUNDING**2 * whole else 0.0
+            )
+    of = ("combination", curve)
+    what = f"relative difference from {reference}"
     return dataset.assign(
-        mean_difference=(of, mean, about("1", f"{what} of the friction force summed over the laminae of the curve")),
+        mean_difference=(
+            of,
+            mean,
+            about("1", f"{what} of the friction force summed over the laminae of the curve"),
+        ),
         bin_share=((curve, "bin"), share, about("1", "share of the contact force over the curve")),
         bin_difference=((*of, "bin"), difference, about("1", f"{what} within the bin")),
-        bin_contribution=((*of, "bin"), contribution, about("1", "what the bin adds to mean_difference")),
-        explained=((*of, "grouping"), explained, about("1", "share of the difference's variance between the bins")),
+        bin_contribution=(
+            (*of, "bin"),
+            contribution,
+            about("1", "what the bin adds to mean_difference"),
+        ),
+        explained=(
+            (*of, "grouping"),
+            explained,
+            about("1", "share of the difference's variance between the bins"),
+        ),
     ).assign_coords(
-        bin=("bin", np.concatenate(list(by.names.values())), about("1", "laminae of the reference")),
-        bin_grouping=("bin", np.repeat(list(by.names), sizes), about("1", "what they are sorted by")),
+        bin=(
+            "bin",
+            np.concatenate(list(by.names.values())),
+            about("1", "laminae of the reference"),
+        ),
+        bin_grouping=(
+            "bin",
+            np.repeat(list(by.names), sizes),
+            about("1", "what they are sorted by"),
+        ),
         grouping=("grouping", np.array(list(by.names)), about("1", "what laminae are sorted by")),
     )

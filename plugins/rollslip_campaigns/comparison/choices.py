@@ -40,7 +40,8 @@ class Choice:
 
 def choice_of(scene: Scene, kind: str, model: Model | None) -> Choice:
     """Return what a scene says with a model in it, by default its own."""
-    problems, unknown = list[str](), list[PluginError]()
+    problems = list[str]()
+    unknown = list[PluginError]()
     made = read_choice(scene, kind, model, problems, unknown)
     refuse(problems, unknown)
     return made
@@ -62,10 +63,16 @@ def read_choice(
     """Return what a scene says with a model in it, by default its own; faults are noted."""
     choice = getattr(scene.models, kind)
     own: dict[str, object] = {"model": choice.name, **choice.parameters}
-    inner, table, new = None, own, None
+    inner = None
+    table = own
+    new = None
     try:
         standing = structure_model(kind, own, Location(scene.origins, ("models", kind)), problems)
-        inner = getattr(standing, child) if (child := CHILD.get(kind, "")) in _children(standing, kind) else None
+        inner = (
+            getattr(standing, child)
+            if (child := CHILD.get(kind, "")) in _children(standing, kind)
+            else None
+        )
         if model is None:
             name = choice.name if inner is None else inner.name
             return Choice(name, name, name if inner is None else f"{name} in {choice.name}", own)
@@ -73,10 +80,14 @@ def read_choice(
         new = structure_model(kind, table, Location({}, (kind,)), problems)
     except PluginError as error:
         unknown.append(error)
-    name, label, bare = str(table.get("model")), _label(table), table.keys() == {"model"}
+    name = str(table.get("model"))
+    label = _label(table)
+    bare = table.keys() == {"model"}
     if inner is not None and not _children(new, kind):
         same = bare and name == inner.name
-        return Choice(name, label, f"{label} in {choice.name}", own if same else {**own, CHILD[kind]: table})
+        return Choice(
+            name, label, f"{label} in {choice.name}", own if same else {**own, CHILD[kind]: table}
+        )
     return Choice(name, label, label, own if bare and name == choice.name else table)
 
 
@@ -92,19 +103,30 @@ def _as_table(kind: str, model: Model) -> dict[str, object]:
     if isinstance(model, Mapping):
         return dict(model)
     if not isinstance(model, SliceModel):
-        raise PluginError(f"{kind}: a name, a table with 'model' or a model is expected, not {model!r}")
+        raise PluginError(
+            f"{kind}: a name, a table with 'model' or a model is expected, not {model!r}"
+        )
     if model.name not in available(kind) or get_class(kind, model.name) is not type(model):
-        raise PluginError(f"{kind}: {type(model).__qualname__} is not what is called {model.name!r} here; register it")
+        raise PluginError(
+            f"{kind}: {type(model).__qualname__} is not what is called {model.name!r} here; register it"
+        )
     table: dict[str, object] = {"model": model.name}
     left = left_to_scene(model)
     for key, attribute in fields_of(type(model)):
         if attribute not in left:
-            value, child = getattr(model, attribute.name), attribute.metadata.get("kind")
+            value = getattr(model, attribute.name)
+            child = attribute.metadata.get("kind")
             table[key] = _as_table(child, value) if child else value
     return table
 
 
 def _label(table: Mapping[str, object]) -> str:
     """Name of a model, with the parameters that were stated: "pan-hamrock(thickness=central)"."""
-    stated = {key: _label(v) if isinstance(v, Mapping) else v for key, v in table.items() if key != "model"}
-    return str(table.get("model")) + (f"({', '.join(f'{key}={v}' for key, v in stated.items())})" if stated else "")
+    stated = {
+        key: _label(v) if isinstance(v, Mapping) else v
+        for key, v in table.items()
+        if key != "model"
+    }
+    return str(table.get("model")) + (
+        f"({', '.join(f'{key}={v}' for key, v in stated.items())})" if stated else ""
+    )

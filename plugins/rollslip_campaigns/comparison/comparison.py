@@ -20,7 +20,15 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import available
-from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, did_you_mean, in_words, nearest
+from rollslip.errors import (
+    PluginError,
+    RollslipError,
+    SceneError,
+    UnknownNameError,
+    did_you_mean,
+    in_words,
+    nearest,
+)
 from rollslip.planning.campaign import listed
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
@@ -42,7 +50,15 @@ from rollslip_campaigns.comparison.attribution import (
     law_to_sort_by,
     seconds_per_slice,
 )
-from rollslip_campaigns.comparison.choices import CHILD, KINDS, Choice, Model, loadable, read_choice, refuse
+from rollslip_campaigns.comparison.choices import (
+    CHILD,
+    KINDS,
+    Choice,
+    Model,
+    loadable,
+    read_choice,
+    refuse,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,9 +107,14 @@ class Comparison:
         """What will run, with its size and cost as far as they can be told."""
         from rollslip.cli.console import headline_of
 
-        chosen, plans = [one.choices for one in self.combinations.values()], self.plans.values()
-        models = dict.fromkeys((kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen)
-        several = f"{self.study} of {len(self.combinations)} combinations: {', '.join(self.combinations)}"
+        chosen = [one.choices for one in self.combinations.values()]
+        plans = self.plans.values()
+        models = dict.fromkeys(
+            (kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen
+        )
+        several = (
+            f"{self.study} of {len(self.combinations)} combinations: {', '.join(self.combinations)}"
+        )
         slices = sum(plan.evaluations for plan in plans)
         cost = f"about {slices} laminae to evaluate, {duration_range(self.seconds)}"
         return [*filter(None, (headline_of(self.scene, models), several, self.exchanged, cost))]
@@ -104,7 +125,10 @@ class Comparison:
         return "; ".join(
             f"{kind} models take the place of the {child} model of the scene's {getattr(self.scene.models, kind).name}"
             for kind, child in CHILD.items()
-            if any(one.choices[kind].full != one.choices[kind].label for one in self.combinations.values())
+            if any(
+                one.choices[kind].full != one.choices[kind].label
+                for one in self.combinations.values()
+            )
         )
 
 
@@ -115,20 +139,31 @@ def plan_comparison(asked: "ComparisonSettings") -> Comparison:
     """Check all names and plan every combination."""
     scene = asked.given
     study = _study(scene, asked.study)
-    problems, unknown = list[str](), list[PluginError]()
+    problems = list[str]()
+    unknown = list[PluginError]()
     choices = {
-        kind: [read_choice(scene, kind, model, problems, unknown) for model in listed(getattr(asked, kind)) or [None]]
+        kind: [
+            read_choice(scene, kind, model, problems, unknown)
+            for model in listed(getattr(asked, kind)) or [None]
+        ]
         for kind in KINDS
     }
     wanted = {} if asked.reference is None else _by_kind(asked.reference, problems, unknown)
-    named = {kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()}
+    named = {
+        kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()
+    }
     refuse(problems, unknown)
-    products = [dict(zip(KINDS, each, strict=True)) for each in itertools.product(*choices.values())]
+    products = [
+        dict(zip(KINDS, each, strict=True)) for each in itertools.product(*choices.values())
+    ]
     products.append({kind: named.get(kind, choices[kind][0]) for kind in KINDS})
     shown = [kind for kind in KINDS if len({product[kind].label for product in products}) > 1]
     if not shown:
         raise SceneError(
-            ["there is nothing to compare: name two models of a kind, as by --film A,B, or one and another --reference"]
+            [
+                "there is nothing to compare: name two models of a kind, as by --film A,B,"
+                " or one and another --reference"
+            ]
         )
     labels = [" + ".join(product[kind].label for kind in shown) for product in products]
     combinations = {
@@ -146,10 +181,17 @@ def plan_comparison(asked: "ComparisonSettings") -> Comparison:
 
 def _study(scene: Scene, study: str | None) -> str:
     if study is None:
-        study = next((name for name in scene.study if study_class(name, scene).curves_of is not None), DEFAULT_STUDY)
+        study = next(
+            (name for name in scene.study if study_class(name, scene).curves_of is not None),
+            DEFAULT_STUDY,
+        )
     if study_class(study, scene).of(scene).curves_of is None:
         others = [name for name, cls in loadable("study") if cls.curves_of is not None]
-        raise SceneError([f"study {study!r} cannot be compared, only {' and '.join(others)} can; name one by --study"])
+        raise SceneError(
+            [
+                f"study {study!r} cannot be compared, only {' and '.join(others)} can; name one by --study"
+            ]
+        )
     return study
 
 
@@ -159,7 +201,8 @@ def _by_kind(
     """Return the models of the reference by kind; a name tells its kind, a table or a model is a traction."""
     if isinstance(reference, Mapping) and "model" not in reference:
         problems += [
-            f"reference: there is no {kind!r}, only {', '.join(KINDS)}" for kind in set(reference) - set(KINDS)
+            f"reference: there is no {kind!r}, only {', '.join(KINDS)}"
+            for kind in set(reference) - set(KINDS)
         ]
         return {kind: reference[kind] for kind in KINDS if kind in reference}  # type: ignore[misc]
     if not isinstance(reference, str):
@@ -180,18 +223,30 @@ def _by_kind(
 
 
 def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Combination:
-    changes: dict[str, object] = {f"models.{kind}": choice.table for kind, choice in choices.items()}
+    changes: dict[str, object] = {
+        f"models.{kind}": choice.table for kind, choice in choices.items()
+    }
     outputs = study_class(study).outputs.items()
-    larger = [name for name, output in outputs if len(output.dims.split()) > 2]  # than a curve, and compared by nobody
+    larger = [
+        name for name, output in outputs if len(output.dims.split()) > 2
+    ]  # than a curve, and compared by nobody
     try:
-        return Combination(choices, plan(evolve(scene, changes), study, cheaper_laws=False, without=larger), None)
+        return Combination(
+            choices, plan(evolve(scene, changes), study, cheaper_laws=False, without=larger), None
+        )
     except Exception as error:
         return Combination(choices, None, error)
 
 
-def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> dict[str, Combination]:
+def _at_one_resolution(
+    study: str, combinations: Mapping[str, Combination]
+) -> dict[str, Combination]:
     """Return the combinations with the slices and instants of the one that needs most, so that all have the same."""
-    chosen = [one.plan.estimated[study].resolution for one in combinations.values() if one.plan is not None]
+    chosen = [
+        one.plan.estimated[study].resolution
+        for one in combinations.values()
+        if one.plan is not None
+    ]
     planned = [one for one in chosen if one.instants is not None]
     if not planned:
         return dict(combinations)
@@ -199,7 +254,9 @@ def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> d
 
     def alike(plan: Plan) -> Plan:
         own = plan.estimated[study].resolution
-        same = attrs.evolve(own, slices=most.slices, quadrature=most.quadrature, instants=most.instants)
+        same = attrs.evolve(
+            own, slices=most.slices, quadrature=most.quadrature, instants=most.instants
+        )
         return plan.at(study, same)
 
     return {
@@ -215,8 +272,11 @@ def run_comparison(
     comparison: Comparison, progress: Callable[[str, float], None] = lambda text, share: None
 ) -> "xr.Dataset":
     """Run all combinations that can run; see `compare`."""
-    begin, plans = time.perf_counter(), comparison.plans
-    errors = {label: one.error for label, one in comparison.combinations.items() if one.error is not None}
+    begin = time.perf_counter()
+    plans = comparison.plans
+    errors = {
+        label: one.error for label, one in comparison.combinations.items() if one.error is not None
+    }
 
     def tried(labels: Collection[str], begun: float, make: Callable[[str], Any]) -> dict[str, Any]:
         """What can be had of combinations; if nothing can, all errors are raised as one."""
@@ -230,13 +290,17 @@ def run_comparison(
         return found or _raise_all(errors)
 
     # a combination is run, and then evaluated at the slices of another
-    done: dict[str, xr.Dataset] = tried(plans, 0.0, lambda label: execute(plans[label], comparison.study))
+    done: dict[str, xr.Dataset] = tried(
+        plans, 0.0, lambda label: execute(plans[label], comparison.study)
+    )
     # without the reference the slices of another serve to measure the cost
     standard = comparison.reference if comparison.reference in done else next(iter(done))
     work = EvaluatedSlices.of(plans[standard], comparison.study, done[standard])
     law = law_to_sort_by([plans[label].assembly.traction for label in (standard, *done)])
     keep = {comparison.reference: keep_criteria(law)}
-    evaluated = tried(done, 0.5, lambda label: work.evaluate(plans[label], keep.get(label, keep_friction)))
+    evaluated = tried(
+        done, 0.5, lambda label: work.evaluate(plans[label], keep.get(label, keep_friction))
+    )
     found, first = ({label: both[k] for label, both in evaluated.items()} for k in (0, 1))
     done = {label: done[label] for label in evaluated}
     failed = {label: f"failed: {_text(error)}" for label, error in errors.items()}
@@ -246,20 +310,29 @@ def run_comparison(
     if comparison.reference in found:
         by = Bins.of(plans[comparison.reference], found[comparison.reference], law)
         friction = {label: kept["friction"] for label, kept in found.items()}
-        dataset = attribute_differences(dataset, comparison.curves.over, comparison.reference, work, friction, by)
+        dataset = attribute_differences(
+            dataset, comparison.curves.over, comparison.reference, work, friction, by
+        )
         own = law is not None and law is plans[comparison.reference].assembly.traction.full_film
-        dataset = dataset.assign_attrs(sorted_by="" if law is None else law.name, sorted_by_own=int(own))
+        dataset = dataset.assign_attrs(
+            sorted_by="" if law is None else law.name, sorted_by_own=int(own)
+        )
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - begin))
 
 
 def _raise_all(errors: Mapping[str, Exception]) -> NoReturn:
     """Raise one error for all, of the first one's class."""
-    first, texts = next(iter(errors.values())), {label: _text(error) for label, error in errors.items()}
+    first = next(iter(errors.values()))
+    texts = {label: _text(error) for label, error in errors.items()}
     same = len(set(texts.values())) == 1
-    lines = list(texts.values())[:1] if same else [f"{label}: {text}" for label, text in texts.items()]
+    lines = (
+        list(texts.values())[:1] if same else [f"{label}: {text}" for label, text in texts.items()]
+    )
     if isinstance(first, SceneError):
         raise SceneError(lines)
-    raise (type(first) if isinstance(first, RollslipError) else PluginError)("\n".join(lines)) from first
+    raise (type(first) if isinstance(first, RollslipError) else PluginError)(
+        "\n".join(lines)
+    ) from first
 
 
 def _text(error: Exception) -> str:
@@ -269,13 +342,18 @@ def _text(error: Exception) -> str:
 # The dataset --------------------------------------------------------------------------------------------------------
 
 
-def _merged(comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Mapping[str, str]) -> "xr.Dataset":
+def _merged(
+    comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Mapping[str, str]
+) -> "xr.Dataset":
     """Return the curves of all combinations in one dataset, nan where one failed."""
     import xarray as xr
 
-    labels, chosen = list(comparison.combinations), [one.choices for one in comparison.combinations.values()]
+    labels = list(comparison.combinations)
+    chosen = [one.choices for one in comparison.combinations.values()]
     results = list(done.values())
-    words = {str(name): "" for name, values in results[0].variables.items() if values.dtype.kind in "OU"}
+    words = {
+        str(name): "" for name, values in results[0].variables.items() if values.dtype.kind in "OU"
+    }
     dataset = (
         xr.concat(results, "combination", data_vars="all", coords="minimal", compat="override", join="override",
                   combine_attrs="override")
@@ -294,26 +372,44 @@ def _merged(comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Ma
     dataset["status"] = ("combination", status, about("1", "what became of the combination"))
     names = {kind: np.array([choices[kind].full for choices in chosen]) for kind in KINDS}
     return dataset.assign_coords(
-        {kind: ("combination", values, about("1", f"{kind} model")) for kind, values in names.items()}
-        | {"combination": ("combination", np.array(labels), about("1", "models of a combination that differ"))}
+        {
+            kind: ("combination", values, about("1", f"{kind} model"))
+            for kind, values in names.items()
+        }
+        | {
+            "combination": (
+                "combination",
+                np.array(labels),
+                about("1", "models of a combination that differ"),
+            )
+        }
     )
 
 
-def _costs(comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mapping[str, float]) -> dict[str, Any]:
+def _costs(
+    comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mapping[str, float]
+) -> dict[str, Any]:
     """Return film and cost of every combination."""
-    curve, slip = comparison.curves.over, comparison.curves.slip
-    labels, cheapest = list(comparison.combinations), min(cost, key=cost.__getitem__)
+    curve = comparison.curves.over
+    slip = comparison.curves.slip
+    labels = list(comparison.combinations)
+    cheapest = min(cost, key=cost.__getitem__)
     films, parameters = np.full((2, len(labels), next(iter(done.values())).sizes[curve]), np.nan)
     for label, result in done.items():
         rings = [result.attrs["ring"]] if "ring" in result.attrs else RINGS
         roughness = [
-            getattr(comparison.plans[label].assemblies[comparison.study], ring).conditions.roughness for ring in rings
+            getattr(comparison.plans[label].assemblies[comparison.study], ring).conditions.roughness
+            for ring in rings
         ]
         parameters[labels.index(label)] = result["film_parameter"].isel({slip: 0})
         films[labels.index(label)] = parameters[labels.index(label)] * np.array(roughness)
     seconds = np.array([cost.get(label, np.nan) for label in labels])
-    evaluations = np.array([done[label].attrs["evaluations"] if label in done else 0 for label in labels])
-    location = [comparison.plans[label].assembly.film.location if label in done else "" for label in labels]
+    evaluations = np.array(
+        [done[label].attrs["evaluations"] if label in done else 0 for label in labels]
+    )
+    location = [
+        comparison.plans[label].assembly.film.location if label in done else "" for label in labels
+    ]
     each = "combination"
     return {
         "smallest_film": ((each, curve), films, about("m", "smallest film thickness without slip")),
@@ -322,9 +418,17 @@ def _costs(comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mappi
             parameters,
             about("1", "smallest film parameter Lambda without slip"),
         ),
-        "film_location": (each, np.array(location), about("1", "which film thickness the film model returns")),
+        "film_location": (
+            each,
+            np.array(location),
+            about("1", "which film thickness the film model returns"),
+        ),
         "seconds_per_slice": (each, seconds, about("s", "time of the chain per lamina")),
-        "cost": (each, seconds / cost[cheapest], about("1", f"time of the chain over that of {cheapest}")),
+        "cost": (
+            each,
+            seconds / cost[cheapest],
+            about("1", f"time of the chain over that of {cheapest}"),
+        ),
         "evaluations": (each, evaluations, about("1", "laminae evaluated by the study")),
     }
 
@@ -347,25 +451,42 @@ def _errors(comparison: Comparison, dataset: "xr.Dataset") -> "dict[str, xr.Data
             np.sqrt((found**2).mean(curves.slip)),
             "relative {}, root mean square over the points of the curve",
         ),
-        "critical_slip_error": (relative(curves.critical), "relative {} of the slip at largest traction"),
+        "critical_slip_error": (
+            relative(curves.critical),
+            "relative {} of the slip at largest traction",
+        ),
         "peak_error": (relative("critical_friction"), "relative {} of the largest friction"),
     }
-    return {name: values.assign_attrs(about("1", text.format(which))) for name, (values, text) in errors.items()}
+    return {
+        name: values.assign_attrs(about("1", text.format(which)))
+        for name, (values, text) in errors.items()
+    }
 
 
 def _origin(
-    comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Mapping[str, str], wall_time: float
+    comparison: Comparison,
+    done: "Mapping[str, xr.Dataset]",
+    failed: Mapping[str, str],
+    wall_time: float,
 ) -> dict[str, Any]:
     """Return the attributes of the comparison: those of its runs put together, about the scene as it was given."""
-    runs, scene = {label: result.attrs for label, result in done.items()}, comparison.scene
+    runs = {label: result.attrs for label, result in done.items()}
+    scene = comparison.scene
     first = next(iter(runs.values()))
 
     warned: dict[str, list[str]] = {}
     for label, result in done.items():
         told, more = of_consequence([result])
-        for warning in (*told, *([f"{counted(more)}; rollslip run of the scene tells of each"] if more else [])):
+        for warning in (
+            *told,
+            *([f"{counted(more)}; rollslip run of the scene tells of each"] if more else []),
+        ):
             warned.setdefault(warning, []).append(label)
-    largest = [key for key in ("instants_error", "slices_error", "force_residual", "moment_residual") if key in first]
+    largest = [
+        key
+        for key in ("instants_error", "slices_error", "force_residual", "moment_residual")
+        if key in first
+    ]
     return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | origin(
         study="comparison",
         compared=comparison.study,
@@ -382,7 +503,10 @@ def _origin(
         scene_hash=scene_hash(scene),
         **together(runs.values(), "plan"),
         warnings=[f"{label} {text}" for label, text in failed.items()]
-        + [text if len(who) == len(done) else f"{', '.join(who)}: {text}" for text, who in warned.items()],
+        + [
+            text if len(who) == len(done) else f"{', '.join(who)}: {text}"
+            for text, who in warned.items()
+        ],
         evaluations=sum(int(attributes["evaluations"]) for attributes in runs.values()),
         wall_time=wall_time,
     )

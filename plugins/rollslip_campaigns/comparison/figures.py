@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.results.curves import curve_names, curves
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS, Sheet, axis_label
+from rollslip.results.style import (
+    DASHES,
+    MARKER,
+    MM,
+    MODEL_COLOURS,
+    ONE_COLUMN,
+    TWO_COLUMNS,
+    Sheet,
+    axis_label,
+)
 from rollslip_campaigns.comparison.findings import captioned, curves_of, members
 
 if TYPE_CHECKING:
@@ -43,20 +52,29 @@ def side_by_side(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 def _slips(dataset: "xr.Dataset") -> "Figure":
     """Slips of alternatives as points with their bands, and the acceptable one."""
-    names, slip = dataset["alternative"].to_numpy(), 100 * dataset["cage_slip"].to_numpy()
+    names = dataset["alternative"].to_numpy()
+    slip = 100 * dataset["cage_slip"].to_numpy()
     ends = 100 * np.array([dataset[f"cage_slip_{end}"].to_numpy() for end in ("low", "high")])
     sheet = Sheet((ONE_COLUMN[0], (18 + 7 * len(names)) * MM))
-    axes, place = sheet.axes, np.arange(len(names))[::-1]
+    axes = sheet.axes
+    place = np.arange(len(names))[::-1]
     axes.hlines(place, ends[0], np.minimum(ends[1], 100.0), color=MODEL_COLOURS[0], linewidth=1.4)
     sheet.line(
-        slip, place, "cage slip, 5 to 95 % where data scatter", color=MODEL_COLOURS[0], linestyle="none", **MARKER
+        slip,
+        place,
+        "cage slip, 5 to 95 % where data scatter",
+        color=MODEL_COLOURS[0],
+        linestyle="none",
+        **MARKER,
     )
     if acceptable := float(dataset.attrs.get("acceptable_slip", 0.0)):
         style: dict[str, Any] = {"color": "0.35", "linewidth": 0.8, "linestyle": DASHES[2]}
         axes.axvline(100 * acceptable, **style)
         sheet.key(f"acceptable, {100 * acceptable:.3g} %", **style)
     verdicts = dataset["verdict"].to_numpy()
-    axes.set_yticks(place, [f"{name}  {said or 'failed'}" for name, said in zip(names, verdicts, strict=True)])
+    axes.set_yticks(
+        place, [f"{name}  {said or 'failed'}" for name, said in zip(names, verdicts, strict=True)]
+    )
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)
     axes.set_xlim(left=min(0.0, axes.get_xlim()[0]) if np.nanmin(slip) < 0.0 else 0.0)
@@ -74,15 +92,22 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     one = dataset.isel({of.over: position})
     reference = dataset.attrs["reference"]
     difference, error, cost = (one[name].to_numpy() for name in ("difference", "rms_error", "cost"))
-    for k, ((label, member), style) in enumerate(zip(members(dataset), _styles(dataset), strict=True)):
-        curve, name = curves(member)[position], f"{k + 1}  {label}"
+    for k, ((label, member), style) in enumerate(
+        zip(members(dataset), _styles(dataset), strict=True)
+    ):
+        curve = curves(member)[position]
+        name = f"{k + 1}  {label}"
         if np.isnan(curve.friction).all():
             sheet.key(f"{name}: failed", linestyle="none")
             continue
         x, y, begin, _ = curve.branches()
-        sheet.line(100 * x, y, name + ": reference" * (label == reference), panels["curves"], **style)
+        sheet.line(
+            100 * x, y, name + ": reference" * (label == reference), panels["curves"], **style
+        )
         if curve.has_critical:
-            panels["curves"].plot(100 * x[begin], y[begin], color=style["color"], zorder=4, **MARKER)
+            panels["curves"].plot(
+                100 * x[begin], y[begin], color=style["color"], zorder=4, **MARKER
+            )
         panels["differences"].plot(100 * curve.slip, 100 * difference[k], **style)
         if label == reference:
             panels["costs"].axvline(cost[k], color="black", linewidth=1.0, zorder=0)
@@ -90,7 +115,12 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
             place = cost[k], 100 * error[k]
             panels["costs"].plot(*place, marker="o", markersize=5, color=style["color"])
             panels["costs"].annotate(
-                f"{k + 1}", place, (5, (0, 6, -6)[k % 3]), textcoords="offset points", va="center_baseline", zorder=5
+                f"{k + 1}",
+                place,
+                (5, (0, 6, -6)[k % 3]),
+                textcoords="offset points",
+                va="center_baseline",
+                zorder=5,
             )
     cage = of.over == "ring"
     friction = axis_label(dataset[of.variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–")
@@ -101,7 +131,9 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
         panels["differences"].set_yscale("symlog", linthresh=_LINEAR)
         panels["differences"].yaxis.set_major_formatter("{x:g}")
     beyond = f",\nlogarithmic beyond ±{_LINEAR:g} %" if spread else ""
-    against = {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
+    against = (
+        {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
+    )
     slip = axis_label(dataset[of.slip], unit="%", **against)
     panels["differences"].set(xlabel=slip, ylabel=f"Relative difference [%]{beyond}")
     for name in ("curves", "differences"):

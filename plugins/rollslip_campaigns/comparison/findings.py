@@ -59,7 +59,9 @@ class ComparisonAccount(Account):
         reference = dataset.attrs["reference"]
         cheapest = dataset.isel(combination=int(np.nanargmin(dataset["cost"].to_numpy())))
         time = f"{1e9 * float(cheapest['seconds_per_slice']):.3g} ns"
-        places = dict(zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True))
+        places = dict(
+            zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True)
+        )
         films = ", ".join(f"{film} {place}" for film, place in places.items() if place)
         said = [
             f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
@@ -106,14 +108,18 @@ class ComparisonAccount(Account):
                     one["combination"],
                     "failed" if one["status"] != "done" else _or_dash(critical, "{:.2%}"),
                     _or_dash(one["critical_friction"], "{:.4g}"),
-                    "–" if one["smallest_film"] is None else format_quantity(one["smallest_film"], "m", 3),
+                    "–"
+                    if one["smallest_film"] is None
+                    else format_quantity(one["smallest_film"], "m", 3),
                     _or_dash(one["smallest_film_parameter"], "{:.3g}"),
                     *(
                         ["reference", "", ""]
                         if one["combination"] == dataset.attrs["reference"]
                         else [
                             _or_dash(value, form)
-                            for value, form in zip(differences, ("{:.2%}", "{:.2%}", "{:+.2%}"), strict=True)
+                            for value, form in zip(
+                                differences, ("{:.2%}", "{:.2%}", "{:+.2%}"), strict=True
+                            )
                         ]
                     ),
                     _or_dash(one["cost"], "{:.3g}"),
@@ -165,12 +171,14 @@ def bin_tables(dataset: "xr.Dataset") -> list[Table]:
     heads: dict[str, list[str]] = {}
     for one in records(dataset):
         for bin in one["bins"]:
-            row = found.setdefault(one["curve"], {}).setdefault(bin["bin"], [bin["bin"], f"{bin['share']:.1%}"])
+            row = found.setdefault(one["curve"], {}).setdefault(
+                bin["bin"], [bin["bin"], f"{bin['share']:.1%}"]
+            )
             row.append(f"{bin['difference']:+.2%}")
         if one["bins"]:
-            heads.setdefault(one["curve"], ["laminae of the reference", "share of the force"]).append(
-                one["combination"]
-            )
+            heads.setdefault(
+                one["curve"], ["laminae of the reference", "share of the force"]
+            ).append(one["combination"])
     order = dataset["bin"].to_numpy().tolist() if found else []
     return [
         Table(
@@ -205,13 +213,21 @@ def _sorting(law: str, reference: str) -> str:
 def _explanation(one: Mapping[str, Any], reference: str) -> str:
     if one["max_error"] == 0.0:
         return f"{one['combination']} does not differ from {reference}"
-    said = f"{one['combination']} is {_in_words(one['mean_difference'])} {reference} ({one['curve']})"
+    said = (
+        f"{one['combination']} is {_in_words(one['mean_difference'])} {reference} ({one['curve']})"
+    )
     best = max(one["bins"], key=lambda bin: float(bin["explained"]))
     if best["explained"] < EXPLAINS:
         return f"{said}; no regime explains more than {100 * EXPLAINS:.0f} % of how that varies"
     bins = [bin for bin in one["bins"] if bin["grouping"] == best["grouping"]]
-    shares = [f"{100 * bin['share']:.3g} %{'' if k else ' of the contact force'}" for k, bin in enumerate(bins)]
-    parts = [f"{_in_words(bin['difference'])} {bin['bin']} ({share})" for bin, share in zip(bins, shares, strict=True)]
+    shares = [
+        f"{100 * bin['share']:.3g} %{'' if k else ' of the contact force'}"
+        for k, bin in enumerate(bins)
+    ]
+    parts = [
+        f"{_in_words(bin['difference'])} {bin['bin']} ({share})"
+        for bin, share in zip(bins, shares, strict=True)
+    ]
     return f"{said}: {', '.join(parts)}; {best['grouping']} explains {100 * best['explained']:.0f} % of how that varies"
 
 
@@ -245,14 +261,18 @@ class AlternativesAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each, best first."""
-        rows, head = json.loads(dataset.attrs["rows"]), ("alternative", "verdict", *_HEADS.values(), "ratio")
+        rows = json.loads(dataset.attrs["rows"])
+        head = ("alternative", "verdict", *_HEADS.values(), "ratio")
         body = []
         for k, one in enumerate(rows_along(dataset, "alternative")):
-            low, high = one["ratio_low"], one["ratio_high"]
+            low = one["ratio_low"]
+            high = one["ratio_high"]
             ratio = "" if k == 0 or math.isnan(low) else f"{two(low)}\u00a0to\u00a0{two(high)}"
             cells = rows.get(one["alternative"], {})
             verdict = one["verdict"] if one["alternative"] in rows else "failed"
-            body.append([one["alternative"], verdict, *(cells.get(key, "") for key in _HEADS), ratio])
+            body.append(
+                [one["alternative"], verdict, *(cells.get(key, "") for key in _HEADS), ratio]
+            )
         return [Table("", head, body)]
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
@@ -262,12 +282,17 @@ class AlternativesAccount(Account):
         done = [one for one in rows if one["status"] == "done"]
         if len(done) < 2:
             return failed
-        first, least = done[0]["alternative"], abs(done[0]["cage_slip"])
+        first = done[0]["alternative"]
+        least = abs(done[0]["cage_slip"])
         others = [(one["alternative"], one["ratio_low"], one["ratio_high"]) for one in done[1:]]
-        small = [one["alternative"] for one in done[1:] if max(least, abs(one["cage_slip"])) < _SMALL]
+        small = [
+            one["alternative"] for one in done[1:] if max(least, abs(one["cage_slip"])) < _SMALL
+        ]
         same = [label for label, low, high in others if label not in small and low == high == 1.0]
         unknown = [label for label, low, _ in others if label not in small and math.isnan(low)]
-        close = [label for label, low, _ in others if label not in (*small, *same) and low <= _CLEAR]
+        close = [
+            label for label, low, _ in others if label not in (*small, *same) and low <= _CLEAR
+        ]
         worse = [label for label, low, _ in others if label not in small and low > _CLEAR]
         told = [
             f"{first} and {', '.join(small)} slip less than 0.1 %" * bool(small),
@@ -289,7 +314,10 @@ class AlternativesAccount(Account):
         names = ("alternative", *dataset.data_vars)
         return {
             "alternatives": [
-                {str(name): or_none(one[name]) if isinstance(one[name], float) else one[name] for name in names}
+                {
+                    str(name): or_none(one[name]) if isinstance(one[name], float) else one[name]
+                    for name in names
+                }
                 for one in rows_along(dataset, "alternative")
             ]
         }

@@ -50,7 +50,9 @@ class ExplorerSettings(OfPoints):
         "Random places at which it is checked against runs, for each combination of models.", of=int, default=24,
         least=0, metavar="N", shown=True,
     )  # fmt: skip
-    out: Any = setting("", more="The file, of which an older one is replaced; by default SCENE-explorer.html here.")
+    out: Any = setting(
+        "", more="The file, of which an older one is replaced; by default SCENE-explorer.html here."
+    )
 
     def plan(self) -> "Explorer":
         """Return what it computes."""
@@ -58,7 +60,9 @@ class ExplorerSettings(OfPoints):
 
         return plan_explorer(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> dict[str, Any]:  # type: ignore[override]
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> dict[str, Any]:  # type: ignore[override]
         """Compute the grid in a folder and write the page."""
         from rollslip_campaigns.explorer.explorer import run_explorer
 
@@ -67,4 +71,8 @@ class ExplorerSettings(OfPoints):
     @property
     def page(self) -> Path:
         """The file."""
-        return Path(self.out) if self.out is not None else Path(f"{Path(self.given.source).stem}-explorer.html")
+        return (
+            Path(self.out)
+            if self.out is not None
+            else Path(f"{Path(self.given.source).stem}-explorer.html")
+        )

@@ -12,10 +12,17 @@ from rollslip.cli.campaign import with_settings
 from rollslip_campaigns.explorer import ExplorerSettings
 
 
-@click.option("--out", metavar="FILE", type=click.Path(path_type=Path), help="File.  [default: SCENE-explorer.html]")
+@click.option(
+    "--out",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="File.  [default: SCENE-explorer.html]",
+)
 @click.option("--overwrite", is_flag=True, help="Replace the file, if it is a page of rollslip.")
 @json_option
-def _explore(asked: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool) -> None:
+def _explore(
+    asked: ExplorerSettings, about: str, out: Path | None, overwrite: bool, as_json: bool
+) -> None:
     from rollslip.cli.units import with_units
     from rollslip.errors import OutputError
     from rollslip.results.report import is_report
@@ -25,7 +32,9 @@ def _explore(asked: ExplorerSettings, about: str, out: Path | None, overwrite: b
     if target.exists() and not overwrite:
         raise OutputError(f"{target}: exists; name another --out, or --overwrite it")
     if target.exists() and not is_report(target):
-        raise OutputError(f"{target}: is no page of rollslip, so it is not replaced; name another --out")
+        raise OutputError(
+            f"{target}: is no page of rollslip, so it is not replaced; name another --out"
+        )
     library()  # refused before anything is told
     asked = attrs.evolve(asked, out=target)
     planned = asked.plan()

@@ -38,11 +38,14 @@ _MOST: Final = 20_000
 
 def plan_explorer(asked: "ExplorerSettings") -> Explorer:
     """Return what an explorer computes."""
-    given, over = asked.given, read_overs(asked.over)
+    given = asked.given
+    over = read_overs(asked.over)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     known = quantities(assemble(base), settings(base, EffectiveFriction.name))
     wanted: dict[str, object] = over or _defaults(known)
-    dials, choices, problems = list[Dial](), dict[str, tuple[str, ...]](), list[str]()
+    dials = list[Dial]()
+    choices = dict[str, tuple[str, ...]]()
+    problems = list[str]()
     for key, value in wanted.items():
         if key not in known:
             problems.append(f"{key}: {unknown(key, known)}")
@@ -55,10 +58,14 @@ def plan_explorer(asked: "ExplorerSettings") -> Explorer:
             except (UnitError, ValueError) as error:
                 problems.append(f"{key}: {error}")
     if not dials and not problems:
-        problems.append("nothing to move by a slider; name a quantity, such as operation.radial_load='1 kN:5 kN'")
+        problems.append(
+            "nothing to move by a slider; name a quantity, such as operation.radial_load='1 kN:5 kN'"
+        )
     planned = Explorer(base, tuple(dials), choices, asked.checks)
     if not problems and planned.size > _MOST:
-        problems.append(f"{planned.size} points are more than {_MOST}; take fewer quantities, nodes or models")
+        problems.append(
+            f"{planned.size} points are more than {_MOST}; take fewer quantities, nodes or models"
+        )
     if problems:
         raise SceneError(problems)
     return planned
@@ -86,7 +93,13 @@ def _dial(quantity: Quantity, text: str) -> Dial:
     parts = [part.strip() for part in text.split(":")]
     if len(parts) not in (2, 3) or not all(parts):
         raise ValueError(f"{text!r} is no range; write LOW:HIGH or LOW:HIGH:NODES, with units")
-    count = int(parts[2]) if len(parts) == 3 and parts[2].isdecimal() else _NODES if len(parts) == 2 else 0
+    count = (
+        int(parts[2])
+        if len(parts) == 3 and parts[2].isdecimal()
+        else _NODES
+        if len(parts) == 2
+        else 0
+    )
     if not 2 <= count <= 33:
         raise ValueError(f"{text!r}: {parts[-1]!r} is no number of nodes from 2 to 33")
     unit = str(quantity.unit)

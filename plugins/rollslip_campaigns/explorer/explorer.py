@@ -23,14 +23,18 @@ if TYPE_CHECKING:
 __all__ = ["run_explorer"]
 
 
-def run_explorer(planned: Explorer, asked: "ExplorerSettings", folder: Path, show: "Shown") -> dict[str, Any]:
+def run_explorer(
+    planned: Explorer, asked: "ExplorerSettings", folder: Path, show: "Shown"
+) -> dict[str, Any]:
     """Compute the points in a folder, interpolate, measure how far that is off at random places, and write the page."""
     library()  # refused before anything is computed
     keys = [dial.key for dial in planned.dials]
 
     def swept(of: str, over: Mapping[str, object], **options: Any) -> "xr.Dataset":
         how = {"engine": asked.engine, "time_limit": asked.time_limit, **options}
-        made = plan_sweep(planned.scene, over, study=EffectiveFriction.name, output=[*GROUPS, "angle"], **how)
+        made = plan_sweep(
+            planned.scene, over, study=EffectiveFriction.name, output=[*GROUPS, "angle"], **how
+        )
         points = Points.of(made, folder / of, lambda text: None, lambda now: show(*now.told))
         points.compute()
         found = _whole(points.collected())
@@ -49,12 +53,19 @@ def run_explorer(planned: Explorer, asked: "ExplorerSettings", folder: Path, sho
     table = table.reshape(-1, *(dial.count for dial in planned.dials), table.shape[-1])
     errors: dict[str, dict[str, Any]] = {}
     if planned.checks:
-        ranges = {dial.key: f"{dial.low!r}:{dial.high!r}{':log' * dial.logarithmic}" for dial in planned.dials}
-        random = swept("places", choices | ranges, samples=planned.checks, seed=1, sampling="latin-hypercube")
+        ranges = {
+            dial.key: f"{dial.low!r}:{dial.high!r}{':log' * dial.logarithmic}"
+            for dial in planned.dials
+        }
+        random = swept(
+            "places", choices | ranges, samples=planned.checks, seed=1, sampling="latin-hypercube"
+        )
         _, true = _table(random, [*choices, "sample"])
         true = true.reshape(table.shape[0], planned.checks, -1)
         places = np.stack([random[key].to_numpy() for key in keys], axis=-1)
-        guessed = np.array([[between(planned.dials, one, place) for place in places] for one in table])
+        guessed = np.array(
+            [[between(planned.dials, one, place) for place in places] for one in table]
+        )
         errors = _errors(layout, guessed, true)
     angle = grid["angle"].to_numpy().reshape(-1, grid.sizes["roller"])[0]
     write_page(asked.page, planned, Results(slip, angle, layout, table, errors), grid)
@@ -72,13 +83,17 @@ def _whole(found: "xr.Dataset") -> "xr.Dataset":
     status = found["status"].to_numpy().ravel()
     if (lost := np.flatnonzero(status != "ok")).size:
         message = found["message"].to_numpy().ravel()[lost[0]]
-        raise ConvergenceError(f"{lost.size} of {status.size} points failed, the first: {message}; narrow the ranges")
+        raise ConvergenceError(
+            f"{lost.size} of {status.size} points failed, the first: {message}; narrow the ranges"
+        )
     return found
 
 
 def _table(found: "xr.Dataset", order: Sequence[str]) -> tuple[dict[str, tuple[int, int]], Array]:
     """Return where each result stands in a row, and the rows, one for each point in the order of the dimensions."""
-    layout, columns, width = dict[str, tuple[int, int]](), list[Array](), 0
+    layout = dict[str, tuple[int, int]]()
+    columns = list[Array]()
+    width = 0
     points = int(np.prod([found.sizes[name] for name in order], dtype=int))
     for name in GROUPS:
         values = found[name].transpose(*order, ...).to_numpy().reshape(points, -1)
@@ -88,7 +103,9 @@ def _table(found: "xr.Dataset", order: Sequence[str]) -> tuple[dict[str, tuple[i
     return layout, np.concatenate(columns, axis=1)
 
 
-def _errors(layout: Mapping[str, tuple[int, int]], guessed: Array, true: Array) -> dict[str, dict[str, Any]]:
+def _errors(
+    layout: Mapping[str, tuple[int, int]], guessed: Array, true: Array
+) -> dict[str, dict[str, Any]]:
     """Return for each result what the grid is off, in shares of the largest value, of slips in themselves."""
     found = {}
     for name, (first, end) in layout.items():
@@ -96,7 +113,9 @@ def _errors(layout: Mapping[str, tuple[int, int]], guessed: Array, true: Array) 
         both = np.isfinite(a) & np.isfinite(b)
         if name in ("effective_friction", "normal_force"):
             rings = [x.reshape(len(a), 2, -1) for x in (a, b)]
-            off = np.abs(rings[0] - rings[1]).max(axis=2) / np.maximum(np.abs(rings[1]).max(axis=2), 1e-300)
+            off = np.abs(rings[0] - rings[1]).max(axis=2) / np.maximum(
+                np.abs(rings[1]).max(axis=2), 1e-300
+            )
             off = off.max(axis=1)
         else:
             size = np.abs(b[both]) if name == "runaway_drag" else 1.0

@@ -67,7 +67,9 @@ class Dial:
     @property
     def told(self) -> str:
         """What it is, in words."""
-        low, high, start = (format_quantity(value, self.unit, 4) for value in (self.low, self.high, self.start))
+        low, high, start = (
+            format_quantity(value, self.unit, 4) for value in (self.low, self.high, self.start)
+        )
         return f"{self.key}: {low} to {high}, {self.count} nodes; {start} in the scene"
 
     def scaled(self, value: Array) -> Array:
@@ -99,7 +101,10 @@ class Explorer:
     @property
     def told(self) -> list[str]:
         """What moves, and how many points that takes, in words."""
-        lines = [*(dial.told for dial in self.dials), *(f"{key}: {', '.join(of)}" for key, of in self.choices.items())]
+        lines = [
+            *(dial.told for dial in self.dials),
+            *(f"{key}: {', '.join(of)}" for key, of in self.choices.items()),
+        ]
         several = f"{self.size} points, {self.checks} random ones for each combination of models among them"
         return [f"  {line}" for line in (*lines, several)]
 
@@ -107,7 +112,9 @@ class Explorer:
     def size(self) -> int:
         """Points that are computed."""
         combinations = int(np.prod([len(names) for names in self.choices.values()], dtype=int))
-        return combinations * (int(np.prod([dial.count for dial in self.dials], dtype=int)) + self.checks)
+        return combinations * (
+            int(np.prod([dial.count for dial in self.dials], dtype=int)) + self.checks
+        )
 
 
 def between(dials: Sequence[Dial], table: Array, place: Sequence[float]) -> Array:
@@ -143,7 +150,9 @@ def between(dials: Sequence[Dial], table: Array, place: Sequence[float]) -> Arra
     return found
 
 
-def _block(finite: "NDArray[np.bool_]", nodes: Sequence[Array], at: Sequence[float]) -> list[tuple[int, int]] | None:
+def _block(
+    finite: "NDArray[np.bool_]", nodes: Sequence[Array], at: Sequence[float]
+) -> list[tuple[int, int]] | None:
     """Return a block of nodes around a place that all have a value, grown to each side in turn; None if none is there.
 
     Of a node that is met no neighbour is needed.
@@ -167,7 +176,8 @@ def _block(finite: "NDArray[np.bool_]", nodes: Sequence[Array], at: Sequence[flo
                 low, high = block[axis]
                 wider = [*block[:axis], (low - down, high + up), *block[axis + 1 :]]
                 if low >= down and high + up <= all_of_it.size and whole(wider):
-                    block, grown = wider, True
+                    block = wider
+                    grown = True
     return block
 
 

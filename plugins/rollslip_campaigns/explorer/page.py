@@ -48,7 +48,9 @@ def library() -> str:
     for folder in (found.submodule_search_locations or ()) if found else ():
         if (place := Path(folder) / "package_data" / "plotly.min.js").is_file():
             return place.read_text(encoding="utf-8")
-    raise PluginError("an explorer is drawn by plotly, which is not installed: pip install 'rollslip[explorer]'")
+    raise PluginError(
+        "an explorer is drawn by plotly, which is not installed: pip install 'rollslip[explorer]'"
+    )
 
 
 @attrs.frozen(eq=False)
@@ -81,7 +83,9 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
             "key": dial.key,
             "name": dial.name,
             "unit": unit_label(dial.shown),
-            "size": float(converted(1.0, dial.unit, dial.shown) - converted(0.0, dial.unit, dial.shown)),
+            "size": float(
+                converted(1.0, dial.unit, dial.shown) - converted(0.0, dial.unit, dial.shown)
+            ),
             "zero": float(converted(0.0, dial.unit, dial.shown)),
             "low": dial.low,
             "high": dial.high,
@@ -98,10 +102,16 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
         "slip": results.slip.tolist(),
         "angle": ((np.degrees(results.angle) + 180.0) % 360.0 - 180.0).tolist(),
         "width": results.table.shape[-1],
-        "table": base64.b64encode(np.ascontiguousarray(results.table, dtype="<f4").tobytes()).decode(),
+        "table": base64.b64encode(
+            np.ascontiguousarray(results.table, dtype="<f4").tobytes()
+        ).decode(),
         "colours": {
-            which: {ring: turn(colour) for ring, colour in RING_COLOURS.items()} | {"ink": ink, "paper": paper}
-            for which, turn, ink, paper in (("light", str, "#1b1f24", "#ffffff"), ("dark", on_dark, INK, GROUND))
+            which: {ring: turn(colour) for ring, colour in RING_COLOURS.items()}
+            | {"ink": ink, "paper": paper}
+            for which, turn, ink, paper in (
+                ("light", str, "#1b1f24", "#ffffff"),
+                ("dark", on_dark, INK, GROUND),
+            )
         },
     }
     title = str(grid.attrs.get("title") or f"Explorer of {explorer.scene.source}")
@@ -111,11 +121,15 @@ def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dat
         ground=GROUND,
         controls=_controls(explorer),
         errors=_errors(results.errors, explorer.checks),
-        warnings="".join(f"<li>{escape(text)}</li>" for text in json.loads(grid.attrs.get("warnings", "[]"))),
+        warnings="".join(
+            f"<li>{escape(text)}</li>" for text in json.loads(grid.attrs.get("warnings", "[]"))
+        ),
         made=escape(
             f"{explorer.size} points of study {grid.attrs['swept']}; scene {explorer.scene.source}, SHA-256 "
             f"{grid.attrs.get('scene_hash', '')}; "
-            + ", ".join(f"{name} {version}" for name, version in json.loads(grid.attrs["packages"]).items())
+            + ", ".join(
+                f"{name} {version}" for name, version in json.loads(grid.attrs["packages"]).items()
+            )
         ),
         data=json.dumps(data).replace("</", "<\\/"),
         plotly=library(),

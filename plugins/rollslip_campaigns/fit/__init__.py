@@ -65,7 +65,9 @@ class FitSettings(Campaign):
 
         return plan_fit(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Fit."""
         from rollslip_campaigns.fit.fit import run_fit
 

@@ -27,12 +27,18 @@ if TYPE_CHECKING:
 
 __all__ = ["figures"]
 
-_OPEN: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 3, "markerfacecolor": "white", "markeredgewidth": 0.8}
+_OPEN: Final[Mapping[str, Any]] = {
+    "marker": "o",
+    "markersize": 3,
+    "markerfacecolor": "white",
+    "markeredgewidth": 0.8,
+}
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure of each."""
-    name, held = Path(dataset.attrs["source"]).name, _held(dataset)[0]
+    name = Path(dataset.attrs["source"]).name
+    held = _held(dataset)[0]
     yield "fit", f"Friction measured ({name}) and fitted{held and ', ' + held}.", _fit(dataset)
     caption = "Residuals over their standard deviation; the band is two of it."
     yield "fit-residuals", caption, _residuals(dataset)
@@ -44,7 +50,10 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 def _held(dataset: "xr.Dataset") -> tuple[str, list[str]]:
     """What a rig held at all operating points, and what was different at each."""
     columns = {"point_temperature": "K", "point_pressure": "Pa", "point_speed": "m/s"}
-    texts = {name: [format_quantity(float(v), unit, 3) for v in dataset[name]] for name, unit in columns.items()}
+    texts = {
+        name: [format_quantity(float(v), unit, 3) for v in dataset[name]]
+        for name, unit in columns.items()
+    }
     common = [said[0] for said in texts.values() if len(set(said)) == 1]
     different = [said for said in texts.values() if len(set(said)) > 1]
     return ", ".join(common), [", ".join(row) for row in zip(*different, strict=True)]
@@ -53,7 +62,8 @@ def _held(dataset: "xr.Dataset") -> tuple[str, list[str]]:
 def _fit(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet()
     axes = sheet.axes
-    slip, friction = dataset["slide_roll_ratio"].to_numpy(), dataset["friction"].to_numpy()
+    slip = dataset["slide_roll_ratio"].to_numpy()
+    friction = dataset["friction"].to_numpy()
     known = dataset.attrs["uncertainties"] == "given"
     for point, colour, label in _points(dataset):
         rows = dataset["operating_point"].to_numpy() == point
@@ -62,10 +72,16 @@ def _fit(dataset: "xr.Dataset") -> "Figure":
             100 * slip[rows], friction[rows], error, color=colour, linestyle="none", elinewidth=0.6, **_OPEN
         )  # fmt: skip
         one = dataset.isel(point=point)
-        (line,) = axes.plot(100 * one["curve_slip"], one["curve_friction"], color=colour, linewidth=1.0, label=label)
+        (line,) = axes.plot(
+            100 * one["curve_slip"], one["curve_friction"], color=colour, linewidth=1.0, label=label
+        )
         if label:
             sheet.handles.append(line)
-    many = "" if sheet.handles or dataset.sizes["point"] == 1 else f"{dataset.sizes['point']} operating points"
+    many = (
+        ""
+        if sheet.handles or dataset.sizes["point"] == 1
+        else f"{dataset.sizes['point']} operating points"
+    )
     words = ", ".join(filter(None, ("measured", many, _held(dataset)[0])))
     sheet.key(words, color="0.3", linestyle="none", **_OPEN)
     axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
@@ -81,7 +97,9 @@ def _residuals(dataset: "xr.Dataset") -> "Figure":
     axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
     for point, colour, label in _points(dataset):
         rows = dataset["operating_point"].to_numpy() == point
-        (line,) = axes.plot(100 * slip[rows], residual[rows], color=colour, linestyle="none", label=label, **_OPEN)
+        (line,) = axes.plot(
+            100 * slip[rows], residual[rows], color=colour, linestyle="none", label=label, **_OPEN
+        )
         if label:
             sheet.handles.append(line)
     axes.set_ylim(*(np.array([-1.1, 1.1]) * max(3.0, np.abs(residual).max())))
@@ -94,7 +112,8 @@ def _over(dataset: "xr.Dataset") -> str:
 
 def _points(dataset: "xr.Dataset") -> Iterator[tuple[int, Any, str]]:
     """Number, colour and label of each operating point; no labels where they would fill the page."""
-    count, labels = dataset.sizes["point"], _held(dataset)[1]
+    count = dataset.sizes["point"]
+    labels = _held(dataset)[1]
     for point, colour in enumerate(light_to_dark()(np.linspace(1.0, 0.0, count)[::-1])):
         yield point, colour, labels[point] if 1 < count <= 12 else ""
 
@@ -106,16 +125,26 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
     size = ONE_COLUMN if columns == 1 else TWO_COLUMNS
     sheet = Sheet(size, rows, columns, squeeze=False, sharey=True)
     panels = sheet.axes.ravel()
-    limits, linear = dataset["rise_limit"].to_numpy(), False
+    limits = dataset["rise_limit"].to_numpy()
+    linear = False
     for axes, name in zip(panels, names, strict=False):
         one = dataset.sel(parameter=name)
         # people's unit, taken from how the value is shown to them
-        SI, best = one["unit"].item(), float(one["value"])
+        SI = one["unit"].item()
+        best = float(one["value"])
         unit = shown_unit(best, SI)
-        held, best = converted(one["profile_value"].to_numpy(), SI, unit), converted(best, SI, unit)
+        held = converted(one["profile_value"].to_numpy(), SI, unit)
+        best = converted(best, SI, unit)
         for limit, level in zip(limits, dataset["level"].values, strict=True):
             axes.axhline(limit, color="0.6", linewidth=0.6, zorder=0)
-            axes.text(0.5, limit, f"{level:.0%}", transform=axes.get_yaxis_transform(), va="bottom", ha="center")
+            axes.text(
+                0.5,
+                limit,
+                f"{level:.0%}",
+                transform=axes.get_yaxis_transform(),
+                va="bottom",
+                ha="center",
+            )
         error = math.sqrt(float(one["covariance"].sel(with_parameter=name)))
         if math.isfinite(error):
             change = np.log(held / best) if held.min() > 0.0 < best else held - best
@@ -132,7 +161,9 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
     panels[0].set_ylabel(r"Rise of $\chi^2$ over the variance [–]")
     sheet.key("profile likelihood, the others fitted anew", color=RING_COLOURS["inner"])
     if linear:
-        sheet.key("covariance: the law taken for linear", color=RING_COLOURS["outer"], linewidth=1.0)
+        sheet.key(
+            "covariance: the law taken for linear", color=RING_COLOURS["outer"], linewidth=1.0
+        )
     figure = sheet.done(columns=columns)
     figure.set_figheight(58 * MM * rows + 2 * ROW)
     return figure

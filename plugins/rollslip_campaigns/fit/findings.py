@@ -34,7 +34,9 @@ _HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data te
 def headline(dataset: "xr.Dataset") -> str:
     """Return the first line about a fit: version, data and hash, models, with the packages of others."""
     a = dataset.attrs
-    models = ((of["kind"], of["name"], of["package"], of["version"]) for of in json.loads(a["models"]))
+    models = (
+        (of["kind"], of["name"], of["package"], of["version"]) for of in json.loads(a["models"])
+    )
     return first_line(json.loads(a["packages"])["rollslip"], a["source"], a["data_sha256"], models)
 
 
@@ -43,7 +45,9 @@ def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
     rows = []
     limits = zip(dataset["interval"].to_numpy(), dataset["limit_status"].to_numpy(), strict=True)
     for one, (intervals, statuses) in zip(rows_along(dataset, "parameter"), limits, strict=True):
-        unit, value, error = one["unit"], one["value"], one["standard_error"]
+        unit = one["unit"]
+        value = one["value"]
+        error = one["standard_error"]
         share = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
         unknown = [UNKNOWN in status for status in statuses]
         rows.append(
@@ -105,13 +109,19 @@ class FitAccount(Account):
             f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; "
             f"uncertainties {a['uncertainties']}"
         ]
-        names, correlation = dataset["parameter"].values, dataset["correlation"].to_numpy()
-        pairs = [(i, j) for i in range(names.size) for j in range(i) if math.isfinite(correlation[i, j])]
+        names = dataset["parameter"].values
+        correlation = dataset["correlation"].to_numpy()
+        pairs = [
+            (i, j) for i in range(names.size) for j in range(i) if math.isfinite(correlation[i, j])
+        ]
         if pairs:
             strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
             said.append(
                 "correlation: "
-                + ", ".join(f"{names[j]} with {names[i]} {_correlation(correlation[i, j])}" for i, j in strongest)
+                + ", ".join(
+                    f"{names[j]} with {names[i]} {_correlation(correlation[i, j])}"
+                    for i, j in strongest
+                )
             )
         for i, j in pairs:
             if (r := abs(correlation[i, j])) >= _ALIKE:
@@ -136,7 +146,8 @@ class FitAccount(Account):
         parameters = {}
         for k, one in enumerate(rows_along(dataset, "parameter")):
             intervals, statuses, correlation = (
-                dataset[name].to_numpy()[k].tolist() for name in ("interval", "limit_status", "correlation")
+                dataset[name].to_numpy()[k].tolist()
+                for name in ("interval", "limit_status", "correlation")
             )
             parameters[one["parameter"]] = {
                 **{name: one[name] for name in ("unit", "meaning", "value", "start_value")},

@@ -57,15 +57,20 @@ def run_fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> "xr
 
 def _fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> Fit:
     """Fit, and again without the parameters that turn out not to matter, one by one."""
-    free, kept = wanted, dict[str, str]()
+    free = wanted
+    kept = dict[str, str]()
     largest = float(np.abs(problem.data.columns["friction"]).max())
     while True:
         fitted = fit_parameters(problem, free, kept, report=report)
         unlimited = [
-            k for k, profile in enumerate(fitted.estimate.profiles) if not np.isfinite(profile.limits[-1]).any()
+            k
+            for k, profile in enumerate(fitted.estimate.profiles)
+            if not np.isfinite(profile.limits[-1]).any()
         ]
         effects = {k: _effect(fitted, k) for k in unlimited}
-        k, (effect, ends) = min(effects.items(), key=lambda item: item[1][0], default=(0, (math.inf, "")))
+        k, (effect, ends) = min(
+            effects.items(), key=lambda item: item[1][0], default=(0, (math.inf, ""))
+        )
         scatter = float(np.sqrt(np.mean(fitted.sigma**2)))
         if effect > scatter:
             return fitted
@@ -90,18 +95,24 @@ def fit_parameters(
     # without uncertainties all rows weigh alike; the size keeps residuals of order 1
     size = float(np.sqrt(np.mean(measured**2))) or 1.0
     weight = np.full(measured.size, size) if uncertainty is None else uncertainty
-    residuals, known = partial(misfit, problem, free, weight), uncertainty is not None
+    residuals = partial(misfit, problem, free, weight)
+    known = uncertainty is not None
     estimated = estimate(residuals, *bounds_of(free), known=known, profiles=profiles, report=report)
     return Fit(problem=problem, parameters=free, weight=weight, kept=dict(kept), estimate=estimated)
 
 
 def _effect(fitted: Fit, k: int) -> tuple[float, str]:
     """Largest change of friction by a parameter alone, infinite where the law has no value, and how far it moved."""
-    parameter, best, changes, ends = fitted.parameters[k], fitted.estimate.best.x, list[Array](), list[str]()
+    parameter = fitted.parameters[k]
+    best = fitted.estimate.best.x
+    changes = list[Array]()
+    ends = list[str]()
     here = fitted.friction(best)
     for sign in (-1.0, 1.0):
         x = best.copy()
-        x[k] = np.clip(x[k] + sign * math.log(VARIED), parameter.x(parameter.low), parameter.x(parameter.high))
+        x[k] = np.clip(
+            x[k] + sign * math.log(VARIED), parameter.x(parameter.low), parameter.x(parameter.high)
+        )
         ends.append(parameter.shown(parameter.value(x[k])))
         try:
             changes.append(fitted.friction(x) - here)

@@ -139,7 +139,9 @@ def estimate(
         root = (1.0 + root) ** (1.0 / (count + 1))
     points = np.outer(np.arange(1, _OTHER_STARTS + 1), root ** -np.arange(1.0, count + 1)) % 1.0
     around = np.clip(_SPREAD * (2.0 * points - 1.0), low, high) if count else np.zeros((0, 0))
-    searches, each = 1 + len(around), count  # following a profile takes about as many searches as there are parameters
+    # following a profile takes about as many searches as there are parameters
+    searches = 1 + len(around)
+    each = count
     total = searches + count * each * profiles
 
     def searched(number: int, start: Array) -> Minimum | None:
@@ -148,7 +150,9 @@ def estimate(
 
     def followed(k: int) -> LikelihoodProfile:
         report(f"profile {k + 1} of {count}", (searches + k * each) / total)
-        return _profile(residuals, best, k, low, high, scale, quantiles, math.sqrt(covariance[k, k]))
+        return _profile(
+            residuals, best, k, low, high, scale, quantiles, math.sqrt(covariance[k, k])
+        )
 
     minima = tuple(searched(number, x) for number, x in enumerate((np.zeros(count), *around)))
     best = min((one for one in minima if one is not None), key=lambda one: one.chi2)
@@ -192,7 +196,9 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
     if start.size == 0:
         jacobian = np.zeros((first.size, 0))
         chi2 = float(first @ first)
-        return Minimum(start=start, x=start, chi2=chi2, residuals=first, jacobian=jacobian, converged=True)
+        return Minimum(
+            start=start, x=start, chi2=chi2, residuals=first, jacobian=jacobian, converged=True
+        )
     search = least_squares(
         residuals,
         start,
@@ -221,7 +227,8 @@ def _jacobian(residuals: Residuals, x: Array) -> Array:
     for k in range(x.size):
         step = np.zeros_like(x)
         step[k] = _STEP
-        above, below = residuals(x + step), residuals(x - step)
+        above = residuals(x + step)
+        below = residuals(x - step)
         here = None if np.all(np.isfinite(above)) and np.all(np.isfinite(below)) else residuals(x)
         if here is None:
             columns.append((above - below) / (2 * _STEP))
@@ -262,7 +269,9 @@ def _crossing(rise: Callable[[float], float], quantile: float, near: float, far:
     """Where the rise passes a quantile."""
     from scipy.optimize import brentq
 
-    return float(brentq(lambda value: rise(value) - quantile, near, far, xtol=1e-6 * abs(far - near)))
+    return float(
+        brentq(lambda value: rise(value) - quantile, near, far, xtol=1e-6 * abs(far - near))
+    )
 
 
 def _profile(
@@ -283,7 +292,9 @@ def _profile(
     def rise(value: float) -> float:
         """Rise of chi2 over the variance; infinite where the law has no value."""
         near = at[min(at, key=lambda known: abs(known - value))]
-        lowest = minimise(lambda x: residuals(np.insert(x, k, value)), near, np.delete(low, k), np.delete(high, k))
+        lowest = minimise(
+            lambda x: residuals(np.insert(x, k, value)), near, np.delete(low, k), np.delete(high, k)
+        )
         if lowest is None:
             return math.inf
         risen = (lowest.chi2 - best.chi2) / scale**2
@@ -295,9 +306,13 @@ def _profile(
             bounded[value] = tuple(int(j) for j in held + (held >= k))
         return max(risen, 0.0)
 
-    limits, ends, stops, sides = np.full((len(quantiles), 2), np.nan), [], list[Stop](), []
+    limits = np.full((len(quantiles), 2), np.nan)
+    ends = []
+    stops = list[Stop]()
+    sides = []
     for side, (sign, bound) in enumerate(((-1.0, low[k]), (1.0, high[k]))):
-        inside, last = float(best.x[k]), 0.0
+        inside = float(best.x[k])
+        last = 0.0
         stop: Stop = ()
         step = min(math.sqrt(quantiles[-1]) * error / 2, 0.25) if error > 0.0 else 0.05
         least = 1e-3 * step
@@ -307,9 +322,12 @@ def _profile(
             outside = float(np.clip(inside + sign * step, low[k], high[k]))
             risen = rise(outside)
             if math.isinf(risen) or outside in bounded:
-                step, stop = step / 4, bounded.get(outside)
+                step = step / 4
+                stop = bounded.get(outside)
                 continue
-            inside, last, step = outside, risen, 1.5 * step
+            inside = outside
+            last = risen
+            step = 1.5 * step
             walk.append((inside, last))
         for level, quantile in enumerate(quantiles):
             for (near, before), (far, after) in pairwise(walk):
@@ -326,5 +344,9 @@ def _profile(
         sides.append(np.column_stack((x, [rise(float(value)) for value in x])))
     curve = np.concatenate((sides[0][::-1], [[best.x[k], 0.0]], sides[1]))
     return LikelihoodProfile(
-        x=curve[:, 0], rise=curve[:, 1], limits=limits, ends=(ends[0], ends[1]), stops=(stops[0], stops[1])
+        x=curve[:, 0],
+        rise=curve[:, 1],
+        limits=limits,
+        ends=(ends[0], ends[1]),
+        stops=(stops[0], stops[1]),
     )

@@ -34,12 +34,16 @@ def write_oil(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
     """
     lines = [f"# Fitted to {dataset.attrs['source']}; copy into a scene."]
     lines += [
-        f"# {name}: {value}, 95 %: {limits}; {status}" for name, value, _, _, limits, status in parameter_rows(dataset)
+        f"# {name}: {value}, 95 %: {limits}; {status}"
+        for name, value, _, _, limits, status in parameter_rows(dataset)
     ]
     for key, attribute in (("lubricant", "lubricant_table"), ("models.traction", "traction_table")):
         if attribute in dataset.attrs:
             lines += ["", f"[{key}]"]
-            lines += [f"{name} = {_toml(value)}" for name, value in json.loads(dataset.attrs[attribute]).items()]
+            lines += [
+                f"{name} = {_toml(value)}"
+                for name, value in json.loads(dataset.attrs[attribute]).items()
+            ]
     with whole_file(Path(path)) as partial:
         partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

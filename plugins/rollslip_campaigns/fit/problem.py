@@ -69,13 +69,21 @@ class RigProblem:
         for k, temperature in enumerate(temperatures):
             rows = np.flatnonzero(which == k)
             speed = c["rolling_speed"][rows]
-            given: dict[str, Any] = {} if self.film is not None else {"film_thickness": c["film_thickness"][rows]}
+            given: dict[str, Any] = (
+                {} if self.film is not None else {"film_thickness": c["film_thickness"][rows]}
+            )
             sliding = c["slide_roll_ratio"][rows] * speed
             tables.append(
                 (
                     float(temperature),
                     rows,
-                    Slices(rows.size, load=self.load[rows], rolling_speed=speed, sliding_speed=sliding, **given),
+                    Slices(
+                        rows.size,
+                        load=self.load[rows],
+                        rolling_speed=speed,
+                        sliding_speed=sliding,
+                        **given,
+                    ),
                 )
             )
         return tables
@@ -120,12 +128,17 @@ class RigProblem:
         return friction
 
 
-def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw | None = None) -> RigProblem:
+def rig_problem(
+    data: RigData, rig: Rig, traction: Raw | None = None, film: Raw | None = None
+) -> RigProblem:
     """Put the measured contacts under the laws of a rig file, or under other models."""
-    where, problems = Location(rig.origins), list[str]()
+    where = Location(rig.origins)
+    problems = list[str]()
     measured = "film_thickness" in data.columns
     if measured and film is not None:
-        raise SceneError([f"{data.source}: film_thickness: is measured; leave out the column, or the film model"])
+        raise SceneError(
+            [f"{data.source}: film_thickness: is measured; leave out the column, or the film model"]
+        )
     constants: Any = None
     try:
         lubricant = read_oil(rig.lubricant, where.at("lubricant"))
@@ -138,7 +151,9 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
         problems += error.problems
     models = {
         "contact": _model("contact", rig.models.contact, None, where, problems, constants),
-        "film": None if measured else _model("film", rig.models.film, film, where, problems, constants),
+        "film": None
+        if measured
+        else _model("film", rig.models.film, film, where, problems, constants),
         "traction": _model("traction", rig.models.traction, traction, where, problems, constants),
     }
     if problems:
@@ -149,7 +164,12 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
 
 
 def _model(
-    kind: str, choice: ModelChoice, given: Raw | None, where: Location, problems: list[str], constants: Any
+    kind: str,
+    choice: ModelChoice,
+    given: Raw | None,
+    where: Location,
+    problems: list[str],
+    constants: Any,
 ) -> Any:
     """Return the model that is asked for, or else that of the rig file; its parameters there hold for its name."""
     if given is None or given == choice.name:
@@ -180,14 +200,18 @@ def _check(problem: RigProblem, where: Location) -> None:
     try:
         problem.friction(problem.lubricant, problem.chain)
     except DomainError as error:
-        raise SceneError([f"{problem.data.source}: with the values to start from, {error}"]) from error
+        raise SceneError(
+            [f"{problem.data.source}: with the values to start from, {error}"]
+        ) from error
 
 
 def operating_points(problem: RigProblem) -> list[Indices]:
     """Rows that a rig held at one temperature, load and speed, each set in the order of slip."""
     c = problem.data.columns
     sets = [np.arange(len(problem.data))]
-    for values, gap in zip((c["temperature"], np.log(problem.load), np.log(c["rolling_speed"])), SAME, strict=True):
+    for values, gap in zip(
+        (c["temperature"], np.log(problem.load), np.log(c["rolling_speed"])), SAME, strict=True
+    ):
         parted = []
         for rows in sets:
             ordered = rows[np.argsort(values[rows], kind="stable")]
@@ -233,7 +257,9 @@ class Parameter:
 
     def x(self, value: float) -> float:
         """Return the coordinate of a value."""
-        return math.log(value / self.start) if self.logarithmic else (value - self.start) / self.size
+        return (
+            math.log(value / self.start) if self.logarithmic else (value - self.start) / self.size
+        )
 
     def shown(self, value: float) -> str:
         """Show a value to people."""
@@ -262,19 +288,24 @@ _BY_FACTOR: Final = (
 
 def _fittable(problem: RigProblem) -> Iterator[Parameter]:
     """All that can be fitted; NaN starts what the oil does not give."""
-    oil, own = problem.lubricant, {attribute.name for attribute in attrs.fields(Lubricant)}
+    oil = problem.lubricant
+    own = {attribute.name for attribute in attrs.fields(Lubricant)}
     temperature = float(np.quantile(problem.data.columns["temperature"], 0.5, method="lower"))
     state = oil.at(temperature)
     names = set()
     for attribute in attrs.fields(OilTable):
-        name, unit, doc = attribute.name, attribute.metadata["unit"], attribute.metadata["doc"]
+        name = attribute.name
+        unit = attribute.metadata["unit"]
+        doc = attribute.metadata["doc"]
         if unit in (None, "K") or name not in own or name in _BY_FACTOR:
             continue
         value = getattr(state if hasattr(state, name) else oil, name)
         start = math.nan if value is None else float(value)
-        key, unit_value = name, 1.0
+        key = name
+        unit_value = 1.0
         if name == "pressure_viscosity":
-            key, unit_value = "pressure_viscosity_factor", start / oil.pressure_viscosity_factor
+            key = "pressure_viscosity_factor"
+            unit_value = start / oil.pressure_viscosity_factor
             doc = f"pressure-viscosity coefficient at {format_quantity(temperature, 'K')}"
         names.add(name)
         yield Parameter(
@@ -296,9 +327,13 @@ def _numbers(model: Any) -> "Iterator[tuple[tuple[str, ...], float, attrs.Attrib
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)
         if "kind" in attribute.metadata:
-            yield from (((attribute.name, *path), number, inner) for path, number, inner in _numbers(value))
+            yield from (
+                ((attribute.name, *path), number, inner) for path, number, inner in _numbers(value)
+            )
         elif (
-            isinstance(value, float) and attribute.metadata.get("unit") is not None and attribute.name not in _BY_FACTOR
+            isinstance(value, float)
+            and attribute.metadata.get("unit") is not None
+            and attribute.name not in _BY_FACTOR
         ):
             yield (attribute.name,), value, attribute
 
@@ -313,7 +348,9 @@ def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Pa
     if len({parameter.key for parameter in chosen}) < len(chosen):
         faults.append(f"parameters: two of {', '.join(names)} are the same")
     if len(problem.data) <= len(names):
-        faults.append(f"{problem.data.source}: {len(problem.data)} rows do not determine {len(names)} parameters")
+        faults.append(
+            f"{problem.data.source}: {len(problem.data)} rows do not determine {len(names)} parameters"
+        )
     if faults:
         raise SceneError(faults)
     oil = [parameter for parameter in chosen if parameter.of_oil]
@@ -324,7 +361,9 @@ def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Pa
     return chosen
 
 
-def _without_start(problem: RigProblem, names: Iterable[str], known: Mapping[str, Parameter]) -> Iterator[str]:
+def _without_start(
+    problem: RigProblem, names: Iterable[str], known: Mapping[str, Parameter]
+) -> Iterator[str]:
     """Say which names nothing is known of, or nothing to start from."""
     for name in names:
         if name not in known:
@@ -344,7 +383,8 @@ def with_values(
     oil: dict[str, Any] = {}
     traction = problem.traction
     for parameter, value in zip(parameters, values, strict=True):
-        own, (key, *_) = float(value) / parameter.unit_value, parameter.key
+        own = float(value) / parameter.unit_value
+        (key, *_) = parameter.key
         if not parameter.of_oil:
             traction = _with(traction, parameter.key, own)
         else:
@@ -359,8 +399,12 @@ def _with(model: Any, path: tuple[str, ...], value: float) -> Any:
 
 def friction_at(problem: RigProblem, parameters: Sequence[Parameter], x: Array) -> Array:
     """Return the friction of all rows at coordinates of parameters."""
-    lubricant, traction = with_values(problem, parameters, [p.value(one) for p, one in zip(parameters, x, strict=True)])
-    return problem.friction(lubricant, problem.chain if traction is problem.traction else problem.chain_of(traction))
+    lubricant, traction = with_values(
+        problem, parameters, [p.value(one) for p, one in zip(parameters, x, strict=True)]
+    )
+    return problem.friction(
+        lubricant, problem.chain if traction is problem.traction else problem.chain_of(traction)
+    )
 
 
 def misfit(problem: RigProblem, parameters: Sequence[Parameter], weight: Array, x: Array) -> Array:

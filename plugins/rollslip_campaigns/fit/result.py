@@ -19,7 +19,14 @@ from numpy.typing import NDArray
 from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
-from rollslip.planning.provenance import citations_told, cited, lubricant_told, models_told, origin, packages_of
+from rollslip.planning.provenance import (
+    citations_told,
+    cited,
+    lubricant_told,
+    models_told,
+    origin,
+    packages_of,
+)
 from rollslip.results.dataset import about
 from rollslip.search import Array
 from rollslip.structure import resolved
@@ -47,7 +54,8 @@ CURVE_POINTS: Final = 201
 #: Probability below which chance is not believed.
 _UNLIKELY: Final = 0.01
 #: Slide-roll ratio where one surface stands; residuals that are rounding, relative to the largest friction.
-_OPPOSED, _ROUNDED = 2.0, 1e-9
+_OPPOSED = 2.0
+_ROUNDED = 1e-9
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -87,11 +95,15 @@ class Fit:
 # Dataset ------------------------------------------------------------------------------------------------------------
 
 
-def dataset_of(problem: RigProblem, fitted: Fit, wanted: Sequence[Parameter], wall_time: float) -> "xr.Dataset":
+def dataset_of(
+    problem: RigProblem, fitted: Fit, wanted: Sequence[Parameter], wall_time: float
+) -> "xr.Dataset":
     """Return what was found about the parameters that were asked for, see `rollslip_campaigns.fit.fit.fit`."""
     import xarray as xr
 
-    fitted_friction = fitted.friction(fitted.estimate.best.x)  # the tables of the problem now hold its film
+    fitted_friction = fitted.friction(
+        fitted.estimate.best.x
+    )  # the tables of the problem now hold its film
     film = np.empty(len(problem.data))
     for _, rows, slices in problem.tables:
         film[rows] = slices.film_thickness
@@ -107,8 +119,16 @@ def dataset_of(problem: RigProblem, fitted: Fit, wanted: Sequence[Parameter], wa
         "film_thickness": ("row", film, about("m", "film thickness")),
         "friction": ("row", c["friction"], about("1", "friction coefficient")),
         "fitted_friction": ("row", fitted_friction, about("1", "fitted friction coefficient")),
-        "residual": ("row", c["friction"] - fitted_friction, about("1", "measured less fitted friction")),
-        "uncertainty": ("row", fitted.sigma, about("1", "standard deviation of the friction, given or estimated")),
+        "residual": (
+            "row",
+            c["friction"] - fitted_friction,
+            about("1", "measured less fitted friction"),
+        ),
+        "uncertainty": (
+            "row",
+            fitted.sigma,
+            about("1", "standard deviation of the friction, given or estimated"),
+        ),
         "operating_point": ("row", _numbered(sets), about("1", "operating point")),
         "line": ("row", np.array(problem.data.lines), about("1", "line of the data file")),
         **_curves(fitted, sets),
@@ -117,7 +137,11 @@ def dataset_of(problem: RigProblem, fitted: Fit, wanted: Sequence[Parameter], wa
     coordinates = {
         "parameter": ("parameter", _texts(names), about("1", "parameter")),
         "with_parameter": ("with_parameter", _texts(names), about("1", "parameter")),
-        "fitted_parameter": ("fitted_parameter", _texts(used), about("1", "parameter that the data see")),
+        "fitted_parameter": (
+            "fitted_parameter",
+            _texts(used),
+            about("1", "parameter that the data see"),
+        ),
         "level": ("level", np.array(LEVELS), about("1", "level of confidence")),
         "side": ("side", _texts(["lower", "upper"]), about("1", "side of an interval")),
     }
@@ -142,9 +166,12 @@ def _texts(values: Any) -> NDArray[Any]:
 
 def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
     """Variables of all parameters; those that were kept have a value and a status only."""
-    estimate, used = fitted.estimate, fitted.parameters
+    estimate = fitted.estimate
+    used = fitted.parameters
     place = [wanted.index(p) for p in used]
-    unit, n, points = "see unit", len(wanted), 2 * PROFILE_POINTS + 1
+    unit = "see unit"
+    n = len(wanted)
+    points = 2 * PROFILE_POINTS + 1
 
     def whole(values: Any, *shape: int) -> Array:
         all_parameters = np.full((n, *shape), np.nan)
@@ -163,13 +190,27 @@ def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
     limit_status = [["not determined"] * 2 for _ in wanted]
     for k, words in zip(place, _words(fitted), strict=True):
         status[k], limit_status[k] = words
-    absolute = error * np.array([v if p.logarithmic else 1.0 for p, v in zip(wanted, value, strict=True)])
+    absolute = error * np.array(
+        [v if p.logarithmic else 1.0 for p, v in zip(wanted, value, strict=True)]
+    )
     determined = np.array([words == "determined" for words in status])
     held = [p.value(profile.x) for p, profile in zip(used, estimate.profiles, strict=True)]
     return {
-        "unit": ("parameter", _texts([p.unit for p in wanted]), about("1", "unit of the parameter")),
-        "meaning": ("parameter", _texts([p.doc for p in wanted]), about("1", "what the parameter is")),
-        "start_value": ("parameter", [p.start for p in wanted], about(unit, "value before the fit")),
+        "unit": (
+            "parameter",
+            _texts([p.unit for p in wanted]),
+            about("1", "unit of the parameter"),
+        ),
+        "meaning": (
+            "parameter",
+            _texts([p.doc for p in wanted]),
+            about("1", "what the parameter is"),
+        ),
+        "start_value": (
+            "parameter",
+            [p.start for p in wanted],
+            about(unit, "value before the fit"),
+        ),
         "value": ("parameter", value, about(unit, "value")),
         "standard_error": (
             "parameter",
@@ -182,7 +223,11 @@ def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
             about(unit, "interval of confidence after the profile likelihood"),
         ),
         "status": ("parameter", _texts(status), about("1", "what the data tell")),
-        "limit_status": (("parameter", "side"), _texts(limit_status), about("1", "whether the data give a limit")),
+        "limit_status": (
+            ("parameter", "side"),
+            _texts(limit_status),
+            about("1", "whether the data give a limit"),
+        ),
         "covariance": (
             ("parameter", "with_parameter"),
             covariance,
@@ -193,13 +238,21 @@ def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
             covariance / np.outer(error, error),
             about("1", "correlation"),
         ),
-        "profile_value": (("parameter", "profile_point"), whole(held, points), about(unit, "value held")),
+        "profile_value": (
+            ("parameter", "profile_point"),
+            whole(held, points),
+            about(unit, "value held"),
+        ),
         "profile_rise": (
             ("parameter", "profile_point"),
             whole([profile.rise for profile in estimate.profiles], points),
             about("1", "rise of chi2 over the variance"),
         ),
-        "rise_limit": ("level", np.array(estimate.quantiles), about("1", "rise at which an interval ends")),
+        "rise_limit": (
+            "level",
+            np.array(estimate.quantiles),
+            about("1", "rise at which an interval ends"),
+        ),
     }
 
 
@@ -210,12 +263,25 @@ def _of_searches(fitted: Fit) -> dict[str, Any]:
     chi2 = np.full(len(estimate.others), np.nan)
     for k, minimum in enumerate(estimate.others):
         if minimum is not None:
-            ends[k], chi2[k] = [fitted.values_at(minimum.start), fitted.values_at(minimum.x)], minimum.chi2
+            ends[k] = [fitted.values_at(minimum.start), fitted.values_at(minimum.x)]
+            chi2[k] = minimum.chi2
     return {
-        "search_start": (("search", "fitted_parameter"), ends[:, 0], about("see unit", "where a search started")),
-        "search_end": (("search", "fitted_parameter"), ends[:, 1], about("see unit", "where it ended")),
+        "search_start": (
+            ("search", "fitted_parameter"),
+            ends[:, 0],
+            about("see unit", "where a search started"),
+        ),
+        "search_end": (
+            ("search", "fitted_parameter"),
+            ends[:, 1],
+            about("see unit", "where it ended"),
+        ),
         "search_chi2": ("search", chi2, about("1", "sum of squares where it ended")),
-        "spread": ("direction", estimate.spread, about("1", "standard deviation along a principal direction")),
+        "spread": (
+            "direction",
+            estimate.spread,
+            about("1", "standard deviation along a principal direction"),
+        ),
         "direction_part": (
             ("direction", "fitted_parameter"),
             estimate.directions,
@@ -226,12 +292,17 @@ def _of_searches(fitted: Fit) -> dict[str, Any]:
 
 def _words(fitted: Fit) -> list[tuple[str, list[str]]]:
     """Say of each fitted parameter what the data tell, and of both its limits."""
-    estimate, said = fitted.estimate, []
+    estimate = fitted.estimate
+    said = []
     for parameter, profile in zip(fitted.parameters, estimate.profiles, strict=True):
         given = np.isfinite(profile.limits[-1])
         sides = [
-            "found" if limit else _no_limit(fitted, side, parameter.shown(parameter.value(end)), stop)
-            for side, limit, end, stop in zip(("lower", "upper"), given, profile.ends, profile.stops, strict=True)
+            "found"
+            if limit
+            else _no_limit(fitted, side, parameter.shown(parameter.value(end)), stop)
+            for side, limit, end, stop in zip(
+                ("lower", "upper"), given, profile.ends, profile.stops, strict=True
+            )
         ]
         if given.all():
             status = "determined"
@@ -239,7 +310,9 @@ def _words(fitted: Fit) -> list[tuple[str, list[str]]]:
             status = sides[int(np.argmin(given))]
         else:
             weakest = np.abs(estimate.directions[int(np.argmax(estimate.spread))])
-            partners = [p.name for p, part in zip(fitted.parameters, weakest, strict=True) if part > 0.1]
+            partners = [
+                p.name for p, part in zip(fitted.parameters, weakest, strict=True) if part > 0.1
+            ]
             together = f"only a combination of {' and '.join(partners)} is"
             status = f"not determined: {together if len(partners) > 1 else '; '.join(sides)}"
         said.append((status, sides))
@@ -253,7 +326,9 @@ def _no_limit(fitted: Fit, side: str, end: str, stop: Stop) -> str:
     if not stop:
         return f"the data give no {side} limit, searched to {end}"
     held = [fitted.parameters[j] for j in stop]
-    ranges = " and ".join(f"{p.name} (searched from {p.shown(p.low)} to {p.shown(p.high)})" for p in held)
+    ranges = " and ".join(
+        f"{p.name} (searched from {p.shown(p.low)} to {p.shown(p.high)})" for p in held
+    )
     return (
         f"the {side} limit {UNKNOWN}: searched to {end}, beyond which {ranges} would have to leave its range; start "
         f"{' or '.join(p.name for p in held)} elsewhere, or fit without it"
@@ -269,15 +344,23 @@ def _numbered(sets: Sequence[Indices]) -> Indices:
 
 def _curves(fitted: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
     """The fitted curve of each operating point, at its mean conditions, and these."""
-    problem, (lubricant, traction) = fitted.problem, fitted.laws
-    chain, c = problem.chain_of(traction), problem.data.columns
-    slip, friction = np.empty((len(sets), CURVE_POINTS)), np.empty((len(sets), CURVE_POINTS))
+    problem = fitted.problem
+    (lubricant, traction) = fitted.laws
+    chain = problem.chain_of(traction)
+    c = problem.data.columns
+    slip = np.empty((len(sets), CURVE_POINTS))
+    friction = np.empty((len(sets), CURVE_POINTS))
     held = np.empty((3, len(sets)))
     for k, rows in enumerate(sets):
         measured = c["slide_roll_ratio"][rows]
-        temperature, speed = float(c["temperature"][rows].mean()), float(c["rolling_speed"][rows].mean())
+        temperature = float(c["temperature"][rows].mean())
+        speed = float(c["rolling_speed"][rows].mean())
         slip[k] = np.linspace(min(measured.min(), 0.0), max(measured.max(), 0.0), CURVE_POINTS)
-        film = {} if problem.film is not None else {"film_thickness": float(np.median(c["film_thickness"][rows]))}
+        film = (
+            {}
+            if problem.film is not None
+            else {"film_thickness": float(np.median(c["film_thickness"][rows]))}
+        )
         slices = Slices(
             CURVE_POINTS,
             problem.conditions(lubricant, temperature),
@@ -287,10 +370,15 @@ def _curves(fitted: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
             **film,
         )
         chain(slices)
-        friction[k], held[:, k] = slices.friction, (temperature, slices.pressure[0], speed)
+        friction[k] = slices.friction
+        held[:, k] = (temperature, slices.pressure[0], speed)
     return {
         "curve_slip": (("point", "curve_point"), slip, about("1", "slide-roll ratio")),
-        "curve_friction": (("point", "curve_point"), friction, about("1", "fitted friction coefficient")),
+        "curve_friction": (
+            ("point", "curve_point"),
+            friction,
+            about("1", "fitted friction coefficient"),
+        ),
         "point_temperature": ("point", held[0], about("K", "temperature")),
         "point_pressure": ("point", held[1], about("Pa", "mean Hertz pressure")),
         "point_speed": ("point", held[2], about("m/s", "rolling speed")),
@@ -304,8 +392,13 @@ def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
     """Say what a reader of the result has to know."""
     from scipy.special import chdtrc
 
-    problem, estimate, said = fitted.problem, fitted.estimate, []
-    if "friction_uncertainty" in problem.data.columns and chdtrc(estimate.freedom, estimate.best.chi2) < _UNLIKELY:
+    problem = fitted.problem
+    estimate = fitted.estimate
+    said = []
+    if (
+        "friction_uncertainty" in problem.data.columns
+        and chdtrc(estimate.freedom, estimate.best.chi2) < _UNLIKELY
+    ):
         said.append(
             f"the model does not fit the data within their uncertainties (chi2 {estimate.best.chi2:.4g} at "
             f"{estimate.freedom} degrees of freedom): values and intervals hold only as far as it does"
@@ -328,8 +421,11 @@ def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
     error = np.sqrt(np.diag(estimate.covariance))
     bent = [
         p.name
-        for p, x, profile, width in zip(fitted.parameters, estimate.best.x, estimate.profiles, error, strict=True)
-        if np.isfinite(profile.limits[-1]).all() and not np.all(_same_size(profile.limits[0] - x, width))
+        for p, x, profile, width in zip(
+            fitted.parameters, estimate.best.x, estimate.profiles, error, strict=True
+        )
+        if np.isfinite(profile.limits[-1]).all()
+        and not np.all(_same_size(profile.limits[0] - x, width))
     ]
     if bent:
         said.append(
@@ -340,7 +436,9 @@ def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
     rows = [validity.Filled("", slices, np.ones(len(slices))) for _, _, slices in problem.tables]
     # oil and traction are what is fitted: within the data their values make up for what the laws are off
     given = [model for kind, model in problem.models.items() if kind != "traction"]
-    said += [one.text for one in validity.told(validity.outside(given, rows), None, what="of the rows")]
+    said += [
+        one.text for one in validity.told(validity.outside(given, rows), None, what="of the rows")
+    ]
     return said
 
 
@@ -352,14 +450,20 @@ def _same_size(distances: Array, width: float) -> NDArray[np.bool_]:
 
 def _other_minima(fitted: Fit) -> list[str]:
     estimate = fitted.estimate
-    rises = [(end, (end.chi2 - estimate.best.chi2) / estimate.scale**2) for end in estimate.others if end is not None]
+    rises = [
+        (end, (end.chi2 - estimate.best.chi2) / estimate.scale**2)
+        for end in estimate.others
+        if end is not None
+    ]
     elsewhere = [(end, rise) for end, rise in rises if end.converged and rise > 0.01]
     if not elsewhere:
         return []
     second, rise = min(elsewhere, key=lambda pair: pair[1])
     values = zip(fitted.parameters, fitted.values_at(second.x), strict=True)
     at = ", ".join(f"{p.name} {p.shown(value)}" for p, value in values)
-    judged = "which the data do not exclude" if rise < estimate.quantiles[-1] else "which fits worse"
+    judged = (
+        "which the data do not exclude" if rise < estimate.quantiles[-1] else "which fits worse"
+    )
     return [
         f"{len(elsewhere)} of {len(estimate.others)} searches ended in another minimum, {judged} (chi2 higher by "
         f"{rise:.3g} variances): {at}"
@@ -379,13 +483,16 @@ def _chance_of_order(residuals: Array, sets: Sequence[Indices]) -> float:
 
 def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
     problem = fitted.problem
-    models, oil, rig = problem.models, problem.lubricant, problem.rig
+    models = problem.models
+    oil = problem.lubricant
+    rig = problem.rig
     offers = [find(kind, model.name) for kind, model in models.items()]
     if rig.lubricant.name is not None:
         offers.append(find("lubricant", rig.lubricant.name))
     described = models_told(models.items())
     asked = json.dumps(
-        [resolved(rig), described, problem.data.sha256, list(dataset["parameter"].values)], sort_keys=True
+        [resolved(rig), described, problem.data.sha256, list(dataset["parameter"].values)],
+        sort_keys=True,
     )
     return origin(
         study="fit",
@@ -407,20 +514,32 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
 
 def _tables(fitted: Fit, dataset: "xr.Dataset") -> dict[str, str]:
     """Tables of a scene with what was fitted, as JSON."""
-    problem, values = fitted.problem, fitted.values
-    oil = {p.key[0]: value / p.unit_value for p, value in zip(fitted.parameters, values, strict=True) if p.of_oil}
+    problem = fitted.problem
+    values = fitted.values
+    oil = {
+        p.key[0]: value / p.unit_value
+        for p, value in zip(fitted.parameters, values, strict=True)
+        if p.of_oil
+    }
     written = resolved(problem.rig.lubricant)
-    at = " to ".join(dict.fromkeys(format_quantity(T, "K", 4) for T, *_ in (problem.tables[0], problem.tables[-1])))
+    at = " to ".join(
+        dict.fromkeys(
+            format_quantity(T, "K", 4) for T, *_ in (problem.tables[0], problem.tables[-1])
+        )
+    )
     film = "measured film" if problem.film is None else f"film {problem.film.name}"
     values_told = ", ".join(
-        f"{name} {value} (95 %: {limits}; {status})" for name, value, _, _, limits, status in parameter_rows(dataset)
+        f"{name} {value} (95 %: {limits}; {status})"
+        for name, value, _, _, limits, status in parameter_rows(dataset)
     )
     source = (
         f"Fitted by rollslip {importlib.metadata.version('rollslip')} to {Path(problem.data.source).name} (sha256 "
         f"{problem.data.sha256}) with traction {problem.traction.name} and {film} at {at}: {values_told}."
     )
     source = " ".join(filter(None, (str(written.get("source", "")), source)))
-    found = {p.key: value for p, value in zip(fitted.parameters, values, strict=True) if not p.of_oil}
+    found = {
+        p.key: value for p, value in zip(fitted.parameters, values, strict=True) if not p.of_oil
+    }
     constants: dict[str, Any] = {**problem.lubricant.models}
     for path, value in found.items():
         law = problem.traction
@@ -434,11 +553,18 @@ def _tables(fitted: Fit, dataset: "xr.Dataset") -> dict[str, str]:
     return tables
 
 
-def _model_table(model: SliceModel, left: Collection[tuple[str, ...]], *at: str) -> dict[str, object]:
+def _model_table(
+    model: SliceModel, left: Collection[tuple[str, ...]], *at: str
+) -> dict[str, object]:
     """A model as a scene writes it, less what stands with the oil, by paths from ``at``."""
     table: dict[str, object] = {"model": model.name}
     for attribute in getattr(model, "__attrs_attrs__", ()):
-        value, path = getattr(model, attribute.name), (*at, attribute.name)
-        if attribute.metadata.get("key", attribute.name) is not None and path not in left:  # what the oil puts in
-            table[attribute.name] = _model_table(value, left, *path) if isinstance(value, SliceModel) else value
+        value = getattr(model, attribute.name)
+        path = (*at, attribute.name)
+        if (
+            attribute.metadata.get("key", attribute.name) is not None and path not in left
+        ):  # what the oil puts in
+            table[attribute.name] = (
+                _model_table(value, left, *path) if isinstance(value, SliceModel) else value
+            )
     return table

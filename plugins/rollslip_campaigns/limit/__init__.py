@@ -52,9 +52,14 @@ class LimitSettings(OfPoints):
         more='A mapping of the key to "LOW:HIGH", or the text "KEY=LOW:HIGH".',
     )  # fmt: skip
     keep: str = setting(
-        "The limit of a result, or OUTPUT>=VALUE.", default=attrs.NOTHING, metavar="OUTPUT<=VALUE", first=True
+        "The limit of a result, or OUTPUT>=VALUE.",
+        default=attrs.NOTHING,
+        metavar="OUTPUT<=VALUE",
+        first=True,
     )
-    within: float | str = setting("How exactly it is told, such as 1 %.", default="1 %", metavar="SHARE", shown=True)
+    within: float | str = setting(
+        "How exactly it is told, such as 1 %.", default="1 %", metavar="SHARE", shown=True
+    )
     study: str | None = setting("Only this study.", metavar="STUDY")
 
     def plan(self) -> "Limit":
@@ -63,7 +68,9 @@ class LimitSettings(OfPoints):
 
         return plan_limit(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Search in a folder."""
         from rollslip_campaigns.limit.limit import run_limit
 

@@ -34,20 +34,35 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
     x, of_x = _shown(dataset["searched"], dataset.attrs["searched_given"])
     y, of_y = _shown(dataset["result"], dataset.attrs["limit_given"])
     limit = float(converted(float(dataset.attrs["limit"]), dataset["result"].attrs["units"], of_y))
-    keeps, known = dataset["keeps"].to_numpy() > 0.0, np.isfinite(y)
+    keeps = dataset["keeps"].to_numpy() > 0.0
+    known = np.isfinite(y)
     for low, high, *_ in kept_spans(dataset):
         ends = converted(np.array([low, high]), dataset["searched"].attrs["units"], of_x)
         axes.axvspan(*ends, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0)
     axes.plot(x[known], y[known], color="0.6", linewidth=0.8, zorder=2)
     for which, face, label in ((keeps, MODEL_COLOURS[0], "kept"), (~keeps, "white", "not kept")):
         if (which & known).any():
-            style: dict[str, Any] = {"markerfacecolor": face, "markeredgecolor": MODEL_COLOURS[0], "zorder": 3}
-            sheet.line(x[which & known], y[which & known], label, marker="o", linestyle="none", markersize=4, **style)
+            style: dict[str, Any] = {
+                "markerfacecolor": face,
+                "markeredgecolor": MODEL_COLOURS[0],
+                "zorder": 3,
+            }
+            sheet.line(
+                x[which & known],
+                y[which & known],
+                label,
+                marker="o",
+                linestyle="none",
+                markersize=4,
+                **style,
+            )
     line: dict[str, Any] = {"color": MODEL_COLOURS[1], "linestyle": DASHES[1], "linewidth": 1.0}
     sheet.handles.append(axes.axhline(limit, label="limit", **line))
     if dataset.attrs["logarithmic"]:
         plain_decades(axes.xaxis)
-    if dataset.attrs["searched_key"] == "operation.radial_load" and in_percent(dataset.attrs["output"], "1"):
+    if dataset.attrs["searched_key"] == "operation.radial_load" and in_percent(
+        dataset.attrs["output"], "1"
+    ):
         mark_loads(sheet, catalogue_loads(dataset), of_x)
     return sheet.done(
         f"{_name(of_key(dataset.attrs['searched_key']))} [{unit_label(of_x)}]",

@@ -23,7 +23,8 @@ __all__ = ["LimitAccount", "headline", "kept_spans"]
 
 #: Share of the span of all results, and times that of the values, by which two neighbours at a limit are apart where
 #: the result jumps.
-_JUMP, _STEEP = 0.1, 10.0
+_JUMP = 0.1
+_STEEP = 10.0
 #: Changes of the result below this share of its range are no change of its course.
 _FLAT: Final = 1e-6
 
@@ -56,7 +57,11 @@ class LimitAccount(Account):
             "requirement": a["requirement"],
             "key": a["searched_key"],
             "unit": dataset["searched"].attrs["units"],
-            "output": {"name": a["output"], "unit": dataset["result"].attrs["units"], "limit": float(a["limit"])},
+            "output": {
+                "name": a["output"],
+                "unit": dataset["result"].attrs["units"],
+                "limit": float(a["limit"]),
+            },
             "found": headline(dataset),
             "kept": [{"from": low, "to": high} for low, high, *_ in kept_spans(dataset)],
             "edges": [
@@ -69,7 +74,11 @@ class LimitAccount(Account):
             ],
             "one_way": _turns(dataset) == 0,
             "points": [
-                {"searched": or_none(one["searched"]), "result": or_none(one["result"]), "status": one["status"]}
+                {
+                    "searched": or_none(one["searched"]),
+                    "result": or_none(one["result"]),
+                    "status": one["status"],
+                }
                 for one in rows_along(dataset, "point")
             ],
         }
@@ -79,7 +88,9 @@ class LimitAccount(Account):
         ended = dataset["status"].to_numpy()
         kept = np.where(ended == "ok", np.where(dataset["keeps"] > 0.0, "yes", "no"), ended)
         told = dataset[["searched", "result"]].assign(kept=("point", kept))
-        return {"": of_points(told.assign(dataset[["status", "message", "result_status", "seconds"]]))}
+        return {
+            "": of_points(told.assign(dataset[["status", "message", "result_status", "seconds"]]))
+        }
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a row for each value, in ascending order, if there are not too many to read."""
@@ -89,8 +100,10 @@ class LimitAccount(Account):
 def kept_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, bool]]:
     """Return the spans of values at which the limit is kept: both ends, and whether each is an end of the range."""
     ok = dataset["status"].to_numpy() == "ok"
-    values, keeps = dataset["searched"].to_numpy()[ok], dataset["keeps"].to_numpy()[ok] > 0.0
-    spans, begin = list[tuple[float, float, bool, bool]](), None
+    values = dataset["searched"].to_numpy()[ok]
+    keeps = dataset["keeps"].to_numpy()[ok] > 0.0
+    spans = list[tuple[float, float, bool, bool]]()
+    begin = None
     for k in range(values.size):
         begin = k if keeps[k] and begin is None else begin
         if begin is not None and (k + 1 == values.size or not keeps[k + 1]):
@@ -101,17 +114,21 @@ def kept_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, bool]]:
 
 def headline(dataset: "xr.Dataset") -> str:
     """Say where the limit is kept."""
-    what, key = dataset.attrs["requirement"], dataset.attrs["searched_key"]
+    what = dataset.attrs["requirement"]
+    key = dataset.attrs["searched_key"]
     ok = dataset["status"].to_numpy() == "ok"
     values = dataset["searched"].to_numpy()[ok]
     if not values.size:
-        return f"whether {what} is kept is not known: none of {ok.size} values of {key} has a result"
+        return (
+            f"whether {what} is kept is not known: none of {ok.size} values of {key} has a result"
+        )
     spans = kept_spans(dataset)
     if len(spans) == 1 and spans[0][2] and spans[0][3]:
         return f"{what} is kept at all {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
     if not spans:
         return (
-            f"{what} is kept at none of {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
+            f"{what} is kept at none of {values.size} values of {key} from "
+            f"{_ends(dataset, values)}{_nearest(dataset)}"
         )
     said = ", and ".join(_span(dataset, *span) for span in spans)
     passed = dataset["edge_passed"].to_numpy().tolist()
@@ -120,7 +137,8 @@ def headline(dataset: "xr.Dataset") -> str:
 
 
 def _span(dataset: "xr.Dataset", low: float, high: float, first: bool, last: bool) -> str:
-    below, above = _value(dataset, low), _value(dataset, high)
+    below = _value(dataset, low)
+    above = _value(dataset, high)
     if first:
         return f"from {below}, where the range begins, up to {above}"
     if last:
@@ -137,7 +155,11 @@ def _nearest(dataset: "xr.Dataset") -> str:
     results = dataset["result"].to_numpy()
     if not np.isfinite(results).any():
         return ", and at none of them has the study a value"
-    size = np.abs(results) if in_percent(dataset.attrs["output"], dataset["result"].attrs["units"]) else results
+    size = (
+        np.abs(results)
+        if in_percent(dataset.attrs["output"], dataset["result"].attrs["units"])
+        else results
+    )
     k = int(np.nanargmin(np.abs(size - float(dataset.attrs["limit"]))))
     at = float(dataset["searched"][k])
     return f"; nearest to the limit is {_value(dataset, at)}, where {_result(dataset, at)}"
@@ -155,9 +177,14 @@ def _unknown(dataset: "xr.Dataset") -> list[str]:
 
 def _jumps(dataset: "xr.Dataset") -> list[str]:
     """Say where the limit is passed by a jump, so that no value is at it, and what the study says of either side."""
-    values, results = dataset["searched"].to_numpy(), dataset["result"].to_numpy()
-    x, words, said = np.log(values) if dataset.attrs["logarithmic"] else values, dataset["result_status"].values, []
-    for ends in zip(dataset["edge_kept"].to_numpy(), dataset["edge_passed"].to_numpy(), strict=True):
+    values = dataset["searched"].to_numpy()
+    results = dataset["result"].to_numpy()
+    x = np.log(values) if dataset.attrs["logarithmic"] else values
+    words = dataset["result_status"].values
+    said = []
+    for ends in zip(
+        dataset["edge_kept"].to_numpy(), dataset["edge_passed"].to_numpy(), strict=True
+    ):
         a, b = np.searchsorted(values, sorted(ends)).tolist()
         share = max(_JUMP, _STEEP * float(x[b] - x[a]) / float(np.ptp(x)))
         if abs(results[b] - results[a]) > share * float(np.nanmax(results) - np.nanmin(results)):
@@ -175,19 +202,24 @@ def _turns(dataset: "xr.Dataset") -> int:
     results = dataset["result"].to_numpy()
     steps = np.diff(results[np.isfinite(results)])
     signs = (
-        np.sign(steps[np.abs(steps) > _FLAT * np.ptp(results[np.isfinite(results)], axis=0)]) if steps.size else steps
+        np.sign(steps[np.abs(steps) > _FLAT * np.ptp(results[np.isfinite(results)], axis=0)])
+        if steps.size
+        else steps
     )
     return int((np.diff(signs) != 0.0).sum())
 
 
 def _course(dataset: "xr.Dataset") -> list[str]:
     """Say whether the result goes one way, on which the search relies between the values."""
-    name, n = dataset.attrs["output"], int(np.isfinite(dataset["result"].to_numpy()).sum())
+    name = dataset.attrs["output"]
+    n = int(np.isfinite(dataset["result"].to_numpy()).sum())
     if n < 2:
         return []
     turns = _turns(dataset)
     if not turns:
-        return [f"{name} is monotonic over the {n} values with a result: none of them suggests further passages"]
+        return [
+            f"{name} is monotonic over the {n} values with a result: none of them suggests further passages"
+        ]
     more = f"--over {dataset.attrs['searched_key']}=LOW:HIGH:{2 * int(dataset.attrs['first']) - 1} looks at more"
     return [
         f"{name} turns back {turns} time{'s' * (turns != 1)} over the {n} values with a result: between two of the "
@@ -196,7 +228,8 @@ def _course(dataset: "xr.Dataset") -> list[str]:
 
 
 def _without(dataset: "xr.Dataset") -> list[str]:
-    ok, results = dataset["status"].to_numpy() == "ok", dataset["result"].to_numpy()
+    ok = dataset["status"].to_numpy() == "ok"
+    results = dataset["result"].to_numpy()
     missing = ok & ~np.isfinite(results)
     if not missing.any():
         return []
@@ -219,16 +252,20 @@ def _failed(dataset: "xr.Dataset") -> list[str]:
 
 def _value(dataset: "xr.Dataset", value: float) -> str:
     """Return a value of what is searched as it was given."""
-    return format_quantity(value, dataset["searched"].attrs["units"], 4, dataset.attrs["searched_given"] or None)
+    return format_quantity(
+        value, dataset["searched"].attrs["units"], 4, dataset.attrs["searched_given"] or None
+    )
 
 
 def _result(dataset: "xr.Dataset", at: float) -> str:
     """Say what the result is at a value."""
     k = int(np.argmin(np.abs(dataset["searched"].to_numpy() - at)))
-    result, name = float(dataset["result"][k]), dataset.attrs["output"]
+    result = float(dataset["result"][k])
+    name = dataset.attrs["output"]
     if math.isnan(result):
         return f"{name} has no value"
-    unit, given = dataset["result"].attrs["units"], dataset.attrs["limit_given"] or None
+    unit = dataset["result"].attrs["units"]
+    given = dataset.attrs["limit_given"] or None
     return f"{name} is {format_quantity(result, unit, 4, given)}"
 
 

@@ -126,7 +126,8 @@ class Limit:
     def told(self) -> list[str]:
         """What is searched, and what it costs, in words."""
         low, high = (self.axis.shown(self.axis.values[k]) for k in (0, -1))
-        how, first = "the value" if self.logarithmic else "the range", len(self.first)
+        how = "the value" if self.logarithmic else "the range"
+        first = len(self.first)
         lines = [
             self.sweep.headline,
             f"  {self.requirement.told}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
@@ -142,15 +143,23 @@ class Limit:
 
 def plan_limit(asked: "LimitSettings") -> Limit:
     """Check a search and lay out its values."""
-    given, over, within = asked.given, read_overs(asked.over), read_share(asked.within)
+    given = asked.given
+    over = read_overs(asked.over)
+    within = read_share(asked.within)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     name = study_with(base, asked.study, outputs_of(asked.keep))
     requirement = read_requirement(asked.keep, study_class(name, base), named_damage(base))
     if not 1e-6 <= within <= 0.5:
-        raise SceneError([f"within: a share from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {asked.within}"])
+        raise SceneError(
+            [
+                f"within: a share from 1e-06 to 0.5 is expected, such as 0.01 or '1 %', not {asked.within}"
+            ]
+        )
     if len(over) != 1:
         raise SceneError(
-            [f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"]
+            [
+                f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"
+            ]
         )
     ((key, text),) = over.items()
     base, assembly = assembled(base, over)
@@ -161,7 +170,9 @@ def plan_limit(asked: "LimitSettings") -> Limit:
     key = quantity.key
     if quantity.unit is None:
         raise SceneError(
-            [f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"]
+            [
+                f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"
+            ]
         )
     if not isinstance(text, str):  # else it may know that it was typed
         text = ",".join(map(str, text)) if isinstance(text, list) else str(text)
@@ -176,10 +187,16 @@ def plan_limit(asked: "LimitSettings") -> Limit:
     )  # fmt: skip
     asked_engine(rough)  # refused before a folder is made
     values = rough.design.axes[0].values
-    width = math.log(float(values[-1]) / float(values[0])) / math.log1p(within) if logarithmic else 1.0 / within  # type: ignore[arg-type]
+    width = (
+        math.log(float(values[-1]) / float(values[0])) / math.log1p(within)
+        if logarithmic
+        else 1.0 / within
+    )  # type: ignore[arg-type]
     spacing = 2 ** max(0, math.ceil(math.log2(width / (count - 1))))
     if (size := (count - 1) * spacing + 1) > _MOST:
-        raise SceneError([f"{key}: {size} values are more than {_MOST}; widen --within, or narrow the range"])
+        raise SceneError(
+            [f"{key}: {size} values are more than {_MOST}; widen --within, or narrow the range"]
+        )
     ends: Sequence[dict[str, object]] = ({}, {key: values[0]}, {key: values[-1]})
     resolution, seconds, off = _resolution(base, name, requirement.output, ends)
     axis = read_axis(quantity, f"{span}:{size}{ending}", sampled=False)
@@ -188,7 +205,9 @@ def plan_limit(asked: "LimitSettings") -> Limit:
     sweep = attrs.evolve(
         rough,
         design=attrs.evolve(rough.design, axes=(axis,)),
-        resolutions=Resolutions() if resolution is None else Resolutions(chosen={name_of([]): resolution}),
+        resolutions=Resolutions()
+        if resolution is None
+        else Resolutions(chosen={name_of([]): resolution}),
         table=attrs.evolve(rough.table, over=FrozenTable({key: f"{span}:{size}{ending}"})),
         given=given,
     )
@@ -227,7 +246,8 @@ def _resolution(
     It is that with which a run of the scene and of both ends keeps its tolerance, as far as one can; a motion takes
     what its plan chooses.
     """
-    found, off = list[tuple[Scene, Resolution]](), dict[str, float]()
+    found = list[tuple[Scene, Resolution]]()
+    off = dict[str, float]()
     cls = study_class(study)
     needed = {output, cls.outputs[output].status, *cls.judged.values()}
     for changes in places:
@@ -255,7 +275,9 @@ def _resolution(
     for at, _ in found:
         begin = time.process_time()
         try:
-            cost = sum(study_class(study).of(at).at(resolution).cost(assemble(at, resolution)).values())
+            cost = sum(
+                study_class(study).of(at).at(resolution).cost(assemble(at, resolution)).values()
+            )
         except RollslipError:
             continue
         # maps of a motion, which a plan makes for its run, every point makes for itself, as was done here
@@ -284,11 +306,18 @@ def run_limit(
     slacks, failed, longest = _known(made, folder)
     asked = sorted({*made.first, *failed})
     again: tuple[str, ...] = FAILED
-    alone = None if asked_engine(made.sweep) is not None or made.sweep.local else get_model("engine", "serial")
+    alone = (
+        None
+        if asked_engine(made.sweep) is not None or made.sweep.local
+        else get_model("engine", "serial")
+    )
     while asked:
-        points.compute(asked, engine=alone if len(asked) == 1 and longest <= _SOON else None, again=again)
+        points.compute(
+            asked, engine=alone if len(asked) == 1 and longest <= _SOON else None, again=again
+        )
         slacks, failed, longest = _known(made, folder)
-        asked, again = next_places(slacks, failed, made.spacing), ()
+        asked = next_places(slacks, failed, made.spacing)
+        again = ()
         points = attrs.evolve(points, said=lambda text: None)
         said(f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if asked else ''}")
     dataset = _dataset(made, points, slacks, failed)
@@ -298,7 +327,9 @@ def run_limit(
 
 def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float]:
     """Return how far results are within the limit, which points failed, and the longest time of one, by number."""
-    slacks, failed, longest = dict[int, float](), set[int](), 0.0
+    slacks = dict[int, float]()
+    failed = set[int]()
+    longest = 0.0
     for row in records(folder):
         longest = max(longest, row.seconds)
         if row.status == "ok":
@@ -321,7 +352,8 @@ def _result(made: Limit, arrays: Mapping[str, Any]) -> float:
 
 def _inexact(made: Limit) -> list[str]:
     """Say which results stay off by more than the tolerance, and by how much."""
-    tolerance, where = made.sweep.scene.accuracy.of, f"with the scene's own {made.axis.key} or at an end of its range"
+    tolerance = made.sweep.scene.accuracy.of
+    where = f"with the scene's own {made.axis.key} or at an end of its range"
     return [
         f"{name.replace('_', ' ')} is off by about {error:.1e} {where}, more than the tolerance of "
         f"{tolerance(name):g}: the limit is off by what this makes of it"
@@ -335,31 +367,47 @@ def _so_far(made: Limit, slacks: Mapping[int, float]) -> str:
     """Tell between which values the limit is passed as far as is known."""
     shown = made.axis.shown
     ends = [(made.axis.values[a], made.axis.values[b]) for a, b in passages(slacks)]
-    return "; the limit is passed between " + ", and between ".join(f"{shown(a)} and {shown(b)}" for a, b in ends)
+    return "; the limit is passed between " + ", and between ".join(
+        f"{shown(a)} and {shown(b)}" for a, b in ends
+    )
 
 
-def of_the_worst(asked: Requirement, values: "np.ndarray[Any, Any]", words: "np.ndarray[Any, Any]") -> str:
+def of_the_worst(
+    asked: Requirement, values: "np.ndarray[Any, Any]", words: "np.ndarray[Any, Any]"
+) -> str:
     """Return what a study says of the worst of several values; of all where none is known."""
     worst = asked.worst(values.tolist())
     of_it = words if math.isnan(worst) else words[values == worst]
     return "; ".join(dict.fromkeys(filter(None, of_it.astype(str).tolist())))
 
 
-def _dataset(made: Limit, points: Points, slacks: Mapping[int, float], failed: set[int]) -> "xr.Dataset":
+def _dataset(
+    made: Limit, points: Points, slacks: Mapping[int, float], failed: set[int]
+) -> "xr.Dataset":
     import xarray as xr
 
     places = sorted({*slacks, *failed})
     whole = points.collected(places)
     at = whole.isel({made.sweep.names[made.axis.key]: places})
-    quantity, asked = made.axis.quantity, made.requirement
-    values, unit = np.array(made.axis.values, dtype=float), str(quantity.unit)
+    quantity = made.axis.quantity
+    asked = made.requirement
+    values = np.array(made.axis.values, dtype=float)
+    unit = str(quantity.unit)
     named = f"study_{asked.output}" if f"study_{asked.output}" in at else asked.output
-    rows = at[named].to_numpy().reshape(len(places), -1) if named in at else np.full((len(places), 1), np.nan)
+    rows = (
+        at[named].to_numpy().reshape(len(places), -1)
+        if named in at
+        else np.full((len(places), 1), np.nan)
+    )
     output = study_class(made.sweep.study).outputs[asked.output]
     why = f"study_{output.status}" if f"study_{output.status}" in at else output.status
     words = np.full(rows.shape, "")
     if why in at:  # one for each value, or one for all of a point
-        words = (at[why].broadcast_like(at[named]) if named in at else at[why]).to_numpy().reshape(len(places), -1)
+        words = (
+            (at[why].broadcast_like(at[named]) if named in at else at[why])
+            .to_numpy()
+            .reshape(len(places), -1)
+        )
     edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in passages(slacks)]
     lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
     variables: dict[str, Any] = {
@@ -378,7 +426,11 @@ def _dataset(made: Limit, points: Points, slacks: Mapping[int, float], failed: s
         "edge_passed": ("edge", values[[beyond for _, beyond in edges]], about(unit, "its neighbour, which does not")),
         "edge_unknown": ("edge", np.array(lost, dtype=float), about("1", "1 where a point between the two failed")),
     }  # fmt: skip
-    told = {name: value for name, value in whole.attrs.items() if name not in ("axes", "sampling", "seed")}
+    told = {
+        name: value
+        for name, value in whole.attrs.items()
+        if name not in ("axes", "sampling", "seed")
+    }
     told["left"] = json.dumps([*_inexact(made), *json.loads(told.get("left", "[]"))])
     return xr.Dataset(
         variables,

@@ -75,16 +75,23 @@ def outputs_of(text: str) -> list[str]:
     return [] if (form := _FORM.fullmatch(text)) is None else [form[1]]
 
 
-def read_requirement(text: str, study: type[Study], measures: Collection[DamageModel] = ()) -> Requirement:
+def read_requirement(
+    text: str, study: type[Study], measures: Collection[DamageModel] = ()
+) -> Requirement:
     """Return the requirement that a text such as "largest_cage_slip <= 5 %" makes of the result of a study.
 
     What has a value for each of the ``measures`` of damage is in the unit of the one that there is.
     """
     form = _FORM.fullmatch(text)
     if form is None:
-        raise SceneError([f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"])
+        raise SceneError(
+            [
+                f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"
+            ]
+        )
     asked, sense, value = form.groups()
-    name, sense = named_outputs(study, [asked])[0], f"{sense[0]}="
+    name = named_outputs(study, [asked])[0]
+    sense = f"{sense[0]}="
     if name in {output.status for output in study.outputs.values()}:
         raise tells_in_words(name)
     unit = study.outputs[name].unit
@@ -92,15 +99,24 @@ def read_requirement(text: str, study: type[Study], measures: Collection[DamageM
         if len(measures) != 1:
             named = ", ".join(one.name for one in measures) or "none"
             raise SceneError(
-                [f"keep: {name} is of one measure of damage, and models.damage names {named}; name the one that counts"]
+                [
+                    f"keep: {name} is of one measure of damage, and models.damage names "
+                    f"{named}; name the one that counts"
+                ]
             )
         (measure,) = measures
         unit = "K/1" if measure.difference else measure.unit
     try:
         limit = quantity(value, unit)
         if (share := in_percent(name, unit)) and not 0.0 <= limit <= 1.0:
-            hint = f"; did you mean {limit:g} %?" if 1.0 < limit <= 100.0 and unit_given(value, unit) != "%" else ""
-            raise SceneError([f"keep: {name}: a slip from 0 to 100 % is expected, not {value}{hint}"])
+            hint = (
+                f"; did you mean {limit:g} %?"
+                if 1.0 < limit <= 100.0 and unit_given(value, unit) != "%"
+                else ""
+            )
+            raise SceneError(
+                [f"keep: {name}: a slip from 0 to 100 % is expected, not {value}{hint}"]
+            )
         return Requirement(name, unit, sense, limit, unit_given(value, unit), share)
     except UnitError as error:
         raise SceneError([f"keep: {name}: {error}"]) from error
@@ -108,7 +124,9 @@ def read_requirement(text: str, study: type[Study], measures: Collection[DamageM
 
 def tells_in_words(name: str) -> SceneError:
     """Return the error of an output that is no number."""
-    return SceneError([f"keep: {name} tells in words, so it has no limit; name an output that is a number"])
+    return SceneError(
+        [f"keep: {name} tells in words, so it has no limit; name an output that is a number"]
+    )
 
 
 def passages(slacks: Mapping[int, float]) -> list[tuple[int, int]]:

@@ -53,7 +53,8 @@ __all__ = ["FILE", "load_measurement", "load_measurements"]
 
 FILE: Final = "measurement.toml"
 #: Columns of the value and of its standard uncertainty.
-MEASURED, UNCERTAINTY = "measured", "uncertainty"
+MEASURED = "measured"
+UNCERTAINTY = "uncertainty"
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 #: The variable of a study.
 _OF_STUDY: Final = re.compile(r"[\w-]+/\w+", re.ASCII)
@@ -99,8 +100,13 @@ class _Reader:
 
     def measurement(self) -> Measurement:
         table = self.table
-        series = [self._series(one, self.where.at("series").at(k)) for k, one in enumerate(table.series)]
-        said = [self._statement(one, self.where.at("statements").at(k)) for k, one in enumerate(table.statements)]
+        series = [
+            self._series(one, self.where.at("series").at(k)) for k, one in enumerate(table.series)
+        ]
+        said = [
+            self._statement(one, self.where.at("statements").at(k))
+            for k, one in enumerate(table.statements)
+        ]
         self._check_names()
         references = self._references(table.source)
         # what could not be read may have values
@@ -120,15 +126,23 @@ class _Reader:
             statements=tuple(one for one in said if one is not None),
             folder=str(self.folder),
         )
-        return attrs.evolve(made, description=f"{FORM}: {made.description}") if made.is_form else made
+        return (
+            attrs.evolve(made, description=f"{FORM}: {made.description}") if made.is_form else made
+        )
 
     # About the whole -------------------------------------------------------------------------------------------------
 
     def _check_names(self) -> None:
         if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", self.table.name, re.ASCII):
-            self._note("name", f"{as_written(self.table.name)} is not made of small letters, digits and hyphens")
+            self._note(
+                "name",
+                f"{as_written(self.table.name)} is not made of small letters, digits and hyphens",
+            )
         if not self.table.series and not self.table.statements:
-            self._note("series", "missing: a data set has [[series]] of numbers, or [[statements]], or both")
+            self._note(
+                "series",
+                "missing: a data set has [[series]] of numbers, or [[statements]], or both",
+            )
         names = [one.name for one in self.table.series]
         for name in {name for name in names if names.count(name) > 1}:
             self._note("series", f"two are called {as_written(name)}; give each a name of its own")
@@ -149,24 +163,35 @@ class _Reader:
             elif isinstance(one, str) and len(one.split()) >= 3:
                 found.append(one)
             else:
-                self.problems.append(where.at(k).says("a citation is expected: who, what, where and when"))
+                self.problems.append(
+                    where.at(k).says("a citation is expected: who, what, where and when")
+                )
         if not source.references:
             self.problems.append(
-                where.says("missing, but required: a citation of what the values stand in, or of the rig's own record")
+                where.says(
+                    "missing, but required: a citation of what the values stand in, or of the rig's own record"
+                )
             )
         return tuple(found)
 
     def _check_source(self, source: SourceTable, has_values: bool) -> None:
         where = self.where.at("source")
-        digitised, closed = source.read == "digitised", source.licence == _CLOSED
-        without = [k for k, one in enumerate(self.table.series) if digitised and one.reading_error is None]
+        digitised = source.read == "digitised"
+        closed = source.licence == _CLOSED
+        without = [
+            k for k, one in enumerate(self.table.series) if digitised and one.reading_error is None
+        ]
         faults = [
             (
                 not source.licence.strip(),
                 where.at("licence"),
                 "is empty; name the licence under which the values stand",
             ),
-            (digitised and not source.by.strip(), where.at("by"), "missing: digitised values name who read them off"),
+            (
+                digitised and not source.by.strip(),
+                where.at("by"),
+                "missing: digitised values name who read them off",
+            ),
             *(
                 (
                     True,
@@ -197,14 +222,23 @@ class _Reader:
         """What is estimated stands in a scene, and scatters where it is a number."""
         scenes = [scene for scene in self._scenes.values() if scene is not None]
         for key in self.table.estimated:
-            at, path = self.where.at("estimated").at(key), key.split(".")
-            stated = [value for scene in scenes if (value := _deep(scene.raw or {}, path)) is not None]
+            at = self.where.at("estimated").at(key)
+            path = key.split(".")
+            stated = [
+                value for scene in scenes if (value := _deep(scene.raw or {}, path)) is not None
+            ]
             if scenes and not stated:
                 self.problems.append(at.says("no scene of the data set states this key"))
             for scene in scenes:
                 value = _deep(scene.raw or {}, path)
-                number = isinstance(value, int | float) or (isinstance(value, str) and _NUMBER.match(value))
-                if number and not isinstance(value, bool) and _deep(scene.uncertainty or {}, path) is None:
+                number = isinstance(value, int | float) or (
+                    isinstance(value, str) and _NUMBER.match(value)
+                )
+                if (
+                    number
+                    and not isinstance(value, bool)
+                    and _deep(scene.uncertainty or {}, path) is None
+                ):
                     place = readable(scene.source)
                     self.problems.append(
                         f"{place}: uncertainty.{key}: missing: {as_written(value)} is estimated, so it needs a "
@@ -221,7 +255,9 @@ class _Reader:
     def _beside(self, name: str, where: Location) -> Path:
         path = self.folder / name
         if Path(name).name != name or not path.is_file():
-            raise SceneError([where.says(f"{as_written(name)} is no file in {readable(str(self.folder))}")])
+            raise SceneError(
+                [where.says(f"{as_written(name)} is no file in {readable(str(self.folder))}")]
+            )
         return path
 
     def _noted(self, read: "Callable[[], Any]") -> Any:
@@ -250,7 +286,9 @@ class _Reader:
     def _unknown(self, name: str, where: Location) -> None:
         near = nearest(name, QUANTITIES, count=1)
         hint = did_you_mean(near, f"there are: {', '.join(QUANTITIES)}; and STUDY/VARIABLE")
-        self.problems.append(where.at("quantity").says(f"{as_written(name)} is none that is known; {hint}"))
+        self.problems.append(
+            where.at("quantity").says(f"{as_written(name)} is none that is known; {hint}")
+        )
 
     # Series -----------------------------------------------------------------------------------------------------------
 
@@ -259,14 +297,22 @@ class _Reader:
         if unit is None:
             return None
         if not one.uncertainty.strip():
-            self.problems.append(where.at("uncertainty").says("is empty; say what the column of uncertainty rests on"))
+            self.problems.append(
+                where.at("uncertainty").says(
+                    "is empty; say what the column of uncertainty rests on"
+                )
+            )
         of_contact = one.quantity in QUANTITIES and QUANTITIES[one.quantity].of == "contact"
         wanted, other = ("rig", "scene") if of_contact else ("scene", "rig")
         if not getattr(one, wanted):
-            self.problems.append(where.at(wanted).says(f"missing: a {one.quantity} is measured on a {wanted}"))
+            self.problems.append(
+                where.at(wanted).says(f"missing: a {one.quantity} is measured on a {wanted}")
+            )
             return None
         if getattr(one, other):
-            self.problems.append(where.at(other).says(f"a {one.quantity} is measured on a {wanted}; leave this out"))
+            self.problems.append(
+                where.at(other).says(f"a {one.quantity} is measured on a {wanted}; leave this out")
+            )
         common: dict[str, Any] = {
             "name": one.name,
             "quantity": one.quantity,
@@ -283,32 +329,47 @@ class _Reader:
         rows = self._rows(one, unit, scene, where)
         return None if scene is None else Series(scene=scene, rows=tuple(rows), **common)
 
-    def _of_contact(self, one: SeriesTable, where: Location, common: Mapping[str, Any]) -> Series | None:
+    def _of_contact(
+        self, one: SeriesTable, where: Location, common: Mapping[str, Any]
+    ) -> Series | None:
         column = one.quantity.replace("-", "_")
         rig: Rig | None = self._noted(lambda: load_rig(self._beside(one.rig, where.at("rig"))))
-        if rig is not None and self.table.source.read == _TO_READ:  # a form: there is nothing to read yet
+        if (
+            rig is not None and self.table.source.read == _TO_READ
+        ):  # a form: there is nothing to read yet
             self._noted(lambda: self._beside(one.data, where.at("data")))
             return Series(rows=(), **common)
         row = FilmRow if one.quantity == "film-thickness" else TractionRow
-        data: RigData | None = self._noted(lambda: read_data(self._beside(one.data, where.at("data")), row))
+        data: RigData | None = self._noted(
+            lambda: read_data(self._beside(one.data, where.at("data")), row)
+        )
         if rig is None or data is None:
             return None
         if f"{column}_uncertainty" not in data.columns:
-            self.problems.append(f"{data.source}: {column}_uncertainty: missing, but required of a data set")
+            self.problems.append(
+                f"{data.source}: {column}_uncertainty: missing, but required of a data set"
+            )
             return None
         conditions = [name for name in data.columns if not name.startswith(column)]
-        rows, seen = list[Row](), dict[FrozenTable, int]()
+        rows = list[Row]()
+        seen = dict[FrozenTable, int]()
         for k, line in enumerate(data.lines):
             changes = FrozenTable({name: float(data.columns[name][k]) for name in conditions})
             if changes in seen:
-                self.problems.append(f"{data.source}:{line}: the conditions of line {seen[changes]} once more")
+                self.problems.append(
+                    f"{data.source}:{line}: the conditions of line {seen[changes]} once more"
+                )
             seen[changes] = line
-            measured, sigma = (float(data.columns[name][k]) for name in (column, f"{column}_uncertainty"))
+            measured, sigma = (
+                float(data.columns[name][k]) for name in (column, f"{column}_uncertainty")
+            )
             sigma = _with_reading(one, measured, sigma)
             rows.append(Row(changes=changes, measured=measured, uncertainty=sigma, line=line))
         return ContactSeries(rig=rig, data=data, rows=tuple(rows), **common)
 
-    def _rows(self, one: SeriesTable, unit: str, scene: Scene | None, where: Location) -> Iterator[Row]:
+    def _rows(
+        self, one: SeriesTable, unit: str, scene: Scene | None, where: Location
+    ) -> Iterator[Row]:
         """Rows of a file; what is wrong with them is noted."""
         path = self._noted(lambda: self._beside(one.data, where.at("data")))
         if path is None:
@@ -329,11 +390,15 @@ class _Reader:
             return
         seen = dict[FrozenTable, int]()
         for number, cells in lines[1:]:
-            row = self._row([cell.strip() for cell in cells], header, unit, f"{source}:{number}", one, number)
+            row = self._row(
+                [cell.strip() for cell in cells], header, unit, f"{source}:{number}", one, number
+            )
             if row is None:
                 continue
             if row.changes in seen:
-                self.problems.append(f"{source}:{number}: the conditions of line {seen[row.changes]} once more")
+                self.problems.append(
+                    f"{source}:{number}: the conditions of line {seen[row.changes]} once more"
+                )
                 continue
             seen[row.changes] = number
             if scene is not None:
@@ -341,13 +406,21 @@ class _Reader:
             yield row
 
     def _row(
-        self, cells: list[str], header: list[tuple[str, str]], unit: str, where: str, one: SeriesTable, line: int
+        self,
+        cells: list[str],
+        header: list[tuple[str, str]],
+        unit: str,
+        where: str,
+        one: SeriesTable,
+        line: int,
     ) -> Row | None:
         if len(cells) != len(header):
             hint = "; a decimal comma is not read, write 0.05" if len(cells) > len(header) else ""
             self.problems.append(f"{where}: {len(cells)} values under {len(header)} columns{hint}")
             return None
-        changes, values, before = dict[str, object](), dict[str, float](), len(self.problems)
+        changes = dict[str, object]()
+        values = dict[str, float]()
+        before = len(self.problems)
         for (name, of), cell in zip(header, cells, strict=True):
             if of and not _NUMBER.fullmatch(cell):
                 reason = "is empty" if not cell else f"{as_written(cell)} is not a number alone"
@@ -357,18 +430,24 @@ class _Reader:
             else:
                 changes[name] = _plain(cell, of)
         if values.get(UNCERTAINTY, 1.0) <= 0.0:
-            self.problems.append(f"{where}: {UNCERTAINTY}: must be above 0, the standard uncertainty of the value")
+            self.problems.append(
+                f"{where}: {UNCERTAINTY}: must be above 0, the standard uncertainty of the value"
+            )
         if len(self.problems) > before:
             return None
         sigma = _with_reading(one, values[MEASURED], values[UNCERTAINTY])
-        return Row(changes=FrozenTable(changes), measured=values[MEASURED], uncertainty=sigma, line=line)
+        return Row(
+            changes=FrozenTable(changes), measured=values[MEASURED], uncertainty=sigma, line=line
+        )
 
     def _fits(self, scene: Scene, changes: Mapping[str, object], where: str) -> None:
         """Note what the scene says against changes of it."""
         try:
             evolve(scene, changes)
         except SceneError as error:
-            self.problems += [f"{where}: {problem.removeprefix('changes: ')}" for problem in error.problems]
+            self.problems += [
+                f"{where}: {problem.removeprefix('changes: ')}" for problem in error.problems
+            ]
 
     # Statements -------------------------------------------------------------------------------------------------------
 
@@ -379,7 +458,9 @@ class _Reader:
         if not one.source.strip():
             self.problems.append(where.at("source").says("is empty; name who says so, and where"))
         if bool(one.key) != bool(one.values) or (one.key and one.steps):
-            self.problems.append(where.at("key").says("give a key with its values, or steps, and not both"))
+            self.problems.append(
+                where.at("key").says("give a key with its values, or steps, and not both")
+            )
         steps = (
             one.steps
             or tuple(
@@ -393,7 +474,11 @@ class _Reader:
         limit = self._limit(one, unit, where)
         if scene is not None:
             for step in steps:
-                if step.quantity and step.quantity not in QUANTITIES and not _OF_STUDY.fullmatch(step.quantity):
+                if (
+                    step.quantity
+                    and step.quantity not in QUANTITIES
+                    and not _OF_STUDY.fullmatch(step.quantity)
+                ):
                     self._unknown(step.quantity, where.at("steps"))
                 self._fits(scene, step.changes, where.at("steps").says(step.says))
         if unit is None or scene is None or len(self.problems) > before:
@@ -406,7 +491,11 @@ class _Reader:
     def _limit(self, one: StatementTable, unit: str | None, where: Location) -> float | None:
         bounded = one.expect in ("below", "above")
         if bounded != (one.limit is not None):
-            reason = f"missing: {one.expect!r} what?" if bounded else f"{one.expect!r} has no limit; leave it out"
+            reason = (
+                f"missing: {one.expect!r} what?"
+                if bounded
+                else f"{one.expect!r} has no limit; leave it out"
+            )
             self.problems.append(where.at("limit").says(reason))
         elif bounded and unit is not None:
             try:
@@ -421,7 +510,13 @@ def _deep(table: Mapping[str, Any], path: list[str]) -> Any:
     for n in (len(path), *range(1, len(path))):
         below = table.get(".".join(path[:n]))
         if below is not None:
-            return below if n == len(path) else _deep(below, path[n:]) if isinstance(below, Mapping) else None
+            return (
+                below
+                if n == len(path)
+                else _deep(below, path[n:])
+                if isinstance(below, Mapping)
+                else None
+            )
     return None
 
 
@@ -436,7 +531,11 @@ def _of_header(header: list[tuple[str, str]], unit: str, where: str) -> Iterator
     names = [name for name, _ in header]
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     yield from (f"{where}: {as_written(name)} stands there twice" for name in twice)
-    yield from (f"{where}: {name}: missing, but required" for name in (MEASURED, UNCERTAINTY) if name not in names)
+    yield from (
+        f"{where}: {name}: missing, but required"
+        for name in (MEASURED, UNCERTAINTY)
+        if name not in names
+    )
     for name, of in header:
         if name in (MEASURED, UNCERTAINTY):
             try:

@@ -27,7 +27,16 @@ from rollslip.search import Array
 from rollslip.structure import Location, structure
 from rollslip.toml import parse
 
-__all__ = ["EXAMPLE", "FilmRow", "Rig", "RigContact", "RigData", "TractionRow", "load_rig", "read_data"]
+__all__ = [
+    "EXAMPLE",
+    "FilmRow",
+    "Rig",
+    "RigContact",
+    "RigData",
+    "TractionRow",
+    "load_rig",
+    "read_data",
+]
 
 #: A rig file to start from.
 EXAMPLE: Final = """\
@@ -54,7 +63,9 @@ _LARGEST: Final = 10.0
 
 
 def _column(unit: str, doc: str, *, required: bool = True, validator: Any = positive) -> Any:
-    return field(unit=unit, doc=doc, default=attrs.NOTHING if required else None, validator=validator)
+    return field(
+        unit=unit, doc=doc, default=attrs.NOTHING if required else None, validator=validator
+    )
 
 
 def _coefficient(_: object, column: "attrs.Attribute[float]", value: float) -> None:
@@ -68,12 +79,20 @@ def _coefficient(_: object, column: "attrs.Attribute[float]", value: float) -> N
 class _ContactRow:
     """What every row says of its contact, of which it needs one of the loads."""
 
-    rolling_speed: float = _column("m/s", "rolling (entrainment) speed u, the mean of both surface speeds")
+    rolling_speed: float = _column(
+        "m/s", "rolling (entrainment) speed u, the mean of both surface speeds"
+    )
     temperature: float = _column("K", "temperature of the oil at the inlet")
-    load: float | None = _column("N", "normal force; needs the length of the contact", required=False)
+    load: float | None = _column(
+        "N", "normal force; needs the length of the contact", required=False
+    )
     load_per_length: float | None = _column("N/m", "normal force per length", required=False)
-    mean_pressure: float | None = _column("Pa", "mean Hertz pressure of the line contact", required=False)
-    max_pressure: float | None = _column("Pa", "maximum Hertz pressure of the line contact", required=False)
+    mean_pressure: float | None = _column(
+        "Pa", "mean Hertz pressure of the line contact", required=False
+    )
+    max_pressure: float | None = _column(
+        "Pa", "maximum Hertz pressure of the line contact", required=False
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -86,8 +105,12 @@ class TractionRow(_ContactRow):
     friction: float = _column(
         "1", "traction coefficient, with the sign of the slide-roll ratio", validator=_coefficient
     )
-    friction_uncertainty: float | None = _column("1", "standard uncertainty of the friction", required=False)
-    film_thickness: float | None = _column("m", "measured film thickness, in place of a film model", required=False)
+    friction_uncertainty: float | None = _column(
+        "1", "standard uncertainty of the friction", required=False
+    )
+    film_thickness: float | None = _column(
+        "m", "measured film thickness, in place of a film model", required=False
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -138,7 +161,11 @@ class RigData:
             return values
         if kind == "load":
             if contact.length is None:
-                raise SceneError([f"{self.source}: load: a force needs the length of the contact; give rig.length"])
+                raise SceneError(
+                    [
+                        f"{self.source}: load: a force needs the length of the contact; give rig.length"
+                    ]
+                )
             return values / contact.length
         mean = values if kind == "mean_pressure" else values * (math.pi / 4)
         return 32 * contact.radius * mean**2 / (math.pi * contact.modulus)
@@ -199,7 +226,9 @@ def text_named(path: str | os.PathLike[str]) -> tuple[str, str]:
 def faults_of(source: str, faults: Sequence[str]) -> SceneError:
     """Return the error of what is wrong with a file, of many faults the first ones."""
     more = len(faults) - _MOST_FAULTS
-    return SceneError([*faults[:_MOST_FAULTS], *([f"{source}: and {more} faults more"] if more > 0 else [])])
+    return SceneError(
+        [*faults[:_MOST_FAULTS], *([f"{source}: and {more} faults more"] if more > 0 else [])]
+    )
 
 
 def _check_loads(names: Collection[str]) -> str:
@@ -214,7 +243,9 @@ def _check_loads(names: Collection[str]) -> str:
 class RigContact:
     """The line contact of a rig, of two discs of one material."""
 
-    radius: float = field(unit="m", doc="equivalent radius R, 1/R = 1/R1 + 1/R2", validator=positive)
+    radius: float = field(
+        unit="m", doc="equivalent radius R, 1/R = 1/R1 + 1/R2", validator=positive
+    )
     length: float | None = field(
         default=None,
         unit="m",

@@ -4,7 +4,14 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.scene.changes import evolve
 from rollslip.studies.study import settings
-from rollslip.testing.rules import CITATIONS_WANTED, Inapplicable, Nonconformance, is_citation, refuse_unless, rule
+from rollslip.testing.rules import (
+    CITATIONS_WANTED,
+    Inapplicable,
+    Nonconformance,
+    is_citation,
+    refuse_unless,
+    rule,
+)
 from rollslip_campaigns.measurement import Measurement
 
 
@@ -19,13 +26,18 @@ def check_a_data_set_says_what_it_is_and_whence(measurement: Measurement) -> Non
         measurement.references and all(map(is_citation, measurement.references)),
         f"its references are {measurement.references!r}; {CITATIONS_WANTED}",
     )
-    refuse_unless(measurement.licence.strip(), "it names no licence; say 'facts' where it holds single numbers only")
+    refuse_unless(
+        measurement.licence.strip(),
+        "it names no licence; say 'facts' where it holds single numbers only",
+    )
 
 
 @rule(Measurement)
 def check_every_row_makes_a_bearing(measurement: Measurement) -> None:
     """An oil, a model or a cage that cannot be put together is found by its author and not by its users."""
-    of_bearings = [(series, series.scene) for series in measurement.series if series.scene is not None]
+    of_bearings = [
+        (series, series.scene) for series in measurement.series if series.scene is not None
+    ]
     if not any(series.rows for series, _ in of_bearings):
         raise Inapplicable("it has no numbers of a bearing")
     for series, scene in of_bearings:

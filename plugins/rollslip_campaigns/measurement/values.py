@@ -44,11 +44,17 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
         "runaway-slip": Quantity("1", "cage slip at which skidding begins"),
         "runaway-drag": Quantity("N m", "limit drag torque of the cage"),
         "cage-slip": Quantity("1", "cage slip of steady operation, the smallest that lasts"),
-        "cage-speed": Quantity("rad/s", "speed of the cage in steady operation, at the smallest slip that lasts"),
-        "friction-torque": Quantity("N m", "friction torque of the bearing in steady operation, at that slip"),
+        "cage-speed": Quantity(
+            "rad/s", "speed of the cage in steady operation, at the smallest slip that lasts"
+        ),
+        "friction-torque": Quantity(
+            "N m", "friction torque of the bearing in steady operation, at that slip"
+        ),
         "least-load": Quantity("N", "minimum radial load for an acceptable slip"),
         "largest-cage-slip": Quantity("1", "cage slip of steady operation, the largest that lasts"),
-        "largest-drag-slip": Quantity("1", "cage slip of the limit drag torque, beyond which no slip lasts"),
+        "largest-drag-slip": Quantity(
+            "1", "cage slip of the limit drag torque, beyond which no slip lasts"
+        ),
         "friction": Quantity("1", "traction coefficient of a contact", "contact"),
         "film-thickness": Quantity("m", "film thickness of a contact", "contact"),
     }
@@ -74,7 +80,9 @@ def _text(doc: str, default: object = attrs.NOTHING) -> str:
 class SourceTable:
     """Where the values stand, and how they came here."""
 
-    references: tuple[object, ...] = field(doc="citations, texts or tables of a reference's fields", default=())
+    references: tuple[object, ...] = field(
+        doc="citations, texts or tables of a reference's fields", default=()
+    )
     read: str = field(doc="how the values were read", validator=one_of(*READ))
     by: str = _text("who read them, where they are digitised", "")
     licence: str = _text(LICENCES)
@@ -88,7 +96,9 @@ class SeriesTable:
     name: str = _text("what tells it from the others, in a few words")
     quantity: str = _text("what was measured")
     unit: str = _text("SI unit of the variable of a study", "")
-    at: FrozenTable = field(doc="which of several values, such as { ring = 'inner' }", default=FrozenTable())
+    at: FrozenTable = field(
+        doc="which of several values, such as { ring = 'inner' }", default=FrozenTable()
+    )
     scene: str = _text("file of the scene, beside this one", "")
     changes: FrozenTable = field(doc="what all rows change in it, by key", default=FrozenTable())
     rig: str = _text("file of the rig, beside this one", "")
@@ -105,7 +115,9 @@ class Step:
     """One of the states that a statement speaks of."""
 
     says: str = _text("what is so at this step")
-    quantity: str = _text("what it is about, where that is not the statement's; of the same unit", "")
+    quantity: str = _text(
+        "what it is about, where that is not the statement's; of the same unit", ""
+    )
     at: FrozenTable = field(doc="which of several values of that quantity", default=FrozenTable())
     changes: FrozenTable = field(doc="what it changes in the scene, by key", default=FrozenTable())
 
@@ -120,7 +132,9 @@ class StatementTable:
     unit: str = _text("SI unit of the variable of a study", "")
     at: FrozenTable = field(doc="which of several values of the quantity", default=FrozenTable())
     scene: str = _text("file of the scene, beside this one")
-    expect: str = field(doc="how the values go along the steps, or where they lie", validator=one_of(*EXPECTED))
+    expect: str = field(
+        doc="how the values go along the steps, or where they lie", validator=one_of(*EXPECTED)
+    )
     by: float = field(
         doc="least change from step to step that counts, as a share of the value before", unit="1", default=0.02,
         validator=positive,
@@ -139,7 +153,8 @@ class MeasurementTable:
     description: str = _text("what was measured on what, in one line")
     source: SourceTable = field(doc="where it stands and how it was read")
     estimated: Mapping[str, str] = field(
-        doc="what the source does not state: key of the scene -> why the value it has", default=FrozenTable()
+        doc="what the source does not state: key of the scene -> why the value it has",
+        default=FrozenTable(),
     )
     series: tuple[SeriesTable, ...] = field(doc="what was measured", default=())
     statements: tuple[StatementTable, ...] = field(doc="what was said in words", default=())
@@ -161,18 +176,23 @@ class Row:
     def label(self) -> str:
         """The conditions in words."""
         return ", ".join(
-            f"{key.rpartition('.')[2].replace('_', ' ')} {_shown(key, v)}" for key, v in self.changes.items()
+            f"{key.rpartition('.')[2].replace('_', ' ')} {_shown(key, v)}"
+            for key, v in self.changes.items()
         )
 
 
 def _shown(key: str, value: object) -> object:
     """A value of a rig with its unit; of a scene as it was written."""
     unit = _RIG_UNITS.get(key)
-    return value if unit is None or not isinstance(value, float) else format_quantity(value, unit, 3)
+    return (
+        value if unit is None or not isinstance(value, float) else format_quantity(value, unit, 3)
+    )
 
 
 _RIG_UNITS: Final = {
-    attribute.name: attribute.metadata["unit"] for row in (TractionRow, FilmRow) for attribute in attrs.fields(row)
+    attribute.name: attribute.metadata["unit"]
+    for row in (TractionRow, FilmRow)
+    for attribute in attrs.fields(row)
 }
 
 
@@ -271,7 +291,9 @@ class Measurement:
     @property
     def data(self) -> "Contents":
         """How much there is of each, for lists."""
-        return Contents(rows={one.name: len(one.rows) for one in self.series}, statements=len(self.statements))
+        return Contents(
+            rows={one.name: len(one.rows) for one in self.series}, statements=len(self.statements)
+        )
 
 
 @attrs.frozen(kw_only=True)

@@ -54,10 +54,17 @@ class ParetoSettings(OfScene):
 
     study: str | None = setting("Only this study.", metavar="STUDY")
     choices: Sequence[str] | str = setting(
-        "What may differ, such as slices,instants; by default all there is.", default=(), metavar="A,B", many=True
+        "What may differ, such as slices,instants; by default all there is.",
+        default=(),
+        metavar="A,B",
+        many=True,
     )
-    traction: Sequence[str] | str = setting("Traction models to choose from.", default=(), metavar="A,B", many=True)
-    film: Sequence[str] | str = setting("Film models to choose from.", default=(), metavar="A,B", many=True)
+    traction: Sequence[str] | str = setting(
+        "Traction models to choose from.", default=(), metavar="A,B", many=True
+    )
+    film: Sequence[str] | str = setting(
+        "Film models to choose from.", default=(), metavar="A,B", many=True
+    )
     rounds: int = setting("How often each choice is timed.", of=int, default=5, shown=True)
 
     def plan(self) -> "Family":
@@ -66,7 +73,9 @@ class ParetoSettings(OfScene):
 
         return plan_family(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Run all choices; what is done of them is kept in a folder."""
         from rollslip_campaigns.pareto.pareto import run_family
 

@@ -49,7 +49,10 @@ _FINEST_TABLES: Final = 0.1
 _COARSER: Final = 4.0
 
 #: Labels that are no deviation from the plan.
-PLANNED, FINEST, HALF, EXACT = "as planned", "finest", "half as fine", "finest, exact model"
+PLANNED = "as planned"
+FINEST = "finest"
+HALF = "half as fine"
+EXACT = "finest, exact model"
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -108,9 +111,14 @@ class Family:
 
         lines = [headline(self.plan)]
         for study in self.studies:
-            of = {kind: len(self.of(study, kind)) for kind in ("numerical", "modelling", "film", "reference")}
+            of = {
+                kind: len(self.of(study, kind))
+                for kind in ("numerical", "modelling", "film", "reference")
+            }
             finest = self.of(study, "reference")[0].resolution
-            instants = f" and {finest.instants} roller positions" if (finest.instants or 1) > 1 else ""
+            instants = (
+                f" and {finest.instants} roller positions" if (finest.instants or 1) > 1 else ""
+            )
             lines.append(
                 f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
                 f"{self.rounds} round{'s' * (self.rounds != 1)} each, against {of['reference']} references, the finest "
@@ -125,13 +133,20 @@ class Family:
 
 def plan_family(asked: "ParetoSettings") -> Family:
     """Return the family of choices for a scene."""
-    scene, rounds = asked.given, asked.rounds
-    wanted, laws, films = (tuple(listed(names)) for names in (asked.choices, asked.traction, asked.film))
+    scene = asked.given
+    rounds = asked.rounds
+    wanted, laws, films = (
+        tuple(listed(names)) for names in (asked.choices, asked.traction, asked.film)
+    )
     problems = list[str]()
     for name in wanted:
         if name not in AXES:
             near = nearest(name, AXES, cutoff=0.4)
-            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(AXES)}"
+            hint = (
+                f"did you mean {' or '.join(map(repr, near))}?"
+                if near
+                else f"there are: {', '.join(AXES)}"
+            )
             problems.append(f"choices: nothing to choose is called {name!r}; {hint}")
     if rounds < 1:
         problems.append(f"rounds: must be at least 1, not {rounds}")
@@ -155,7 +170,11 @@ def plan_family(asked: "ParetoSettings") -> Family:
             ]
         )
     notes = []
-    if scene.accuracy.slices is not None and made.assembly.slices > 1 and {"slices", "quadrature"} & {*wanted}:
+    if (
+        scene.accuracy.slices is not None
+        and made.assembly.slices > 1
+        and {"slices", "quadrature"} & {*wanted}
+    ):
         notes.append(
             f"the scene states {scene.accuracy.slices} laminae, and so has the finest; with "
             "--set accuracy.slices=auto more of them, and those of Gauss and Legendre, take part"
@@ -180,12 +199,15 @@ def _of_study(
     made: Plan, study: str, axes: Sequence[str], laws: Sequence[str], films: Mapping[str, Scene]
 ) -> list[Choice]:
     """References of a study, the plan's choice, and what departs from it, each once."""
-    scene, base = made.scene, made.estimated[study].resolution
+    scene = made.scene
+    base = made.estimated[study].resolution
     settings = made.studies[study]
     best = finest(scene)
     law = assemble(scene, best).traction.full_film.name
     if "table_tolerance" in settings.acts:
-        best = attrs.evolve(best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance))
+        best = attrs.evolve(
+            best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance)
+        )
     if "instants" not in settings.acts:
         best = attrs.evolve(best, instants=base.instants)
     if own := settings.chosen(made.assembly):
@@ -211,7 +233,11 @@ def _of_study(
         resolution = attrs.evolve(base, **changes)
         if resolution not in seen:
             seen.add(resolution)
-            kind = "numerical" if (resolution.traction, resolution.friction) in own_models else "modelling"
+            kind = (
+                "numerical"
+                if (resolution.traction, resolution.friction) in own_models
+                else "modelling"
+            )
             found.append(choice(label=_label(base, resolution), kind=kind, resolution=resolution))
     if "film" in axes:
         found += [
@@ -233,11 +259,15 @@ def _coarser(scene: Scene, best: Resolution) -> Resolution:
     )
 
 
-def _numerical(made: Plan, study: str, base: Resolution, axes: Sequence[str]) -> Iterable[dict[str, Any]]:
+def _numerical(
+    made: Plan, study: str, base: Resolution, axes: Sequence[str]
+) -> Iterable[dict[str, Any]]:
     """What departs from the plan in numbers: the crossed core first, then one thing at a time."""
     stated = made.scene.accuracy.slices
     sliced = made.assembly.slices > 1
-    slices = [n for n in _SLICES if stated is None or n < stated] if sliced and "slices" in axes else []
+    slices = (
+        [n for n in _SLICES if stated is None or n < stated] if sliced and "slices" in axes else []
+    )
     if slices and "instants" in axes:
         for n in _CORE[0]:
             for m in _CORE[1]:
@@ -249,13 +279,17 @@ def _numerical(made: Plan, study: str, base: Resolution, axes: Sequence[str]) ->
     if "instants" in axes:
         yield from ({"instants": m} for m in _INSTANTS)
     if "table_tolerance" in axes:
-        yield from ({"table_tolerance": min(0.5, factor * base.table_tolerance)} for factor in _TABLES)
+        yield from (
+            {"table_tolerance": min(0.5, factor * base.table_tolerance)} for factor in _TABLES
+        )
     integrators = _integrators(made, study) if "integrator" in axes else []
     yield from ({"integrator": name} for name in integrators)
     if "integrator_tolerance" in axes:
         yield from ({"integrator_tolerance": tolerance} for tolerance in _STEPS)
         for name in integrators:
-            yield from ({"integrator": name, "integrator_tolerance": tolerance} for tolerance in _CORE_STEPS)
+            yield from (
+                {"integrator": name, "integrator_tolerance": tolerance} for tolerance in _CORE_STEPS
+            )
     if "compiled" in axes:
         yield {"compiled": False}
 
@@ -273,7 +307,8 @@ def _modelling(axes: Sequence[str], laws: Sequence[str], law: str) -> Iterable[d
 
 def _integrators(made: Plan, study: str) -> list[str | None]:
     """Implicit integrators that are there, with the packages that they need; None for the scene's own."""
-    own, found = made.studies[study].chosen(made.assembly).get("integrator"), list[str | None]()
+    own = made.studies[study].chosen(made.assembly).get("integrator")
+    found = list[str | None]()
     for name, cls in loadable("integrator"):
         if own == name:
             found.append(None)
@@ -299,7 +334,9 @@ def _label(base: Resolution, resolution: Resolution) -> str:
     """Say in what a resolution departs from the plan's."""
     said = []
     if (resolution.slices, resolution.quadrature) != (base.slices, base.quadrature):
-        said.append(f"{resolution.slices} {'Gauss points' if resolution.quadrature == 'gauss' else 'slices'}")
+        said.append(
+            f"{resolution.slices} {'Gauss points' if resolution.quadrature == 'gauss' else 'slices'}"
+        )
     if resolution.instants != base.instants:
         said.append(f"{resolution.instants} instant{'s' * (resolution.instants != 1)}")
     if resolution.table_tolerance != base.table_tolerance:

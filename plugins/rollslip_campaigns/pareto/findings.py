@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 PLANNED: Final = "as planned"
 FINEST: Final = "finest"
 #: Kinds of choices that stand together -> the variable of their number, and of their front.
-NUMBERS: Final = {("numerical",): ("error", "on_front"), ("modelling", "film"): ("difference", "on_model_front")}
+NUMBERS: Final = {
+    ("numerical",): ("error", "on_front"),
+    ("modelling", "film"): ("difference", "on_model_front"),
+}
 #: Errors up to this are those of rounding.
 _ROUNDING: Final = 1e-14
 _TITLES: Final = {
@@ -46,7 +49,9 @@ def studies(dataset: "xr.Dataset") -> "list[tuple[str, xr.Dataset]]":
 
 def taking_part(one: "xr.Dataset", *kinds: str) -> NDArray[Any]:
     """Return the rows of the choices of some kinds, with the plan's, the fastest first and what failed last."""
-    rows = np.flatnonzero(np.isin(one["kind"].to_numpy(), kinds) | (one["label"] == PLANNED).to_numpy())
+    rows = np.flatnonzero(
+        np.isin(one["kind"].to_numpy(), kinds) | (one["label"] == PLANNED).to_numpy()
+    )
     return rows[np.argsort(one["seconds"].to_numpy()[rows], kind="stable")]
 
 
@@ -61,7 +66,11 @@ def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
                 seconds for seconds in row["round_seconds"].values.tolist() if seconds == seconds
             ]
             record["results"] = {
-                str(name): {key: _plain(row[key].values[j]) for key in row.data_vars if row[key].dims == ("result",)}
+                str(name): {
+                    key: _plain(row[key].values[j])
+                    for key in row.data_vars
+                    if row[key].dims == ("result",)
+                }
                 for j, name in enumerate(one["result"].values)
             }
             found.append({key: _plain(value) for key, value in record.items()})
@@ -71,7 +80,9 @@ def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
 class ParetoAccount(Account):
     """How a family of choices is told: with a table for each study; what nothing dominates has a star."""
 
-    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {"rounds": ("rounds in which choices were timed", "")}
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "rounds": ("rounds in which choices were timed", "")
+    }
     units: ClassVar[Mapping[str, str]] = {"floors": "1"}
     drawn = ".figures:front_figures"
 
@@ -108,17 +119,28 @@ class ParetoAccount(Account):
                 rows = taking_part(one, *kinds)
                 if rows.size == 1:
                     continue
-                values, words, stars = (one[name].to_numpy() for name in (number, f"{number}_status", on_front))
+                values, words, stars = (
+                    one[name].to_numpy() for name in (number, f"{number}_status", on_front)
+                )
                 table = [
                     [
                         str(one["label"].values[k]),
                         milliseconds(one, k),
                         f"{int(one['evaluations'][k])}",
-                        *(_cell(values[k, j], str(words[k, j]), bool(stars[k, j])) for j in range(len(names))),
+                        *(
+                            _cell(values[k, j], str(words[k, j]), bool(stars[k, j]))
+                            for j in range(len(names))
+                        ),
                     ]
                     for k in rows
                 ]
-                found.append(Table(f"{study}, {_TITLES[number]}", ("choice", "time [ms]", "slices", *names), table))
+                found.append(
+                    Table(
+                        f"{study}, {_TITLES[number]}",
+                        ("choice", "time [ms]", "slices", *names),
+                        table,
+                    )
+                )
         return found
 
     @staticmethod
@@ -127,7 +149,9 @@ class ParetoAccount(Account):
         return {
             "studies": json.loads(dataset.attrs["studies"]),
             "rounds": int(dataset.attrs["rounds"]),
-            "floors": {one["result"]: _plain(one["floor"]) for one in rows_along(dataset, "result")},
+            "floors": {
+                one["result"]: _plain(one["floor"]) for one in rows_along(dataset, "result")
+            },
             "choices": records(dataset),
             "findings": ParetoAccount.sentences(dataset),
         }
@@ -140,7 +164,9 @@ def _plain(value: Any) -> Any:
 
 def milliseconds(one: "xr.Dataset", row: Any) -> str:
     """Return the time of a choice, with its fastest and its slowest round."""
-    median, low, high = (1e3 * float(one[name][row]) for name in ("seconds", "seconds_low", "seconds_high"))
+    median, low, high = (
+        1e3 * float(one[name][row]) for name in ("seconds", "seconds_low", "seconds_high")
+    )
     if math.isnan(median):
         return "–"
     shown = [f"{value:.3g}" if value < 999.5 else f"{value:.0f}" for value in (median, low, high)]
@@ -150,7 +176,9 @@ def milliseconds(one: "xr.Dataset", row: Any) -> str:
 def _cell(value: float, status: str, star: bool) -> str:
     if not np.isnan(value):
         return f"{value:.1e}{' *' * star}"
-    return "failed" if status.startswith("failed") else re.split(r"[ ,]", status)[0]  # "none", or a number
+    return (
+        "failed" if status.startswith("failed") else re.split(r"[ ,]", status)[0]
+    )  # "none", or a number
 
 
 def faster(one: "xr.Dataset", row: Any, other: Any) -> bool:
@@ -160,8 +188,10 @@ def faster(one: "xr.Dataset", row: Any, other: Any) -> bool:
 
 def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
     tolerance = float(one["tolerance"])
-    labels, time = one["label"].to_numpy(), one["seconds"].to_numpy()
-    error, floor = np.maximum(one["error"].to_numpy(), float(one["floor"])), float(one["floor"])
+    labels = one["label"].to_numpy()
+    time = one["seconds"].to_numpy()
+    error = np.maximum(one["error"].to_numpy(), float(one["floor"]))
+    floor = float(one["floor"])
     planned = int(np.flatnonzero(labels == PLANNED)[0])
     finest = int(np.flatnonzero(labels == FINEST)[0])
     if np.isnan(one["error"].to_numpy()[finest]):
@@ -180,9 +210,13 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
         f"from {point(rows[0])} to {point(rows[-1])}" if rows.size > 1 else point(rows[0])
     )
     sentences = [said if floor <= _ROUNDING else f"{said}; errors below {floor:.0e} are not known"]
-    better = [k for k in rows if k != planned and error[k] <= error[planned] and faster(one, k, planned)]
+    better = [
+        k for k in rows if k != planned and error[k] <= error[planned] and faster(one, k, planned)
+    ]
     if np.isnan(error[planned]):
-        sentences.append(f"{name}: the plan's choice has no error: {one['error_status'].to_numpy()[planned]}")
+        sentences.append(
+            f"{name}: the plan's choice has no error: {one['error_status'].to_numpy()[planned]}"
+        )
     elif better and rounds > 1:
         best = min(better, key=lambda k: float(time[k]))
         low = float(one["seconds_low"][planned]) / float(one["seconds_high"][best])
@@ -193,7 +227,9 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
         )
     elif rounds > 1:
         plan = point(planned, "the plan")
-        sentences.append(f"{name}: no choice is faster in every round than {plan} and no less exact")
+        sentences.append(
+            f"{name}: no choice is faster in every round than {plan} and no less exact"
+        )
     within = [k for k in numerical if error[k] <= tolerance and not np.isnan(time[k])]
     sentences.append(
         f"{name}: within the scene's tolerance of {_percent(tolerance)} the least time has {point(within[0])}"
@@ -205,7 +241,8 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
 
 def _of_models(one: "xr.Dataset", name: str, planned: int, finest: int, rounds: int) -> list[str]:
     """Say how far other models are from the exact one and films from the scene's, with their times to the plan's."""
-    difference, words = one["difference"].to_numpy(), one["difference_status"].to_numpy()
+    difference = one["difference"].to_numpy()
+    words = one["difference_status"].to_numpy()
     floor = float(one["floor"])
 
     def listed(kind: str) -> str:
@@ -214,16 +251,27 @@ def _of_models(one: "xr.Dataset", name: str, planned: int, finest: int, rounds: 
             time = ""
             if rounds > 1 and (faster(one, k, planned) or faster(one, planned, k)):
                 time = f" in {float(one['seconds'][k]) / float(one['seconds'][planned]):.2g} times the time"
-            much = str(words[k]) if np.isnan(difference[k]) else f"{_percent(difference[k], floor)}{time}"
+            much = (
+                str(words[k])
+                if np.isnan(difference[k])
+                else f"{_percent(difference[k], floor)}{time}"
+            )
             if k != planned:
                 said.append(f"{one['label'].values[k]} {much}")
         return "; ".join(said)
 
-    own = "has none" if np.isnan(difference[finest]) else f"is {_percent(difference[finest], floor)} from it"
-    laws, films = listed("modelling"), listed("film")
+    own = (
+        "has none"
+        if np.isnan(difference[finest])
+        else f"is {_percent(difference[finest], floor)} from it"
+    )
+    laws = listed("modelling")
+    films = listed("film")
     sentences = []
     if laws:
-        sentences.append(f"{name}, from the exact model, as finely as planned: {laws}; the finest of the scene's {own}")
+        sentences.append(
+            f"{name}, from the exact model, as finely as planned: {laws}; the finest of the scene's {own}"
+        )
     return [*sentences, f"{name}, from the scene's own film: {films}"] if films else sentences
 
 

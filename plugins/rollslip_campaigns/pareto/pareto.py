@@ -87,14 +87,17 @@ def run_family(family: Family, folder: Path, show: "Shown") -> "xr.Dataset":
     with Kept(folder, _digest(family)) as kept:
         records = [Record(**kept.known.get(k, {})) for k in range(len(family.choices))]
         resumed = bool(kept.known)
-        for study in family.studies:  # what is loaded at first use is to be loaded before anything is timed
+        for (
+            study
+        ) in family.studies:  # what is loaded at first use is to be loaded before anything is timed
             _take(family, family.of(study, "numerical")[0], Record())
         timed = [k for k, one in enumerate(family.choices) if one.kind != "reference"]
         turns = [(k, 0) for k in range(len(family.choices)) if k not in timed]
         turns += [(k, n) for n in range(family.rounds) for k in timed]
         last: dict[int, float] = {}
         for done, (k, n) in enumerate(turns):
-            choice, record = family.choices[k], records[k]
+            choice = family.choices[k]
+            record = records[k]
             if len(record.seconds) > n or record.status not in ("", "done"):
                 continue
             show(f"{choice.study}: {choice.label}", done / len(turns), _left(turns[done:], last))
@@ -108,9 +111,14 @@ def run_family(family: Family, folder: Path, show: "Shown") -> "xr.Dataset":
 
 def _digest(family: Family) -> str:
     """Return what tells a family from another: scene, settings of the studies and all choices, but not the rounds."""
-    choices = [f"{one.study} {one.label} {scene_hash(one.scene)} {one.resolution}" for one in family.choices]
+    choices = [
+        f"{one.study} {one.label} {scene_hash(one.scene)} {one.resolution}"
+        for one in family.choices
+    ]
     studies = [f"{name} {study}" for name, study in family.studies.items()]
-    return sha256("\n".join([scene_hash(family.plan.scene), *studies, *choices]).encode()).hexdigest()
+    return sha256(
+        "\n".join([scene_hash(family.plan.scene), *studies, *choices]).encode()
+    ).hexdigest()
 
 
 def _left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
@@ -121,14 +129,16 @@ def _left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
 
 def _take(family: Family, choice: Choice, record: Record) -> None:
     """Take the turn of a choice: run its study, for the first time keep its results, and time it."""
-    spent, count = 0.0, 0
+    spent = 0.0
+    count = 0
     study = family.studies[choice.study]
     try:
         while spent < _TURN * (choice.kind != "reference") or not count:
             assembly = assemble(choice.scene, choice.resolution)
             started = time.process_time()
             dataset = study.run(assembly)
-            spent, count = spent + time.process_time() - started, count + 1
+            spent = spent + time.process_time() - started
+            count = count + 1
             if dataset.attrs.get("outcome") == "interrupted":
                 raise KeyboardInterrupt
             if dataset.attrs.get("outcome") == "failed":
@@ -137,7 +147,9 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
     except Exception as error:  # somebody's model may raise anything
         if choice.kind == "reference":
             raise
-        record.status = f"failed: {str(error) if isinstance(error, RollslipError) else in_words(error)}"
+        record.status = (
+            f"failed: {str(error) if isinstance(error, RollslipError) else in_words(error)}"
+        )
         return
     record.seconds.append(spent / count)
     if not record.status:
@@ -153,10 +165,14 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
 # The dataset ----------------------------------------------------------------------------------------------------------
 
 
-def _dataset(family: Family, records: Sequence[Record], wall_time: float, resumed: bool) -> "xr.Dataset":
+def _dataset(
+    family: Family, records: Sequence[Record], wall_time: float, resumed: bool
+) -> "xr.Dataset":
     import xarray as xr
 
-    of = {(one.study, one.label): record for one, record in zip(family.choices, records, strict=True)}
+    of = {
+        (one.study, one.label): record for one, record in zip(family.choices, records, strict=True)
+    }
     several = len(family.studies) > 1
 
     def named(study: str, text: str) -> str:
@@ -168,9 +184,12 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
     words = {name: np.full(shape, "", dtype=object) for name in numbers}
     floor = np.full(len(results), np.nan)
     fronts = {name: np.zeros(shape, dtype=np.int8) for name in numbers}
-    tolerance = [family.plan.scene.accuracy.of(of[study, FINEST].tolerances[name]) for study, name in results]
+    tolerance = [
+        family.plan.scene.accuracy.of(of[study, FINEST].tolerances[name]) for study, name in results
+    ]
     labels, kinds, owners = (
-        np.array([getattr(one, what) for one in family.choices]) for what in ("label", "kind", "study")
+        np.array([getattr(one, what) for one in family.choices])
+        for what in ("label", "kind", "study")
     )
     seconds = np.full((len(records), family.rounds), np.nan)
     for k, record in enumerate(records):
@@ -180,20 +199,26 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
     for values, reduce in ((median, np.nanmedian), (low, np.nanmin), (high, np.nanmax)):
         values[known] = reduce(seconds[known], axis=1)
     for j, (study, name) in enumerate(results):
-        finest, exact = of[study, FINEST], of.get((study, EXACT), of[study, FINEST])
+        finest = of[study, FINEST]
+        exact = of.get((study, EXACT), of[study, FINEST])
         floor[j] = max(_compared(of.get((study, HALF), finest), finest, name)[0], _ROUNDING)
         for k, (one, record) in enumerate(zip(family.choices, records, strict=True)):
             if one.study != study:
                 continue
             against = finest if one.kind == "film" else exact
-            numbers["difference"][k, j], words["difference"][k, j] = _compared(record, against, name)
+            numbers["difference"][k, j], words["difference"][k, j] = _compared(
+                record, against, name
+            )
             if one.kind == "numerical" or one.label in (FINEST, HALF):
                 numbers["error"][k, j], words["error"][k, j] = _compared(record, finest, name)
         for number, kind in (("error", "numerical"), ("difference", "modelling")):
             rows = np.flatnonzero((owners == study) & ((kinds == kind) | (labels == PLANNED)))
             # below the floor none is more exact than another, as far as anybody knows
-            fronts[number][rows, j] = front(median[rows], np.maximum(numbers[number][rows, j], floor[j]))
-    each, both = "choice", ("choice", "result")
+            fronts[number][rows, j] = front(
+                median[rows], np.maximum(numbers[number][rows, j], floor[j])
+            )
+    each = "choice"
+    both = ("choice", "result")
     dataset = xr.Dataset(
         {
             "error": (both, numbers["error"], about("1", "relative error against the finest of the same models")),
@@ -235,10 +260,12 @@ def _compared(record: Record, reference: Record, name: str) -> tuple[float, str]
     """Error of a result, relative to the largest value of its curve and the largest over them, or why it has none."""
     if record.status != "done":
         return np.nan, record.status
-    (values, status), (known, told) = record.results[name], reference.results[name]
+    (values, status) = record.results[name]
+    (known, told) = reference.results[name]
     if np.shape(values) != np.shape(known):
         return np.nan, f"ends after {np.size(values)} of {np.size(known)} instants"
-    a, b = np.array(values), np.array(known)
+    a = np.array(values)
+    b = np.array(known)
     if a.size == 1 and (np.isnan(a).any() or np.isnan(b).any()):
         if np.isnan(a).all() and np.isnan(b).all():
             return np.nan, "none, as the finest"
@@ -255,7 +282,8 @@ def _coordinates(family: Family) -> dict[str, Any]:
     """What was chosen, field by field; 0 instants are doubled until the result stands still."""
     found: dict[str, list[Any]] = {}
     for one in family.choices:
-        r, settings = one.resolution, family.studies[one.study]
+        r = one.resolution
+        settings = family.studies[one.study]
         own = settings.at(r).chosen(family.plan.assembly)
         law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
         row = {
@@ -276,23 +304,36 @@ def _coordinates(family: Family) -> dict[str, Any]:
             found.setdefault(name, []).append(value)
     units = {"table_tolerance", "integrator_tolerance"}
     return {
-        name: ("choice", np.array(values), about("1", name.replace("_", " ") + (", relative" * (name in units))))
+        name: (
+            "choice",
+            np.array(values),
+            about("1", name.replace("_", " ") + (", relative" * (name in units))),
+        )
         for name, values in found.items()
     }
 
 
 def _origin(
-    family: Family, dataset: "xr.Dataset", records: Sequence[Record], wall_time: float, resumed: bool
+    family: Family,
+    dataset: "xr.Dataset",
+    records: Sequence[Record],
+    wall_time: float,
+    resumed: bool,
 ) -> dict[str, Any]:
     """Return the attributes: those of the plan, with the models of all choices."""
     told = zip(dataset["choice"].to_numpy(), dataset["status"].to_numpy(), strict=True)
     warned = [f"{name}: {text}" for name, text in told if text != "done"]
     if resumed:
-        warned.append("the run was interrupted and gone on with: not all rounds met the same machine")
+        warned.append(
+            "the run was interrupted and gone on with: not all rounds met the same machine"
+        )
     warned += implausible(family.plan.scene)
     evaluations = sum(record.evaluations for record in records)
     first = next(iter(family.studies))
-    origins = [run_origin(made, evaluations, wall_time) | models_origin(made, first) for made in _plans(family)]
+    origins = [
+        run_origin(made, evaluations, wall_time) | models_origin(made, first)
+        for made in _plans(family)
+    ]
     return origins[0] | origin(
         warnings=warned,
         plan=family.plan.parts_of(first),

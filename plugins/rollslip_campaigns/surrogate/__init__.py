@@ -62,7 +62,9 @@ class SurrogateSettings(OfPoints):
 
         return plan_surrogate(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Compute in a folder."""
         from rollslip_campaigns.surrogate.surrogate import run_surrogate
 

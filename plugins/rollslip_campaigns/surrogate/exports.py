@@ -34,7 +34,15 @@ from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CSV_FORMAT", "C_FORMAT", "FMU_FORMAT", "VARIABLES", "TablesFormat", "c_header", "sources"]
+__all__ = [
+    "CSV_FORMAT",
+    "C_FORMAT",
+    "FMU_FORMAT",
+    "VARIABLES",
+    "TablesFormat",
+    "c_header",
+    "sources",
+]
 
 #: Name, unit, causality, start and meaning of the variables of an FMU, in the order of bearing.h.
 VARIABLES: Final = (
@@ -47,7 +55,13 @@ VARIABLES: Final = (
     ("roller_speed", "rad/s", "output", "", "mean spin of the rollers relative to the cage"),
     ("cage_slip", "1", "output", "", "1 - cage speed/cage speed without slip"),
     ("torque", "N.m", "output", "", "torque that drives the inner ring against rollers and land"),
-    ("outer_torque", "N.m", "output", "", "torque that drives the outer ring against rollers and land"),
+    (
+        "outer_torque",
+        "N.m",
+        "output",
+        "",
+        "torque that drives the outer ring against rollers and land",
+    ),
     ("power_loss", "W", "output", "", "sliding, rolling and drags turned into heat"),
     ("drag_reserve", "1", "output", "", "largest torque of the rollers on the cage over its drag"),
     ("first_cage_slip", "1", "parameter", "", "cage slip at the start"),
@@ -73,10 +87,12 @@ def _array(name: str, values: Any, kind: str = "double") -> str:
     values = np.asarray(values, dtype=float)
     numbers = (f"{v:.8g}" if kind == "float" else repr(v) for v in values.ravel().tolist())
     sizes = "".join(f"[{n}]" for n in values.shape)
-    rows, line = list[str](), ""
+    rows = list[str]()
+    line = ""
     for number in numbers:
         if len(line) > 110:
-            rows, line = [*rows, line], ""
+            rows = [*rows, line]
+            line = ""
         line += f"{number},"
     text = "\n".join([*rows, line])
     return f"static const {kind} {name}{sizes} = {{\n{text}\n}};\n"
@@ -108,17 +124,28 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
     text += f"#define NX {tables.friction.shape[-1]}\n#define NC {rest.shape[1]}\n"
     text += _array("FRICTION", tables.friction, "float") + _array("FORCE", tables.force, "float")
     text += _array("ROLLS", tables.resistance, "float") + _array("MOST", tables.largest, "float")
-    for name, key in (("LEAD_INNER", "inner"), ("LEAD_OUTER", "outer"), ("SQUARE", "cage"), ("REST", "rest")):
+    for name, key in (
+        ("LEAD_INNER", "inner"),
+        ("LEAD_OUTER", "outer"),
+        ("SQUARE", "cage"),
+        ("REST", "rest"),
+    ):
         text += _array(name, tables.drags[key])
     everything = text + "".join(_own(name) for name in ("bearing.h", "bearing.c", "fmi2.c"))
     guid = f"{{{uuid.uuid5(_SPACE, everything)}}}"
-    return f'/* Tables of a bearing, within {float(result.attrs["error"]):.2g}. */\n#define GUID "{guid}"\n{text}', guid
+    return (
+        f'/* Tables of a bearing, within {float(result.attrs["error"]):.2g}. */\n#define GUID "{guid}"\n{text}',
+        guid,
+    )
 
 
 def sources(result: "xr.Dataset") -> tuple[dict[str, str], str]:
     """Return the files of which a library is compiled, by name, and the GUID."""
     header, guid = c_header(result)
-    return {"bearing_data.h": header, **{name: _own(name) for name in ("bearing.h", "bearing.c", "fmi2.c")}}, guid
+    return {
+        "bearing_data.h": header,
+        **{name: _own(name) for name in ("bearing.h", "bearing.c", "fmi2.c")},
+    }, guid
 
 
 @attrs.frozen
@@ -127,7 +154,9 @@ class TablesFormat(SceneFormat):
 
     def read(self, content: bytes, source: str) -> Read:
         """Refuse to read: there is no scene in it."""
-        raise SceneError([f"{source}: holds tables of a bearing, and no scene; name the scene they were made of"])
+        raise SceneError(
+            [f"{source}: holds tables of a bearing, and no scene; name the scene they were made of"]
+        )
 
     def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
         """Write the tables of a result of campaign surrogate."""
@@ -167,7 +196,9 @@ class Fmu(TablesFormat):
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
                 entry = zipfile.ZipInfo(name, _DATE)
-                entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.create_system = 3
+                entry.external_attr = 0o644 << 16
                 archive.writestr(entry, entries[name])
         return Written(packed.getvalue(), tuple(notes))
 
@@ -184,13 +215,19 @@ def _suffix() -> str:
 def _library(made: Mapping[str, str]) -> tuple[bytes | None, str]:
     """Return the compiled library, or why there is none."""
     named = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
-    compiler = shutil.which(named) or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    compiler = (
+        shutil.which(named) or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    )
     if compiler is None:
         return None, "no C compiler is found"
     with TemporaryDirectory() as folder:
         for name, text in made.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        flags = [flag for flag in _FLAGS if sys.platform.startswith("linux") or not flag.startswith("-Wl")]
+        flags = [
+            flag
+            for flag in _FLAGS
+            if sys.platform.startswith("linux") or not flag.startswith("-Wl")
+        ]
         done = subprocess.run(
             [compiler, *flags, "-Wno-missing-braces", "bearing.c", "fmi2.c", "-o", "bearing.so", "-lm"],
             cwd=folder, capture_output=True, text=True, check=False,
@@ -229,7 +266,12 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
     for reference, (name, of, causality, first, text) in enumerate(VARIABLES):
         more: dict[str, dict[str, str]] = {"parameter": {"variability": "fixed", "initial": "exact"},
                 "output": {"variability": "continuous", "initial": "calculated"}}  # fmt: skip
-        said = {"name": name, "valueReference": str(reference), "causality": causality, "description": text}
+        said = {
+            "name": name,
+            "valueReference": str(reference),
+            "causality": causality,
+            "description": text,
+        }
         said |= more.get(causality, {"variability": "continuous"})
         variable = ET.SubElement(known, "ScalarVariable", said)
         real = ET.SubElement(variable, "Real", unit=of)
@@ -263,7 +305,13 @@ class C(TablesFormat):
 
 
 #: Columns of the table of operations beside those that say where.
-_COLUMNS: Final = ("steady_cage_slip", "friction_torque", "outer_torque", "power_loss", "drag_reserve")
+_COLUMNS: Final = (
+    "steady_cage_slip",
+    "friction_torque",
+    "outer_torque",
+    "power_loss",
+    "drag_reserve",
+)
 
 
 @attrs.frozen

@@ -53,7 +53,9 @@ _NODES = ("temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_ro
 
 
 def _error(dataset: "xr.Dataset") -> str:
-    largest, median = (f"{100.0 * float(dataset.attrs[name]):.2g} %" for name in ("error", "median_error"))
+    largest, median = (
+        f"{100.0 * float(dataset.attrs[name]):.2g} %" for name in ("error", "median_error")
+    )
     count = dataset.sizes["operation"]
     return f"tables within {largest} at {count} random operations, {median} in the middle of them"
 
@@ -61,7 +63,9 @@ def _error(dataset: "xr.Dataset") -> str:
 def _ranges(dataset: "xr.Dataset") -> str:
     spans = []
     for name, unit in _RANGES.items():
-        low, high = (format_quantity(float(end), unit, 4) for end in dataset[f"{name}_range"].to_numpy())
+        low, high = (
+            format_quantity(float(end), unit, 4) for end in dataset[f"{name}_range"].to_numpy()
+        )
         spans.append(f"{name} {low}" + (f" to {high}" if high != low else ""))
     return f"they go over {', '.join(spans)}; beyond them values are held"
 

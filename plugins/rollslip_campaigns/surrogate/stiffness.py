@@ -18,7 +18,9 @@ __all__ = ["INSTANTS", "stiffness"]
 INSTANTS = 8
 
 
-def stiffness(assembly: Assembly, cage_speed: float | None = None, instants: int = INSTANTS) -> Array:
+def stiffness(
+    assembly: Assembly, cage_speed: float | None = None, instants: int = INSTANTS
+) -> Array:
     """Return the stiffness [N/m], (2, 2), along and across the load of the scene; NaN where rings yield.
 
     The cage's speed [rad/s] is by default the epicyclic one.
@@ -27,22 +29,33 @@ def stiffness(assembly: Assembly, cage_speed: float | None = None, instants: int
     if case.rings is not None:
         return np.full((2, 2), np.nan)
     found = assembly.load_distribution(instants, cage_speed)
-    x, psi = found.position, found.psi[..., None]
-    ring, tilt = found.displacement[:, None, None], found.roller_tilt[..., None] * x
+    x = found.position
+    psi = found.psi[..., None]
+    ring = found.displacement[:, None, None]
+    tilt = found.roller_tilt[..., None] * x
     outer = found.roller_shift[..., None] + tilt - assembly.drop
     inner = ring[..., 0] * np.cos(psi) + ring[..., 1] * np.sin(psi) - 0.5 * case.radial_clearance
     inner = inner + case.misalignment * x * np.cos(psi) - outer - 2.0 * assembly.drop
     springs = []
-    for name, approach, load in zip(RINGS, (inner, outer), (found.inner_load, found.outer_load), strict=True):
+    for name, approach, load in zip(
+        RINGS, (inner, outer), (found.inner_load, found.outer_load), strict=True
+    ):
         each = np.where(load > 0.0, assembly.deflect(approach, name)[1], 0.0) * assembly.widths
-        springs.append(np.moveaxis(np.array([[each.sum(-1), each @ x], [each @ x, each @ x**2]]), (0, 1), (-2, -1)))
+        springs.append(
+            np.moveaxis(
+                np.array([[each.sum(-1), each @ x], [each @ x, each @ x**2]]), (0, 1), (-2, -1)
+            )
+        )
     pressed = found.inner_force > 0.0
     Ki, Ko = (of[pressed] for of in springs)
     follows = np.linalg.solve(_held(Ki + Ko), Ki[..., :1])
     k = np.zeros(found.inner_force.shape)
     k[pressed] = Ki[:, 0, 0] - (Ki[:, :1] @ follows)[:, 0, 0]
-    c, s = np.cos(found.psi), np.sin(found.psi)
-    return np.asarray(np.array([[k * c * c, k * c * s], [k * c * s, k * s * s]]).sum(axis=-1).mean(axis=-1))
+    c = np.cos(found.psi)
+    s = np.sin(found.psi)
+    return np.asarray(
+        np.array([[k * c * c, k * c * s], [k * c * s, k * s * s]]).sum(axis=-1).mean(axis=-1)
+    )
 
 
 def _held(K: Array) -> Array:

@@ -38,7 +38,12 @@ from rollslip_campaigns.sweep.result import origin_of_points
 from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import read_overs, read_share
 from rollslip_campaigns.sweep.sweep import plan_sweep
-from rollslip_studies.raceway_friction.study import ROLLING, SMALL, RacewayFriction, at_rolling_speed
+from rollslip_studies.raceway_friction.study import (
+    ROLLING,
+    SMALL,
+    RacewayFriction,
+    at_rolling_speed,
+)
 from rollslip_studies.variation.quantities import quantities
 
 if TYPE_CHECKING:
@@ -51,23 +56,38 @@ __all__ = ["RESULT", "Surrogate", "plan_surrogate", "run_surrogate"]
 
 RESULT: Final = "surrogate.nc"
 #: Nodes of the rows of temperature and load, and strides from the first one on.
-_ROW, _STRIDES = 49, (16, 8, 4, 2, 1)
+_ROW = 49
+_STRIDES = (16, 8, 4, 2, 1)
 #: Strides of the nodes of a point: cage ratio, rolling speed, slide-roll ratio, coarse to fine.
 _WITHIN: Final = ((4, 2), (8, 4, 2), (4, 2))
 #: Share of the error for one axis at first, and by how much less it is where random operations are off.
-_SHARE, _TIGHTER, _TIMES = 0.8, 0.5, 4
+_SHARE = 0.8
+_TIGHTER = 0.5
+_TIMES = 4
 #: Ranges where none are named: factors of a load and of a speed, and kelvins about a temperature.
-_LOADS, _SPEEDS, _KELVINS = (0.4, 2.5), (0.15, 1.2), 20.0
+_LOADS = (0.4, 2.5)
+_SPEEDS = (0.15, 1.2)
+_KELVINS = 20.0
 #: Rolling speeds over those of the rings at the epicyclic speed: a cage at rest has about twice that.
-_SLOWER, _FASTER, _SLOWEST = 0.7, 1.6, 0.01
+_SLOWER = 0.7
+_FASTER = 1.6
+_SLOWEST = 0.01
 #: Speeds of a ring at which ratios are looked at, and bounds of these: without a cage speed no roller is pressed.
-_LOOKED_AT, _LEAST_RATIO, _MOST_RATIO = 9, 0.05, 50.0
+_LOOKED_AT = 9
+_LEAST_RATIO = 0.05
+_MOST_RATIO = 50.0
 #: Cage speeds and shaft speeds of the tables over them.
-_CAGE, _SHAFT = 65, 9
+_CAGE = 65
+_SHAFT = 9
 #: Error of drags that tell of another dependence than that on leads and squares, and what rounding leaves of one.
 _NO_SUM: Final = 0.1
 _NOTHING: Final = 1e-10
-_KEYS: Final = ("operation.temperature", "operation.radial_load", "operation.inner_speed", "operation.outer_speed")
+_KEYS: Final = (
+    "operation.temperature",
+    "operation.radial_load",
+    "operation.inner_speed",
+    "operation.outer_speed",
+)
 _OUTPUTS: Final = tuple(RacewayFriction.outputs)
 #: Table -> how many of cage ratio, rolling speed and slide-roll ratio it is over.
 _LAST: Final = {"mean_friction": 3, "largest_friction": 2, "ring_resistance": 2, "ring_force": 2}
@@ -108,10 +128,15 @@ class Surrogate:
         """What is tabulated, in words."""
         units = dict(zip(_KEYS, ("K", "N", "rad/s", "rad/s"), strict=True))
         spans = (
-            f"  {key}: " + " to ".join(dict.fromkeys(format_quantity(end, units[key], 4) for end in ends))
+            f"  {key}: "
+            + " to ".join(dict.fromkeys(format_quantity(end, units[key], 4) for end in ends))
             for key, ends in self.ranges.items()
         )
-        return [self.sweep.headline, *spans, f"  until random operations are within {100 * self.error:.3g} %"]
+        return [
+            self.sweep.headline,
+            *spans,
+            f"  until random operations are within {100 * self.error:.3g} %",
+        ]
 
     @property
     def axes(self) -> dict[str, Axis]:
@@ -122,7 +147,9 @@ class Surrogate:
 def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
     """Return the rows of temperature and load; one node where both ends are the same."""
     found = {}
-    for key, name, logarithmic in zip(_KEYS, ("temperature", "radial_load"), (False, True), strict=False):
+    for key, name, logarithmic in zip(
+        _KEYS, ("temperature", "radial_load"), (False, True), strict=False
+    ):
         low, high = ranges[key]
         row = (np.geomspace if logarithmic else np.linspace)(low, high, _ROW)
         found[name] = Axis(row if high > low else row[:1], logarithmic)
@@ -138,9 +165,14 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
             [f"cage.drag: {pocket.name}: one mean roller has no force in its pocket, so that its friction there cannot "
              "be tabulated; leave it out, or go through time at level pocket"]
         )  # fmt: skip
-    ranges, error = _ranges(base, asked.over), read_share(asked.error)
+    ranges = _ranges(base, asked.over)
+    error = read_share(asked.error)
     if not 1e-4 <= error <= 0.2:
-        raise SceneError([f"error: a share from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {asked.error}"])
+        raise SceneError(
+            [
+                f"error: a share from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {asked.error}"
+            ]
+        )
     slow, fast, least, most = _speeds(assembly, ranges)
     of_study = f"study.{RacewayFriction.name}"
     told = {f"{of_study}.slowest": slow, f"{of_study}.fastest": fast, f"{of_study}.least_ratio": least,
@@ -161,7 +193,8 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
         )  # fmt: skip
     how = {"study": RacewayFriction.name, "output": list(_OUTPUTS), "engine": asked.engine,
            "time_limit": asked.time_limit}  # fmt: skip
-    rows, spans = dict[str, object](), dict[str, object]()
+    rows = dict[str, object]()
+    spans = dict[str, object]()
     for key, axis in zip(_KEYS, _axes(ranges).values(), strict=False):
         rows[key] = axis.nodes.tolist()
         if axis.nodes.size > 1:
@@ -179,11 +212,15 @@ def plan_surrogate(asked: "SurrogateSettings") -> Surrogate:
 
 def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
     """Return the ends of all four quantities."""
-    known, o = quantities(assemble(scene), settings(scene, RacewayFriction.name)), scene.operation
+    known = quantities(assemble(scene), settings(scene, RacewayFriction.name))
+    o = scene.operation
     found = {
         _KEYS[0]: (o.temperature - _KELVINS, o.temperature + _KELVINS),
         _KEYS[1]: (_LOADS[0] * o.radial_load, _LOADS[1] * o.radial_load),
-        **{key: _around(value) for key, value in zip(_KEYS[2:], (o.inner_speed, o.outer_speed), strict=True)},
+        **{
+            key: _around(value)
+            for key, value in zip(_KEYS[2:], (o.inner_speed, o.outer_speed), strict=True)
+        },
     }
     problems = list[str]()
     for key, text in read_overs(over or {}).items():
@@ -192,14 +229,18 @@ def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
             there = f"there are: {', '.join(_KEYS)}"
             problems.append(f"{key}: {there if key in known else unknown(key, known)}")
             continue
-        text = text[0] if isinstance(text, list) and len(text) == 1 else text  # one value, where nothing varies
-        unit, parts = str(known[name].unit), [part.strip() for part in str(text).split(":")]
+        text = (
+            text[0] if isinstance(text, list) and len(text) == 1 else text
+        )  # one value, where nothing varies
+        unit = str(known[name].unit)
+        parts = [part.strip() for part in str(text).split(":")]
         try:
             if len(parts) > 2:
                 raise ValueError(f"{text!r} is no range; write LOW:HIGH, with units")
             check_typed(str(text), parts, unit)
             ends = evenly(parts[0], parts[-1], 2, unit)
-            low, high = float(ends[0]), float(ends[-1])
+            low = float(ends[0])
+            high = float(ends[-1])
             if low > high or (name == _KEYS[1] and not low > 0.0):
                 raise ValueError(
                     f"{text!r}: the first end must be {'above 0 and ' * (name == _KEYS[1])}below the second"
@@ -219,15 +260,24 @@ def _around(speed: float) -> tuple[float, float]:
     return low, high
 
 
-def _speeds(assembly: Assembly, ranges: Mapping[str, tuple[float, float]]) -> tuple[float, float, float, float]:
+def _speeds(
+    assembly: Assembly, ranges: Mapping[str, tuple[float, float]]
+) -> tuple[float, float, float, float]:
     """Return the ends of the rolling speeds [m/s], and those of R_o w/u without slip."""
-    Ri, Ro = assembly.kinematics.inner_radius, assembly.kinematics.outer_radius
+    Ri = assembly.kinematics.inner_radius
+    Ro = assembly.kinematics.outer_radius
     inner, outer = np.meshgrid(*(np.linspace(*ranges[key], _LOOKED_AT) for key in _KEYS[2:]))
     u = Ri * Ro / (Ri + Ro) * (inner - outer)
     if not u.any():
-        raise SceneError(["operation.inner_speed: nothing rolls at any speed of the ranges; give other ones"])
+        raise SceneError(
+            ["operation.inner_speed: nothing rolls at any speed of the ranges; give other ones"]
+        )
     fast = _FASTER * float(np.abs(u).max())
-    slow = _SLOWEST * fast if u.min() < 0.0 < u.max() else max(_SLOWER * float(np.abs(u).min()), _SLOWEST * fast)
+    slow = (
+        _SLOWEST * fast
+        if u.min() < 0.0 < u.max()
+        else max(_SLOWER * float(np.abs(u).min()), _SLOWEST * fast)
+    )
     if not outer.any():
         return slow, fast, 1.0, 1.0
     rho = np.abs(Ri * inner + Ro * outer)[u != 0.0] / (Ri + Ro) * Ro / np.abs(u[u != 0.0])
@@ -313,7 +363,9 @@ def _thick(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Arr
         table = tables[name]
         for axis, stride in enumerate(strides[:count], start=table.ndim - count):
             if (nodes := table.shape[axis]) > 1:
-                table = _along(table, axis, weights(nodes, np.arange((nodes - 1) * stride + 1) / stride))
+                table = _along(
+                    table, axis, weights(nodes, np.arange((nodes - 1) * stride + 1) / stride)
+                )
         found[name] = table
     return found
 
@@ -344,8 +396,10 @@ def run_surrogate(
     true = dict[int, dict[str, Array]]()
     _computed(places, true, range(made.random.design.size))
     random = {name: np.array([true[k][name] for k in sorted(true)]) for name in _TABLES}
-    axes, at = made.axes, _random_places(made)
-    level, share = [0, 0], _SHARE
+    axes = made.axes
+    at = _random_places(made)
+    level = [0, 0]
+    share = _SHARE
     for _ in range(_TIMES):
         level = _refined(nodes, level, share * made.error)
         rows = [_row(axis, k) for axis, k in zip(axes.values(), level, strict=True)]
@@ -378,16 +432,24 @@ def _row(axis: Axis, level: int) -> list[int]:
 
 def _refined(nodes: _Nodes, level: Sequence[int], allowed: float) -> list[int]:
     """Return how fine both rows have to be, each held against nodes half-way, at three places of the other."""
-    axes, found = [*nodes.made.axes.values()], [*level]
+    axes = [*nodes.made.axes.values()]
+    found = [*level]
     for k in (0, 1):
         other = [0] if axes[1 - k].nodes.size == 1 else [0, _ROW // 2, _ROW - 1]
         while axes[k].nodes.size > 1 and found[k] < len(_STRIDES) - 1:
             row = _row(axes[k], found[k])
             half = [(a + b) // 2 for a, b in pairwise(row)]
-            known, true = (nodes.at(*((some, other) if k == 0 else (other, some))) for some in (row, half))
+            known, true = (
+                nodes.at(*((some, other) if k == 0 else (other, some))) for some in (row, half)
+            )
             between = weights(len(row), np.arange(0.5, len(half)))
             guessed = {name: _along(known[name], k, between) for name in _TABLES}
-            if _errors(*({n: np.moveaxis(of[n], k, 0) for n in _TABLES} for of in (guessed, true))).max() <= allowed:
+            if (
+                _errors(
+                    *({n: np.moveaxis(of[n], k, 0) for n in _TABLES} for of in (guessed, true))
+                ).max()
+                <= allowed
+            ):
                 break
             found[k] += 1
     return found
@@ -395,20 +457,29 @@ def _refined(nodes: _Nodes, level: Sequence[int], allowed: float) -> list[int]:
 
 def _random_places(made: Surrogate) -> dict[str, Array]:
     """Return temperatures and loads of the random operations."""
-    changes: list[Mapping[str, Any]] = [made.random.design.changes(k) for k in range(made.random.design.size)]
+    changes: list[Mapping[str, Any]] = [
+        made.random.design.changes(k) for k in range(made.random.design.size)
+    ]
     return {
-        key.partition(".")[2]: np.array([float(one.get(key, made.ranges[key][0])) for one in changes])
+        key.partition(".")[2]: np.array(
+            [float(one.get(key, made.ranges[key][0])) for one in changes]
+        )
         for key in _KEYS[:2]
     }
 
 
 def _interpolated(
-    tables: Mapping[str, Array], axes: Mapping[str, Axis], rows: Sequence[Sequence[int]], at: Mapping[str, Array]
+    tables: Mapping[str, Array],
+    axes: Mapping[str, Axis],
+    rows: Sequence[Sequence[int]],
+    at: Mapping[str, Array],
 ) -> dict[str, Array]:
     """Return tables (temperature, load, ...) at places, (place, ...)."""
     t, w = (Axis(axes[name].nodes[row], axes[name].logarithmic).weights(at[name])
             for name, row in zip(axes, rows, strict=True))  # fmt: skip
-    return {name: np.einsum("pt,pw,tw...->p...", t, w, tables[name], optimize=True) for name in _TABLES}
+    return {
+        name: np.einsum("pt,pw,tw...->p...", t, w, tables[name], optimize=True) for name in _TABLES
+    }
 
 
 # What it comes to -----------------------------------------------------------------------------------------------------
@@ -427,10 +498,12 @@ def _drags(
     step = math.asinh(most / CAGE_SMALL) / (_CAGE - 1)
     cages = CAGE_SMALL * np.sinh(step * np.arange(_CAGE))
     found: dict[str, list[Any]] = {name: [] for name in ("inner", "outer", "cage", "rest")}
-    axis, worst = Axis(rolling, True), 0.0
+    axis = Axis(rolling, True)
+    worst = 0.0
     for temperature in temperatures.tolist():
         bearing = assemble(evolve(scene, {_KEYS[0]: temperature}))
-        drags, k = bearing.cage.drags, bearing.kinematics
+        drags = bearing.cage.drags
+        k = bearing.kinematics
 
         def lead(of: int, drags: Any = drags) -> float:
             speeds = [0.5 * most] * 3
@@ -438,28 +511,42 @@ def _drags(
             speeds[of] += most
             return float((drags.torque(*speeds) - before) / most)
 
-        inner, outer = lead(1), lead(2)
+        inner = lead(1)
+        outer = lead(2)
 
         def left(w: float, drags: Any = drags, leads: float = inner + outer) -> float:
             return float(drags.torque(w, 0.0, 0.0)) + leads * w
 
         def square(drags: Any, left: Callable[[float, Any], float] = left) -> float:
-            return -8.0 * (left(most, drags) - 2.0 * left(0.75 * most, drags) + left(0.5 * most, drags)) / most**2
+            return (
+                -8.0
+                * (left(most, drags) - 2.0 * left(0.75 * most, drags) + left(0.5 * most, drags))
+                / most**2
+            )
 
         size = abs(left(most)) + (abs(inner) + abs(outer)) * most
         own = square(drags)
         own = own if abs(own) * most**2 > _NOTHING * size else 0.0
-        squares = np.array([square(at_rolling_speed(bearing, u).cage.drags) for u in rolling.tolist()])
+        squares = np.array(
+            [square(at_rolling_speed(bearing, u).cage.drags) for u in rolling.tolist()]
+        )
         rest = np.array([left(w) + own * w * w for w in cages.tolist()])
         rest[np.abs(rest) <= _NOTHING * size] = 0.0
         for name, value in (("inner", inner), ("outer", outer), ("cage", squares), ("rest", rest)):
             found[name].append(value)
         for _ in range(20):
-            more, u = rng.uniform(-most, most), float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
-            wi, wo = more + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius), more
+            more = rng.uniform(-most, most)
+            u = float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
+            wi = more + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
+            wo = more
             w = float(rng.uniform(wo, wi))
-            true, x = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo), math.asinh(abs(w) / CAGE_SMALL) / step
-            told = inner * (wi - w) + outer * (wo - w) - float((axis.weights(u) @ squares)[0]) * abs(w) * w
+            true = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo)
+            x = math.asinh(abs(w) / CAGE_SMALL) / step
+            told = (
+                inner * (wi - w)
+                + outer * (wo - w)
+                - float((axis.weights(u) @ squares)[0]) * abs(w) * w
+            )
             told += math.copysign(1.0, w) * float((weights(_CAGE, np.array([x])) @ rest)[0])
             worst = max(worst, abs(told - true) / max(size, abs(true), 1e-300))
     return {name: np.array(values) for name, values in found.items()}, float(cages[-1]), worst
@@ -478,7 +565,10 @@ def _dataset(
 
     scene = made.sweep.scene
     assembly = assemble(scene)
-    k, o, Z, m = assembly.kinematics, scene.operation, scene.bearing.rollers, assembly.roller_mass
+    k = assembly.kinematics
+    o = scene.operation
+    Z = scene.bearing.rollers
+    m = assembly.roller_mass
     T, W = (axes[name].nodes[row] for name, row in zip(axes, rows, strict=True))
     nodes = {name: tables[name][0, 0][::stride] for name, stride in
              zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)}  # fmt: skip
@@ -505,8 +595,18 @@ def _dataset(
         ("roller_radius", k.roller_radius, "m", "radius of a roller"),
         ("orbit_radius", k.orbit_radius, "m", "radius of the orbit"),
         ("roller_mass", m, "kg", "mass of a roller"),
-        ("orbital_inertia", assembly.cage.inertia + Z * m * k.orbit_radius**2, "kg m2", "of cage and rollers"),
-        ("spin_inertia", Z * 0.5 * m * k.roller_radius**2, "kg m2", "of all rollers about themselves"),
+        (
+            "orbital_inertia",
+            assembly.cage.inertia + Z * m * k.orbit_radius**2,
+            "kg m2",
+            "of cage and rollers",
+        ),
+        (
+            "spin_inertia",
+            Z * 0.5 * m * k.roller_radius**2,
+            "kg m2",
+            "of all rollers about themselves",
+        ),
         ("first_load", o.radial_load, "N", "radial load of the scene"),
         ("first_temperature", o.temperature, "K", "temperature of the scene"),
         ("first_inner_speed", o.inner_speed, "rad/s", "speed of the inner ring of the scene"),
@@ -515,7 +615,11 @@ def _dataset(
         variables[name] = ((), float(value), about(unit, text))
     for key, unit in zip(_KEYS, ("K", "N", "rad/s", "rad/s"), strict=True):
         name = key.partition(".")[2]
-        variables[f"{name}_range"] = ("end", np.array(made.ranges[key]), about(unit, f"ends of {key}"))
+        variables[f"{name}_range"] = (
+            "end",
+            np.array(made.ranges[key]),
+            about(unit, f"ends of {key}"),
+        )
     variables |= {
         "operation_error": ("operation", errors, about("1", "largest error at a random operation")),
         **{f"operation_{name}": ("operation", value, about(unit, f"{name.replace('_', ' ')} there"))
@@ -524,9 +628,15 @@ def _dataset(
     units = {"temperature": "K", "radial_load": "N", "cage_ratio": "1", "rolling_speed": "m/s",
              "slide_roll": "1", "cage_speed": "rad/s"}  # fmt: skip
     step = math.asinh(cage_top / CAGE_SMALL) / (_CAGE - 1)
-    values = {"temperature": T, "radial_load": W, **nodes, "cage_speed": CAGE_SMALL * np.sinh(step * np.arange(_CAGE))}
+    values = {
+        "temperature": T,
+        "radial_load": W,
+        **nodes,
+        "cage_speed": CAGE_SMALL * np.sinh(step * np.arange(_CAGE)),
+    }
     coords: dict[str, Any] = {
-        name: (name, value, about(units[name], name.replace("_", " "))) for name, value in values.items()
+        name: (name, value, about(units[name], name.replace("_", " ")))
+        for name, value in values.items()
     }
     coords["ring"] = ("ring", ["inner", "outer"], about("1", "raceway"))
     found = xr.Dataset(
@@ -547,26 +657,45 @@ def _with_steady(found: "xr.Dataset", made: Surrogate) -> "xr.Dataset":
     """Return tables with what a bearing that runs at constant speeds does, over temperature, load and shaft speed."""
     low, high = made.ranges[_KEYS[2]]
     speeds = np.linspace(low, high, _SHAFT) if high > low else np.array([low])
-    tables, outer = Tables.of(found), made.sweep.scene.operation.outer_speed
-    T, W = found["temperature"].to_numpy(), found["radial_load"].to_numpy()
-    rows = np.array([[np.stack(attrs.astuple(tables.at(t, w).steady(speeds, outer)), axis=-1) for w in W] for t in T])
+    tables = Tables.of(found)
+    outer = made.sweep.scene.operation.outer_speed
+    T = found["temperature"].to_numpy()
+    W = found["radial_load"].to_numpy()
+    rows = np.array(
+        [
+            [np.stack(attrs.astuple(tables.at(t, w).steady(speeds, outer)), axis=-1) for w in W]
+            for t in T
+        ]
+    )
     dims = ("temperature", "radial_load", "inner_speed")
     told = (
         ("steady_cage_slip", "1", "cage slip at which the drags are carried"),
         ("friction_torque", "N m", "torque that drives the inner ring there"),
         ("outer_torque", "N m", "torque that drives the outer ring there"),
         ("power_loss", "W", "losses there"),
-        ("drag_reserve", "1", "largest torque of the rollers on the cage over its drag, 1e6 at most; below 1 it skids"),
+        (
+            "drag_reserve",
+            "1",
+            "largest torque of the rollers on the cage over its drag, 1e6 at most; below 1 it skids",
+        ),
     )
-    made_of = {name: (dims, rows[..., k], about(unit, text)) for k, (name, unit, text) in enumerate(told)}
+    made_of = {
+        name: (dims, rows[..., k], about(unit, text)) for k, (name, unit, text) in enumerate(told)
+    }
     springs = _springs(made, T, W, speeds, rows[..., 0])
     for name, at in (("along", (0, 0)), ("across", (1, 1)), ("oblique to", (0, 1))):
-        made_of[f"stiffness_{name.split()[0]}"] = (dims, springs[..., *at], about("N/m", f"stiffness {name} the load"))
+        made_of[f"stiffness_{name.split()[0]}"] = (
+            dims,
+            springs[..., *at],
+            about("N/m", f"stiffness {name} the load"),
+        )
     speed = {"inner_speed": ("inner_speed", speeds, about("rad/s", "speed of the inner ring"))}
     return found.assign(made_of).assign_coords(speed)
 
 
-def _springs(made: Surrogate, temperatures: Array, loads: Array, speeds: Array, slips: Array) -> Array:
+def _springs(
+    made: Surrogate, temperatures: Array, loads: Array, speeds: Array, slips: Array
+) -> Array:
     """Return stiffnesses [N/m] at the slips at which the bearing runs, at none where it does not, (T, W, n, 2, 2)."""
     found = np.empty((*slips.shape, 2, 2))
     for t, k in np.ndindex(len(temperatures), len(speeds)):
@@ -574,5 +703,7 @@ def _springs(made: Surrogate, temperatures: Array, loads: Array, speeds: Array, 
         bearing = assemble(evolve(made.scene, at))
         for w, load in enumerate(loads.tolist()):
             slip = 0.0 if np.isnan(slips[t, w, k]) else float(slips[t, w, k])
-            found[t, w, k] = stiffness(bearing.at_load(load), bearing.kinematics.epicyclic_cage_speed * (1.0 - slip))
+            found[t, w, k] = stiffness(
+                bearing.at_load(load), bearing.kinematics.epicyclic_cage_speed * (1.0 - slip)
+            )
     return found

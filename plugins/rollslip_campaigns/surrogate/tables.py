@@ -32,7 +32,10 @@ REST: Final = 1e-3
 #: Cage speed over which what is left of the drags is taken [rad/s].
 CAGE_SMALL: Final = 1.0
 #: Cage slips at which a balance is looked for, how often it is narrowed down to how many, and halvings of a spin.
-_SLIPS, _ROUNDS, _FINER, _HALVINGS = 40, 4, 17, 26
+_SLIPS = 40
+_ROUNDS = 4
+_FINER = 17
+_HALVINGS = 26
 
 
 def weights(count: int, place: Array) -> Array:
@@ -43,7 +46,11 @@ def weights(count: int, place: Array) -> Array:
     found = np.zeros((t.size, count))
     for node in range(many):
         others = [k for k in range(many) if k != node]
-        product = np.prod([(t - first - k) / (node - k) for k in others], axis=0) if others else np.ones(t.size)
+        product = (
+            np.prod([(t - first - k) / (node - k) for k in others], axis=0)
+            if others
+            else np.ones(t.size)
+        )
         found[np.arange(t.size), first + node] = product
     return found
 
@@ -59,9 +66,14 @@ class Axis:
         """Return where values lie, in steps from the first node."""
         if self.nodes.size == 1:
             return np.zeros(np.shape(value))
-        low, high = self.nodes[0], self.nodes[-1]
+        low = self.nodes[0]
+        high = self.nodes[-1]
         at = np.maximum(value, low)
-        share = np.log(at / low) / math.log(high / low) if self.logarithmic else (at - low) / (high - low)
+        share = (
+            np.log(at / low) / math.log(high / low)
+            if self.logarithmic
+            else (at - low) / (high - low)
+        )
         return np.asarray(share * (self.nodes.size - 1))
 
     def weights(self, value: Array | float) -> Array:
@@ -109,7 +121,8 @@ class Tables:
                 ("temperature", False), ("radial_load", True), ("cage_ratio", True), ("rolling_speed", True)
             )
         }  # fmt: skip
-        ratio, small = found["slide_roll"].to_numpy(), float(found.attrs["sliding_small"])
+        ratio = found["slide_roll"].to_numpy()
+        small = float(found.attrs["sliding_small"])
         return cls(
             axes=axes,
             sliding_small=small,
@@ -118,21 +131,32 @@ class Tables:
             largest=found["largest_friction"].to_numpy(),
             resistance=found["ring_resistance"].to_numpy(),
             force=found["ring_force"].to_numpy(),
-            drags={name: found[f"drag_{name}"].to_numpy() for name in ("inner", "outer", "cage", "rest")},
+            drags={
+                name: found[f"drag_{name}"].to_numpy()
+                for name in ("inner", "outer", "cage", "rest")
+            },
             cage_top=float(found["cage_speed"][-1]),
-            numbers={str(name): float(value) for name, value in found.data_vars.items() if not value.dims},
+            numbers={
+                str(name): float(value) for name, value in found.data_vars.items() if not value.dims
+            },
         )
 
     def at(self, temperature: float, load: float) -> "Folded":
         """Return what the tables are at a temperature [K] and under a load [N]."""
-        t, w = self.axes["temperature"].weights(temperature)[0], self.axes["radial_load"].weights(load)[0]
+        t = self.axes["temperature"].weights(temperature)[0]
+        w = self.axes["radial_load"].weights(load)[0]
 
         def folded(table: Array) -> Array:
             return np.asarray(np.einsum("t,w,rtw...->r...", t, w, table))
 
         drags = {name: np.tensordot(t, value, axes=1) for name, value in self.drags.items()}
         return Folded(
-            self, folded(self.friction), folded(self.largest), folded(self.resistance), folded(self.force), drags
+            self,
+            folded(self.friction),
+            folded(self.largest),
+            folded(self.resistance),
+            folded(self.force),
+            drags,
         )
 
 
@@ -149,7 +173,8 @@ class Folded:
 
     def _weights(self, w: Array, u: Array) -> tuple[Array, Array]:
         """Weights of the nodes of cage ratio and of rolling speed."""
-        axes, film = self.of.axes, np.hypot(u, REST)
+        axes = self.of.axes
+        film = np.hypot(u, REST)
         ratio = self.of.numbers["outer_radius"] * np.abs(w) / film
         return axes["cage_ratio"].weights(ratio), axes["rolling_speed"].weights(film)
 
@@ -158,33 +183,50 @@ class Folded:
         by_cage, by_speed = self._weights(w, u)
         film = np.hypot(u, REST)
         x = np.arcsinh(np.abs(V) / (self.of.sliding_small * film)) / self.of.sliding_step
-        by_ratio, friction, force, rolls = weights(self.friction.shape[-1], x), 0.0, 0.0, 0.0
+        by_ratio = weights(self.friction.shape[-1], x)
+        friction = 0.0
+        force = 0.0
+        rolls = 0.0
         for c, weight in enumerate(by_cage.T):
-            friction = friction + weight * ((by_speed @ self.friction[ring, c]) * by_ratio).sum(axis=1)
+            friction = friction + weight * ((by_speed @ self.friction[ring, c]) * by_ratio).sum(
+                axis=1
+            )
             force = force + weight * (by_speed @ self.force[ring, c])
             rolls = rolls + weight * (by_speed @ self.resistance[ring, c])
         return np.asarray(np.sign(V) * friction * force), np.asarray(rolls * u / film)
 
     def drag(self, w: Array, inner: Array | float, outer: float) -> Array:
         """Torque of the drags on the cage [N m]."""
-        d, rest, n = self.drags, self.drags["rest"], self.of.numbers
+        d = self.drags
+        rest = self.drags["rest"]
+        n = self.of.numbers
         step = math.asinh(self.of.cage_top / CAGE_SMALL) / (rest.size - 1)
         left = weights(rest.size, np.arcsinh(np.abs(w) / CAGE_SMALL) / step) @ rest
         u = np.abs(inner - outer) / (1.0 / n["inner_radius"] + 1.0 / n["outer_radius"])
         square = self.of.axes["rolling_speed"].weights(np.broadcast_to(u, np.shape(w))) @ d["cage"]
         return np.asarray(
-            d["inner"] * (inner - w) + d["outer"] * (outer - w) - square * np.abs(w) * w + np.sign(w) * left
+            d["inner"] * (inner - w)
+            + d["outer"] * (outer - w)
+            - square * np.abs(w) * w
+            + np.sign(w) * left
         )
 
     def steady(self, inner: Array, outer: float) -> Steady:
         """Return where the bearing runs at constant speeds of the rings [rad/s]: at the least slip with a balance."""
         n = self.of.numbers
-        Ri, Ro = n["inner_radius"], n["outer_radius"]
+        Ri = n["inner_radius"]
+        Ro = n["outer_radius"]
         free = (Ri * inner + Ro * outer) / (Ri + Ro)
-        slips = np.concatenate((-np.geomspace(1.0, 1e-4, 9), [0.0], np.geomspace(1e-4, 1.0, _SLIPS)))
-        grid, found = np.broadcast_to(slips, (inner.size, slips.size)), np.ones(inner.size, dtype=bool)
+        slips = np.concatenate(
+            (-np.geomspace(1.0, 1e-4, 9), [0.0], np.geomspace(1e-4, 1.0, _SLIPS))
+        )
+        grid = np.broadcast_to(slips, (inner.size, slips.size))
+        found = np.ones(inner.size, dtype=bool)
         for turn in range(_ROUNDS):
-            left = np.sign(free)[:, None] * self._balance(free[:, None] * (1.0 - grid), inner[:, None], outer)[0]
+            left = (
+                np.sign(free)[:, None]
+                * self._balance(free[:, None] * (1.0 - grid), inner[:, None], outer)[0]
+            )
             passes = (left[:, :-1] <= 0.0) & (left[:, 1:] > 0.0)
             at = passes.argmax(axis=1)
             found &= passes.any(axis=1) | (turn > 0)
@@ -192,7 +234,9 @@ class Folded:
             grid = low + (high - low) * np.linspace(0.0, 1.0, _FINER)
         slip = np.where(found & (free != 0.0), 0.5 * (low + high)[:, 0], np.nan)
         w = free * (1.0 - np.where(np.isnan(slip), 0.0, slip))
-        _, on_inner, on_outer = (one[:, 0] for one in self._balance(w[:, None], inner[:, None], outer))
+        _, on_inner, on_outer = (
+            one[:, 0] for one in self._balance(w[:, None], inner[:, None], outer)
+        )
         torque = on_inner + float(self.drags["inner"]) * (inner - w)
         outer_torque = on_outer + float(self.drags["outer"]) * (outer - w)
         known = np.where(np.isnan(slip), np.nan, 1.0)
@@ -203,24 +247,32 @@ class Folded:
 
     def _balance(self, w: Array, inner: Array, outer: float) -> tuple[Array, Array, Array]:
         """Torque that is left on the cage, and those of both rings, with rollers in balance; of one shape."""
-        n, shape = self.of.numbers, np.broadcast_shapes(w.shape, inner.shape)
+        n = self.of.numbers
+        shape = np.broadcast_shapes(w.shape, inner.shape)
         w, inner = (np.broadcast_to(one, shape).ravel() for one in (w, inner))
-        Ri, Ro = n["inner_radius"], n["outer_radius"]
-        a, b = Ri * (inner - w), Ro * (w - outer)  # a roller turns at a speed between those of both rings
+        Ri = n["inner_radius"]
+        Ro = n["outer_radius"]
+        # a roller turns at a speed between those of both rings
+        a = Ri * (inner - w)
+        b = Ro * (w - outer)
         margin = 0.05 * (np.abs(a) + np.abs(b))  # resistances may slow it further
-        low, high = np.minimum(a, b) - margin, np.maximum(a, b) + margin
+        low = np.minimum(a, b) - margin
+        high = np.maximum(a, b) + margin
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             (Fi, Si), (Fo, So) = self._forces(w, a, b, middle)
             ahead = Fi - Si - Fo - So > 0.0
-            low, high = np.where(ahead, middle, low), np.where(ahead, high, middle)
+            low = np.where(ahead, middle, low)
+            high = np.where(ahead, high, middle)
         (Fi, Si), (Fo, So) = self._forces(w, a, b, 0.5 * (low + high))
         on_inner = Ri * (Fo + 2.0 * Si + So)  # F_i of a roller in balance
         on_outer = Ro * (Fo - So)
         left = on_inner + on_outer + self.drag(w, inner, outer)
         return left.reshape(shape), on_inner.reshape(shape), on_outer.reshape(shape)
 
-    def _forces(self, w: Array, a: Array, b: Array, c: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    def _forces(
+        self, w: Array, a: Array, b: Array, c: Array
+    ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         """Traction and resistance of inner and outer ring, at speeds a, b of the rings and c of the roller."""
         return self.pull(0, w, a - c, 0.5 * (a + c)), self.pull(1, w, c - b, 0.5 * (b + c))
 
@@ -236,6 +288,8 @@ class Folded:
         most = [told(self.largest, ring) * told(self.force, ring) for ring in (0, 1)]
         own = [told(self.resistance, ring) for ring in (0, 1)]
         on_outer = np.minimum(most[1], most[0] - own[0] - own[1])
-        torque = n["inner_radius"] * (on_outer + 2.0 * own[0] + own[1]) + n["outer_radius"] * (on_outer - own[1])
+        torque = n["inner_radius"] * (on_outer + 2.0 * own[0] + own[1]) + n["outer_radius"] * (
+            on_outer - own[1]
+        )
         drag = np.abs(self.drag(w, inner, outer))
         return np.where(drag > 0.0, np.minimum(torque / np.where(drag > 0.0, drag, 1.0), 1e6), 1e6)

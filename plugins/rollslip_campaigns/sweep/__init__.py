@@ -54,8 +54,12 @@ class SweepSettings(OfPoints):
         more='A mapping of keys to lists of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", or, to be sampled, '
         '"LOW:HIGH" or "LOW:HIGH:log". Tables [sweep] and [uncertainty] of the scene count too.',
     )  # fmt: skip
-    samples: int | None = setting("Samples of ranges and of what is uncertain.", of=int, least=1, metavar="N")
-    sampling: str | None = setting("sobol, replicated-sobol, latin-hypercube, saltelli.", metavar="NAME")
+    samples: int | None = setting(
+        "Samples of ranges and of what is uncertain.", of=int, least=1, metavar="N"
+    )
+    sampling: str | None = setting(
+        "sobol, replicated-sobol, latin-hypercube, saltelli.", metavar="NAME"
+    )
     seed: int | None = setting("Seed of the samples.", of=int, least=0, metavar="N")
     study: str | None = setting("Only this study.", metavar="STUDY")
     output: Sequence[str] | str = setting(
@@ -69,7 +73,9 @@ class SweepSettings(OfPoints):
 
         return planned(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Compute the points in a folder."""
         from rollslip_campaigns.sweep.folder import begin, finish
         from rollslip_campaigns.sweep.run import run_sweep

@@ -37,8 +37,12 @@ class _Steps(click.Group):
         """Find the command, or say that one is missing before the scene."""
         from rollslip.scene.reading import shipped_scenes
 
-        if self.get_command(ctx, args[0]) is None and (Path(args[0]).suffix == ".toml" or args[0] in shipped_scenes()):
-            raise click.UsageError(f"{args[0]} is a scene; write: rollslip sweep run {shlex.join(args)}", ctx)
+        if self.get_command(ctx, args[0]) is None and (
+            Path(args[0]).suffix == ".toml" or args[0] in shipped_scenes()
+        ):
+            raise click.UsageError(
+                f"{args[0]} is a scene; write: rollslip sweep run {shlex.join(args)}", ctx
+            )
         return super().resolve_command(ctx, args)
 
 
@@ -66,7 +70,9 @@ sweep.command("run")(with_settings(SweepSettings, _sweep_run))
 @engine_options
 @results_options(out=False, overwrite=False)
 @json_option
-def sweep_resume(folder: Path, engine: Mapping[str, object] | None, time_limit: str | None, results: Results) -> None:
+def sweep_resume(
+    folder: Path, engine: Mapping[str, object] | None, time_limit: str | None, results: Results
+) -> None:
     """Compute the points of the sweep in FOLDER that are not done yet."""
     from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
 
@@ -77,7 +83,13 @@ def sweep_resume(folder: Path, engine: Mapping[str, object] | None, time_limit: 
 @sweep.command("retry")
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--failed", is_flag=True, help="All points without a result.")
-@click.option("--status", "statuses", metavar="STATUS", multiple=True, help="Those of one status, such as timed-out.")
+@click.option(
+    "--status",
+    "statuses",
+    metavar="STATUS",
+    multiple=True,
+    help="Those of one status, such as timed-out.",
+)
 @engine_options
 @results_options(out=False, overwrite=False)
 @json_option
@@ -94,16 +106,27 @@ def sweep_retry(
     from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
 
     if failed == bool(statuses):
-        raise click.UsageError("name the points to compute again: --failed, or --status of one kind")
+        raise click.UsageError(
+            "name the points to compute again: --failed, or --status of one kind"
+        )
     if unknown := sorted(set(statuses) - set(FAILED)):
-        raise click.UsageError(f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}")
+        raise click.UsageError(
+            f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}"
+        )
     made = with_engine(open_sweep(folder), engine, time_limit)
     _run_sweep(made, folder, FAILED if failed else tuple(statuses), results)
 
 
 @sweep.command("status")
 @click.argument("folder", type=click.Path(path_type=Path))
-@click.option("--errors", metavar="N", default=5, show_default=True, type=click.IntRange(0), help="Last errors shown.")
+@click.option(
+    "--errors",
+    metavar="N",
+    default=5,
+    show_default=True,
+    type=click.IntRange(0),
+    help="Last errors shown.",
+)
 @json_option
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
@@ -159,10 +182,18 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
     dataset = finish(made, folder)
     account = account_of(dataset)
     found = account.record(dataset)
-    files = [RESULT, *(results.show({"sweep": dataset}, folder) if not found["counts"]["pending"] else [])]
+    files = [
+        RESULT,
+        *(results.show({"sweep": dataset}, folder) if not found["counts"]["pending"] else []),
+    ]
     if results.as_json:
         print_json(
-            {"scene": made.given.source, "sweep_hash": made.hash, "study": made.study, "run": with_units(run)}
+            {
+                "scene": made.given.source,
+                "sweep_hash": made.hash,
+                "study": made.study,
+                "run": with_units(run),
+            }
             | with_units(found, dataset)
             | {"folder": str(folder), "files": files}
         )
@@ -175,7 +206,10 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
         click.echo(f"some points have no result; see: {told}", err=True)
         if found["counts"]["pending"]:
             told = shlex.join(["rollslip", "sweep", "resume", str(folder)])
-            click.echo(f"{found['counts']['pending']} of them are not computed yet; go on with: {told}", err=True)
+            click.echo(
+                f"{found['counts']['pending']} of them are not computed yet; go on with: {told}",
+                err=True,
+            )
         sys.exit(SOME_FAILED)
 
 
@@ -199,9 +233,13 @@ def sweep_standing(of: "Status") -> list[str]:
     if of.done < of.total:
         lines.append(f"  not yet: {of.total - of.done}")
         if of.left is not None and of.quiet is not None:
-            lines.append(f"  at the last pace {duration(of.left)} left; the last point came {duration(of.quiet)} ago")
+            lines.append(
+                f"  at the last pace {duration(of.left)} left; the last point came {duration(of.quiet)} ago"
+            )
     for writer in of.writers:
-        ended = writer["ended"] or ("runs" if of.running and writer is of.writers[-1] else "was killed")
+        ended = writer["ended"] or (
+            "runs" if of.running and writer is of.writers[-1] else "was killed"
+        )
         who = f"{writer['host']} process {writer['process']}, {writer['engine']}"
         lines.append(f"  {who}: {writer['points']} points, {ended}")
     lines += [f"  point {number} {status}: {message}" for number, status, message in of.errors]

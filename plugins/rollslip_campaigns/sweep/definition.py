@@ -48,7 +48,11 @@ class Resolutions:
 
     def of(self, changes: Mapping[str, object]) -> Resolution | None:
         """Return the resolution of a point, None if it is computed as the scene states."""
-        return self.chosen.get(name_of([changes.get(key) for key in self.deciding])) if self.chosen else None
+        return (
+            self.chosen.get(name_of([changes.get(key) for key in self.deciding]))
+            if self.chosen
+            else None
+        )
 
     @property
     def facts(self) -> dict[str, dict[str, object]]:
@@ -105,8 +109,12 @@ def here(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
 class SweepTable:
     """The table ``[sweep]`` of a scene."""
 
-    study: str | None = parameter(default=None, doc="study to sweep; by default the first one of the scene")
-    output: tuple[str, ...] = parameter(default=(), doc="variables of the study to keep; by default its main ones")
+    study: str | None = parameter(
+        default=None, doc="study to sweep; by default the first one of the scene"
+    )
+    output: tuple[str, ...] = parameter(
+        default=(), doc="variables of the study to keep; by default its main ones"
+    )
     over: FrozenTable = parameter(
         default=FrozenTable(),
         doc="what is varied, by the key of the scene: a list, or a range 'LOW:HIGH:COUNT', 'LOW:HIGH:COUNT:log'",
@@ -116,12 +124,19 @@ class SweepTable:
         doc="samples of ranges without a count and of what is uncertain",
         validator=attrs.validators.optional(at_least(1)),
     )
-    sampling: str = parameter(default="sobol", doc="how samples are drawn", validator=one_of(*SAMPLINGS))
+    sampling: str = parameter(
+        default="sobol", doc="how samples are drawn", validator=one_of(*SAMPLINGS)
+    )
     seed: int = parameter(default=0, doc="seed of the samples", validator=non_negative)
     time_limit: float | None = parameter(
-        default=None, unit="s", doc="longest time for one point", validator=attrs.validators.optional(positive)
+        default=None,
+        unit="s",
+        doc="longest time for one point",
+        validator=attrs.validators.optional(positive),
     )
-    engine: Any = parameter(default=None, doc="engine, by name or as a table with its parameters; by default chosen")
+    engine: Any = parameter(
+        default=None, doc="engine, by name or as a table with its parameters; by default chosen"
+    )
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -211,7 +226,9 @@ class Sweep(SweepWork):
     @property
     def headline(self) -> str:
         """The first line of a run: version, scene and hash, study and packages."""
-        packages = ", ".join(f"{name} {version}" for name, version in self.facts["packages"].items())
+        packages = ", ".join(
+            f"{name} {version}" for name, version in self.facts["packages"].items()
+        )
         version = importlib.metadata.version("rollslip")
         scene = f"{self.given.source} {scene_hash(self.scene)[:12]}"
         return f"rollslip {version} | {scene} | sweep of {self.study} | {packages}"
@@ -221,16 +238,21 @@ class Sweep(SweepWork):
         """What is swept, in words."""
         lines = []
         for axis in self.design.axes:
-            count, ends = len(axis.values), [axis.shown(value) for value in axis.values]
+            count = len(axis.values)
+            ends = [axis.shown(value) for value in axis.values]
             values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
             lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
-            if axis.key == "models.traction" and "hydrodynamic" in dict(self.scene.models.traction.parameters):
+            if axis.key == "models.traction" and "hydrodynamic" in dict(
+                self.scene.models.traction.parameters
+            ):
                 whole = self.scene.models.traction.name
                 lines.append(
                     f"  in place of the whole {whole}; to change the law in it, sweep models.traction.hydrodynamic"
                 )
         for of in self.design.sampled:
-            lines.append(f"{of.key}: {shown(self.uncertainty.distributions[of.key], of.unit or '1')}")
+            lines.append(
+                f"{of.key}: {shown(self.uncertainty.distributions[of.key], of.unit or '1')}"
+            )
         if self.design.has_samples:
             n = len(self.design.samples)
             balance = (
@@ -240,7 +262,9 @@ class Sweep(SweepWork):
             )
             lines.append(f"{n} samples, {self.table.sampling}, seed {self.table.seed}{balance}")
         elif self.given.uncertainty:
-            lines.append("the table [uncertainty] of the scene is not used: no samples are asked for; --samples N does")
+            lines.append(
+                "the table [uncertainty] of the scene is not used: no samples are asked for; --samples N does"
+            )
         for name, resolution in self.resolutions.chosen.items():
             laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
             lines.append(

@@ -63,18 +63,23 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             yield "sweep-models", models_apart(dataset), _models(values, choices[0])
         return
     few = all(dataset.sizes[key] <= _PANELS for key in choices)
-    for name, values in _results(dataset, keys, curves=len(numbers) == 1 and not choices)[:_FIGURES]:
+    for name, values in _results(dataset, keys, curves=len(numbers) == 1 and not choices)[
+        :_FIGURES
+    ]:
         ending = "" if name == _RESULT else f"-{name.replace('_', '-').replace(' ', '-')}"
-        whose, panels = "", choices
+        whose = ""
+        panels = choices
         if "ring" in values.dims and (choices or len(numbers) == 2):
             if choices or name in dataset:
-                values, whose = values.sel(ring="inner"), " of the inner ring"
+                values = values.sel(ring="inner")
+                whose = " of the inner ring"
             else:  # what has several names may be worse on either ring
                 panels = ["ring"]
         said = f"{_name(values)}{whose}{resting(dataset) if name.startswith('critical_') else ''} over "
         if len(numbers) == 2 and few:
             if "steady" in values.dims:
-                values, said = values.isel(steady=0), said.replace(" over ", ", the smallest, over ")
+                values = values.isel(steady=0)
+                said = said.replace(" over ", ", the smallest, over ")
             caption = f"{said}{' and '.join(of_key(key_of[key]) for key in numbers)}; {_HATCHED}."
             yield (
                 f"sweep-map{ending}",
@@ -85,12 +90,18 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             caption = f"{said}{of_key(key_of[numbers[0]])}{f', by {of_key(key_of[choices[0]])}' if choices else ''}."
             loads = {}
             if key_of[numbers[0]] == "operation.radial_load" and in_percent(name, "1"):
-                least = {"minimum load": float(dataset["least_load"].median())} if "least_load" in dataset else {}
+                least = (
+                    {"minimum load": float(dataset["least_load"].median())}
+                    if "least_load" in dataset
+                    else {}
+                )
                 loads = least | catalogue_loads(dataset)
             yield f"sweep-line{ending}", caption, _line(values, numbers[0], choices, loads)
 
 
-def _results(dataset: "xr.Dataset", keys: Sequence[str], *, curves: bool) -> "list[tuple[str, xr.DataArray]]":
+def _results(
+    dataset: "xr.Dataset", keys: Sequence[str], *, curves: bool
+) -> "list[tuple[str, xr.DataArray]]":
     """Outputs that have one number for a point, for each name or for each steady slip, and a value anywhere.
 
     One that has names beside the rings is taken apart by them, unless they are curves of one figure.
@@ -99,10 +110,19 @@ def _results(dataset: "xr.Dataset", keys: Sequence[str], *, curves: bool) -> "li
     for name, values in dataset.data_vars.items():
         if values.dtype.kind != "f" or name == "seconds":
             continue
-        inner, categories = {str(dim) for dim in values.dims} - set(keys), [*named_dims(values, [*keys, "ring"])]
-        if len(categories) == 1 and inner <= {*categories, "ring"} and not (curves and inner == {*categories}):
+        inner = {str(dim) for dim in values.dims} - set(keys)
+        categories = [*named_dims(values, [*keys, "ring"])]
+        if (
+            len(categories) == 1
+            and inner <= {*categories, "ring"}
+            and not (curves and inner == {*categories})
+        ):
             found += [(f"{name}-{one}", piece) for one, piece in by_name(values, categories[0])]
-        elif inner <= {"ring"} or inner == {"steady"} or (len(categories) == 1 and inner == {*categories}):
+        elif (
+            inner <= {"ring"}
+            or inner == {"steady"}
+            or (len(categories) == 1 and inner == {*categories})
+        ):
             found.append((str(name), values))
     known = [(name, values) for name, values in found if np.isfinite(values.to_numpy()).any()]
     return sorted(known, key=lambda one: one[0] != _RESULT)
@@ -113,7 +133,8 @@ def models_apart(dataset: "xr.Dataset") -> str:
     ((name, key),) = axes_of(dataset).items()
     quantiles = _quantiles(dataset[_RESULT].sel(ring="inner"), name)
     medians = quantiles[:, 2]
-    beyond, known = np.isinf(medians), np.isfinite(quantiles[:, [1, 3]]).all(axis=1)
+    beyond = np.isinf(medians)
+    known = np.isfinite(quantiles[:, [1, 3]]).all(axis=1)
     if beyond.any():
         spread = f"the medians of {beyond.sum()} are not known"
     else:
@@ -137,15 +158,24 @@ def _quantiles(values: "xr.DataArray", key: str) -> Array:
 
 
 def _models(values: "xr.DataArray", key: str) -> "Figure":
-    names, quantiles = values[key].to_numpy(), 100 * np.minimum(_quantiles(values, key), 1.0)
+    names = values[key].to_numpy()
+    quantiles = 100 * np.minimum(_quantiles(values, key), 1.0)
     sheet = Sheet((ONE_COLUMN[0], (22 + 7 * len(names)) * MM))
     axes = sheet.axes
     for k, (low, first, middle, third, high) in enumerate(quantiles):
         place = len(names) - 1 - k
         axes.plot([low, high], [place, place], color=MODEL_COLOURS[0], linewidth=1.0, zorder=1)
-        axes.barh(place, third - first, 0.5, left=first, color=MODEL_COLOURS[0], alpha=0.45, zorder=2)
-        axes.plot(middle, place, marker="|", markersize=11, markeredgewidth=1.6, color="black", zorder=3)
-    axes.set(yticks=np.arange(len(names))[::-1], yticklabels=list(map(str, names)), ylim=(-0.6, len(names) - 0.4))
+        axes.barh(
+            place, third - first, 0.5, left=first, color=MODEL_COLOURS[0], alpha=0.45, zorder=2
+        )
+        axes.plot(
+            middle, place, marker="|", markersize=11, markeredgewidth=1.6, color="black", zorder=3
+        )
+    axes.set(
+        yticks=np.arange(len(names))[::-1],
+        yticklabels=list(map(str, names)),
+        ylim=(-0.6, len(names) - 0.4),
+    )
     axes.tick_params(axis="y", length=0)
     return sheet.done("Cage slip at largest traction [%]")
 
@@ -158,20 +188,30 @@ def _given(dataset: "xr.Dataset", key: str) -> float:
     return float(value) if isinstance(value, int | float) else np.nan
 
 
-def _line(values: "xr.DataArray", key: str, choices: Sequence[str], loads: Mapping[str, float]) -> "Figure":
+def _line(
+    values: "xr.DataArray", key: str, choices: Sequence[str], loads: Mapping[str, float]
+) -> "Figure":
     """Curves over one quantity: for each choice, else for each ring; steady slips, which may be several, as points.
 
     Of slips over the radial load ``loads`` are drawn, too.
     """
     sheet = Sheet()
     axes = sheet.axes
-    (x, across), (read, unit) = _axis(values[key]), _shown(values)
+    (x, across) = _axis(values[key])
+    (read, unit) = _shown(values)
     over = choices[0] if choices else next(iter(named_dims(values, [key])), None)
-    named = [(str(one), values.sel({over: one})) for one in values[over].to_numpy()] if over else [("", values)]
+    named = (
+        [(str(one), values.sel({over: one})) for one in values[over].to_numpy()]
+        if over
+        else [("", values)]
+    )
     missing = np.zeros(x.size, dtype=bool)
     for k, (name, piece) in enumerate(named):
         label = f"{name} ring" if over == "ring" else name
-        style: dict[str, Any] = {"color": MODEL_COLOURS[k % len(MODEL_COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
+        style: dict[str, Any] = {
+            "color": MODEL_COLOURS[k % len(MODEL_COLOURS)],
+            "linestyle": DASHES[k % len(DASHES)],
+        }
         if over == "ring":
             style = {"color": RING_COLOURS[name], "linestyle": DASHES[k % 2]}
         if piece.sizes.get("steady", 1) > 1:  # which of them go together is not known
@@ -182,9 +222,15 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str], loads: Mappi
             shown[0].set_label(label)
         missing |= ~np.isfinite(y.reshape(x.size, -1)).any(axis=1)
     if missing.any():
-        foot: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
+        foot: dict[str, Any] = {
+            "transform": axes.get_xaxis_transform(),
+            "clip_on": False,
+            "zorder": 5,
+        }
         words = "no value in the range, or the point failed"
-        axes.plot(x[missing], np.zeros(missing.sum()), "x", color="0.3", markersize=4, label=words, **foot)
+        axes.plot(
+            x[missing], np.zeros(missing.sum()), "x", color="0.3", markersize=4, label=words, **foot
+        )
     if _by_factors(x):
         plain_decades(axes.xaxis)
     sheet.handles += axes.get_legend_handles_labels()[0]
@@ -192,11 +238,17 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str], loads: Mappi
     return sheet.done(across, _named(values, unit))
 
 
-def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str], given: Sequence[float]) -> "Figure":
+def _map(
+    values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str], given: Sequence[float]
+) -> "Figure":
     """Draw a map, or one for each choice, with the point of the scene itself where that is in its range."""
-    pieces = [(str(name), values.sel({key: name})) for key in choices for name in values[key].to_numpy()]
+    pieces = [
+        (str(name), values.sel({key: name})) for key in choices for name in values[key].to_numpy()
+    ]
     pieces = pieces or [("", values)]
-    sheet = Sheet(((32 + 46 * len(pieces)) * MM, 58 * MM), 1, len(pieces), sharey=True, squeeze=False)
+    sheet = Sheet(
+        ((32 + 46 * len(pieces)) * MM, 58 * MM), 1, len(pieces), sharey=True, squeeze=False
+    )
     panels = sheet.axes[0]
     read, unit = _shown(values)
     known = read(values.to_numpy())
@@ -206,7 +258,8 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str],
     marks = list[Any]()
     for axes, (name, piece) in zip(panels, pieces, strict=True):
         axes.set_facecolor("0.9")
-        (x, across), (y, up) = _axis(piece[numbers[0]]), _axis(piece[numbers[1]])
+        (x, across) = _axis(piece[numbers[0]])
+        (y, up) = _axis(piece[numbers[1]])
         shown = read(piece.transpose(numbers[1], numbers[0]).to_numpy())
         mesh = axes.pcolormesh(x, y, shown, shading="nearest", **colours)
         mesh.set(edgecolor="face", linewidth=0.2)
@@ -214,9 +267,18 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str],
         for axis, places in ((axes.xaxis, x), (axes.yaxis, y)):
             if _by_factors(places):
                 plain_decades(axis)
-        point = [float(converted(one, *_units(piece[key]))) for one, key in zip(given, numbers, strict=True)]
+        point = [
+            float(converted(one, *_units(piece[key])))
+            for one, key in zip(given, numbers, strict=True)
+        ]
         if all(at.min() <= one <= at.max() for one, at in zip(point, (x, y), strict=True)):
-            marks = axes.plot(*point, color="black", linestyle="none", label="operating point of the scene", **MARKER)
+            marks = axes.plot(
+                *point,
+                color="black",
+                linestyle="none",
+                label="operating point of the scene",
+                **MARKER,
+            )
         if x.min() >= 0.0:  # cells reach half a step beyond the first value
             axes.set_xlim(left=max(0.0, axes.get_xlim()[0]))
         if y.min() >= 0.0:
@@ -233,7 +295,9 @@ def _by_factors(values: Array) -> bool:
     """Whether values are spread by a factor, and not evenly."""
     if values.size < 3 or values.min() <= 0.0:
         return False
-    return bool(np.ptp(np.diff(np.log(values))) < 1e-6 and np.ptp(np.diff(values)) > 1e-6 * np.ptp(values))
+    return bool(
+        np.ptp(np.diff(np.log(values))) < 1e-6 and np.ptp(np.diff(values)) > 1e-6 * np.ptp(values)
+    )
 
 
 def _units(coordinate: "xr.DataArray") -> tuple[str, str]:
@@ -245,13 +309,18 @@ def _units(coordinate: "xr.DataArray") -> tuple[str, str]:
 
 def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
     """Values of what was varied and the label of their axis, in the unit in which they were asked for."""
-    values, (unit, given) = coordinate.to_numpy(), _units(coordinate)
+    values = coordinate.to_numpy()
+    (unit, given) = _units(coordinate)
     name = of_key(str(coordinate.attrs.get("key", coordinate.name)))
     return converted(values, unit, given), f"{name[0].upper()}{name[1:]} [{unit_label(given)}]"
 
 
 def _name(values: "xr.DataArray") -> str:
-    name = "cage slip at largest traction" if values.name == _RESULT else str(values.attrs["long_name"])
+    name = (
+        "cage slip at largest traction"
+        if values.name == _RESULT
+        else str(values.attrs["long_name"])
+    )
     return f"{name[:1].upper()}{name[1:]}"
 
 

@@ -28,7 +28,10 @@ def axes(dataset: "xr.Dataset") -> dict[str, str]:
 
     Older results have keys as names of dimensions.
     """
-    known = {str(coordinate.attrs.get("key", name)): str(name) for name, coordinate in dataset.coords.items()}
+    known = {
+        str(coordinate.attrs.get("key", name)): str(name)
+        for name, coordinate in dataset.coords.items()
+    }
     return {known.get(key, key): key for key in json.loads(dataset.attrs["axes"])}
 
 
@@ -41,11 +44,16 @@ class SweepAccount(Account):
     def sentences(dataset: "xr.Dataset") -> list[str]:
         """Return what a sweep found, line by line: every output with the range of its values."""
         counts = json.loads(dataset.attrs["counts"])
-        lines = [", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"]
+        lines = [
+            ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"
+        ]
         for name, row in _ranges(dataset).items():
             where = "none"
             if row["values"]:
-                told = {which: _shown(row[which], name, row["unit"]) for which in ("least", "largest", "median")}
+                told = {
+                    which: _shown(row[which], name, row["unit"])
+                    for which in ("least", "largest", "median")
+                }
                 where = f"{told['least']} to {told['largest']}, median {told['median']}"
             why = f" ({row['why']})" if row["why"] else ""
             called = f"{name}{resting(dataset)}" if name.startswith("critical_") else name
@@ -57,7 +65,9 @@ class SweepAccount(Account):
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return what a sweep found, by what it is about."""
         first, *others = SweepAccount.sentences(dataset)
-        return {"points": [first]} | {line.partition(":")[0]: [line.partition(": ")[2]] for line in others}
+        return {"points": [first]} | {
+            line.partition(":")[0]: [line.partition(": ")[2]] for line in others
+        }
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -73,7 +83,11 @@ def few_points(of: Sheet, varied: Collection[str]) -> list[Table]:
     """Return the rows of a spreadsheet as people read them, without how points ended, if there are not too many."""
     head, rows = of
     words = {"status", "message", "seconds"}
-    kept = [k for k, name in enumerate(head) if not name.endswith("status") and name.partition(" [")[0] not in words]
+    kept = [
+        k
+        for k, name in enumerate(head)
+        if not name.endswith("status") and name.partition(" [")[0] not in words
+    ]
     if len(rows) > _POINTS or not len(varied) < len(kept) <= _COLUMNS:
         return []
 
@@ -82,7 +96,13 @@ def few_points(of: Sheet, varied: Collection[str]) -> list[Table]:
             return "-" if value is None else str(value)
         return plain(value) if name.partition(" [")[0] in varied else two(value)
 
-    return [Table("", tuple(head[k] for k in kept), [[told(row[k], head[k]) for k in kept] for row in rows])]
+    return [
+        Table(
+            "",
+            tuple(head[k] for k in kept),
+            [[told(row[k], head[k]) for k in kept] for row in rows],
+        )
+    ]
 
 
 def _shown(value: float, name: str, unit: str) -> str:
@@ -102,7 +122,8 @@ def named_dims(values: "xr.DataArray", keys: Collection[str]) -> list[str]:
 
 def by_name(values: "xr.DataArray", dim: str) -> "list[tuple[str, xr.DataArray]]":
     """Return an output name by name, each piece with its own unit."""
-    units, found = json.loads(values[dim].attrs.get(UNITS, "{}")), []
+    units = json.loads(values[dim].attrs.get(UNITS, "{}"))
+    found = []
     for name in map(str, values[dim].to_numpy()):
         piece = values.sel({dim: name})
         called = f"{name} ring" if dim == "ring" else name
@@ -119,18 +140,25 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     for name, variable in dataset.data_vars.items():
         if name == "seconds" or variable.dtype.kind != "f":
             continue
-        status, pieces = _status_of(dataset, variable), {str(name): variable}
+        status = _status_of(dataset, variable)
+        pieces = {str(name): variable}
         named = named_dims(variable, sampled)
         if {*variable.dims} - sampled == {*named}:
             for dim in named:
-                pieces = {f"{k}, {one}": of for k, piece in pieces.items() for one, of in by_name(piece, dim)}
+                pieces = {
+                    f"{k}, {one}": of
+                    for k, piece in pieces.items()
+                    for one, of in by_name(piece, dim)
+                }
         for called, piece in pieces.items():
             values = piece.to_numpy()
             known = values[np.isfinite(values)]
             at = {dim: piece[dim] for dim in named if dim not in piece.dims}
             why = None
             if status is not None:
-                words = status.sel({dim: one for dim, one in at.items() if dim in status.dims}).broadcast_like(piece)
+                words = status.sel(
+                    {dim: one for dim, one in at.items() if dim in status.dims}
+                ).broadcast_like(piece)
                 why = _most_frequent(words.transpose(*piece.dims).to_numpy()[~np.isfinite(values)])
             ranges[called] = {
                 "unit": piece.attrs["units"],
@@ -152,7 +180,9 @@ def _status_of(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray
     names = [
         name
         for name, other in dataset.data_vars.items()
-        if str(name).endswith("_status") and other.dims == variable.dims and other.dtype.kind not in "fiub"
+        if str(name).endswith("_status")
+        and other.dims == variable.dims
+        and other.dtype.kind not in "fiub"
     ]
     return dataset[names[0]] if len(names) == 1 else None
 

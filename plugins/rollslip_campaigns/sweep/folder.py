@@ -74,7 +74,9 @@ def taken_up(sweep: Sweep, folder: Path) -> Path:
     try:
         stored = json.loads((folder / FILE).read_text(encoding="utf-8"))["hash"]
     except (OSError, ValueError, KeyError) as error:
-        raise OutputError(f"{folder / FILE}: cannot be read ({error}); name another --out") from error
+        raise OutputError(
+            f"{folder / FILE}: cannot be read ({error}); name another --out"
+        ) from error
     if stored != sweep.hash:
         raise OutputError(
             f"{folder}: holds points of another scene, of other options or packages; ask for the same, or name "
@@ -93,7 +95,9 @@ class Points:
     report: Report = lambda progress: None
 
     @classmethod
-    def of(cls, sweep: Sweep, folder: Path, said: Callable[[str], None], report: Report) -> "Points":
+    def of(
+        cls, sweep: Sweep, folder: Path, said: Callable[[str], None], report: Report
+    ) -> "Points":
         """Return those of a folder, which is made if it is not there."""
         return cls(sweep, taken_up(sweep, folder), said, report)
 
@@ -167,8 +171,15 @@ class Status:
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
         plain = attrs.asdict(self, recurse=False)
-        errors = [{"number": n, "status": status, "message": text} for n, status, text in self.errors]
-        return plain | {"folder": str(self.folder), "counts": dict(self.counts), "done": self.done, "errors": errors}
+        errors = [
+            {"number": n, "status": status, "message": text} for n, status, text in self.errors
+        ]
+        return plain | {
+            "folder": str(self.folder),
+            "counts": dict(self.counts),
+            "done": self.done,
+            "errors": errors,
+        }
 
 
 def status(folder: Path, errors: int = 5) -> Status:
@@ -181,7 +192,9 @@ def status(folder: Path, errors: int = 5) -> Status:
     size = int(facts["size"])
     codes = states(folder, size)
     counts = Counter(STATUSES[code - 1] for code in codes if code)
-    runs, left, quiet = sessions(folder), None, None
+    runs = sessions(folder)
+    left = None
+    quiet = None
     writers = [
         {
             "host": session.about.get("host", ""),
@@ -192,7 +205,9 @@ def status(folder: Path, errors: int = 5) -> Status:
         }
         for session in runs
     ]
-    if last := next((run for run in reversed(runs) if run.rows), None):  # by their order: clocks may have been set
+    if last := next(
+        (run for run in reversed(runs) if run.rows), None
+    ):  # by their order: clocks may have been set
         quiet = max(0.0, time.time() - last.last)
         pace = (last.last - last.started) / last.rows
         left = pace * (size - sum(counts.values()))

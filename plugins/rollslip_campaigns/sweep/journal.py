@@ -98,8 +98,12 @@ class Row:
 
 def journals(folder: Path) -> list[Path]:
     """Return the journals of a folder in the order in which they were begun; none where there is no folder."""
-    names = os.listdir(folder) if folder.is_dir() else []  # a search would find none where it may not look
-    return sorted(folder / name for name in names if name.startswith("journal-") and name.endswith(".sqlite"))
+    names = (
+        os.listdir(folder) if folder.is_dir() else []
+    )  # a search would find none where it may not look
+    return sorted(
+        folder / name for name in names if name.startswith("journal-") and name.endswith(".sqlite")
+    )
 
 
 class Journal:
@@ -136,7 +140,9 @@ class Journal:
     def note(self, facts: dict[str, str]) -> None:
         """Note something about the writer."""
         with _blamed(self.path):
-            self._connection.executemany("insert or replace into about values (?, ?)", facts.items())
+            self._connection.executemany(
+                "insert or replace into about values (?, ?)", facts.items()
+            )
 
     def write(self, rows: Iterable[Row]) -> None:
         """Commit rows: when this returns, they are on the disk."""
@@ -145,7 +151,16 @@ class Journal:
             try:
                 now = self._now()
                 for r in rows:
-                    values = (r.number, r.key, r.status, r.message, r.seconds, now, self._layout(r.layout), r.texts)
+                    values = (
+                        r.number,
+                        r.key,
+                        r.status,
+                        r.message,
+                        r.seconds,
+                        now,
+                        self._layout(r.layout),
+                        r.texts,
+                    )
                     self._connection.execute(
                         "insert into point values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                         (*values, r.numbers, _checksum(values, r.numbers)),
@@ -185,7 +200,9 @@ class Kept:
             folder.mkdir(parents=True, exist_ok=True)
         if any(session.about.get("sweep") != of for session in sessions(folder)):
             remedy = "go on with the same ones, or run without --resume, or remove the folder"
-            raise OutputError(f"{folder}: holds a run of another scene, or of other choices; {remedy}")
+            raise OutputError(
+                f"{folder}: holds a run of another scene, or of other choices; {remedy}"
+            )
         self.known: dict[int, Any] = {row.number: json.loads(row.texts) for row in records(folder)}
         self._journal = Journal(folder, {"sweep": of})
 
@@ -244,7 +261,9 @@ def only_writer(folder: Path, wait: float = 1.0) -> Iterator[None]:
             if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
                 raise _unwritable(path, error) from error
             last = sessions(folder)[-1:]
-            who = "".join(f" by process {of.about.get('process')} on {of.about.get('host')}" for of in last)
+            who = "".join(
+                f" by process {of.about.get('process')} on {of.about.get('host')}" for of in last
+            )
             raise BusyError(
                 f"{folder}: is being computed{who}; wait for it, or end it; how far it is: "
                 f"rollslip sweep status {folder}"
@@ -295,9 +314,17 @@ def _read(folder: Path, read: Callable[[Path, sqlite3.Connection], Iterable[T]])
         try:
             with closing(sqlite3.connect(path, timeout=_WAIT, isolation_level=None)) as connection:
                 # a writer may have been killed before it made the tables
-                if connection.execute("select count(*) from sqlite_master where name = 'point'").fetchone()[0]:
+                if connection.execute(
+                    "select count(*) from sqlite_master where name = 'point'"
+                ).fetchone()[0]:
                     yield from read(path, connection)
-        except (sqlite3.Error, AttributeError, LookupError, TypeError, ValueError) as error:  # as damaged as it may be
+        except (
+            sqlite3.Error,
+            AttributeError,
+            LookupError,
+            TypeError,
+            ValueError,
+        ) as error:  # as damaged as it may be
             raise OutputError(
                 f"{path}: is not a journal that can be read ({error}); move it away and resume, which computes its "
                 "points again"
@@ -309,7 +336,9 @@ def sessions(folder: Path) -> list[Session]:
 
     def read(path: Path, connection: sqlite3.Connection) -> Iterator[Session]:
         about = dict(connection.execute("select name, value from about").fetchall())
-        rows, last = connection.execute("select count(*), coalesce(max(at), 0.0) from point").fetchone()
+        rows, last = connection.execute(
+            "select count(*), coalesce(max(at), 0.0) from point"
+        ).fetchone()
         yield Session(path, about, float(about["started"]), rows, float(last))
 
     return [*_read(folder, read)]
@@ -346,13 +375,19 @@ def states(folder: Path, size: int) -> bytearray:
     return state
 
 
-def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearray) -> list[tuple[int, str, str]]:
+def last_failures(
+    folder: Path, failed: Sequence[str], most: int, known: bytearray
+) -> list[tuple[int, str, str]]:
     """Return number, status and message of the points that failed last, and have no result since."""
     marks = ", ".join("?" * len(failed))
     query = f"select number, at, status, message from point where status in ({marks}) order by rowid desc"
 
-    def read(path: Path, connection: sqlite3.Connection) -> Iterator[tuple[Path, float, int, str, str]]:
-        still = islice((row for row in connection.execute(query, failed) if known[row[0]] != 1), most)
+    def read(
+        path: Path, connection: sqlite3.Connection
+    ) -> Iterator[tuple[Path, float, int, str, str]]:
+        still = islice(
+            (row for row in connection.execute(query, failed) if known[row[0]] != 1), most
+        )
         for number, at, status, message in reversed([*still]):
             yield path, at, number, status, message
 
@@ -368,9 +403,15 @@ def records(folder: Path, where: str = "", *values: Any) -> Iterator[Row]:
     source = f"point left join layout on layout.id = point.layout {where} order by point.rowid"
 
     def read(path: Path, connection: sqlite3.Connection) -> Iterator[Row]:
-        for *told, numbers, checksum, layout in connection.execute(f"select {columns} from {source}", values):
+        for *told, numbers, checksum, layout in connection.execute(
+            f"select {columns} from {source}", values
+        ):
             number, key, status, message, seconds, _, name, texts = told
-            if layout is None or name != named(layout) or checksum != _checksum(tuple(told), numbers):
+            if (
+                layout is None
+                or name != named(layout)
+                or checksum != _checksum(tuple(told), numbers)
+            ):
                 raise ValueError(f"the row of point {number} is damaged")
             yield Row(number, key, status, message, seconds, layout, numbers, texts)
 

@@ -59,7 +59,9 @@ def compute(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]])
         _import_all()
     size = 1 if work.time_limit is not None else _TOGETHER
     task = _Task(work)
-    rows = [row for k in range(0, len(points), size) for row in _computed(task, points[k : k + size])]
+    rows = [
+        row for k in range(0, len(points), size) for row in _computed(task, points[k : k + size])
+    ]
     return Done(tuple(rows), here(work.packages))
 
 
@@ -81,7 +83,11 @@ def _assembled(work: SweepWork, scene: Scene, resolution: Resolution | None) -> 
     before = _last if _last and (_last[0] is work.scene or parent_process() is not None) else None
     made = assemble(scene, resolution, like=before and before[1])
     # a model that runs in Python is not asked to be evaluated by two threads at once
-    _last = None if any(chain.alone for chain in (made.inner.chain, made.inner.deflection)) else (work.scene, made)
+    _last = (
+        None
+        if any(chain.alone for chain in (made.inner.chain, made.inner.deflection))
+        else (work.scene, made)
+    )
     return made
 
 
@@ -95,9 +101,14 @@ class _Task:
     def key(self, scene: Scene, resolution: Resolution | None) -> str:
         """Return what tells a point from others: scene, study, outputs, resolution and packages."""
         if resolution not in self._asked:
-            finely, work = None if resolution is None else attrs.asdict(resolution), self.work
-            self._asked[resolution] = json.dumps([work.study, work.outputs, finely, here(work.packages)])
-        return hashlib.sha256(f'["{self.hashes.of(scene)}", {self._asked[resolution][1:]}'.encode()).hexdigest()
+            finely = None if resolution is None else attrs.asdict(resolution)
+            work = self.work
+            self._asked[resolution] = json.dumps(
+                [work.study, work.outputs, finely, here(work.packages)]
+            )
+        return hashlib.sha256(
+            f'["{self.hashes.of(scene)}", {self._asked[resolution][1:]}'.encode()
+        ).hexdigest()
 
     def study(self, scene: Scene) -> Study:
         """Return the study with the settings of a point."""
@@ -121,7 +132,9 @@ def _within(seconds: float | None) -> Iterator[None]:
     if seconds is None:
         yield
         return
-    thread, lock, ended = ctypes.c_ulong(threading.get_ident()), threading.Lock(), False
+    thread = ctypes.c_ulong(threading.get_ident())
+    lock = threading.Lock()
+    ended = False
     interrupt = ctypes.pythonapi.PyThreadState_SetAsyncExc
 
     def stop() -> None:
@@ -151,7 +164,9 @@ def _computed(task: _Task, points: Sequence[tuple[int, Mapping[str, object]]]) -
         ready = [(point, point.study, point.assembly) for point in begun if point.study is not None]
         begin = time.perf_counter()
         try:
-            evaluated = evaluate_together([(study, assembly) for _, study, assembly in ready], task.work.outputs)
+            evaluated = evaluate_together(
+                [(study, assembly) for _, study, assembly in ready], task.work.outputs
+            )
         except KeyboardInterrupt:
             raise
         except BaseException:  # whose it is, each alone tells
@@ -186,7 +201,10 @@ class _Point:
             yield
         except _TimeLimit:
             limit = self.task.work.time_limit
-            self._end("timed-out", f"took longer than the time limit of {limit:g} s; retry with a longer --time-limit")
+            self._end(
+                "timed-out",
+                f"took longer than the time limit of {limit:g} s; retry with a longer --time-limit",
+            )
         except ConvergenceError as error:
             self._end("not-converged", str(error))
         except (DomainError, SceneError, FieldError) as error:
@@ -207,7 +225,8 @@ class _Point:
     def prepare(self) -> None:
         """Put its bearing together."""
         work = self.task.work
-        scene, resolution = evolve(work.scene, self.changes), work.resolutions.of(self.changes)
+        scene = evolve(work.scene, self.changes)
+        resolution = work.resolutions.of(self.changes)
         self.row.key = self.task.key(scene, resolution)
         self.assembly = _assembled(work, scene, resolution)
         study = self.task.study(scene)
@@ -243,7 +262,8 @@ class _Point:
 
 def _packed(variables: Variables, coords: Variables) -> tuple[str, bytes, str]:
     """Layout, numbers and texts of some variables."""
-    numbers, texts = [], []
+    numbers = []
+    texts = []
     for _, values, _ in variables.values():
         if values.dtype.kind in "fiub":
             numbers.append(np.ascontiguousarray(values, dtype="<f8").tobytes())
@@ -251,20 +271,29 @@ def _packed(variables: Variables, coords: Variables) -> tuple[str, bytes, str]:
             texts.append([str(text) for text in values.ravel()])
     layout = {
         "variables": {name: _laid_out(*of) for name, of in variables.items()},
-        "coords": {name: _laid_out(*of) | {"values": of[1].tolist()} for name, of in coords.items()},
+        "coords": {
+            name: _laid_out(*of) | {"values": of[1].tolist()} for name, of in coords.items()
+        },
     }
     return json.dumps(layout), b"".join(numbers), json.dumps(texts)
 
 
 def _laid_out(dims: tuple[str, ...], values: Any, said: Mapping[str, Any]) -> dict[str, Any]:
     kept = {name: text for name, text in said.items() if isinstance(text, str)}
-    return {"dims": dims, "shape": values.shape, "text": values.dtype.kind not in "fiub", "attrs": kept}
+    return {
+        "dims": dims,
+        "shape": values.shape,
+        "text": values.dtype.kind not in "fiub",
+        "attrs": kept,
+    }
 
 
 def unpacked(layout: Mapping[str, Any], numbers: bytes, texts: str) -> dict[str, Any]:
     """Return arrays by the name of their variable, from a layout as JSON gives it and the values of a row."""
-    floats, words = np.frombuffer(numbers, dtype="<f8"), iter(json.loads(texts))
-    arrays, at = dict[str, Any](), 0
+    floats = np.frombuffer(numbers, dtype="<f8")
+    words = iter(json.loads(texts))
+    arrays = dict[str, Any]()
+    at = 0
     for name, about in layout["variables"].items():
         shape = tuple(about["shape"])
         if about["text"]:

@@ -56,12 +56,16 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     import xarray as xr
 
     check_owner(folder, sweep.hash)
-    design, size = sweep.design, sweep.design.size
+    design = sweep.design
+    size = sweep.design.size
     status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
-    message, seconds = np.full(size, "", dtype=object), np.full(size, np.nan)
+    message = np.full(size, "", dtype=object)
+    seconds = np.full(size, np.nan)
     for row in records(folder):
         if status[row.number] != "ok":
-            status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds
+            status[row.number] = row.status
+            message[row.number] = row.message
+            seconds[row.number] = row.seconds
     fields = _Fields(map(json.loads, layouts(folder)), size)
     parsed = lru_cache(maxsize=256)(json.loads)
     filled = set[int]()
@@ -69,7 +73,8 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
         if row.number not in filled:
             filled.add(row.number)
             fields.fill(row.number, parsed(row.layout), row.numbers, row.texts)
-    dims, names = sweep.dims, sweep.names
+    dims = sweep.dims
+    names = sweep.names
     called = {name: f"study_{name}" if name in OF_POINTS else name for name in fields.arrays}
     known = settings(sweep.scene, sweep.study)[sweep.study].outputs
     told = {name: called.get(one.status) for name, one in known.items()}
@@ -88,23 +93,31 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     }
     if design.has_samples:
         coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
-        coords |= {names[of.key]: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
+        coords |= {
+            names[of.key]: ("sample", design.samples[:, k], _about(of))
+            for k, of in enumerate(design.sampled)
+        }
     return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
 
 
 def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     """Return by how much the point in the middle differs from a run of its scene, where that is too much."""
-    done, cls = np.flatnonzero(dataset["status"].to_numpy().ravel() == "ok"), study_class(sweep.study)
+    done = np.flatnonzero(dataset["status"].to_numpy().ravel() == "ok")
+    cls = study_class(sweep.study)
     if not done.size or cls.in_time:
         return []
     number = _corners(sweep.design, done)[0]
-    point = dataset.isel(dict(zip(sweep.dims, np.unravel_index(number, sweep.design.shape), strict=True)))
+    point = dataset.isel(
+        dict(zip(sweep.dims, np.unravel_index(number, sweep.design.shape), strict=True))
+    )
     try:
         made = plan(evolve(sweep.scene, sweep.design.changes(number)), sweep.study)
         run = compute(made, sweep.study).dataset
     except Exception as error:  # somebody's law may raise anything; what was computed stands
         place = sweep.design.shown(number)
-        return [f"how far points are off could not be checked at {place}, by a run of the scene: {in_words(error)}"]
+        return [
+            f"how far points are off could not be checked at {place}, by a run of the scene: {in_words(error)}"
+        ]
     keys = {of: key for key, of in cls.judged.items()}
     alike = [of for of in sweep.outputs if of in run and of in point and run[of].dtype.kind == "f"]
     errors = {
@@ -127,7 +140,13 @@ def apart_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
 def _written(axis: Axis) -> dict[str, str]:
     """The unit in which the values of an axis were given, for figures, where all have the same."""
     unit = axis.quantity.unit
-    given = {axis.given} if axis.given else {unit_given(value, unit) for value in axis.listed} if unit else set()
+    given = (
+        {axis.given}
+        if axis.given
+        else {unit_given(value, unit) for value in axis.listed}
+        if unit
+        else set()
+    )
     return {"written_in": one} if len(given) == 1 and (one := str(given.pop())) != unit else {}
 
 
@@ -139,7 +158,11 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     own = status[np.fromiter(sweep.numbers, dtype=int)]
     counts = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
     lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
-    warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
+    warnings = (
+        [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"]
+        if lost
+        else []
+    )
     left = _left(sweep, _corners(sweep.design, np.flatnonzero(status == "ok")))
     return origin_of_points(
         sweep,
@@ -156,7 +179,9 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     )
 
 
-def origin_of_points(sweep: Sweep, warnings: Iterable[str], outside: Iterable[str], **facts: Any) -> dict[str, Any]:
+def origin_of_points(
+    sweep: Sweep, warnings: Iterable[str], outside: Iterable[str], **facts: Any
+) -> dict[str, Any]:
     """Return facts as attributes of a campaign, with where its points come from; `outside` is said of their laws."""
     moved = {*map(full_key, sweep.table.over)}
     return origin(
@@ -184,13 +209,19 @@ def _corners(design: Design, done: "np.ndarray[Any, Any]") -> list[int]:
     ]
     columns += [*design.samples[places[:, -1]].T] if design.has_samples else []
     rows = np.array(columns, dtype=float).T
-    middle = np.linalg.norm((rows - np.median(rows, axis=0)) / np.maximum(np.ptp(rows, axis=0), 1e-300), axis=1)
-    return [int(some[k]) for k in dict.fromkeys([int(np.argmin(middle)), *far_apart(rows, _CORNERS)])]
+    middle = np.linalg.norm(
+        (rows - np.median(rows, axis=0)) / np.maximum(np.ptp(rows, axis=0), 1e-300), axis=1
+    )
+    return [
+        int(some[k]) for k in dict.fromkeys([int(np.argmin(middle)), *far_apart(rows, _CORNERS)])
+    ]
 
 
 def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
     """Say at how many of some points laws are outside what they were made for, each where it matters most."""
-    worst, count, others = dict[tuple[str, str], validity.Told](), Counter[tuple[str, str]](), list[str]()
+    worst = dict[tuple[str, str], validity.Told]()
+    count = Counter[tuple[str, str]]()
+    others = list[str]()
     for number in numbers:
         try:
             said = _told(sweep, number)
@@ -206,15 +237,23 @@ def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
             known = worst.setdefault(key, one)
             if (one.warned, one.weight) > (known.warned, known.weight):
                 worst[key] = one
-    ranked = sorted(worst, key=lambda key: (not worst[key].warned, not worst[key].measured, -worst[key].weight))
+    ranked = sorted(
+        worst, key=lambda key: (not worst[key].warned, not worst[key].measured, -worst[key].weight)
+    )
     first = [key for key in ranked[:_TOLD] if worst[key].warned]
-    found = [f"at {count[key]} of {len(numbers)} points checked: {worst[key].text}" for key in first]
+    found = [
+        f"at {count[key]} of {len(numbers)} points checked: {worst[key].text}" for key in first
+    ]
     if more := [f"{worst[key].short} at {count[key]} of them" for key in ranked[len(first) :]]:
         found.append(counted(more))
     if found:
-        which = f"only {len(numbers)} of {len(sweep.numbers)} points were checked, which lie far apart"
+        which = (
+            f"only {len(numbers)} of {len(sweep.numbers)} points were checked, which lie far apart"
+        )
         whole = "all points were checked" if len(numbers) == len(sweep.numbers) else which
-        found[-1] += f"; {whole}; rollslip run of the scene with the values of a point tells all of it"
+        found[-1] += (
+            f"; {whole}; rollslip run of the scene with the values of a point tells all of it"
+        )
     return [*found, *others[:1]]
 
 
@@ -246,7 +285,9 @@ class _Fields:
         self.shapes: dict[str, dict[str, int]] = {}
         self.said: dict[str, Mapping[str, Any]] = {}
         self.text: dict[str, bool] = {}
-        self.first: dict[str, Any] = {}  # coordinate of a dimension, None where that layout has none
+        self.first: dict[
+            str, Any
+        ] = {}  # coordinate of a dimension, None where that layout has none
         self.differ: set[str] = set()
         self.longest: dict[str, dict[str, Any]] = {}
         for layout in layouts:
@@ -257,7 +298,9 @@ class _Fields:
         self._same_or_own()
         self.arrays = {
             name: np.full(
-                (size, *dims.values()), "" if self.text[name] else np.nan, dtype=object if self.text[name] else float
+                (size, *dims.values()),
+                "" if self.text[name] else np.nan,
+                dtype=object if self.text[name] else float,
             )
             for name, dims in self.shapes.items()
         }
@@ -274,7 +317,9 @@ class _Fields:
             self.differ.add(dim)
         if coordinate:
             self.longest[dim] = max(
-                self.longest.get(dim, coordinate), coordinate, key=lambda known: len(known["values"])
+                self.longest.get(dim, coordinate),
+                coordinate,
+                key=lambda known: len(known["values"]),
             )
 
     def _same_or_own(self) -> None:
@@ -289,14 +334,19 @@ class _Fields:
                 longest = self.longest[dim]
                 self.own[dim] = f"{dim}_index"
                 self.shapes[dim] = {dim: len(longest["values"])}
-                self.said[dim], self.text[dim] = longest["attrs"], longest["text"]
+                self.said[dim] = longest["attrs"]
+                self.text[dim] = longest["text"]
 
     def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
         """Set the values of a point."""
         values = unpacked(layout, numbers, texts)
         dims = _dims(layout)
         for dim in self.own.keys() & dims:
-            values[dim] = np.array(layout["coords"][dim]["values"]) if dim in layout["coords"] else np.arange(0)
+            values[dim] = (
+                np.array(layout["coords"][dim]["values"])
+                if dim in layout["coords"]
+                else np.arange(0)
+            )
         for name, array in values.items():
             place: tuple[Any, ...] = (number, *map(slice, array.shape))
             self.arrays[name][place] = array
@@ -306,7 +356,9 @@ class _Fields:
         return {
             name: (
                 (*dims, *(self.own.get(dim, dim) for dim in self.shapes[name])),
-                (array.astype(str) if self.text[name] else array).reshape((*shape, *array.shape[1:])),
+                (array.astype(str) if self.text[name] else array).reshape(
+                    (*shape, *array.shape[1:])
+                ),
                 dict(self.said[name]),
             )
             for name, array in self.arrays.items()

@@ -22,7 +22,14 @@ import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    wait,
+)
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
 from itertools import islice
@@ -38,25 +45,39 @@ from rollslip.errors import EngineError, OutputError, SceneError, in_words
 from rollslip.structure import Location
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.definition import Sweep, here
-from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, check_owner, died, only_writer, states
+from rollslip_campaigns.sweep.journal import (
+    STATUSES,
+    Journal,
+    Row,
+    check_owner,
+    died,
+    only_writer,
+    states,
+)
 from rollslip_campaigns.sweep.point import Done, compute
 
 __all__ = ["Progress", "Report", "Settled", "asked_engine", "described", "run_sweep"]
 
-_log = logging.getLogger("rollslip.campaigns.sweep.run")  # below that of rollslip, which `--log` sets
+_log = logging.getLogger(
+    "rollslip.campaigns.sweep.run"
+)  # below that of rollslip, which `--log` sets
 
 #: Losses of an engine, one after the other without a result between them, before a run gives up.
 _PATIENCE: Final = 3
 #: Start of a pool of processes [s], with all imports, and with what points share, which each of them makes anew; and
 #: how many times that they have to save.
-_START, _WORTH = 1.5, 2.0
+_START = 1.5
+_WORTH = 2.0
 #: A point of more than this is worth a process without measuring, and how long a slice takes [s].
-_DEAR, _SLICE = 0.25, 1e-8
+_DEAR = 0.25
+_SLICE = 1e-8
 _MOST_IN_TASK: Final = 1000
 #: Points by which the pace of cheap ones is measured.
 _SOME: Final = 16
 _TICK: Final = 0.2  # s, how often the loop looks round
-_GRACE: Final = 10.0  # s, beyond twice the time limit, before a worker that does not answer is ended
+_GRACE: Final = (
+    10.0  # s, beyond twice the time limit, before a worker that does not answer is ended
+)
 
 Report = Callable[["Progress"], None]
 
@@ -92,7 +113,11 @@ class Progress:
         """How far it is in words, the share that is done, and the time left [s]; NaN where it is not known."""
         failed = f", {self.failed} failed" if self.failed else ""
         text = f"{self.done} of {self.total} points{failed}"
-        return text, self.done / self.total if self.total else math.nan, math.nan if self.left is None else self.left
+        return (
+            text,
+            self.done / self.total if self.total else math.nan,
+            math.nan if self.left is None else self.left,
+        )
 
     @property
     def failed(self) -> int:
@@ -131,7 +156,9 @@ def run_sweep(
         redo = {STATUSES.index(status) + 1 for status in again}
         numbers = sweep.numbers
         pending = _Pending(numbers, state, redo | {0})
-        before = Counter(STATUSES[state[n] - 1] for n in numbers if state[n] and state[n] not in redo)
+        before = Counter(
+            STATUSES[state[n] - 1] for n in numbers if state[n] and state[n] not in redo
+        )
         run = _Run(sweep, len(numbers), before, report)
         _log.info("%d of %d points are in %s already", before.total(), len(numbers), folder)
         chosen = engine if engine is not None else asked_engine(sweep)
@@ -161,7 +188,9 @@ def run_sweep(
                 raise
             finally:
                 run.journal.close(ended)
-        return Settled(run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < run.total)
+        return Settled(
+            run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < run.total
+        )
 
 
 # The engine ----------------------------------------------------------------------------------------------------------
@@ -172,7 +201,9 @@ def asked_engine(sweep: Sweep) -> Engine | None:
     if sweep.table.engine is None:
         return None
     problems: list[str] = []
-    engine = structure_model("engine", sweep.table.engine, Location(sweep.given.origins, ("sweep", "engine")), problems)
+    engine = structure_model(
+        "engine", sweep.table.engine, Location(sweep.given.origins, ("sweep", "engine")), problems
+    )
     if problems or not isinstance(engine, Engine):
         raise SceneError(problems)
     _check(sweep, engine)
@@ -190,7 +221,9 @@ def _check(sweep: Sweep, engine: Engine) -> None:
 def _plain_case(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
     """Return the engine where it needs no measuring, and why."""
     if sweep.local:
-        return get_model("engine", "threads"), f"{', '.join(sweep.local)} is registered in this process only"
+        return get_model(
+            "engine", "threads"
+        ), f"{', '.join(sweep.local)} is registered in this process only"
     if died(folder):
         return get_model("engine", "processes"), "an earlier run died in its own process"
     study = settings(sweep.scene, sweep.study)[sweep.study]
@@ -262,9 +295,15 @@ class _Run:
     journal: Journal
 
     def __init__(self, sweep: Sweep, total: int, before: Counter[str], report: Report) -> None:
-        self.sweep, self.work, self.total, self.report = sweep, sweep.work, total, report
+        self.sweep = sweep
+        self.work = sweep.work
+        self.total = total
+        self.report = report
         self.packages = here(sweep.packages)
-        self.counts, self.here, self.spent, self.begin = Counter(before), 0, 0.0, time.monotonic()
+        self.counts = Counter(before)
+        self.here = 0
+        self.spent = 0.0
+        self.begin = time.monotonic()
         self.flying: dict[Future[Done], tuple[int, ...]] = {}
         self.moved = time.monotonic()  # when something came back, or could first be expected to
         self.losses = 0
@@ -280,7 +319,9 @@ class _Run:
         Two points; and where they are not dear, some together at a time, as long as processes seem to be worth their
         start and no more time is spent here than that takes: points make what they share, and the next ones have it.
         """
-        times, begin, count = list[float](), time.monotonic(), cores()
+        times = list[float]()
+        begin = time.monotonic()
+        count = cores()
         engine: Engine | None = None
         said = ""
         while pending and not (times and asked.times):
@@ -294,7 +335,9 @@ class _Run:
                 engine, said = self._fastest(times[-1], len(pending), count)
                 if not engine.separate or time.monotonic() - begin > _START:
                     break
-        return (engine, said) if engine is not None else self._fastest(min(times), len(pending), count)
+        return (
+            (engine, said) if engine is not None else self._fastest(min(times), len(pending), count)
+        )
 
     def _fastest(self, point: float, left: int, count: int) -> tuple[Engine, str]:
         """Return the engine that is the fastest on some cores for what is left, by the time [s] of a point, and why.
@@ -303,10 +346,16 @@ class _Run:
         """
         said = f"a point takes {point * 1e3:.3g} ms"
         if count == 1 or not left:
-            return get_model("engine", "serial"), f"{said}, and there is {'one core' if left else 'nothing left'}"
+            return get_model(
+                "engine", "serial"
+            ), f"{said}, and there is {'one core' if left else 'nothing left'}"
         if point * left * (1.0 - 1.0 / count) <= _WORTH * _START:
-            return get_model("engine", "serial"), f"{said}; {left} still to do, not worth the start of processes"
-        return get_model("engine", "processes"), f"{said}: {left} of them are worth the start of {count} processes"
+            return get_model(
+                "engine", "serial"
+            ), f"{said}; {left} still to do, not worth the start of processes"
+        return get_model(
+            "engine", "processes"
+        ), f"{said}: {left} of them are worth the start of {count} processes"
 
     def compute(self, engine: Engine, pending: _Pending, asked: _Interrupts) -> None:
         """Compute all points, until there are none, or the run is interrupted."""
@@ -375,7 +424,14 @@ class _Run:
             count = 1
             if self.here:
                 fair = -(-len(pending) // (2 * workers))
-                count = max(1, min(int(engine.task_seconds * self.here / max(self.spent, 1e-9)), fair, _MOST_IN_TASK))
+                count = max(
+                    1,
+                    min(
+                        int(engine.task_seconds * self.here / max(self.spent, 1e-9)),
+                        fair,
+                        _MOST_IN_TASK,
+                    ),
+                )
             numbers = pending.take(count)
             try:
                 future = executor.submit(compute, self.work, self._points(numbers))
@@ -409,7 +465,8 @@ class _Run:
         self.counts.update(row.status for row in done.rows)
         self.here += len(done.rows)
         self.spent += sum(row.seconds for row in done.rows)
-        self.moved, self.losses = time.monotonic(), 0
+        self.moved = time.monotonic()
+        self.losses = 0
         self.report(self.progress())
 
     def _take_back(self) -> None:
@@ -436,7 +493,9 @@ class _Run:
         self.losses += 1
         _log.warning("engine %s was lost: %s", engine.name, in_words(error))
         if self.losses > _PATIENCE:
-            raise EngineError(f"engine {engine.name!r} was lost {self.losses} times in a row ({in_words(error)})")
+            raise EngineError(
+                f"engine {engine.name!r} was lost {self.losses} times in a row ({in_words(error)})"
+            )
 
     def _one_by_one(self, engine: Engine, numbers: tuple[int, ...], asked: _Interrupts) -> None:
         """Compute points alone, so that one that kills its worker is known."""
@@ -447,14 +506,18 @@ class _Run:
             while waiting and not asked.times:
                 if executor is None:
                     executor = self._start(engine, engine.alone)
-                number, begin = waiting.popleft(), time.monotonic()
+                number = waiting.popleft()
+                begin = time.monotonic()
                 try:
-                    done = executor.submit(compute, self.work, self._points((number,))).result(timeout=limit)
+                    done = executor.submit(compute, self.work, self._points((number,))).result(
+                        timeout=limit
+                    )
                 except (EngineError, OutputError):
                     raise
                 except (Exception, CancelledError) as error:
                     engine.end(executor, at_once=True)
-                    executor, seconds = None, time.monotonic() - begin
+                    executor = None
+                    seconds = time.monotonic() - begin
                     if isinstance(error, FutureTimeout):
                         text = f"took longer than the time limit of {self.work.time_limit:g} s, and did not stop; "
                         text += "retry with a longer --time-limit"

@@ -29,7 +29,15 @@ from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
 from rollslip.search import Array
 from rollslip.toml import thawed
-from rollslip.units import TypedRange, UnitError, as_written, check_typed, evenly, format_quantity, unit_given
+from rollslip.units import (
+    TypedRange,
+    UnitError,
+    as_written,
+    check_typed,
+    evenly,
+    format_quantity,
+    unit_given,
+)
 from rollslip.units import quantity as in_unit
 from rollslip_studies.variation.distributions import Distribution, LogUniform, Uniform
 
@@ -108,13 +116,16 @@ class Axis:
     def coordinate(self) -> "NDArray[Any]":
         """Values for the coordinate of a result."""
         number = self.quantity.unit is not None or self.quantity.whole
-        return np.array(self.values) if number else np.array([label(value) for value in self.values])
+        return (
+            np.array(self.values) if number else np.array([label(value) for value in self.values])
+        )
 
     def written(self, number: int) -> object:
         """Return a value by number as it was written."""
         if self.listed:
             return self.listed[number]
-        value, unit = self.values[number], self.quantity.unit
+        value = self.values[number]
+        unit = self.quantity.unit
         if self.given in (unit, None) or unit is None or not isinstance(value, float):
             return value
         return format_quantity(value, unit, given=self.given)
@@ -122,7 +133,11 @@ class Axis:
     def shown(self, value: object) -> str:
         """Return a value in words."""
         unit = self.quantity.unit
-        return format_quantity(value, unit, given=self.told_in) if unit and isinstance(value, float) else label(value)
+        return (
+            format_quantity(value, unit, given=self.told_in)
+            if unit and isinstance(value, float)
+            else label(value)
+        )
 
 
 def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribution:
@@ -134,7 +149,9 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
         raise FieldError(quantity.key, "the list is empty; give at least one value")
     values = []
     for k, value in enumerate(listed, 1):
-        values.append(_checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else ""))
+        values.append(
+            _checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else "")
+        )
     counts = Counter(label(value) for value in values)
     if twice := next((name for name, count in counts.items() if count > 1), None):
         raise FieldError(quantity.key, f"{twice!r} stands twice in the list")
@@ -162,7 +179,9 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
     pairs = [parse_over(text) for text in texts]
     keys = [key for key, _ in pairs]
     if twice := sorted({key for key in keys if keys.count(key) > 1}):
-        raise SceneError([f"{key}: stands in --over twice; put all its values in one" for key in twice])
+        raise SceneError(
+            [f"{key}: stands in --over twice; put all its values in one" for key in twice]
+        )
     return dict(pairs)
 
 
@@ -193,11 +212,14 @@ def _checked(quantity: Quantity, value: object, which: str, given: str | None = 
         reason = error.reason if isinstance(error, FieldError) else str(error)
         raise FieldError(quantity.key, f"{which}: {reason}" if which else reason) from error
     except (TypeError, ValueError) as error:
-        raise FieldError(quantity.key, f"{which}: {error.args[0]}" if which else str(error.args[0])) from error
+        raise FieldError(
+            quantity.key, f"{which}: {error.args[0]}" if which else str(error.args[0])
+        ) from error
 
 
 def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
-    key, unit = quantity.key, quantity.unit or "1"
+    key = quantity.key
+    unit = quantity.unit or "1"
     ends, count, logarithmic = range_parts(key, text)
     check_typed(text, ends, unit)
     low, high = evenly(*ends, 2, unit)
@@ -208,14 +230,20 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
         raise FieldError(key, f"{as_written(text)}: a logarithmic range must begin above 0")
     if not count:
         if not sampled:
-            raise FieldError(key, f"{as_written(text)} has no count; write LOW:HIGH:COUNT, or ask for samples")
+            raise FieldError(
+                key, f"{as_written(text)} has no count; write LOW:HIGH:COUNT, or ask for samples"
+            )
         if quantity.whole:
-            raise FieldError(key, f"{as_written(text)}: whole numbers are not sampled; give a count or a list")
+            raise FieldError(
+                key, f"{as_written(text)}: whole numbers are not sampled; give a count or a list"
+            )
         for end, value in (("its low end", low), ("its high end", high)):
             _checked(quantity, value, end, given)
         return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)
     if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MOST:
-        raise FieldError(key, f"{as_written(text)}: {as_written(count)} is no count of values from 2 to {_MOST}")
+        raise FieldError(
+            key, f"{as_written(text)}: {as_written(count)} is no count of values from 2 to {_MOST}"
+        )
     n = int(count)
     if logarithmic:
         between = [low * math.exp(k / (n - 1) * math.log(high / low)) for k in range(1, n - 1)]
@@ -232,9 +260,14 @@ def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
     logarithmic = parts[-1] == "log"
     numbers = parts[:-1] if logarithmic else parts
     if len(numbers) not in (2, 3) or not all(parts):
-        raise FieldError(key, f"{as_written(text)} is no range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log")
+        raise FieldError(
+            key, f"{as_written(text)} is no range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log"
+        )
     if "," in text:
-        raise FieldError(key, f"{as_written(text)} has a comma; write decimals with a point, and no range in a list")
+        raise FieldError(
+            key,
+            f"{as_written(text)} has a comma; write decimals with a point, and no range in a list",
+        )
     low, high, count = numbers if len(numbers) == 3 else (*numbers, "")
     return (low, high), count, logarithmic
 
@@ -267,7 +300,10 @@ class Design:
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values along every dimension."""
-        return (*(len(axis.values) for axis in self.axes), *([len(self.samples)] if self.has_samples else []))
+        return (
+            *(len(axis.values) for axis in self.axes),
+            *([len(self.samples)] if self.has_samples else []),
+        )
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -291,15 +327,21 @@ class Design:
     def shown(self, number: int) -> str:
         """Return a point in words: "operation.radial_load = 500 N, models.traction = muraki"."""
         axes = {axis.key: axis for axis in (*(Axis(one, ()) for one in self.sampled), *self.axes)}
-        return ", ".join(f"{key} = {axes[key].shown(value)}" for key, value in self.changes(number).items())
+        return ", ".join(
+            f"{key} = {axes[key].shown(value)}" for key, value in self.changes(number).items()
+        )
 
     @cached_property
     def facts(self) -> dict[str, Any]:
         """What tells this design from another, as plain values."""
         return {
-            "axes": {axis.key: json.loads(json.dumps(axis.values, default=dict)) for axis in self.axes},
+            "axes": {
+                axis.key: json.loads(json.dumps(axis.values, default=dict)) for axis in self.axes
+            },
             "sampled": [one.key for one in self.sampled],
-            "samples": hashlib.sha256(np.ascontiguousarray(self.samples, dtype="<f8").tobytes()).hexdigest(),
+            "samples": hashlib.sha256(
+                np.ascontiguousarray(self.samples, dtype="<f8").tobytes()
+            ).hexdigest(),
             "size": self.size,
         }
 
@@ -320,7 +362,12 @@ def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, s
 
     names = {}
     for key in keys:
-        others = {ending(other, n) for other in keys if other != key for n in range(1, other.count(".") + 2)}
+        others = {
+            ending(other, n)
+            for other in keys
+            if other != key
+            for n in range(1, other.count(".") + 2)
+        }
         endings = [ending(key, n) for n in range(1, key.count(".") + 2)]
         free = [one for one in endings if one not in others and one not in taken]
         names[key] = free[0] if free else f"{endings[-1]}_"
@@ -331,7 +378,8 @@ def far_apart(values: Array, most: int) -> list[int]:
     """Return some rows by number, the first far from the middle, each as far as can be from those before it."""
     width = np.ptp(values, axis=0)
     values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
-    taken, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)
+    taken = list[int]()
+    distance = np.linalg.norm(values - 0.5, axis=1)
     for _ in range(min(most, len(values))):
         k = int(np.argmax(distance))
         apart = np.linalg.norm(values - values[k], axis=1)

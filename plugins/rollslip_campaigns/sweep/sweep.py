@@ -42,11 +42,26 @@ from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written, format_quantity
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
 from rollslip_campaigns.sweep.journal import died, journals
-from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart, probabilities, read_axis, read_overs
+from rollslip_campaigns.sweep.sampling import (
+    Axis,
+    Design,
+    far_apart,
+    probabilities,
+    read_axis,
+    read_overs,
+)
 from rollslip_studies.variation.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 
-__all__ = ["FILE", "assembled", "open_sweep", "plan_sweep", "store_sweep", "study_with", "with_engine"]
+__all__ = [
+    "FILE",
+    "assembled",
+    "open_sweep",
+    "plan_sweep",
+    "store_sweep",
+    "study_with",
+    "with_engine",
+]
 
 #: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
 _TRIED = 1000
@@ -65,10 +80,15 @@ _AGAIN = "the same command as before, with --out {}, makes it again and takes up
 def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
     """Check a sweep and lay out its points; `asked` are settings of `SweepTable` in place of the scene's."""
     given = as_scene(scene)
-    base, where, problems = _without_tables(given), Location(given.origins), list[str]()
+    base = _without_tables(given)
+    where = Location(given.origins)
+    problems = list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
-    over, outputs = {} if over is None else read_overs(over), listed(asked.pop("output", ()))
-    asked = {key: value for key, value in asked.items() if value is not None} | ({"output": outputs} if outputs else {})
+    over = {} if over is None else read_overs(over)
+    outputs = listed(asked.pop("output", ()))
+    asked = {key: value for key, value in asked.items() if value is not None} | (
+        {"output": outputs} if outputs else {}
+    )
     table, place = _table(given, asked, problems)
     name = study_with(base, table.study, table.output)
     cls = study_class(name, base)
@@ -84,10 +104,17 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
     require_memory(studies, assembly)
     known = quantities(assembly, studies)
     sampled = table.samples is not None
-    told = ((key.strip(), value, Location({}, tuple(key.strip().split(".")))) for key, value in over.items())
+    told = (
+        (key.strip(), value, Location({}, tuple(key.strip().split("."))))
+        for key, value in over.items()
+    )
     axes, ranges = _axes([*stated, *told], known, sampled, problems)
-    uncertainty = read_uncertainty(given.uncertainty or {}, where.at("uncertainty"), known, problems)
-    uncertainty = _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
+    uncertainty = read_uncertainty(
+        given.uncertainty or {}, where.at("uncertainty"), known, problems
+    )
+    uncertainty = (
+        _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
+    )
     varied = [*(axis.key for axis in axes), *uncertainty.distributions]
     problems += _conflicts(varied)
     if not problems and sampled and not uncertainty.distributions:
@@ -108,11 +135,17 @@ def plan_sweep(scene: Scene | str, over: object = None, **asked: Any) -> Sweep:
     drawn = np.empty((1, 0))
     if uncertainty.distributions:
         drawn = uncertainty.values(
-            probabilities(table.sampling, table.samples or 1, len(uncertainty.distributions), table.seed)
+            probabilities(
+                table.sampling, table.samples or 1, len(uncertainty.distributions), table.seed
+            )
         )
     design = Design(tuple(axes), tuple(known[key] for key in uncertainty.distributions), drawn)
     if design.size > _MOST_POINTS:
-        raise SceneError([f"sweep: {design.size} points are more than {_MOST_POINTS}; take fewer values or samples"])
+        raise SceneError(
+            [
+                f"sweep: {design.size} points are more than {_MOST_POINTS}; take fewer values or samples"
+            ]
+        )
     tried, unusual = _tried(base, name, design)
     packages, local = _packages(tried, name)
     return Sweep(
@@ -148,7 +181,9 @@ def study_with(scene: Scene, named: str | None, outputs: Sequence[str]) -> str:
     return named or next(iter(having), own[0])
 
 
-def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tuple[SweepTable, Location]:
+def _table(
+    given: Scene, told: Mapping[str, object], problems: list[str]
+) -> tuple[SweepTable, Location]:
     """Return the table of a sweep with what was told besides, and where it stands."""
     said = {**(given.sweep or {}), **told}
     origins = {
@@ -161,15 +196,23 @@ def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tup
     if table is None:
         raise SceneError(problems)
     if table.samples is None and "sampling" in said:
-        problems.append(place.at("sampling").says("says how samples are drawn, but none are asked for; give samples"))
+        problems.append(
+            place.at("sampling").says(
+                "says how samples are drawn, but none are asked for; give samples"
+            )
+        )
     return table, place
 
 
 def _axes(
-    wanted: Sequence[tuple[str, object, Location]], known: dict[str, Quantity], sampled: bool, problems: list[str]
+    wanted: Sequence[tuple[str, object, Location]],
+    known: dict[str, Quantity],
+    sampled: bool,
+    problems: list[str],
 ) -> tuple[list[Axis], dict[str, Distribution]]:
     """Return what is crossed, and the ranges that are sampled; of a key that comes twice the last."""
-    axes, ranges = list[Axis](), dict[str, Distribution]()
+    axes = list[Axis]()
+    ranges = dict[str, Distribution]()
     for key, raw, at in {full_key(item[0]): item for item in wanted}.values():
         quantity = known.get(key)
         if quantity is None:
@@ -190,7 +233,9 @@ def _axes(
 def _without_tables(scene: Scene) -> Scene:
     """Return the scene without what is about sweeps, which is no part of a point."""
     raw = {
-        key: value for key, value in dict(scene.raw or resolved(scene)).items() if key not in ("sweep", "uncertainty")
+        key: value
+        for key, value in dict(scene.raw or resolved(scene)).items()
+        if key not in ("sweep", "uncertainty")
     }
     return attrs.evolve(scene, sweep=None, uncertainty=None, raw=FrozenTable(raw))
 
@@ -214,7 +259,9 @@ def _first(values: object) -> object:
     return values[0] if isinstance(values, Sequence) and values else values
 
 
-def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Iterator[tuple[str, object, Location]]:
+def _leaves(
+    table: Mapping[str, object], prefix: str, where: Location
+) -> Iterator[tuple[str, object, Location]]:
     """Dotted keys, whether the table was written with quoted keys or as tables in tables."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
@@ -227,14 +274,19 @@ def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Iterat
 def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -> Uncertainty:
     """Return uncertain values with ranges in their place or beside them."""
     kept = [k for k, key in enumerate(uncertainty.distributions) if key not in ranges]
-    distributions = {key: one for key, one in uncertainty.distributions.items() if key not in ranges} | dict(ranges)
+    distributions = {
+        key: one for key, one in uncertainty.distributions.items() if key not in ranges
+    } | dict(ranges)
     matrix = np.eye(len(distributions))
     matrix[: len(kept), : len(kept)] = uncertainty.correlation[np.ix_(kept, kept)]
     return Uncertainty(distributions, matrix)
 
 
 def _conflicts(keys: Sequence[str]) -> list[str]:
-    problems = [f"{key}: is both an axis and uncertain; choose one" for key in {k for k in keys if keys.count(k) > 1}]
+    problems = [
+        f"{key}: is both an axis and uncertain; choose one"
+        for key in {k for k in keys if keys.count(k) > 1}
+    ]
     for outer in set(keys):
         problems += [
             f"{inner}: cannot vary while {outer} does, which takes its place; list tables with the parameter instead"
@@ -246,9 +298,12 @@ def _conflicts(keys: Sequence[str]) -> list[str]:
 
 def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tuple[str, ...]]:
     """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong."""
-    problems, unusual, assemblies = list[str](), list[str](), [assemble(base)]
+    problems = list[str]()
+    unusual = list[str]()
+    assemblies = [assemble(base)]
     for axis in design.axes:
-        count, judged = len(axis.values), list[object]()
+        count = len(axis.values)
+        judged = list[object]()
         for k in np.unique(np.linspace(0, count - 1, min(count, _TRIED)).astype(int)):
             value = axis.values[k]
             try:
@@ -261,7 +316,9 @@ def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tup
                     f"{axis.key}: value {k + 1} of {count}, {axis.shown(value)}: {'; '.join(error.problems)}"
                 )
                 break
-        unusual += implausible_along(base, axis.quantity, judged, "values" if count <= _TRIED else "values tried")
+        unusual += implausible_along(
+            base, axis.quantity, judged, "values" if count <= _TRIED else "values tried"
+        )
     for of, column in zip(design.sampled, design.samples.T, strict=True):
         ends = [float(column.min()), float(column.max())]
         for value in ends:
@@ -270,7 +327,9 @@ def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tup
                 of.read(value)
             except (SceneError, FieldError) as error:
                 number = int(np.flatnonzero(column == value)[0])
-                reason = "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
+                reason = (
+                    "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
+                )
                 shown = Axis(of, ()).shown(value)
                 problems.append(
                     f"{of.key}: sample {number}, {shown}: {reason}; cut the distribution off with at_least or at_most"
@@ -284,22 +343,31 @@ def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tup
     return assemblies, tuple(unusual)
 
 
-def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _packages(
+    assemblies: Sequence[Assembly], study: str
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Distributions that the points need, and models that only this process has."""
     offers = {("study", study): find("study", study)}
     for assembly in assemblies:
         used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
         for kind, model in used:
             made = ((kind, model), *submodels(model))
-            offers |= {(of, one.name): find(of, one.name) for of, one in made if hasattr(one, "name")}
-        offers |= {(offer.kind, offer.name): offer for offer in named_data(assembly.scene.raw or {})}
-    local = sorted(f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS)
+            offers |= {
+                (of, one.name): find(of, one.name) for of, one in made if hasattr(one, "name")
+            }
+        offers |= {
+            (offer.kind, offer.name): offer for offer in named_data(assembly.scene.raw or {})
+        }
+    local = sorted(
+        f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS
+    )
     packages = {offer.package for offer in offers.values()} - {THIS_PROCESS}
     return tuple(sorted(packages | {"rollslip", "numpy", "scipy"})), tuple(local)
 
 
 def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ...]:
-    models, others = list[Any](), list[Citation]()
+    models = list[Any]()
+    others = list[Citation]()
     for assembly in assemblies:
         models += assembly.models.values()
         models += (model for _, model in settings(assembly.scene, study)[study].models(assembly))
@@ -313,7 +381,9 @@ def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ..
 def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
     """Choose the resolutions of a sweep."""
     deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
-    combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[:, deciding]
+    combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[
+        :, deciding
+    ]
     if not study_class(study).shares_resolution:
         return Resolutions()
     resolutions = dict[str, Resolution]()
@@ -322,10 +392,15 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
         if numbers.size < _WORTH:
             continue
         values = {
-            design.axes[k].key: design.axes[k].values[int(place)] for k, place in zip(deciding, places, strict=True)
+            design.axes[k].key: design.axes[k].values[int(place)]
+            for k, place in zip(deciding, places, strict=True)
         }
         points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
-        chosen = [one for one in (_resolution_at(scene, study, changes) for changes in points) if one is not None]
+        chosen = [
+            one
+            for one in (_resolution_at(scene, study, changes) for changes in points)
+            if one is not None
+        ]
         if chosen:
             resolutions[name_of(list(values.values()))] = Resolution.finest_of(chosen)
     return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
@@ -349,7 +424,10 @@ def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> R
 def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> list[int]:
     """Numbers of some points that lie far apart in the numbers that they vary."""
     some = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
-    rows = [[v for v in design.changes(int(number)).values() if isinstance(v, int | float)] for number in some]
+    rows = [
+        [v for v in design.changes(int(number)).values() if isinstance(v, int | float)]
+        for number in some
+    ]
     return [int(some[k]) for k in far_apart(np.array(rows, dtype=float), _SPREAD)]
 
 
@@ -380,14 +458,20 @@ def open_sweep(folder: Path) -> Sweep:
         raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
-        table, facts = dict(stored["table"]), stored["facts"]
+        table = dict(stored["table"])
+        facts = stored["facts"]
         scene = from_raw(stored["scene"], stored["source"], stored["text"])
         scene = attrs.evolve(
-            scene, sweep=None, raw=FrozenTable({k: v for k, v in stored["scene"].items() if k != "sweep"})
+            scene,
+            sweep=None,
+            raw=FrozenTable({k: v for k, v in stored["scene"].items() if k != "sweep"}),
         )
-        source, text = stored["source"], stored["text"]
+        source = stored["source"]
+        text = stored["text"]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise OutputError(f"{path}: cannot be read ({error}); remove it; {_AGAIN.format(folder)}") from error
+        raise OutputError(
+            f"{path}: cannot be read ({error}); remove it; {_AGAIN.format(folder)}"
+        ) from error
     _refuse_changes(folder, _changed_file(source, text))
     over = table.pop("over", {})
     if "samples" not in table:
@@ -403,7 +487,12 @@ def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) ->
     """Return a sweep with another engine or time limit, where they are given; they are no part of what it is."""
     told = {"engine": engine, "time_limit": time_limit}
     problems: list[str] = []
-    table = structure(SweepTable, {k: v for k, v in told.items() if v is not None}, Location({}, ("sweep",)), problems)
+    table = structure(
+        SweepTable,
+        {k: v for k, v in told.items() if v is not None},
+        Location({}, ("sweep",)),
+        problems,
+    )
     if table is None:
         raise SceneError(problems)
     changes = {name: getattr(table, name) for name, value in told.items() if value is not None}
@@ -428,7 +517,9 @@ def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
         return [
             line
             for key in keys
-            for line in _differences(old.get(key), new.get(key), f"{prefix}.{key}" if prefix else str(key))
+            for line in _differences(
+                old.get(key), new.get(key), f"{prefix}.{key}" if prefix else str(key)
+            )
         ]
     if json.dumps(old, default=list) == json.dumps(new, default=list):
         return []
@@ -438,7 +529,11 @@ def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
 def _was(value: object) -> str:
     if value is None:
         return "nothing"
-    return as_written(value) if not isinstance(value, list | tuple) else ", ".join(map(str, value))[:80]
+    return (
+        as_written(value)
+        if not isinstance(value, list | tuple)
+        else ", ".join(map(str, value))[:80]
+    )
 
 
 def _refuse_changes(folder: Path, lines: list[str]) -> None:

@@ -49,13 +49,19 @@ class UncertaintySettings(OfPoints):
 
     name = "uncertainty"
 
-    samples: int | None = setting("Samples of reserve and slips.  [default: 1024]", of=int, least=2, metavar="N")
+    samples: int | None = setting(
+        "Samples of reserve and slips.  [default: 1024]", of=int, least=2, metavar="N"
+    )
     until: float | None = setting(
         "Double samples until the interval's half width is H, a slip.", of=float, metavar="H",
         more="Samples are then 16384 at most.",
     )  # fmt: skip
-    probability: float = setting("Of what is told.", of=float, default=0.99, metavar="P", shown=True)
-    loads: int | None = setting("Samples of the minimum load.  [default: 64]", of=int, least=0, metavar="N")
+    probability: float = setting(
+        "Of what is told.", of=float, default=0.99, metavar="P", shown=True
+    )
+    loads: int | None = setting(
+        "Samples of the minimum load.  [default: 64]", of=int, least=0, metavar="N"
+    )
     indices: int = setting("Rows for Sobol indices, 2^k.", of=int, default=0, least=0, metavar="N")
     seed: int = setting("Seed of the samples.", of=int, default=0, least=0, metavar="N")
 
@@ -65,7 +71,9 @@ class UncertaintySettings(OfPoints):
 
         return plan_margin(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Compute the distributions in a folder."""
         from rollslip_campaigns.uncertainty.margin import run_margin
 
@@ -76,6 +84,11 @@ class UncertaintySettings(OfPoints):
         from rollslip_campaigns.uncertainty.findings import failed
 
         counts = json.loads(dataset.attrs["points"])
-        names = [name for name, of in counts.items() if of.keys() - {"ok"}] if failed(dataset) else []
-        retry = (shlex.join(["rollslip", "sweep", "retry", str(folder / name), "--failed"]) for name in names)
+        names = (
+            [name for name, of in counts.items() if of.keys() - {"ok"}] if failed(dataset) else []
+        )
+        retry = (
+            shlex.join(["rollslip", "sweep", "retry", str(folder / name), "--failed"])
+            for name in names
+        )
         return [f"compute points without a result again by: {one}, then" for one in retry] or None

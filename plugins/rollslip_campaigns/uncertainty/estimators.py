@@ -42,7 +42,9 @@ class Estimate:
         return 0.5 * (self.high - self.low)
 
 
-def quantile(values: Array, probability: float, *, replicates: int = 1, confidence: float = 0.95) -> Estimate:
+def quantile(
+    values: Array, probability: float, *, replicates: int = 1, confidence: float = 0.95
+) -> Estimate:
     """Return a quantile, and the interval in which it lies with a confidence.
 
     Notes
@@ -88,7 +90,9 @@ def fewest(probability: float, replicates: int, confidence: float = 0.95) -> int
     from scipy.stats import t
 
     square = float(t.isf(0.5 * (1.0 - confidence), replicates - 1)) ** 2
-    return replicates * (math.floor(square / (square + replicates) / min(probability, 1.0 - probability)) + 1)
+    return replicates * (
+        math.floor(square / (square + replicates) / min(probability, 1.0 - probability)) + 1
+    )
 
 
 def _binomial(known: Array, n: int, probability: float, confidence: float) -> tuple[float, float]:
@@ -99,10 +103,14 @@ def _binomial(known: Array, n: int, probability: float, confidence: float) -> tu
     # the unknown ones may lie below all others
     low = int(binom.ppf(tail, n, probability)) - (n - known.size)
     high = int(binom.isf(tail, n, probability)) + 1
-    return float(known[low - 1]) if low >= 1 else -math.inf, float(known[high - 1]) if high <= known.size else math.inf
+    return float(known[low - 1]) if low >= 1 else -math.inf, float(
+        known[high - 1]
+    ) if high <= known.size else math.inf
 
 
-def _replicated(values: Array, probability: float, replicates: int, confidence: float) -> tuple[float, float]:
+def _replicated(
+    values: Array, probability: float, replicates: int, confidence: float
+) -> tuple[float, float]:
     """Ends of a quantile of independent sets of samples."""
     from scipy.stats import t
 
@@ -110,7 +118,10 @@ def _replicated(values: Array, probability: float, replicates: int, confidence: 
     sets = [np.sort(values[k::replicates]) for k in range(replicates)]
     sizes = np.array([one.size for one in sets], dtype=float)
     # shares up to each place and, first, below all of them; NaN is sorted last
-    least = np.array([[0, *np.searchsorted(one, places, side="right")] for one in sets]) / sizes[:, None]
+    least = (
+        np.array([[0, *np.searchsorted(one, places, side="right")] for one in sets])
+        / sizes[:, None]
+    )
     unknown = np.array([np.isnan(one).sum() for one in sets]) / sizes
     # unknown samples move the shares, and so their spread, by no more than this
     spread = least.std(axis=0, ddof=1) + np.linalg.norm(unknown) / math.sqrt(replicates - 1)
@@ -164,12 +175,15 @@ def indices(a: Array, b: Array, ab: Array, seed: int, confidence: float = 0.95) 
     def of(some: "NDArray[np.int64]") -> Array:
         mixed = ab[:, some][:, None]
         if len(ab) == 1:
-            mixed = np.repeat(mixed, 2, axis=0)  # of one input SciPy makes a scalar, on which it fails
+            mixed = np.repeat(
+                mixed, 2, axis=0
+            )  # of one input SciPy makes a scalar, on which it fails
         func: Any = {"f_A": a[some][None], "f_B": b[some][None], "f_AB": mixed}
         found = sobol_indices(func=func, n=some.size)
         return np.array([found.first_order, found.total_order])[:, : len(ab)]
 
-    rng, tail = np.random.default_rng(seed), 50.0 * (1.0 - confidence)
+    rng = np.random.default_rng(seed)
+    tail = 50.0 * (1.0 - confidence)
     again = np.array([of(rows[rng.integers(rows.size, size=rows.size)]) for _ in range(_RESAMPLES)])
     low, high = np.percentile(again, (tail, 100.0 - tail), axis=0)
     found = np.stack([of(rows), low, high], axis=1)

@@ -13,7 +13,14 @@ import numpy as np
 
 from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, Sheet, plain_decades
 from rollslip.results.words import of_key
-from rollslip_campaigns.uncertainty.findings import RESERVE, RUNAWAY, STEADY, allowable, margin, reserve
+from rollslip_campaigns.uncertainty.findings import (
+    RESERVE,
+    RUNAWAY,
+    STEADY,
+    allowable,
+    margin,
+    reserve,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,12 +50,15 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
     """Share of the samples with less than a reserve; the quantile that is told, and where a cage skids."""
     sheet = Sheet()
     axes = sheet.axes
-    one, p = dataset.sel(quantity=RESERVE), float(dataset.attrs["probability"])
-    n, unknown = int(one["samples"]), int(one["unknown"])
+    one = dataset.sel(quantity=RESERVE)
+    p = float(dataset.attrs["probability"])
+    n = int(one["samples"])
+    unknown = int(one["unknown"])
     known = np.sort(one["value"].to_numpy()[:n])[: n - unknown]  # NaN is sorted last
     drawn = np.isfinite(known) & (known > 0.0)
     if drawn.any():
-        shown, below = known[drawn], np.arange(1, known.size + 1)[drawn] / n
+        shown = known[drawn]
+        below = np.arange(1, known.size + 1)[drawn] / n
         label = f"drag reserve: share of {n} samples below"
         axes.plot(shown, 100 * below, color=MODEL_COLOURS[0], drawstyle="steps-post", label=label)
         if unknown:
@@ -59,7 +69,12 @@ def _reserve(dataset: "xr.Dataset") -> "Figure":
         plain_decades(axes.xaxis)
     least = float(one["quantile_value"].sel(probability=round(1.0 - p, 12)))
     if np.isfinite(least):
-        axes.axvline(least, color="black", linewidth=0.9, label=f"at least, with probability {p:g}: {least:.3g}")
+        axes.axvline(
+            least,
+            color="black",
+            linewidth=0.9,
+            label=f"at least, with probability {p:g}: {least:.3g}",
+        )
     axes.axvline(1.0, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="below 1 the cage skids")
     axes.set_ylim(0.0, 103.0)
     sheet.handles = axes.get_legend_handles_labels()[0]
@@ -76,17 +91,27 @@ def _ranks(dataset: "xr.Dataset") -> "Figure":
         axes.barh(places, np.nan_to_num(ranks[k][order]), 0.6, color=MODEL_COLOURS[0])
         axes.set_xlim(-1.0, 1.0)
 
-    return _of_inputs(dataset, order, 6, known["acted"].to_numpy(), "Rank correlation [–]", bars).figure
+    return _of_inputs(
+        dataset, order, 6, known["acted"].to_numpy(), "Rank correlation [–]", bars
+    ).figure
 
 
-def _of_inputs(dataset: "xr.Dataset", order: Any, each: float, names: Any, label: str, bars: Any) -> Sheet:
+def _of_inputs(
+    dataset: "xr.Dataset", order: Any, each: float, names: Any, label: str, bars: Any
+) -> Sheet:
     """Draw a panel for each name, whose rows are what scatters, `each` so high [mm]; `bars` draws into one."""
-    keys, places = [of_key(str(key)) for key in dataset["input"].to_numpy()[order]], np.arange(order.size)
+    keys = [of_key(str(key)) for key in dataset["input"].to_numpy()[order]]
+    places = np.arange(order.size)
     size = 2 * ONE_COLUMN[0], (24 + each * len(keys)) * MM
     sheet = Sheet(size, 1, len(names), sharex=True, sharey=True, squeeze=False)
     for k, (axes, name) in enumerate(zip(sheet.axes[0], names, strict=True)):
         bars(axes, places, k)
-        axes.set(title=textwrap.fill(str(name), 72 // len(names)), yticks=places, yticklabels=keys, xlabel=label)
+        axes.set(
+            title=textwrap.fill(str(name), 72 // len(names)),
+            yticks=places,
+            yticklabels=keys,
+            xlabel=label,
+        )
         axes.tick_params(axis="y", length=0)
         axes.axvline(0.0, color="black", linewidth=0.6)
         axes.spines["left"].set_visible(False)
@@ -104,7 +129,8 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         one = dataset.sel(quantity=name)
         n = int(one["samples"])
         values = one["value"].to_numpy()[:n]
-        known, unknown = np.sort(values[np.isfinite(values)]), int(one["unknown"])
+        known = np.sort(values[np.isfinite(values)])
+        unknown = int(one["unknown"])
         if not known.size:
             where = "beyond the range, or failed"
             if n in (unknown, int(one["beyond"])):
@@ -114,12 +140,29 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         known = np.append(known[0], known)  # from no sample on
         ends += [float(known[0]), float(known[-1])]
         below = np.arange(known.size) / n
-        least, most = (below, below + unknown / n) if side == "below" else (1 - below - unknown / n, 1 - below)
+        least, most = (
+            (below, below + unknown / n)
+            if side == "below"
+            else (1 - below - unknown / n, 1 - below)
+        )
         label = f"{name}: share of {n} samples {side}"
-        shares: dict[str, Any] = {"drawstyle": "steps-post", "color": colour, "linestyle": dashes, "label": label}
+        shares: dict[str, Any] = {
+            "drawstyle": "steps-post",
+            "color": colour,
+            "linestyle": dashes,
+            "label": label,
+        }
         axes.plot(100 * known, 100 * (least if side == "below" else most), **shares)
         if unknown:
-            axes.fill_between(100 * known, 100 * least, 100 * most, step="post", color=colour, alpha=0.25, linewidth=0)
+            axes.fill_between(
+                100 * known,
+                100 * least,
+                100 * most,
+                step="post",
+                color=colour,
+                alpha=0.25,
+                linewidth=0,
+            )
     allowed, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     if np.isfinite(allowed):
         p = float(dataset.attrs["probability"])
@@ -131,7 +174,9 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
             axes.axvspan(100 * low, 100 * high, color="0.8", linewidth=0, zorder=0)
     if (acceptable := dataset.attrs.get("acceptable_slip", "")) != "":
         label = f"acceptable: {100 * float(acceptable):.3g} %"
-        axes.axvline(100 * float(acceptable), color="0.4", linewidth=0.9, linestyle=DASHES[2], label=label)
+        axes.axvline(
+            100 * float(acceptable), color="0.4", linewidth=0.9, linestyle=DASHES[2], label=label
+        )
     if ends and min(ends) > 0.0:
         plain_decades(axes.xaxis)
         axes.set_xlim(100 * min(ends) / 1.5, min(100.0, 150 * max(ends)))
@@ -148,8 +193,13 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
 
     def bars(axes: Any, places: Any, k: int) -> None:
         one = dataset.sel(indexed=names[k])
-        for shift, which, colour in ((0.19, "first_order", "0.65"), (-0.19, "total_order", MODEL_COLOURS[0])):
-            value, low, high = (one[f"{which}{end}"].to_numpy()[order] for end in ("", "_low", "_high"))
+        for shift, which, colour in (
+            (0.19, "first_order", "0.65"),
+            (-0.19, "total_order", MODEL_COLOURS[0]),
+        ):
+            value, low, high = (
+                one[f"{which}{end}"].to_numpy()[order] for end in ("", "_low", "_high")
+            )
             spread = [np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)]
             axes.barh(
                 places + shift, value, 0.36, color=colour, label=which.replace("_", " "), error_kw={"elinewidth": 0.7},
@@ -166,7 +216,9 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet()
     axes = sheet.axes
     known = dataset.isel(batch=np.isfinite(dataset["batch_allowable"].to_numpy()))
-    count, value, low, high = (known[f"batch_{name}"].to_numpy() for name in ("samples", "allowable", "low", "high"))
+    count, value, low, high = (
+        known[f"batch_{name}"].to_numpy() for name in ("samples", "allowable", "low", "high")
+    )
     finite = np.isfinite(low) & np.isfinite(high)
     axes.set_xscale("log", base=2)
     axes.errorbar(
@@ -175,7 +227,13 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
     )  # fmt: skip
     if (~finite).any():
         axes.plot(
-            count[~finite], 100 * value[~finite], color=MODEL_COLOURS[0], marker="o", markersize=3.5, mfc="white", ls=""
+            count[~finite],
+            100 * value[~finite],
+            color=MODEL_COLOURS[0],
+            marker="o",
+            markersize=3.5,
+            mfc="white",
+            ls="",
         )
     axes.set_xticks(count, [str(one) for one in count])
     axes.minorticks_off()

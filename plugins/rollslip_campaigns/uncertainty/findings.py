@@ -43,7 +43,9 @@ _NO_INDICES = (
 def failed(dataset: "xr.Dataset") -> int:
     """Return how many points have no result."""
     points = json.loads(dataset.attrs["points"])
-    return sum(count for counts in points.values() for status, count in counts.items() if status != "ok")
+    return sum(
+        count for counts in points.values() for status, count in counts.items() if status != "ok"
+    )
 
 
 class UncertaintyAccount(Account):
@@ -55,12 +57,20 @@ class UncertaintyAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return slip, reserve and load of the samples; of a scene without a cage, where it would run away."""
-        every, p = dataset["quantity"].to_numpy(), float(dataset.attrs["probability"])
+        every = dataset["quantity"].to_numpy()
+        p = float(dataset.attrs["probability"])
         if RESERVE not in every:
-            return Answer(rows=(Row(key="runaway", label="limit drag torque", text="", note=_runs_away(dataset)),))
+            return Answer(
+                rows=(
+                    Row(
+                        key="runaway", label="limit drag torque", text="", note=_runs_away(dataset)
+                    ),
+                )
+            )
         low, slip, high = (_quantile(dataset, STEADY, q)[0] for q in (0.05, 0.5, 0.95))
         sure = _quantile(dataset, RESERVE, round(1.0 - p, 12))[0]
-        n, skids = int(dataset["samples"].sel(quantity=STEADY)), float(dataset["skidding"])
+        n = int(dataset["samples"].sel(quantity=STEADY))
+        skids = float(dataset["skidding"])
         rows = [
             Row(key="cage_slip", label="cage slip", value=slip, band=(low, high), known=_KNOWN, within=math.inf,
                 text=percent(slip) if math.isfinite(slip) else "skidding",
@@ -86,7 +96,10 @@ class UncertaintyAccount(Account):
             found |= {RESERVE: [reserve(dataset)], STEADY: [_steady(dataset)]}
         if LOAD in every:
             found[LOAD] = [_load(dataset)]
-        found |= {"skidding": [_runs_away(dataset)], "allowable slip": [allowable(dataset), *_caveat(dataset)]}
+        found |= {
+            "skidding": [_runs_away(dataset)],
+            "allowable slip": [allowable(dataset), *_caveat(dataset)],
+        }
         if "margin" in dataset:
             found["margin"] = [margin(dataset)]
         if rests_on := dataset.attrs.get("curves_with"):
@@ -103,7 +116,8 @@ class UncertaintyAccount(Account):
         Sure is what slip and load do not pass, and all else does, with the probability that was asked for. Inputs are
         in the order of how much they decide about the first quantity, by rank correlation.
         """
-        p, units = float(dataset.attrs["probability"]), json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
+        p = float(dataset.attrs["probability"])
+        units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
         head = ["quantity", "unit", "median", "5 %", "95 %", "bound", f"with probability {p:g}", "95 % interval from",
                 "95 % interval to", "samples", "beyond the range", "without a value"]  # fmt: skip
         rows = list[list[Any]]()
@@ -112,8 +126,12 @@ class UncertaintyAccount(Account):
             sure = _quantile(dataset, name, p if most else round(1.0 - p, 12))
             values = *(_quantile(dataset, name, share)[0] for share in (0.5, 0.05, 0.95)), *sure
             unit, shown = in_people_s_unit(name, values, units.get(name, "1"))
-            counts = [int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")]
-            rows.append([name, unit, *shown[:3], "at most" if most else "at least", *shown[3:], *counts])
+            counts = [
+                int(dataset[word].sel(quantity=name)) for word in ("samples", "beyond", "unknown")
+            ]
+            rows.append(
+                [name, unit, *shown[:3], "at most" if most else "at least", *shown[3:], *counts]
+            )
         ranks = dataset["rank_correlation"]
         order = np.argsort(-np.abs(np.nan_to_num(ranks.to_numpy()[:, 0])), kind="stable")
         of = [[str(ranks["input"][k].item()), *map(or_none, ranks[k].to_numpy())] for k in order]
@@ -130,11 +148,19 @@ class UncertaintyAccount(Account):
 
         (head, rows), (inputs, ranks) = self.sheets(dataset).values()
         shown = [
-            [f"{name} [{unit}]" if unit else name, told(middle), told(low, high), f"{sure} {told(bound)}", told(*ends)]
+            [
+                f"{name} [{unit}]" if unit else name,
+                told(middle),
+                told(low, high),
+                f"{sure} {told(bound)}",
+                told(*ends),
+            ]
             for name, unit, middle, low, high, sure, bound, *ends, _, _, _ in rows
             if any(value is not None for value in (middle, low, high, bound, *ends))
         ]
-        decides = [[name, *("-" if rank is None else f"{rank:+.2f}" for rank in of)] for name, *of in ranks]
+        decides = [
+            [name, *("-" if rank is None else f"{rank:+.2f}" for rank in of)] for name, *of in ranks
+        ]
         of = [name.removeprefix(RANKED) for name in inputs]
         return [
             Table(
@@ -148,7 +174,8 @@ class UncertaintyAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return what was found as plain values; what the samples cannot tell is null."""
-        units, inputs = json.loads(dataset["quantity"].attrs.get(UNITS, "{}")), dataset["input"].to_numpy().tolist()
+        units = json.loads(dataset["quantity"].attrs.get(UNITS, "{}"))
+        inputs = dataset["input"].to_numpy().tolist()
         quantities = {
             one["quantity"]: {
                 "unit": units.get(one["quantity"], "1"),
@@ -169,10 +196,14 @@ class UncertaintyAccount(Account):
             "allowable_slip": _ends(dataset, "allowable", "_slip") | {"status": allowable(dataset)},
             "margin": _ends(dataset, "margin") if "margin" in dataset else None,
             "skidding": _ends(dataset, "skidding") if "skidding" in dataset else None,
-            "reserve_is_a_lower_bound_in": int(dataset["bounded"]) if "bounded" in dataset else None,
+            "reserve_is_a_lower_bound_in": int(dataset["bounded"])
+            if "bounded" in dataset
+            else None,
             "rank_correlation": {
                 str(name): dict(zip(inputs, map(or_none, ranks), strict=True))
-                for name, ranks in zip(dataset["acted"].values, dataset["rank_correlation"].values.T, strict=True)
+                for name, ranks in zip(
+                    dataset["acted"].values, dataset["rank_correlation"].values.T, strict=True
+                )
             },
             "points": json.loads(dataset.attrs["points"]),
             "quantities": quantities,
@@ -209,7 +240,9 @@ def _told(dataset: "xr.Dataset", name: str, shown: Callable[[float], str]) -> st
     return f"median {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}"
 
 
-def _interval(dataset: "xr.Dataset", low: float, high: float, shown: Callable[[float], str], name: str) -> str:
+def _interval(
+    dataset: "xr.Dataset", low: float, high: float, shown: Callable[[float], str], name: str
+) -> str:
     n = int(dataset["samples"].sel(quantity=name))
     if math.isinf(low) and low < 0.0:
         return f"{n} samples are too few to tell how much less it may be"
@@ -220,12 +253,17 @@ def _interval(dataset: "xr.Dataset", low: float, high: float, shown: Callable[[f
 
 def reserve(dataset: "xr.Dataset") -> str:
     """Say how many times the drags of the scene the rollers carry at least, and how many samples skid."""
-    p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity=RESERVE))
+    p = float(dataset.attrs["probability"])
+    n = int(dataset["samples"].sel(quantity=RESERVE))
     value, low, high = _quantile(dataset, RESERVE, round(1.0 - p, 12))
     if math.isnan(value):
         return f"the drag reserve is not known: none of {n} samples has one"
-    said = f"the rollers carry at least {_times(value)} the drag of the scene, with probability {p:g}"
-    said += f" ({_interval(dataset, low, high, _times, RESERVE)}); {_told(dataset, RESERVE, _times)}"
+    said = (
+        f"the rollers carry at least {_times(value)} the drag of the scene, with probability {p:g}"
+    )
+    said += (
+        f" ({_interval(dataset, low, high, _times, RESERVE)}); {_told(dataset, RESERVE, _times)}"
+    )
     bounded = int(dataset["bounded"])
     if bounded:
         said += f"; in {bounded} of {n} samples there is no skidding in the range, and the reserve is a lower bound"
@@ -258,7 +296,8 @@ def _load(dataset: "xr.Dataset") -> str:
     value, low, high = _quantile(dataset, LOAD, p)
     if math.isnan(value):
         return "the minimum load is not known: no sample has one"
-    slip, ends = _percent(float(dataset.attrs["acceptable_slip"])), _interval(dataset, low, high, _force, LOAD)
+    slip = _percent(float(dataset.attrs["acceptable_slip"]))
+    ends = _interval(dataset, low, high, _force, LOAD)
     return (
         f"a radial load of {_force(value)} keeps the slip below {slip} with probability {p:g} ({ends}); "
         f"{_told(dataset, LOAD, _force)}"
@@ -281,7 +320,8 @@ def _runs_away(dataset: "xr.Dataset") -> str:
     if math.isnan(middle):
         return "no sample says where skidding begins"
     if math.isinf(middle):
-        beyond, n = int(dataset["beyond"].sel(quantity=RUNAWAY)), int(dataset["samples"].sel(quantity=RUNAWAY))
+        beyond = int(dataset["beyond"].sel(quantity=RUNAWAY))
+        n = int(dataset["samples"].sel(quantity=RUNAWAY))
         return f"no skidding was found in {beyond} of {n} samples up to the end of the range"
     least, mean, most = (_torque(_quantile(dataset, DRAG, p)[0]) for p in (0.05, 0.5, 0.95))
     return (
@@ -293,7 +333,8 @@ def _runs_away(dataset: "xr.Dataset") -> str:
 def allowable(dataset: "xr.Dataset") -> str:
     """Say up to which slip a cage does not skid, with the probability that was asked for."""
     value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
-    p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity=RUNAWAY))
+    p = float(dataset.attrs["probability"])
+    n = int(dataset["samples"].sel(quantity=RUNAWAY))
     if math.isnan(value):
         return f"the allowable slip is not known: none of {n} samples says where skidding begins"
     few = (
@@ -301,7 +342,11 @@ def allowable(dataset: "xr.Dataset") -> str:
         "more where all points have a result"
     )
     if value == math.inf:
-        end = f", {_percent(float(dataset.attrs['slip_range']))}" if "slip_range" in dataset.attrs else ""
+        end = (
+            f", {_percent(float(dataset.attrs['slip_range']))}"
+            if "slip_range" in dataset.attrs
+            else ""
+        )
         what = f"the allowable slip lies beyond the range of slips{end}: so does the {RUNAWAY} with probability {p:g}"
         sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
         sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
@@ -328,12 +373,15 @@ def margin(dataset: "xr.Dataset") -> str:
 def _shares(one: "xr.Dataset") -> str:
     inputs = rows_along(one, "input")
     parts = [
-        "{input} {total_order:.2f} ({total_order_low:.2f} to {total_order_high:.2f})".format(**inputs[k])
+        "{input} {total_order:.2f} ({total_order_low:.2f} to {total_order_high:.2f})".format(
+            **inputs[k]
+        )
         for k in np.argsort(-one["total_order"].to_numpy())
     ]
     beyond = int(one["indexed_beyond"])
     said = f"; {beyond} samples beyond the range count as at its end" if beyond else ""
-    used, asked = int(one["indexed_rows"]), int(one["indexed_asked"])
+    used = int(one["indexed_rows"])
+    asked = int(one["indexed_asked"])
     if used < asked:
         said += f"; made of {used} of {asked} rows, the largest power of two of those without a gap"
     return f"share of the variance of {one['indexed'].item()}, total Sobol index: {', '.join(parts)}{said}"

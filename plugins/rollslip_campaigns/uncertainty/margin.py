@@ -61,8 +61,10 @@ CONFIDENCE: Final = 0.95
 #: Of quantiles where samples end at a width: that favours intervals which are narrow by chance, and costs up to 4 %.
 ENDING: Final = 0.975
 #: Samples of the first batch, and the most where batches end by themselves.
-_FIRST, _MOST = 256, 16384
-_SAMPLES, _LOADS = 1024, 64
+_FIRST = 256
+_MOST = 16384
+_SAMPLES = 1024
+_LOADS = 64
 #: Fewest samples whose ranks are told.
 _RANKED: Final = 8
 #: Probabilities of the quantiles that are told beside that of the allowable slip.
@@ -116,7 +118,10 @@ class Margin:
     def told(self) -> list[str]:
         """What is sampled, and what it costs, in words."""
         planned = dict.fromkeys(f"  {line}" for one in self.sweeps.values() for line in one.planned)
-        cost = (f"  {name}: {duration_range(of)} of one core" for name, of in expected_seconds(self).items())
+        cost = (
+            f"  {name}: {duration_range(of)} of one core"
+            for name, of in expected_seconds(self).items()
+        )
         return [self.critical.headline, *planned, *cost]
 
     @property
@@ -131,7 +136,10 @@ class Margin:
 
 def plan_margin(asked: "UncertaintySettings") -> Margin:
     """Check what is asked for and lay out its samples."""
-    scene, probability, until, indices = asked.given, asked.probability, asked.until, asked.indices
+    scene = asked.given
+    probability = asked.probability
+    until = asked.until
+    indices = asked.indices
     samples = asked.samples if asked.samples is not None else _SAMPLES if until is None else _MOST
     stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
     loads = asked.loads if asked.loads is not None else min(_LOADS, samples) if stated else 0
@@ -141,22 +149,38 @@ def plan_margin(asked: "UncertaintySettings") -> Margin:
     if until is not None and not until > 0.0:
         problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
     if loads > samples:
-        problems.append(f"loads: the samples of the minimum load are the first of all {samples}, not {loads}")
+        problems.append(
+            f"loads: the samples of the minimum load are the first of all {samples}, not {loads}"
+        )
     if indices and (indices < 4 or indices & (indices - 1)):
-        problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
+        problems.append(
+            f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
+        )
     if not EffectiveFriction.of(scene).runaway_range:
-        problems.append(f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0")
+        problems.append(
+            f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0"
+        )
     if problems:
         raise SceneError(problems)
     scene, scatter = with_scatter(scene)
-    shared: dict[str, Any] = {"seed": asked.seed, "engine": asked.engine, "time_limit": asked.time_limit}
+    shared: dict[str, Any] = {
+        "seed": asked.seed,
+        "engine": asked.engine,
+        "time_limit": asked.time_limit,
+    }
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
     balance = {"study": SteadySlip.name, "output": ["least_load"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
     if critical.design.axes:
         keys = ", ".join(axis.key for axis in critical.design.axes)
-        raise SceneError([f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"])
-    if indices and np.any(critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))):
+        raise SceneError(
+            [
+                f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"
+            ]
+        )
+    if indices and np.any(
+        critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))
+    ):
         raise SceneError(
             [
                 "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
@@ -166,8 +190,12 @@ def plan_margin(asked: "UncertaintySettings") -> Margin:
     asked_engine(critical)  # refused before a folder is made
     return Margin(
         critical=critical,
-        load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance) if loads else None,
-        varied=plan_sweep(scene, samples=indices, sampling="saltelli", **friction) if indices else None,
+        load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance)
+        if loads
+        else None,
+        varied=plan_sweep(scene, samples=indices, sampling="saltelli", **friction)
+        if indices
+        else None,
         probability=probability,
         until=until,
         scatter=scatter,
@@ -181,7 +209,8 @@ def expected_seconds(made: Margin) -> dict[str, float]:
     """
     return {
         # the first time imports, and makes what samples share
-        name: len(sweep.numbers) * min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
+        name: len(sweep.numbers)
+        * min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
         for name, sweep in made.sweeps.items()
     }
 
@@ -207,7 +236,8 @@ def run_margin(
         every[name].compute(numbers)
         return every[name].collected(numbers).isel(sample=slice(count))
 
-    batches, total = list[tuple[int, Estimate]](), len(made.critical.design.samples)
+    batches = list[tuple[int, Estimate]]()
+    total = len(made.critical.design.samples)
     count = min(_FIRST, total)
     # where no interval ends them all are computed in one run, for which workers start once
     whole = computed("critical", total) if made.until is None else None
@@ -217,7 +247,9 @@ def run_margin(
         batches.append((count, allowed))
         said(f"{count} samples: {_so_far(allowed)}")
         # more samples make no end known that lies beyond the range
-        if count == total or (made.until is not None and (allowed.low == math.inf or allowed.half_width <= made.until)):
+        if count == total or (
+            made.until is not None and (allowed.low == math.inf or allowed.half_width <= made.until)
+        ):
             break
         count = min(2 * count, total)
     points = {"critical": critical}
@@ -248,25 +280,37 @@ def _so_far(allowed: Estimate) -> str:
 # What the samples say ------------------------------------------------------------------------------------------------
 
 
-def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]) -> "xr.Dataset":
+def _dataset(
+    made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]
+) -> "xr.Dataset":
     import xarray as xr
 
-    critical, n = points["critical"], batches[-1][0]
-    values, variables = of_friction(critical), dict[str, Any]()
+    critical = points["critical"]
+    n = batches[-1][0]
+    values = of_friction(critical)
+    variables = dict[str, Any]()
     if STEADY in values:
-        slip, away, shares = values[STEADY], values[RUNAWAY], shares_of(critical)
+        slip = values[STEADY]
+        away = values[RUNAWAY]
+        shares = shares_of(critical)
         known = ~np.isnan(slip) & ~np.isnan(away)
         margin = share(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
         skids = share(int(shares["skids"].sum()), int(shares["unknown"].sum()), n, CONFIDENCE)
         variables |= _estimate(
-            "margin", margin, "probability that the steady slip is below that at which skidding begins"
+            "margin",
+            margin,
+            "probability that the steady slip is below that at which skidding begins",
         )
-        variables |= _estimate("skidding", skids, "probability that the cage has no balance of torques")
+        variables |= _estimate(
+            "skidding", skids, "probability that the cage has no balance of torques"
+        )
         said = "samples of which the reserve is a lower bound"
         variables["bounded"] = (), int(shares["bound"].sum()), about("1", said)
     if "load" in points:  # third of what is told
         loads = {LOAD: least_loads(points["load"])}
-        values = {key: values.pop(key) for key in (RESERVE, STEADY) if key in values} | loads | values
+        values = (
+            {key: values.pop(key) for key in (RESERVE, STEADY) if key in values} | loads | values
+        )
     allowed = batches[-1][1]
     variables |= _estimate("allowable", allowed, "allowable slip")
     variables["allowable_slip"] = variables.pop("allowable")
@@ -274,7 +318,9 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
     for row, one in zip(table, values.values(), strict=True):
         row[: one.size] = one
     probabilities = tuple(sorted({*_TOLD, round(1.0 - made.probability, 12), made.probability}))
-    quantiles = np.array([[attrs.astuple(made.quantile(one, p)) for p in probabilities] for one in values.values()])
+    quantiles = np.array(
+        [[attrs.astuple(made.quantile(one, p)) for p in probabilities] for one in values.values()]
+    )
     over = ("quantity", "probability")
     counts = np.array([[one.size, *(of(one).sum() for of in _KNOWN)] for one in values.values()])
     ends = np.array([attrs.astuple(one) for _, one in batches])
@@ -291,7 +337,11 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
         "known": ("quantity", counts[:, 1], about("1", "known")),
         "beyond": ("quantity", counts[:, 2], about("1", "beyond")),
         "unknown": ("quantity", counts[:, 3], about("1", "unknown")),
-        "batch_samples": ("batch", np.array([count for count, _ in batches]), about("1", "samples")),
+        "batch_samples": (
+            "batch",
+            np.array([count for count, _ in batches]),
+            about("1", "samples"),
+        ),
         "batch_allowable": ("batch", ends[:, 0], about("1", "allowable slip")),
         "batch_low": ("batch", ends[:, 1], about("1", "low end of its interval")),
         "batch_high": ("batch", ends[:, 2], about("1", "high end of its interval")),
@@ -302,14 +352,21 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
         ),
     }
     acted = [name for name in (RESERVE, STEADY, LOAD, RUNAWAY) if name in values]
-    ranks = np.array([[_ranked(column, values[name]) for name in acted] for column in made.critical.design.samples.T])
+    ranks = np.array(
+        [
+            [_ranked(column, values[name]) for name in acted]
+            for column in made.critical.design.samples.T
+        ]
+    )
     variables["rank_correlation"] = (
         ("input", "acted"), ranks, about("1", "rank correlation of an uncertain quantity with what is acted on")
     )  # fmt: skip
     variables["strength_correlation"] = (
         (),
         _ranked(values[RUNAWAY], values[DRAG]),
-        about("1", "rank correlation of the slip at which skidding begins and the limit drag torque"),
+        about(
+            "1", "rank correlation of the slip at which skidding begins and the limit drag torque"
+        ),
     )
     coords: dict[str, Any] = {
         "acted": ("acted", np.array(acted), about("1", "what is acted on")),
@@ -318,7 +375,11 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
             np.array(list(values)),
             about("1", "what it is") | {UNITS: json.dumps({LOAD: "N", DRAG: "N m"})},
         ),
-        "probability": ("probability", np.array(probabilities), about("1", "share of the distribution below")),
+        "probability": (
+            "probability",
+            np.array(probabilities),
+            about("1", "share of the distribution below"),
+        ),
         "input": ("input", np.array(made.critical.design.keys), about("1", "what is uncertain")),
     }
     if made.varied is not None:
@@ -327,12 +388,18 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
         coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
     ended = {name: Counter(one["status"].to_numpy().tolist()) for name, one in points.items()}
     failed = {name: dict(sorted(counts.items())) for name, counts in ended.items()}
-    return xr.Dataset(variables, coords, _attributes(made, failed, json.loads(critical.attrs.get("left", "[]"))))
+    return xr.Dataset(
+        variables, coords, _attributes(made, failed, json.loads(critical.attrs.get("left", "[]")))
+    )
 
 
 def _estimate(name: str, of: Estimate, doc: str) -> dict[str, Any]:
     ends = {"": of.value, "_low": of.low, "_high": of.high}
-    said = {"": doc, "_low": f"{doc}, low end of its 95 % interval", "_high": f"{doc}, high end of its 95 % interval"}
+    said = {
+        "": doc,
+        "_low": f"{doc}, low end of its 95 % interval",
+        "_high": f"{doc}, high end of its 95 % interval",
+    }
     return {f"{name}{end}": ((), value, about("1", said[end])) for end, value in ends.items()}
 
 
@@ -342,7 +409,8 @@ def _ranked(one: Array, other: Array) -> float:
 
     size = min(one.size, other.size)
     known = ~np.isnan(one[:size]) & ~np.isnan(other[:size])
-    a, b = one[:size][known], other[:size][known]
+    a = one[:size][known]
+    b = other[:size][known]
     if a.size < _RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
         return math.nan
     return float(spearmanr(a, b).statistic)
@@ -350,8 +418,11 @@ def _ranked(one: Array, other: Array) -> float:
 
 def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
     """Sobol indices of what varies, and its names; what lies beyond the range of its study counts as at its end."""
-    d, rows, names = len(made.critical.design.sampled), list[Any](), list[str]()
-    study, seed = EffectiveFriction.of(made.critical.scene), made.critical.table.seed
+    d = len(made.critical.design.sampled)
+    rows = list[Any]()
+    names = list[str]()
+    study = EffectiveFriction.of(made.critical.scene)
+    seed = made.critical.table.seed
     for name, values in of_friction(points["indices"]).items():
         if name == DRAG or name.startswith(f"{LOWEST},"):
             continue
@@ -360,7 +431,9 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
         found = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
         if found is not None:
             names.append(name)
-            rows.append((found.first, found.total, found.used, len(table), int(np.isinf(values).sum())))
+            rows.append(
+                (found.first, found.total, found.used, len(table), int(np.isinf(values).sum()))
+            )
     variables: dict[str, Any] = {
         f"indexed_{what}": ("indexed", np.array([row[k] for row in rows]), about("1", said))
         for k, what, said in (
@@ -377,8 +450,11 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     return variables, names
 
 
-def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]) -> dict[str, Any]:
-    sweep, study = made.critical, EffectiveFriction.of(made.critical.scene)
+def _attributes(
+    made: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]
+) -> dict[str, Any]:
+    sweep = made.critical
+    study = EffectiveFriction.of(made.critical.scene)
     warnings = [
         f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
         for name, counts in failed.items()
@@ -397,7 +473,9 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Seq
         study="uncertainty",
         probability=made.probability,
         slip_range=study.runaway_range,
-        look_further=look_further(f"{study.table}.runaway_range", study.runaway_range, MOST_CAGE_SLIP),
+        look_further=look_further(
+            f"{study.table}.runaway_range", study.runaway_range, MOST_CAGE_SLIP
+        ),
         curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,
         fewest_samples=fewest(made.probability, REPLICATES, made.confidence),

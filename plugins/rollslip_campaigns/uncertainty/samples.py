@@ -24,10 +24,20 @@ LOWEST: Final = "critical slip"
 
 def of_friction(points: "xr.Dataset") -> dict[str, Array]:
     """Return the samples of study effective-friction by what they are, those that people act on first."""
-    slips, frictions = _rings(points, "critical_cage_slip"), _rings(points, "critical_friction")
-    away, drag = _runaway(points), _scalar(points, "runaway_drag")
-    found = {RESERVE: _scalar(points, "drag_reserve"), STEADY: _steady(points)} if has_cage(points) else {}
-    found |= {RUNAWAY: away, DRAG: np.where(np.isinf(away), np.inf, drag), LOWEST: np.asarray(slips.min(axis=0))}
+    slips = _rings(points, "critical_cage_slip")
+    frictions = _rings(points, "critical_friction")
+    away = _runaway(points)
+    drag = _scalar(points, "runaway_drag")
+    found = (
+        {RESERVE: _scalar(points, "drag_reserve"), STEADY: _steady(points)}
+        if has_cage(points)
+        else {}
+    )
+    found |= {
+        RUNAWAY: away,
+        DRAG: np.where(np.isinf(away), np.inf, drag),
+        LOWEST: np.asarray(slips.min(axis=0)),
+    }
     for name, rows in ((LOWEST, slips), ("peak friction", frictions)):
         found |= {f"{name}, {ring} ring": row for ring, row in zip(RINGS, rows, strict=True)}
     return found
@@ -35,13 +45,20 @@ def of_friction(points: "xr.Dataset") -> dict[str, Array]:
 
 def has_cage(points: "xr.Dataset") -> bool:
     """Whether the samples are of a bearing whose cage is dragged."""
-    return "drag_reserve" in points and not _begins(points, "steady_status", "the scene has no cage").any()
+    return (
+        "drag_reserve" in points
+        and not _begins(points, "steady_status", "the scene has no cage").any()
+    )
 
 
 def shares_of(points: "xr.Dataset") -> dict[str, Any]:
     """Return in which samples the cage skids, of which the reserve is a lower bound, and whose reserve is not known."""
     skids, bound = (_begins(points, "reserve_status", word) for word in (SKIDS, AT_LEAST))
-    return {"skids": skids, "bound": bound, "unknown": ~(skids | bound | _begins(points, "reserve_status", FOUND))}
+    return {
+        "skids": skids,
+        "bound": bound,
+        "unknown": ~(skids | bound | _begins(points, "reserve_status", FOUND)),
+    }
 
 
 def least_loads(points: "xr.Dataset") -> Array:
@@ -67,7 +84,8 @@ def _runaway(points: "xr.Dataset") -> Array:
     """Slip of running away, (n,): infinite beyond the range, NaN where it is not known or its point failed."""
     found = _scalar(points, "runaway_slip")
     found[_begins(points, "runaway_status", "the rollers do not drive")] = 0.0
-    ok, unknown = points["status"].to_numpy() == "ok", _begins(points, "runaway_status", "it is not")
+    ok = points["status"].to_numpy() == "ok"
+    unknown = _begins(points, "runaway_status", "it is not")
     found[np.isnan(found) & ok & ~unknown] = np.inf
     return found
 
@@ -75,7 +93,10 @@ def _runaway(points: "xr.Dataset") -> Array:
 def _steady(points: "xr.Dataset") -> Array:
     """Slip at which the cage runs, (n,): infinite where there is none in the range, zero where the cage is driven."""
     found = _scalar(points, "steady_cage_slip")
-    found[_begins(points, "steady_status", NOWHERE) | _begins(points, "runaway_status", "the rollers do not")] = np.inf
+    found[
+        _begins(points, "steady_status", NOWHERE)
+        | _begins(points, "runaway_status", "the rollers do not")
+    ] = np.inf
     found[_begins(points, "steady_status", DRIVEN)] = 0.0
     return found
 
@@ -88,5 +109,9 @@ def _scalar(points: "xr.Dataset", name: str) -> Array:
 
 def _begins(points: "xr.Dataset", name: str, *words: str) -> Any:
     """Whether a status of each point begins with one of some words, (n,)."""
-    texts = points[name].to_numpy().astype(str) if name in points else np.full(points["status"].size, "")
+    texts = (
+        points[name].to_numpy().astype(str)
+        if name in points
+        else np.full(points["status"].size, "")
+    )
     return np.any([np.char.startswith(texts, word) for word in words], axis=0)

@@ -44,12 +44,22 @@ class ValidationSettings(Campaign):
     result = "validation"
 
     data: Any = setting("", default=(), argument="[DATA]...", many=True, first=True, more=_DATA)
-    traction: Names = setting("Traction models beside those of the data sets' scenes.", default="", metavar="A,B")
-    film: Names = setting("Film models beside those of the data sets' scenes.", default="", metavar="A,B")
-    contact: Names = setting("Contact models beside those of the data sets' scenes.", default="", metavar="A,B")
-    predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
+    traction: Names = setting(
+        "Traction models beside those of the data sets' scenes.", default="", metavar="A,B"
+    )
+    film: Names = setting(
+        "Film models beside those of the data sets' scenes.", default="", metavar="A,B"
+    )
+    contact: Names = setting(
+        "Contact models beside those of the data sets' scenes.", default="", metavar="A,B"
+    )
+    predictions: Sequence[Any] = setting(
+        _PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True
+    )
     form: Path | None = setting("Write a file for such predictions.", of=Path, metavar="FILE.csv")
-    samples: int = setting("Of what scatters.", of=int, default=128, least=0, metavar="N", shown=True)
+    samples: int = setting(
+        "Of what scatters.", of=int, default=128, least=0, metavar="N", shown=True
+    )
     seed: int = setting("Seed of the samples.", of=int, default=0, least=0, metavar="N")
 
     def plan(self) -> "Validation":
@@ -58,7 +68,9 @@ class ValidationSettings(Campaign):
 
         return plan_validation(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Hold the models against the data."""
         from rollslip_campaigns.validation.validate import run_validation
 
@@ -94,12 +106,18 @@ class RankingSettings(Campaign):
     result = "ranking"
     samples = 0
 
-    data: Any = setting("", default=attrs.NOTHING, argument="DATA...", many=True, first=True, more=_DATA)
+    data: Any = setting(
+        "", default=attrs.NOTHING, argument="DATA...", many=True, first=True, more=_DATA
+    )
     traction: Names = setting("Traction laws.", default="", metavar="A,B")
     film: Names = setting("Film laws; all combinations are ranked.", default="", metavar="A,B")
     contact: Names = setting("Contact laws.", default="", metavar="A,B")
-    parameters: Names = setting("What is fitted to friction of rigs.", default="", metavar="NAME,NAME")
-    predictions: Sequence[Any] = setting(_PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True)
+    parameters: Names = setting(
+        "What is fitted to friction of rigs.", default="", metavar="NAME,NAME"
+    )
+    predictions: Sequence[Any] = setting(
+        _PREDICTIONS, default=(), of=Path, metavar="FILE.csv", many=True
+    )
     groups: str = setting(
         "What has errors in common: conditions of a series, such as a day's, or of a set, such as a rig's.",
         default="", metavar="series|set",
@@ -112,7 +130,9 @@ class RankingSettings(Campaign):
 
         return plan_ranking(self)
 
-    def run(self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]) -> "xr.Dataset":
+    def run(
+        self, made: Any, folder: Path, show: "Shown", said: Callable[[str], None]
+    ) -> "xr.Dataset":
         """Score and rank the laws."""
         from rollslip_campaigns.validation.ranking import run_ranking
 

@@ -20,7 +20,8 @@ __all__ = ["figures"]
 
 _MARKS: Final = "osD^vP*X"
 #: Ends of the axis of ratios: beyond them a mark says that there is more.
-_LEAST, _MOST = 1e-2, 1e2
+_LEAST = 1e-2
+_MOST = 1e2
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -29,7 +30,9 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         caption = "Calculated over measured, with the 95 % band of both uncertainties; at the edge, beyond the range."
         yield "validation", caption, _ratios(dataset)
         for k, (data_set, series) in enumerate(together(dataset, "data_set", "series"), 1):
-            mask = (dataset["row_data_set"].to_numpy() == data_set) & (dataset["row_series"].to_numpy() == series)
+            mask = (dataset["row_data_set"].to_numpy() == data_set) & (
+                dataset["row_series"].to_numpy() == series
+            )
             one = dataset.isel(row=np.flatnonzero(mask))
             caption = f"{data_set}: {series}. Bands of 95 %; open where nothing can be told."
             yield f"validation-{data_set}-{k}", caption, _series(one)
@@ -56,9 +59,13 @@ def _ratios(dataset: "xr.Dataset") -> "Figure":
     step = 0.7 / max(len(colours), 1)
     for one in rows_along(dataset, "row"):
         key = one["row_data_set"], one["row_series"], one["row_condition"]
-        place = keys.index(key) + step * (list(colours).index(one["row_models"]) - (len(colours) - 1) / 2)
+        place = keys.index(key) + step * (
+            list(colours).index(one["row_models"]) - (len(colours) - 1) / 2
+        )
         colour, mark = colours[one["row_models"]]
-        ratio, low, high = np.clip([one[name] for name in ("ratio", "ratio_low", "ratio_high")], _LEAST, _MOST)
+        ratio, low, high = np.clip(
+            [one[name] for name in ("ratio", "ratio_low", "ratio_high")], _LEAST, _MOST
+        )
         if not math.isnan(low):
             axes.plot([low, high], [place, place], color=colour, linewidth=1.0)
         if not math.isnan(ratio):
@@ -90,7 +97,8 @@ def _series(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet((TWO_COLUMNS[0], 70 * MM + ROW * (1 + len(colours) // 3)))
     sheet.key("measured, 95 %", color="0.2", marker="_")
     axes = sheet.axes
-    unit, quantity = rows[0]["row_unit"], rows[0]["row_quantity"]
+    unit = rows[0]["row_unit"]
+    quantity = rows[0]["row_quantity"]
     every = np.abs(dataset["measured"].to_numpy())
     of = "%" if unit == "1" and "slip" in quantity else shown_unit(float(np.median(every)), unit)
     factor = 100.0 if of == "%" else converted(1.0, unit, of)
@@ -99,13 +107,18 @@ def _series(dataset: "xr.Dataset") -> "Figure":
     largest = 0.0
     for k, condition in enumerate(conditions):
         mine = [one for one in rows if one["row_condition"] == condition]
-        measured, error = factor * mine[0]["measured"], 1.96 * factor * mine[0]["uncertainty"]
-        axes.errorbar(k - 0.3, measured, error, color="0.2", marker="_", markersize=8, elinewidth=1.2)
+        measured = factor * mine[0]["measured"]
+        error = 1.96 * factor * mine[0]["uncertainty"]
+        axes.errorbar(
+            k - 0.3, measured, error, color="0.2", marker="_", markersize=8, elinewidth=1.2
+        )
         largest = max(largest, measured + error)
         for one in mine:
             colour, mark = colours[one["row_models"]]
             place = k - 0.3 + step * (1 + list(colours).index(one["row_models"]))
-            value, low, high = (factor * one[name] for name in ("calculated", "calculated_low", "calculated_high"))
+            value, low, high = (
+                factor * one[name] for name in ("calculated", "calculated_low", "calculated_high")
+            )
             known = [end for end in (low, high) if math.isfinite(end)]
             if math.isfinite(low):
                 largest = max(largest, *known)
@@ -120,7 +133,9 @@ def _series(dataset: "xr.Dataset") -> "Figure":
         axes.set_ylim(0.0, 1.1 * largest)
     axes.set_xlim(-0.6, len(conditions) - 0.4)
     if len(conditions) <= 6:
-        axes.set_xticks(range(len(conditions)), [condition.replace(", ", "\n") for condition in conditions])
+        axes.set_xticks(
+            range(len(conditions)), [condition.replace(", ", "\n") for condition in conditions]
+        )
     else:
         axes.set_xlabel("Row of the data set")
     name = (quantity.partition("/")[2] or quantity).replace("-", " ").replace("_", " ")
@@ -131,7 +146,9 @@ def _series(dataset: "xr.Dataset") -> "Figure":
 def _statements(dataset: "xr.Dataset") -> "Figure":
     """A mark for every statement and model."""
     rows = rows_along(dataset, "statement")
-    says, models = (list(dict.fromkeys(one[f"statement_{name}"] for one in rows)) for name in ("says", "models"))
+    says, models = (
+        list(dict.fromkeys(one[f"statement_{name}"] for one in rows)) for name in ("says", "models")
+    )
     sheet = _sheet(len(says) + 3, 0)
     axes = sheet.axes
     marks = {"held": ("o", "#0072B2", "#0072B2"), "not held": ("X", "#D55E00", "#D55E00"),

@@ -27,8 +27,22 @@ __all__ = [
 ]
 
 #: Heads of the tables.
-ROWS: Final = ("condition", "models", "measured, 95 %", "calculated, 95 %", "ratio, 95 %", "verdict")
-CHI_SQUARE: Final = ("data set", "series", "models", "chi-square", "degrees of freedom", "probability")
+ROWS: Final = (
+    "condition",
+    "models",
+    "measured, 95 %",
+    "calculated, 95 %",
+    "ratio, 95 %",
+    "verdict",
+)
+CHI_SQUARE: Final = (
+    "data set",
+    "series",
+    "models",
+    "chi-square",
+    "degrees of freedom",
+    "probability",
+)
 STATEMENTS: Final = ("statement", "models", "verdict", "found")
 INSIDE: Final = "inside"
 UNTOLD: Final = "cannot be determined"
@@ -42,7 +56,11 @@ def shown(value: float, unit: str, quantity: str, digits: int = 3) -> str:
     if math.isinf(value):
         return "beyond" if value > 0.0 else "below"
     if unit == "1":
-        return f"{100 * value:.{digits}g} %" if "slip" in quantity.rpartition("/")[2] else f"{value:.{digits}g}"
+        return (
+            f"{100 * value:.{digits}g} %"
+            if "slip" in quantity.rpartition("/")[2]
+            else f"{value:.{digits}g}"
+        )
     return format_quantity(value, unit, digits)
 
 
@@ -55,7 +73,11 @@ def _band(low: float, high: float, unit: str = "1", quantity: str = "") -> str:
 
 def together(dataset: "xr.Dataset", *names: str, of: str = "row") -> list[tuple[str, ...]]:
     """Return the combinations of texts of rows, or statements, each once."""
-    return list(dict.fromkeys(zip(*(map(str, dataset[f"{of}_{name}"].to_numpy()) for name in names), strict=True)))
+    return list(
+        dict.fromkeys(
+            zip(*(map(str, dataset[f"{of}_{name}"].to_numpy()) for name in names), strict=True)
+        )
+    )
 
 
 def row_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
@@ -69,7 +91,8 @@ def row_tables(dataset: "xr.Dataset") -> list[tuple[str, list[list[str]]]]:
                 one["row_condition"],
                 one["row_models"],
                 f"{shown(one['measured'], *of)} ± {shown(1.96 * one['uncertainty'], *of, 2)}",
-                shown(one["calculated"], *of) + _band(one["calculated_low"], one["calculated_high"], *of),
+                shown(one["calculated"], *of)
+                + _band(one["calculated_low"], one["calculated_high"], *of),
                 f"{ratio}{_band(one['ratio_low'], one['ratio_high'])}".strip(),
                 one["row_verdict"],
             ]
@@ -120,9 +143,19 @@ class ValidationAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return what was found as plain values; what has no value is null."""
-        texts = ("data_set", "series", "models", "quantity", "unit", "condition", "verdict", "status")
+        texts = (
+            "data_set",
+            "series",
+            "models",
+            "quantity",
+            "unit",
+            "condition",
+            "verdict",
+            "status",
+        )
         rows = [
-            {name: one[f"row_{name}"] for name in texts} | {name: or_none(one[name]) for name in _NUMBERS}
+            {name: one[f"row_{name}"] for name in texts}
+            | {name: or_none(one[name]) for name in _NUMBERS}
             for one in rows_along(dataset, "row")
         ]
         groups = [
@@ -148,12 +181,20 @@ class ValidationAccount(Account):
         rows = [Table(caption, ROWS, cells) for caption, cells in row_tables(dataset)]
         said = [Table(caption, STATEMENTS, cells) for caption, cells in statement_tables(dataset)]
         chi2 = chi_square_cells(dataset)
-        return [*rows, *said, *([Table("All rows of a series together", CHI_SQUARE, chi2)] if chi2 else [])]
+        return [
+            *rows,
+            *said,
+            *([Table("All rows of a series together", CHI_SQUARE, chi2)] if chi2 else []),
+        ]
 
 
 def models_of(dataset: "xr.Dataset") -> list[str]:
     """Return the models of rows and statements, each once."""
-    return list(dict.fromkeys(map(str, (*dataset["row_models"].to_numpy(), *dataset["statement_models"].to_numpy()))))
+    return list(
+        dict.fromkeys(
+            map(str, (*dataset["row_models"].to_numpy(), *dataset["statement_models"].to_numpy()))
+        )
+    )
 
 
 def _of_models(dataset: "xr.Dataset", name: str) -> str:

@@ -42,7 +42,9 @@ def _found(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
         raise SceneError([f"no study that is installed gives the quantity {quantity!r}"])
     study = study_class(name, scene)
     if variable not in study.outputs:
-        hint = did_you_mean(nearest(variable, study.outputs, count=1), f"it has {', '.join(study.outputs)}")
+        hint = did_you_mean(
+            nearest(variable, study.outputs, count=1), f"it has {', '.join(study.outputs)}"
+        )
         raise SceneError([f"study {name!r} has no variable {variable!r}; {hint}"])
     return study, Measurable(variable=variable)
 
@@ -53,8 +55,14 @@ def observe(
     """Return what the models of a scene give for a quantity at points, each some changes of the scene."""
     study, one = _found(quantity, scene)
     status = study.outputs[one.variable].status
-    outputs = (one.variable, *([status] if status else []), *([_LASTS] if one.lasting is not None else []))
-    work = SweepWork(scene=scene, study=study.name, outputs=tuple(dict.fromkeys(outputs)), packages=("rollslip",))
+    outputs = (
+        one.variable,
+        *([status] if status else []),
+        *([_LASTS] if one.lasting is not None else []),
+    )
+    work = SweepWork(
+        scene=scene, study=study.name, outputs=tuple(dict.fromkeys(outputs)), packages=("rollslip",)
+    )
     rows = compute(work, [(k, changes) for k, changes in enumerate(points)]).rows
     return [_value(one, status, at, row) for row in sorted(rows, key=lambda row: row.number)]
 
@@ -64,8 +72,12 @@ def _value(one: Measurable, status: str | None, at: Mapping[str, object], row: P
         return Value(math.nan, f"{row.status}: {row.message}", row.seconds)
     layout = json.loads(row.layout)
     arrays = unpacked(layout, row.numbers, row.texts)
-    names: dict[str, Sequence[object]] = {name: about["values"] for name, about in layout["coords"].items()}
-    dims: dict[str, Sequence[str]] = {name: about["dims"] for name, about in layout["variables"].items()}
+    names: dict[str, Sequence[object]] = {
+        name: about["values"] for name, about in layout["coords"].items()
+    }
+    dims: dict[str, Sequence[str]] = {
+        name: about["dims"] for name, about in layout["variables"].items()
+    }
     if one.lasting is not None:
         lasting = np.flatnonzero(arrays[_LASTS] == 1.0)
         value = float(arrays[one.variable][lasting[one.lasting]]) if lasting.size else math.nan
@@ -77,14 +89,22 @@ def _value(one: Measurable, status: str | None, at: Mapping[str, object], row: P
     if status in arrays and arrays[status].size:
         said = arrays[status]
         of = dims[status][0] if said.ndim == 1 else ""
-        why = str(said[list(names[of]).index(at[of])] if of in at and at[of] not in EXTREMES else said.ravel()[0])
+        why = str(
+            said[list(names[of]).index(at[of])]
+            if of in at and at[of] not in EXTREMES
+            else said.ravel()[0]
+        )
     if one.below and one.below in why:
         return Value(-math.inf, why, row.seconds)
     return Value(math.inf if one.beyond else math.nan, why, row.seconds)
 
 
 def _single(
-    variable: str, values: Array, dims: Sequence[str], names: Mapping[str, Sequence[object]], at: Mapping[str, object]
+    variable: str,
+    values: Array,
+    dims: Sequence[str],
+    names: Mapping[str, Sequence[object]],
+    at: Mapping[str, object],
 ) -> float:
     """Take one value of a variable, at names of its dimensions, or the smallest or largest along some."""
     index: list[Any] = []
@@ -97,7 +117,9 @@ def _single(
         elif dim in at:
             known = list(names.get(dim, range(values.shape[k])))
             if wanted not in known:
-                raise SceneError([f"{variable} has no {dim} {wanted!r}; it has {', '.join(map(str, known))}"])
+                raise SceneError(
+                    [f"{variable} has no {dim} {wanted!r}; it has {', '.join(map(str, known))}"]
+                )
             index.append(known.index(wanted))
         elif values.shape[k] == 1:
             index.append(0)

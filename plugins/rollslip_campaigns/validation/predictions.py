@@ -69,7 +69,8 @@ class Predictions:
         from scipy.special import ndtri
 
         errors = ndtri((np.arange(256) + 0.5) / 256)
-        values, columns = list[Value](), []
+        values = list[Value]()
+        columns = []
         for one in found:
             value, sigma = (math.nan, 0.0) if one is None else one
             values.append(Value(value, "" if one is not None else "not predicted", math.nan))
@@ -94,7 +95,8 @@ def measurement_named(name: str | Path | Measurement) -> Measurement:
 
 def _of_file(path: Path) -> Measurement:
     """Return the data set of friction in a file, on the rig beside it; without uncertainties all rows weigh alike."""
-    data, rig = read_data(path), load_rig(path.with_name("rig.toml"))
+    data = read_data(path)
+    rig = load_rig(path.with_name("rig.toml"))
     friction = data.columns["friction"]
     given = data.columns.get("friction_uncertainty")
     sigma = np.full(friction.shape, ALIKE * np.abs(friction).max()) if given is None else given
@@ -108,21 +110,40 @@ def _of_file(path: Path) -> Measurement:
         )
         for k, line in enumerate(data.lines)
     )
-    about = "" if given is not None else f"none given: {100.0 * ALIKE:g} % of the largest friction in every row"
+    about = (
+        ""
+        if given is not None
+        else f"none given: {100.0 * ALIKE:g} % of the largest friction in every row"
+    )
     unit = QUANTITIES["friction"].unit
     series = ContactSeries(
-        name=path.stem, quantity="friction", unit=unit, rig=rig, data=data, rows=rows, about_uncertainty=about
+        name=path.stem,
+        quantity="friction",
+        unit=unit,
+        rig=rig,
+        data=data,
+        rows=rows,
+        about_uncertainty=about,
     )
     name = f"{path.resolve().parent.name}/{path.stem}"
     return Measurement(
-        name=name, description=rig.title, references=(), read="file of a rig", licence="", series=(series,)
+        name=name,
+        description=rig.title,
+        references=(),
+        read="file of a rig",
+        licence="",
+        series=(series,),
     )
 
 
-def predictions_of(given: Iterable[str | Path | Predictions], names: Sequence[Any]) -> list[Predictions]:
+def predictions_of(
+    given: Iterable[str | Path | Predictions], names: Sequence[Any]
+) -> list[Predictions]:
     """Return predictions, those of files read, each of the data set that it names, or of the only one."""
     return [
-        one if isinstance(one, Predictions) else read_predictions(one, measurement_named(data_set_of(one, names)))
+        one
+        if isinstance(one, Predictions)
+        else read_predictions(one, measurement_named(data_set_of(one, names)))
         for one in given
     ]
 
@@ -132,7 +153,9 @@ def write_form(names: Sequence[str], path: Path) -> str:
     if len(names) != 1:
         raise SceneError(["form: needs one data set; name one"])
     if path.exists():
-        raise OutputError(f"{path}: exists, perhaps with numbers in it; name another --form, or remove it")
+        raise OutputError(
+            f"{path}: exists, perhaps with numbers in it; name another --form, or remove it"
+        )
     with whole_file(path) as partial:
         partial.write_text(form(measurement_named(names[0])), encoding="utf-8")
     return f"written: {path}; fill the column predicted, and give it back by --predictions {path}"
@@ -141,13 +164,19 @@ def write_form(names: Sequence[str], path: Path) -> str:
 def form(measurement: Measurement) -> str:
     """Return the rows of a data set as CSV with empty columns for predictions, all in SI units."""
     text = io.StringIO()
-    text.write(f"# Predictions for data set {measurement.name}: fill the column predicted, in the unit of the row;\n")
-    text.write("# uncertainty is its standard uncertainty, and may stay empty.\n# program: NAME\n# parameters: 0\n")
+    text.write(
+        f"# Predictions for data set {measurement.name}: fill the column predicted, in the unit of the row;\n"
+    )
+    text.write(
+        "# uncertainty is its standard uncertainty, and may stay empty.\n# program: NAME\n# parameters: 0\n"
+    )
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_HEAD)
     for series in measurement.series:
         for row in series.rows:
-            writer.writerow([measurement.name, series.name, row.line, row.label, series.unit, "", ""])
+            writer.writerow(
+                [measurement.name, series.name, row.line, row.label, series.unit, "", ""]
+            )
     return text.getvalue()
 
 
@@ -155,42 +184,63 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
     """Read predictions for a data set."""
     source, text = text_named(path)
     comments = dict(re.findall(r"^#\s*(program|parameters):\s*(.+?)\s*$", text, re.MULTILINE))
-    lines = [(k, line) for k, line in enumerate(text.split("\n"), 1) if line.strip() and not line.startswith("#")]
-    problems, values = list[str](), dict[tuple[str, int], tuple[float, float]]()
+    lines = [
+        (k, line)
+        for k, line in enumerate(text.split("\n"), 1)
+        if line.strip() and not line.startswith("#")
+    ]
+    problems = list[str]()
+    values = dict[tuple[str, int], tuple[float, float]]()
     if not lines:
-        raise SceneError([f"{source}: no header; 'rollslip validate NAME --form FILE.csv' writes a file to fill"])
+        raise SceneError(
+            [f"{source}: no header; 'rollslip validate NAME --form FILE.csv' writes a file to fill"]
+        )
     head = [cell.strip() for cell in next(csv.reader([lines[0][1]]))]
     if missing := [name for name in ("series", "line", "predicted") if name not in head]:
         raise SceneError([f"{source}:{lines[0][0]}: missing columns: {', '.join(missing)}"])
     rows = {(series.name, row.line): series for series in measurement.series for row in series.rows}
     for number, line in lines[1:]:
         cells = dict(zip(head, (cell.strip() for cell in next(csv.reader([line]))), strict=False))
-        place, key = f"{source}:{number}", (cells.get("series", ""), _whole(cells.get("line", "")))
+        place = f"{source}:{number}"
+        key = (cells.get("series", ""), _whole(cells.get("line", "")))
         if cells.get("data_set", measurement.name) != measurement.name:
-            problems.append(f"{place}: data_set: {as_written(cells['data_set'])} is not {measurement.name!r}")
+            problems.append(
+                f"{place}: data_set: {as_written(cells['data_set'])} is not {measurement.name!r}"
+            )
         elif key not in rows:
-            problems.append(f"{place}: series {as_written(key[0])} has no row of line {cells.get('line')}")
+            problems.append(
+                f"{place}: series {as_written(key[0])} has no row of line {cells.get('line')}"
+            )
         elif key in values:
             problems.append(f"{place}: series {as_written(key[0])}, line {key[1]} once more")
         elif cells.get("unit", rows[key].unit) != rows[key].unit:
-            problems.append(f"{place}: unit: {as_written(cells['unit'])}; predictions are in {rows[key].unit!r}")
+            problems.append(
+                f"{place}: unit: {as_written(cells['unit'])}; predictions are in {rows[key].unit!r}"
+            )
         else:
-            value, sigma = _number(cells.get("predicted", "")), _number(cells.get("uncertainty") or "0")
+            value = _number(cells.get("predicted", ""))
+            sigma = _number(cells.get("uncertainty") or "0")
             if value is None or sigma is None or sigma < 0.0:
                 what = "predicted" if value is None else "uncertainty"
                 wanted = "a number" if value is None else "a number from 0 on, or nothing,"
-                problems.append(f"{place}: {what}: {wanted} is expected, not {as_written(cells.get(what, ''))}")
+                problems.append(
+                    f"{place}: {what}: {wanted} is expected, not {as_written(cells.get(what, ''))}"
+                )
             else:
                 values[key] = value, sigma
     count = _whole(comments.get("parameters", "0"))
     if count < 0:
-        problems.append(f"{source}: parameters: a whole number is expected, not {as_written(comments['parameters'])}")
+        problems.append(
+            f"{source}: parameters: a whole number is expected, not {as_written(comments['parameters'])}"
+        )
     if not values and not problems:
         problems.append(f"{source}: no rows are predicted")
     if problems:
         raise SceneError(problems)
     program = comments.get("program", Path(path).stem)
-    return Predictions(of=measurement.name, program=program, parameters=count, source=source, values=values)
+    return Predictions(
+        of=measurement.name, program=program, parameters=count, source=source, values=values
+    )
 
 
 def data_set_of(path: str | os.PathLike[str], asked: Sequence[str]) -> str:
@@ -198,10 +248,14 @@ def data_set_of(path: str | os.PathLike[str], asked: Sequence[str]) -> str:
     if len(asked) == 1:
         return asked[0]
     source, text = text_named(path)
-    rows = csv.DictReader(line for line in text.split("\n") if line.strip() and not line.startswith("#"))
+    rows = csv.DictReader(
+        line for line in text.split("\n") if line.strip() and not line.startswith("#")
+    )
     named = next((row["data_set"] for row in rows if row.get("data_set")), "")
     if not named:
-        raise SceneError([f"{source}: has no column data_set; name the data set that it is of in the command"])
+        raise SceneError(
+            [f"{source}: has no column data_set; name the data set that it is of in the command"]
+        )
     return named
 
 

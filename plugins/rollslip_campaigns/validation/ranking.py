@@ -47,7 +47,12 @@ from rollslip_campaigns.fit.problem import (
 from rollslip_campaigns.measurement import Measurement
 from rollslip_campaigns.measurement.values import ContactSeries, Series
 from rollslip_campaigns.validation.predictions import Predictions
-from rollslip_campaigns.validation.validate import Combination, Validation, nominal_values, plan_validation
+from rollslip_campaigns.validation.validate import (
+    Combination,
+    Validation,
+    nominal_values,
+    plan_validation,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,33 +75,50 @@ def plan_ranking(asked: "RankingSettings") -> Validation:
     """Check what is asked for."""
     plan = plan_validation(asked)
     if len(plan.combinations[1:] or plan.combinations) + len(plan.predictions) < 2:
-        raise SceneError(["there is nothing to rank: name two laws, as by --traction A,B, or give --predictions"])
+        raise SceneError(
+            ["there is nothing to rank: name two laws, as by --traction A,B, or give --predictions"]
+        )
     if not any(series.rows for measurement in plan.sets for series in measurement.series):
         raise SceneError(["there is nothing to rank by: the data sets hold no numbers"])
     if asked.groups not in GROUPS:
-        raise SceneError([f"groups: {asked.groups!r} is none; write series or set, or leave it out"])
+        raise SceneError(
+            [f"groups: {asked.groups!r} is none; write series or set, or leave it out"]
+        )
     return plan
 
 
 def run_ranking(
-    plan: Validation, asked: "RankingSettings", report: Callable[[str, float], None] = lambda text, share: None
+    plan: Validation,
+    asked: "RankingSettings",
+    report: Callable[[str, float], None] = lambda text, share: None,
 ) -> "xr.Dataset":
     """Rank laws by their errors on conditions that they were not fitted to."""
     begin = time.perf_counter()
     laws = plan.combinations[1:] or plan.combinations
     wanted = listed(asked.parameters)
-    scored, conditions, groups = list[_Scored](), list[str](), list[str]()
-    parts = [(measurement, series) for measurement in plan.sets for series in measurement.series if series.rows]
+    scored = list[_Scored]()
+    conditions = list[str]()
+    groups = list[str]()
+    parts = [
+        (measurement, series)
+        for measurement in plan.sets
+        for series in measurement.series
+        if series.rows
+    ]
     for measurement, series in parts:
         labels = _labels(series)
         conditions += [f"{measurement.name}, {series.name}: {label}" for label in labels]
-        groups += [measurement.name + (f", {series.name}" if asked.groups == "series" else "")] * len(labels)
+        groups += [
+            measurement.name + (f", {series.name}" if asked.groups == "series" else "")
+        ] * len(labels)
     for k, law in enumerate(laws):
         report(law.label, k / len(laws))
         scored.append(_scored(law, parts, wanted))
     unknown = set(wanted) - {name for one in scored for name in one.fitted}
     if unknown:
-        raise SceneError([f"parameters: no law has {', '.join(sorted(unknown))} to fit to these data"])
+        raise SceneError(
+            [f"parameters: no law has {', '.join(sorted(unknown))} to fit to these data"]
+        )
     scored += [_predicted(one, parts) for one in plan.predictions]
     alike = [
         f"{measurement.name}, {series.name}: uncertainties: {series.about_uncertainty}"
@@ -104,7 +126,9 @@ def run_ranking(
         if series.about_uncertainty.startswith("none given")
     ]
     taken = groups if asked.groups else []
-    return _dataset(plan, scored, conditions, tuple(wanted), asked, taken, alike, time.perf_counter() - begin)
+    return _dataset(
+        plan, scored, conditions, tuple(wanted), asked, taken, alike, time.perf_counter() - begin
+    )
 
 
 # Scores -------------------------------------------------------------------------------------------------------------
@@ -141,11 +165,17 @@ def _errors(series: Series, values: Array) -> Array:
     measured = np.array([row.measured for row in series.rows])
     sigma = np.array([row.uncertainty for row in series.rows])
     misses = (values - measured) / sigma
-    return np.array([max(math.sqrt(float(np.mean(misses[rows] ** 2))), _LEAST) for rows in _conditions(series)])
+    return np.array(
+        [max(math.sqrt(float(np.mean(misses[rows] ** 2))), _LEAST) for rows in _conditions(series)]
+    )
 
 
-def _scored(law: Combination, parts: Sequence[tuple[Measurement, Series]], wanted: Sequence[str]) -> _Scored:
-    errors, fitted, seconds = list[Array](), list[str](), list[float]()
+def _scored(
+    law: Combination, parts: Sequence[tuple[Measurement, Series]], wanted: Sequence[str]
+) -> _Scored:
+    errors = list[Array]()
+    fitted = list[str]()
+    seconds = list[float]()
     try:
         for _, series in parts:
             if series.quantity == "friction" and isinstance(series, ContactSeries):
@@ -159,7 +189,9 @@ def _scored(law: Combination, parts: Sequence[tuple[Measurement, Series]], wante
             errors.append(_errors(series, values))
     except RollslipError as error:
         count = sum(len(_conditions(series)) for _, series in parts)
-        return _Scored(label=law.label, errors=np.full(count, math.nan), status=str(error).splitlines()[0])
+        return _Scored(
+            label=law.label, errors=np.full(count, math.nan), status=str(error).splitlines()[0]
+        )
     names = tuple(dict.fromkeys(fitted))
     every = np.concatenate(errors)
     status = "" if np.isfinite(every).all() else "has no value at some conditions"
@@ -169,9 +201,13 @@ def _scored(law: Combination, parts: Sequence[tuple[Measurement, Series]], wante
     )  # fmt: skip
 
 
-def _left_out(series: ContactSeries, law: Combination, wanted: Sequence[str]) -> tuple[Array, list[str], float]:
+def _left_out(
+    series: ContactSeries, law: Combination, wanted: Sequence[str]
+) -> tuple[Array, list[str], float]:
     """Friction of every condition by a law that was fitted to all others; what was fitted; seconds a value."""
-    problem = rig_problem(series.data, series.rig, law.models.get("traction"), law.models.get("film"))
+    problem = rig_problem(
+        series.data, series.rig, law.models.get("traction"), law.models.get("film")
+    )
     free = _known(problem, wanted)
     begin = time.perf_counter()
     values = problem.friction(problem.lubricant, problem.chain)
@@ -204,7 +240,11 @@ def _predicted(one: Predictions, parts: Sequence[tuple[Measurement, Series]]) ->
     errors = []
     for measurement, series in parts:
         values = one.values_of(series) if one.of == measurement.name else None
-        given = np.full(len(series.rows), math.nan) if values is None else np.array([v.value for v in values[0]])
+        given = (
+            np.full(len(series.rows), math.nan)
+            if values is None
+            else np.array([v.value for v in values[0]])
+        )
         errors.append(_errors(series, given))
     every = np.concatenate(errors)
     status = "" if np.isfinite(every).all() else "does not predict all conditions"
@@ -239,17 +279,21 @@ def tell(errors: Array, seed: int = 0, groups: Sequence[str] = ()) -> Told:
     errors = _grouped(errors, groups)
     count, conditions = errors.shape
     probability = np.full((count, count), math.nan)
-    low, high = np.full(count, math.nan), np.full(count, math.nan)
+    low = np.full(count, math.nan)
+    high = np.full(count, math.nan)
     kept = np.flatnonzero(np.isfinite(errors).all(axis=1))
     if conditions < FEWEST or not kept.size:
         return Told(probability, low, high)
-    scores, generator = np.log(errors), np.random.default_rng(seed)
+    scores = np.log(errors)
+    generator = np.random.default_rng(seed)
     drawn = generator.integers(conditions, size=(_RESAMPLED, conditions))
     means = np.exp(scores[kept][:, drawn].mean(axis=2))
     low[kept], high[kept] = np.quantile(means, ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2), axis=1)
     pairs = list(itertools.combinations(kept, 2))
     signs = _signs(conditions, generator)
-    differences = np.array([scores[i] - scores[j] for i, j in pairs]).reshape(len(pairs), conditions)
+    differences = np.array([scores[i] - scores[j] for i, j in pairs]).reshape(
+        len(pairs), conditions
+    )
     # of what is tossed the sum of squares stays, and with it t rises with the mean alone
     square = np.mean(differences**2, axis=1)
     size = np.sqrt(np.where(square > 0.0, square, 1.0))
@@ -285,12 +329,17 @@ def _dataset(
 ) -> "xr.Dataset":  # fmt: skip
     import xarray as xr
 
-    mean = np.array([float(np.exp(np.log(_grouped(one.errors[None], groups)).mean())) for one in scored])
+    mean = np.array(
+        [float(np.exp(np.log(_grouped(one.errors[None], groups)).mean())) for one in scored]
+    )
     order = sorted(range(len(scored)), key=lambda k: (math.isnan(mean[k]), mean[k]))
-    scored, mean = [scored[k] for k in order], mean[order]
+    scored = [scored[k] for k in order]
+    mean = mean[order]
     labels = [one.label for one in scored]
     if twice := {label for label in labels if labels.count(label) > 1}:
-        raise SceneError([f"two are called {label!r}; give a program another name" for label in sorted(twice)])
+        raise SceneError(
+            [f"two are called {label!r}; give a program another name" for label in sorted(twice)]
+        )
     errors = np.array([one.errors for one in scored])
     told = tell(errors, asked.seed, groups)
     fitted, status = (

@@ -16,17 +16,31 @@ if TYPE_CHECKING:
 
 __all__ = ["RankingAccount", "better"]
 
-_HEAD: Final = ("law", "error, 95 %", "parameters", "time of a value", "better than", "cannot be determined from")
+_HEAD: Final = (
+    "law",
+    "error, 95 %",
+    "parameters",
+    "time of a value",
+    "better than",
+    "cannot be determined from",
+)
 
 
 def better(dataset: "xr.Dataset", law: int) -> tuple[list[str], list[str]]:
     """Return the laws that a law is better than, and those that it cannot be determined from."""
     names = dataset["law"].to_numpy().tolist()
-    errors, chance = dataset["error"].to_numpy(), dataset["probability"].to_numpy()[law]
+    errors = dataset["error"].to_numpy()
+    chance = dataset["probability"].to_numpy()[law]
     limit = 1.0 - float(dataset.attrs["confidence"])
     told = [k for k in range(len(names)) if k != law and chance[k] <= limit]
-    known = [k for k in range(len(names)) if k != law and np.isfinite(errors[k]) and np.isfinite(errors[law])]
-    return [names[k] for k in told if errors[k] > errors[law]], [names[k] for k in known if k not in told]
+    known = [
+        k
+        for k in range(len(names))
+        if k != law and np.isfinite(errors[k]) and np.isfinite(errors[law])
+    ]
+    return [names[k] for k in told if errors[k] > errors[law]], [
+        names[k] for k in known if k not in told
+    ]
 
 
 class RankingAccount(Account):
@@ -40,8 +54,10 @@ class RankingAccount(Account):
     @staticmethod
     def sentences(dataset: "xr.Dataset") -> list[str]:
         """Say which law predicts best, what it is better than, and of what it cannot be determined."""
-        names, errors = dataset["law"].to_numpy().tolist(), dataset["error"].to_numpy()
-        conditions, fewest = dataset.sizes["condition"], int(dataset.attrs["fewest"])
+        names = dataset["law"].to_numpy().tolist()
+        errors = dataset["error"].to_numpy()
+        conditions = dataset.sizes["condition"]
+        fewest = int(dataset.attrs["fewest"])
         groups = str(dataset.attrs.get("groups", ""))
         counted = int(dataset.attrs["independent"]) if groups else conditions
         each = {"series": "series", "set": "data sets"}.get(groups, "conditions")
@@ -49,8 +65,12 @@ class RankingAccount(Account):
             return ["no law has a value at every condition, so there is no ranking"]
         size = f"{errors[0]:.3g} times the uncertainty of the data, over {conditions} conditions"
         if np.isfinite(errors).sum() == 1:
-            return [f"only {names[0]} has a value at every condition, so nothing is ranked; its error is {size}"]
-        said = [f"{names[0]} has the smallest error on conditions that it was not fitted to: {size}"]
+            return [
+                f"only {names[0]} has a value at every condition, so nothing is ranked; its error is {size}"
+            ]
+        said = [
+            f"{names[0]} has the smallest error on conditions that it was not fitted to: {size}"
+        ]
         if counted < fewest:
             return [
                 *said,
@@ -67,7 +87,9 @@ class RankingAccount(Account):
                 "chance; more conditions would show it, or less uncertain data"
             )
         others = ((name, better(dataset, k)[0]) for k, name in enumerate(names))
-        said += [f"{name} is better than {', '.join(worse)}" for name, worse in [*others][1:] if worse]
+        said += [
+            f"{name} is better than {', '.join(worse)}" for name, worse in [*others][1:] if worse
+        ]
         if not groups:
             said.append(
                 "the confidence is that of noise alone, with conditions taken for independent: what a rig or a day has "
@@ -82,7 +104,9 @@ class RankingAccount(Account):
         laws = {}
         for k, one in enumerate(rows_along(dataset, "law")):
             worse, open_ = better(dataset, k)
-            chances, errors = (map(or_none, dataset[name][k].values) for name in ("probability", "condition_error"))
+            chances, errors = (
+                map(or_none, dataset[name][k].values) for name in ("probability", "condition_error")
+            )
             laws[one["law"]] = {
                 "error": or_none(one["error"]),
                 "interval": [or_none(one["error_low"]), or_none(one["error_high"])],
@@ -102,7 +126,8 @@ class RankingAccount(Account):
         """Return the ranking, the smallest error first."""
         rows = []
         for k, one in enumerate(rows_along(dataset, "law")):
-            low, high = one["error_low"], one["error_high"]
+            low = one["error_low"]
+            high = one["error_high"]
             error = f"{one['error']:.3g}" if math.isfinite(one["error"]) else one["status"]
             worse, open_ = better(dataset, k)
             rows.append(
@@ -110,7 +135,9 @@ class RankingAccount(Account):
                     one["law"],
                     error + (f" ({low:.3g} to {high:.3g})" if math.isfinite(low) else ""),
                     str(one["parameters"]) + (f" ({one['fitted']})" if one["fitted"] else ""),
-                    format_quantity(one["seconds"], "s", 2) if math.isfinite(one["seconds"]) else "not known",
+                    format_quantity(one["seconds"], "s", 2)
+                    if math.isfinite(one["seconds"])
+                    else "not known",
                     ", ".join(worse) or "-",
                     ", ".join(open_) or "-",
                 ]

@@ -10,14 +10,29 @@ import numpy as np
 from rollslip.search import Array
 from rollslip_campaigns.measurement.values import Series, Statement
 
-__all__ = ["BROKEN", "HELD", "INSIDE", "OUTSIDE", "UNTOLD", "Group", "Judged", "Said", "Value", "held", "verdict_on"]
+__all__ = [
+    "BROKEN",
+    "HELD",
+    "INSIDE",
+    "OUTSIDE",
+    "UNTOLD",
+    "Group",
+    "Judged",
+    "Said",
+    "Value",
+    "held",
+    "verdict_on",
+]
 
 #: Points of the normal error of a measured value.
 _ERRORS: Final = 64
 #: Samples that each row needs for a covariance to mean something.
 _FOR_CHI2: Final = 10
-INSIDE, OUTSIDE, UNTOLD = "inside", "outside", "cannot be determined"
-HELD, BROKEN = "held", "not held"
+INSIDE = "inside"
+OUTSIDE = "outside"
+UNTOLD = "cannot be determined"
+HELD = "held"
+BROKEN = "not held"
 _BAND: Final = (0.025, 0.975)
 
 
@@ -91,7 +106,8 @@ def _row(named: Mapping[str, str], series: Series, k: int, value: Value, samples
     row = series.rows[k]
     sampled = samples if samples.size else np.array([value.value])
     unknown = float(np.isnan(sampled).mean())
-    status, verdict = value.why, UNTOLD
+    status = value.why
+    verdict = UNTOLD
     band = ratio_band = (math.nan, math.nan)
     if unknown <= _BAND[0]:
         known = sampled[~np.isnan(sampled)]
@@ -128,7 +144,9 @@ def _normal(count: int) -> Array:
     return np.asarray(ndtri((np.arange(count) + 0.5) / count))
 
 
-def _group(named: Mapping[str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str) -> Group:
+def _group(
+    named: Mapping[str, str], series: Series, nominal: Sequence[Value], samples: Array, note: str
+) -> Group:
     from scipy.special import chdtrc
 
     count = len(nominal)
@@ -143,12 +161,16 @@ def _group(named: Mapping[str, str], series: Series, nominal: Sequence[Value], s
     elif 0 < len(samples) < _FOR_CHI2 * count:
         status = f"{len(samples)} samples are too few for the covariance of {count} rows, which takes {_FOR_CHI2} a row"
     if status:
-        return Group(**named, chi2=math.nan, freedom=count, probability=math.nan, status=note or status)
+        return Group(
+            **named, chi2=math.nan, freedom=count, probability=math.nan, status=note or status
+        )
     covariance = np.diag(sigma**2)
     if len(samples):
         covariance = covariance + np.atleast_2d(np.cov(samples, rowvar=False))
     chi2 = float(misses @ np.linalg.solve(covariance, misses))
-    return Group(**named, chi2=chi2, freedom=count, probability=float(chdtrc(count, chi2)), status=note)
+    return Group(
+        **named, chi2=chi2, freedom=count, probability=float(chdtrc(count, chi2)), status=note
+    )
 
 
 def verdict_on(said: Statement, values: Array) -> str:
@@ -159,7 +181,11 @@ def verdict_on(said: Statement, values: Array) -> str:
         return UNTOLD
     if said.expect in ("below", "above"):
         assert said.limit is not None
-        return HELD if (values < said.limit if said.expect == "below" else values > said.limit).all() else BROKEN
+        return (
+            HELD
+            if (values < said.limit if said.expect == "below" else values > said.limit).all()
+            else BROKEN
+        )
     if np.isinf(values).sum() > 1:
         return UNTOLD
     moves = np.diff(values) * (1.0 if said.expect == "rises" else -1.0)

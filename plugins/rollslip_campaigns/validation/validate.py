@@ -44,7 +44,15 @@ from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_campaigns.validation.findings import shown
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import Predictions, measurement_named, predictions_of
-from rollslip_campaigns.validation.residuals import UNTOLD, Group, Judged, Said, Value, held, verdict_on
+from rollslip_campaigns.validation.residuals import (
+    UNTOLD,
+    Group,
+    Judged,
+    Said,
+    Value,
+    held,
+    verdict_on,
+)
 from rollslip_studies.variation.distributions import DISTRIBUTIONS, read_uncertainty
 from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
@@ -96,8 +104,14 @@ class Validation:
 
     def origin(self, models: Iterable[SliceModel] = (), **facts: Any) -> dict[str, Any]:
         """Return facts as attributes, with data sets, packages, and what to cite for the data and some models."""
-        offers = [find("measurement", one.name) for one in self.sets if one.name in available("measurement")]
-        offers += [find(kind, name) for one in self.combinations for kind, name in one.models.items()]
+        offers = [
+            find("measurement", one.name)
+            for one in self.sets
+            if one.name in available("measurement")
+        ]
+        offers += [
+            find(kind, name) for one in self.combinations for kind, name in one.models.items()
+        ]
         return origin(
             **facts,
             source=", ".join(one.name for one in self.sets),
@@ -111,7 +125,9 @@ def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation
     names = [asked.data] if isinstance(asked.data, str | Path | Measurement) else list(asked.data)
     sets = tuple(measurement_named(one) for one in names or available("measurement"))
     if not sets:
-        raise SceneError(["there is no data set; 'rollslip plugins new NAME --kind measurement' writes one"])
+        raise SceneError(
+            ["there is no data set; 'rollslip plugins new NAME --kind measurement' writes one"]
+        )
     if asked.samples == 1:
         raise SceneError(["samples: a band needs 2 at least, or 0 for none, not 1"])
     laws = {kind: listed(getattr(asked, kind)) for kind in KINDS}
@@ -119,13 +135,19 @@ def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation
         for name in named:
             find(kind, name)
     wanted = {kind: named for kind, named in laws.items() if named}
-    products = [dict(zip(wanted, each, strict=True)) for each in itertools.product(*wanted.values())] if wanted else []
+    products = (
+        [dict(zip(wanted, each, strict=True)) for each in itertools.product(*wanted.values())]
+        if wanted
+        else []
+    )
     combinations = [AS_STATED, *(Combination(" + ".join(one.values()), one) for one in products)]
     known = {one.name for one in sets}
     predictions = predictions_of(asked.predictions, names)
     for one in predictions:
         if one.of not in known:
-            raise SceneError([f"{one.source}: predictions of data set {one.of!r}, which is not asked for"])
+            raise SceneError(
+                [f"{one.source}: predictions of data set {one.of!r}, which is not asked for"]
+            )
     return Validation(
         sets=sets,
         combinations=tuple(combinations),
@@ -138,10 +160,15 @@ def plan_validation(asked: "ValidationSettings | RankingSettings") -> Validation
 # Running ------------------------------------------------------------------------------------------------------------
 
 
-def run_validation(plan: Validation, report: Callable[[str, float], None] = lambda text, share: None) -> "xr.Dataset":
+def run_validation(
+    plan: Validation, report: Callable[[str, float], None] = lambda text, share: None
+) -> "xr.Dataset":
     """Compute what a validation needs; see `rollslip.validate`."""
     begin = time.perf_counter()
-    rows, groups, said, warnings = list[Judged](), list[Group](), list[Said](), list[str]()
+    rows = list[Judged]()
+    groups = list[Group]()
+    said = list[Said]()
+    warnings = list[str]()
     parts = [
         (measurement, thing, combination)
         for measurement in plan.sets
@@ -161,7 +188,9 @@ def run_validation(plan: Validation, report: Callable[[str, float], None] = lamb
         measurement = next(each for each in plan.sets if each.name == one.of)
         for series in measurement.series:
             if (values := one.values_of(series)) is not None:
-                judged, group = held((measurement.name, series.name, one.program), series, *values, "")
+                judged, group = held(
+                    (measurement.name, series.name, one.program), series, *values, ""
+                )
                 rows += judged
                 groups.append(group)
     for measurement in plan.sets:
@@ -172,7 +201,8 @@ def run_validation(plan: Validation, report: Callable[[str, float], None] = lamb
 
 def _scene_with(scene: Scene, combination: Combination) -> Scene:
     """Return a scene with other models in it."""
-    problems, unknown = list[str](), list[PluginError]()
+    problems = list[str]()
+    unknown = list[PluginError]()
     tables = {
         f"models.{kind}": dict(read_choice(scene, kind, name, problems, unknown).table)
         for kind, name in combination.models.items()
@@ -182,7 +212,11 @@ def _scene_with(scene: Scene, combination: Combination) -> Scene:
 
 
 def _judged_series(
-    plan: Validation, measurement: Measurement, series: Series, combination: Combination, warnings: list[str]
+    plan: Validation,
+    measurement: Measurement,
+    series: Series,
+    combination: Combination,
+    warnings: list[str],
 ) -> tuple[list[Judged], Group]:
     of = (measurement.name, series.name, combination.label)
     try:
@@ -190,7 +224,9 @@ def _judged_series(
             nominal, samples, note = _of_contacts(series, combination, plan)
         else:
             assert series.scene is not None
-            nominal, samples, note = _of_bearing(series, _scene_with(series.scene, combination), plan)
+            nominal, samples, note = _of_bearing(
+                series, _scene_with(series.scene, combination), plan
+            )
     except RollslipError as error:
         reason = str(error).splitlines()[0]
         failed = [Value(math.nan, reason, math.nan) for _ in series.rows]
@@ -203,7 +239,9 @@ def _judged_series(
 def nominal_values(series: Series, combination: Combination) -> list[Value]:
     """Return what models give for the rows of a series, without scatter."""
     if isinstance(series, ContactSeries):
-        return _of_contacts(series, combination, Validation(sets=(), combinations=(), samples=0, seed=0))[0]
+        return _of_contacts(
+            series, combination, Validation(sets=(), combinations=(), samples=0, seed=0)
+        )[0]
     assert series.scene is not None
     scene = _scene_with(series.scene, combination)
     return observe(scene, series.quantity, series.at, [dict(row.changes) for row in series.rows])
@@ -212,7 +250,8 @@ def nominal_values(series: Series, combination: Combination) -> list[Value]:
 def _of_bearing(series: Series, scene: Scene, plan: Validation) -> tuple[list[Value], Array, str]:
     """Values of the rows as the scene states them, and with samples of what scatters, shape (sample, row)."""
     nominal = observe(scene, series.quantity, series.at, [dict(row.changes) for row in series.rows])
-    note, sampled = "", list[dict[str, object]]()
+    note = ""
+    sampled = list[dict[str, object]]()
     if plan.samples:
         try:
             sampled = _samples(with_scatter(scene)[0], plan)
@@ -220,8 +259,13 @@ def _of_bearing(series: Series, scene: Scene, plan: Validation) -> tuple[list[Va
             note = f"no band of the calculated values: {error.problems[0]}"
     columns = []
     for row in series.rows:
-        points = [{**{k: v for k, v in sample.items() if k not in row.changes}, **row.changes} for sample in sampled]
-        columns.append([value.value for value in observe(scene, series.quantity, series.at, points)])
+        points = [
+            {**{k: v for k, v in sample.items() if k not in row.changes}, **row.changes}
+            for sample in sampled
+        ]
+        columns.append(
+            [value.value for value in observe(scene, series.quantity, series.at, points)]
+        )
     return nominal, np.array(columns, dtype=float).T.reshape(len(sampled), len(series.rows)), note
 
 
@@ -230,7 +274,9 @@ def _samples(scene: Scene, plan: Validation) -> list[dict[str, object]]:
     problems: list[str] = []
     assembly = assemble(scene)
     known = quantities(assembly, settings(scene))
-    uncertain = read_uncertainty(scene.uncertainty or {}, Location(scene.origins, ("uncertainty",)), known, problems)
+    uncertain = read_uncertainty(
+        scene.uncertainty or {}, Location(scene.origins, ("uncertainty",)), known, problems
+    )
     if problems:
         raise SceneError(problems)
     keys = list(uncertain.distributions)
@@ -238,7 +284,9 @@ def _samples(scene: Scene, plan: Validation) -> list[dict[str, object]]:
     return [dict(zip(keys, row, strict=True)) for row in drawn.tolist()]
 
 
-def _of_contacts(series: ContactSeries, combination: Combination, plan: Validation) -> tuple[list[Value], Array, str]:
+def _of_contacts(
+    series: ContactSeries, combination: Combination, plan: Validation
+) -> tuple[list[Value], Array, str]:
     """Values of a rig's rows, with samples of the oil's own scatter."""
     column = series.quantity.replace("-", "_")
     data = series.data
@@ -251,7 +299,8 @@ def _of_contacts(series: ContactSeries, combination: Combination, plan: Validati
     nominal = _contacts(problem, problem.lubricant, column)
     seconds = (time.perf_counter() - begin) / len(data)
     drawn, note = _oils(problem.lubricant, plan)
-    lost, sampled = 0, []
+    lost = 0
+    sampled = []
     for oil in drawn:
         try:
             sampled.append(_contacts(problem, oil, column))
@@ -273,7 +322,9 @@ def _film_at(series: ContactSeries, combination: Combination) -> dict[str, objec
     """Return the film model that is named, where it has a choice with the film that was measured."""
     own = series.rig.models.film
     name = combination.models.get("film", own.name)
-    if "location" not in series.at or "thickness" not in {a.name for a in attrs.fields(get_class("film", name))}:
+    if "location" not in series.at or "thickness" not in {
+        a.name for a in attrs.fields(get_class("film", name))
+    }:
         return combination.models.get("film")
     parameters = own.parameters if name == own.name else {}
     return {"model": name, **parameters, "thickness": series.at["location"]}
@@ -293,17 +344,23 @@ def _oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
     if not plan.samples:
         return [], ""
     if not oil.scatter:
-        return [], f"no band of the calculated values: nothing is known of the scatter of oil {oil.name!r}"
+        return (
+            [],
+            f"no band of the calculated values: nothing is known of the scatter of oil {oil.name!r}",
+        )
     drawn = probabilities("sobol", plan.samples, len(oil.scatter), plan.seed)
     columns = dict[str, Array]()
     fields = {attribute.name: attribute for attribute in attrs.fields(Lubricant)}
     for k, one in enumerate(oil.scatter):
         unit = fields[one.quantity].metadata.get("unit") or "1"
         stated = {
-            key: in_unit(value, unit) if isinstance(value, str) else value for key, value in one.parameters.items()
+            key: in_unit(value, unit) if isinstance(value, str) else value
+            for key, value in one.parameters.items()
         }
         distribution = DISTRIBUTIONS[one.distribution](**stated)
-        columns[one.quantity] = distribution.centred(getattr(oil, one.quantity)).quantile(drawn[:, k])
+        columns[one.quantity] = distribution.centred(getattr(oil, one.quantity)).quantile(
+            drawn[:, k]
+        )
     oils = list[Lubricant]()
     for k in range(plan.samples):
         values: dict[str, Any] = {name: float(column[k]) for name, column in columns.items()}
@@ -311,15 +368,25 @@ def _oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str]:
     return oils, ""
 
 
-def judged_statement(measurement: Measurement, statement: Statement, combination: Combination) -> Said:
+def judged_statement(
+    measurement: Measurement, statement: Statement, combination: Combination
+) -> Said:
     """Tell whether a statement of a data set holds under some models, with what was found."""
-    of = {"data_set": measurement.name, "models": combination.label, "says": statement.says, "by": statement.by_whom}
+    of = {
+        "data_set": measurement.name,
+        "models": combination.label,
+        "says": statement.says,
+        "by": statement.by_whom,
+    }
     assert statement.scene is not None
     try:
         scene = _scene_with(statement.scene, combination)
         values = [
             observe(
-                scene, step.quantity or statement.quantity, step.at if step.quantity else statement.at, [step.changes]
+                scene,
+                step.quantity or statement.quantity,
+                step.at if step.quantity else statement.at,
+                [step.changes],
             )[0]
             for step in statement.steps
         ]
@@ -373,7 +440,8 @@ _OF_GROUPS: Final[Mapping[str, tuple[str, str, str]]] = {
 }
 #: Variable -> field of a statement, unit and meaning.
 _OF_STATEMENTS: Final[Mapping[str, tuple[str, str, str]]] = {
-    f"statement_{name}": (name, "1", name) for name in ("data_set", "models", "says", "by", "verdict", "found")
+    f"statement_{name}": (name, "1", name)
+    for name in ("data_set", "models", "says", "by", "verdict", "found")
 }
 
 
@@ -383,13 +451,22 @@ def _variables(
     """Return variables over a dimension, each a field of some things."""
     kinds = {one.name: object if one.type is str else one.type for one in attrs.fields(cls)}
     return {
-        name: (dim, np.array([getattr(one, field) for one in things], dtype=kinds[field]), about(unit, meaning))
+        name: (
+            dim,
+            np.array([getattr(one, field) for one in things], dtype=kinds[field]),
+            about(unit, meaning),
+        )
         for name, (field, unit, meaning) in columns.items()
     }
 
 
 def _dataset(
-    plan: Validation, rows: list[Judged], groups: list[Group], said: list[Said], warnings: list[str], seconds: float
+    plan: Validation,
+    rows: list[Judged],
+    groups: list[Group],
+    said: list[Said],
+    warnings: list[str],
+    seconds: float,
 ) -> "xr.Dataset":
     import xarray as xr
 

@@ -18,12 +18,17 @@ __all__ = ["BulkAndFlash", "ContactTemperature", "FlashTemperature"]
 #: Flux in the middle of the contact over the mean, times b over the width 2 b.
 _MIDDLE: Final = 2.0 / math.pi
 #: Peclet numbers that stand for a fast surface, and for one that all but stands still.
-_FAST, _STILL = 1e6, 1e-300
+_FAST = 1e6
+_STILL = 1e-300
 
 
-def _material(unit: str, doc: str, usual: tuple[float, float], possible: tuple[float, float]) -> Any:
+def _material(
+    unit: str, doc: str, usual: tuple[float, float], possible: tuple[float, float]
+) -> Any:
     optional = attrs.validators.optional(positive)
-    return parameter(default=None, unit=unit, doc=doc, validator=optional, usual=usual, possible=possible)
+    return parameter(
+        default=None, unit=unit, doc=doc, validator=optional, usual=usual, possible=possible
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -72,18 +77,30 @@ class FlashTemperature(DamageModel):
         validator=one_of("any-speed", "fast"),
     )
     roller_conductivity: float | None = _material(
-        "W/(m K)", "thermal conductivity of the rollers, if not that of the bearing's material", (5, 150), (0.01, 5e3)
+        "W/(m K)",
+        "thermal conductivity of the rollers, if not that of the bearing's material",
+        (5, 150),
+        (0.01, 5e3),
     )
     roller_heat_capacity: float | None = _material(
-        "J/(m3 K)", "heat capacity rho c of the rollers, if not that of the bearing's material", (1e6, 6e6), (1e2, 1e9)
+        "J/(m3 K)",
+        "heat capacity rho c of the rollers, if not that of the bearing's material",
+        (1e6, 6e6),
+        (1e2, 1e9),
     )
 
     def conductors(self, contacts: Contacts) -> tuple[tuple[float, float, Array], ...]:
         """Return conductivity K [W/(m K)], heat capacity rho c [J/(m3 K)] and speed v [m/s] of ring and roller."""
-        m, own, (ring, roller) = contacts.material, contacts.roller_material, contacts.surface_speeds
+        m = contacts.material
+        own = contacts.roller_material
+        (ring, roller) = contacts.surface_speeds
         return (m.thermal_conductivity, m.density * m.specific_heat, ring), (
-            own.thermal_conductivity if self.roller_conductivity is None else self.roller_conductivity,
-            own.density * own.specific_heat if self.roller_heat_capacity is None else self.roller_heat_capacity,
+            own.thermal_conductivity
+            if self.roller_conductivity is None
+            else self.roller_conductivity,
+            own.density * own.specific_heat
+            if self.roller_heat_capacity is None
+            else self.roller_heat_capacity,
             roller,
         )
 
@@ -96,14 +113,20 @@ class FlashTemperature(DamageModel):
         """Return the rise of the hotter surface across the contacts [K], with the heat parted by the largest rises."""
         one, other = self._conductances(contacts)
         hotter = np.zeros((len(contacts.slices), np.size(places)))
-        with np.errstate(divide="ignore", invalid="ignore"):  # a surface that stands still takes nothing
-            for own, there in zip((one, other), self._conductances(contacts, np.asarray(places)), strict=True):
+        with np.errstate(
+            divide="ignore", invalid="ignore"
+        ):  # a surface that stands still takes nothing
+            for own, there in zip(
+                (one, other), self._conductances(contacts, np.asarray(places)), strict=True
+            ):
                 hotter = np.fmax(hotter, own[:, None] / there)
         return np.asarray(self.evaluate(contacts)[:, None] * hotter)
 
     def _conductances(self, contacts: Contacts, places: Array | None = None) -> tuple[Array, Array]:
         """K/theta [W/(m K)] of ring and roller: at the places of their largest rises, (n,), or at some, (n, m)."""
-        b, fast, found = contacts.slices.half_width, self.conduction == "fast", []
+        b = contacts.slices.half_width
+        fast = self.conduction == "fast"
+        found = []
         for conductivity, capacity, speed in self.conductors(contacts):
             peclet = 0.5 * speed * b * capacity / conductivity
             with np.errstate(divide="ignore"):  # a surface that stands still takes nothing
@@ -127,16 +150,22 @@ class BulkAndFlash(DamageModel):
         If ``flash`` is no flash temperature.
     """
 
-    flash: FlashTemperature = submodel("damage", factory=FlashTemperature, doc="the flash temperature over the bulk")
+    flash: FlashTemperature = submodel(
+        "damage", factory=FlashTemperature, doc="the flash temperature over the bulk"
+    )
 
     def __attrs_post_init__(self) -> None:
         if not isinstance(self.flash, FlashTemperature):
             raise FieldError("flash", f"must be model 'flash-temperature', not {self.flash.name!r}")
 
     def _bulk(self, contacts: Contacts) -> Array:
-        ring, roller = (np.sqrt(K * capacity * speed) for K, capacity, speed in self.flash.conductors(contacts))
+        ring, roller = (
+            np.sqrt(K * capacity * speed) for K, capacity, speed in self.flash.conductors(contacts)
+        )
         share = ring / (ring + roller)
-        return np.asarray(share * contacts.ring_temperature + (1.0 - share) * contacts.roller_temperature)
+        return np.asarray(
+            share * contacts.ring_temperature + (1.0 - share) * contacts.roller_temperature
+        )
 
     def evaluate(self, contacts: Contacts) -> Array:
         """Return the largest temperature in every contact [K]."""

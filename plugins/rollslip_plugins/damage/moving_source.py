@@ -24,13 +24,16 @@ __all__ = ["FAST", "largest_rise", "rise"]
 #: Largest theta sqrt(Pe) of a fast surface, by mpmath (tools/references/flash_temperature.py).
 FAST: Final = 0.8730080546599797
 #: Nodes of the double exponential rule on each side of a place, and how far the rule goes towards its ends.
-_NODES, _REACH = 60, 3.3
+_NODES = 60
+_REACH = 3.3
 #: Least distance, for a side without length, which adds nothing.
 _TINY: Final = 1e-300
 #: Places of the first search for the largest rise, then around the best of them.
-_PLACES, _AROUND = 65, 33
+_PLACES = 65
+_AROUND = 33
 #: Peclet numbers between which the largest rise is interpolated in their logarithms, and the degree of that.
-_SLOWEST, _FASTEST = 1e-5, 1e6
+_SLOWEST = 1e-5
+_FASTEST = 1e6
 _DEGREE: Final = 80
 
 
@@ -38,7 +41,8 @@ def _rule() -> tuple[Array, Array, Array]:
     """Nodes on (0, 1), what is left of them to 1, and weights: tanh-sinh, which ends with singularities do not harm."""
     t = np.linspace(-_REACH, _REACH, 2 * _NODES + 1)
     inner = 0.5 * np.pi * np.sinh(t)
-    low, high = 1.0 / (1.0 + np.exp(-2.0 * inner)), 1.0 / (1.0 + np.exp(2.0 * inner))
+    low = 1.0 / (1.0 + np.exp(-2.0 * inner))
+    high = 1.0 / (1.0 + np.exp(2.0 * inner))
     return low, high, 0.5 * np.pi * np.cosh(t) * (t[1] - t[0]) * 2.0 * low * high
 
 
@@ -49,9 +53,13 @@ def rise(peclet: Any, places: Any) -> Array:
     """
     from scipy.special import k0e  # takes longer to import than a module of models may
 
-    peclet, X = np.broadcast_arrays(np.asarray(peclet, dtype=float), np.asarray(places, dtype=float))
+    peclet, X = np.broadcast_arrays(
+        np.asarray(peclet, dtype=float), np.asarray(places, dtype=float)
+    )
     Pe = peclet[..., None]
-    near, far, weight = _rule()  # from a place and from the end of the contact, in lengths of the side
+    near, far, weight = (
+        _rule()
+    )  # from a place and from the end of the contact, in lengths of the side
     found = np.zeros(X.shape)
     for behind, length in ((True, 1.0 + X), (False, 1.0 - X)):
         away = np.maximum(near * length[..., None], _TINY)  # |X - s|
@@ -67,14 +75,18 @@ def _largest(peclet: Array) -> Array:
     at = places[np.argmax(rise(peclet[:, None], places), axis=1)]
     step = places[1] - places[0]
     around = np.linspace(np.maximum(at - step, -1.0), np.minimum(at + step, 1.0), _AROUND, axis=1)
-    return np.array([vertex(x, y)[1] for x, y in zip(around, rise(peclet[:, None], around), strict=True)])
+    return np.array(
+        [vertex(x, y)[1] for x, y in zip(around, rise(peclet[:, None], around), strict=True)]
+    )
 
 
 @cache
 def _logarithm() -> Chebyshev:
     """Logarithm of the largest theta over that of the Peclet number, between the limits."""
     ends = [math.log(_SLOWEST), math.log(_FASTEST)]
-    found: Chebyshev = Chebyshev.interpolate(lambda x: np.log(_largest(np.exp(x))), _DEGREE, domain=ends)
+    found: Chebyshev = Chebyshev.interpolate(
+        lambda x: np.log(_largest(np.exp(x))), _DEGREE, domain=ends
+    )
     return found
 
 

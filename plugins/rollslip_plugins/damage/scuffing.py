@@ -86,7 +86,9 @@ class ScuffingIso(BulkAndFlash):
         validator=attrs.validators.optional(in_range(1, 14)),
     )
     oil: str = parameter(
-        default="", doc="kind of the oil; empty for that of the scene's oil", validator=one_of("", *_KINDS)
+        default="",
+        doc="kind of the oil; empty for that of the scene's oil",
+        validator=one_of("", *_KINDS),
     )
     taken: str = attrs.field(default="", repr=False, metadata={"key": None})
     structural_factor: float = parameter(
@@ -119,7 +121,9 @@ class ScuffingIso(BulkAndFlash):
         if self.oil:
             return known
         base = assembly.lubricant.base_oil
-        return attrs.evolve(known, oil=_OF_BASE.get(base or "mineral", ""), taken=_taken(assembly.lubricant))
+        return attrs.evolve(
+            known, oil=_OF_BASE.get(base or "mineral", ""), taken=_taken(assembly.lubricant)
+        )
 
     @property
     def limit(self) -> tuple[float, str] | None:
@@ -127,7 +131,10 @@ class ScuffingIso(BulkAndFlash):
         if self.fzg_stage is None or self.viscosity is None:
             return None
         if not self.oil and self.taken:
-            return math.nan, f"ISO/TR 13989-1 has no factor of the kind of this oil, {self.taken}; {_NO_KIND}"
+            return (
+                math.nan,
+                f"ISO/TR 13989-1 has no factor of the kind of this oil, {self.taken}; {_NO_KIND}",
+            )
         factor = _KINDS[self.oil or "mineral"] * (1e3 * self.viscosity) ** -0.05
         rise = (0.85 + 1.4 * self.structural_factor) * factor * self.fzg_stage**2
         source = f"ISO/TR 13989-1 (2000), gears, FZG load stage {self.fzg_stage}, {self.taken or self.oil} (B)"
@@ -198,21 +205,31 @@ class ScuffingAgma(BulkAndFlash):
 
     def of(self, assembly: "Assembly") -> Self:
         """Return the measure with the viscosity of the scene's oil."""
-        oil, T = assembly.lubricant, _CELSIUS + 40.0
+        oil = assembly.lubricant
+        T = _CELSIUS + 40.0
         if not self.oil and not self.taken:
             named = oil.name.upper()
-            kind = named if named in _AIRCRAFT else "mineral" if oil.base_oil in (None, "mineral") else ""
+            kind = (
+                named
+                if named in _AIRCRAFT
+                else "mineral"
+                if oil.base_oil in (None, "mineral")
+                else ""
+            )
             return attrs.evolve(self, oil=kind, taken=_taken(oil)).of(assembly)
         if self.viscosity_40 is not None or self.oil not in _MINERAL:
             return self
         try:
             if oil.density is None:
-                raise DomainError("the density of the oil is not known; give lubricant.density, such as '870 kg/m3'")
+                raise DomainError(
+                    "the density of the oil is not known; give lubricant.density, such as '870 kg/m3'"
+                )
             return attrs.evolve(self, viscosity_40=oil.at(T).viscosity / oil.density(T))
         except DomainError as error:
             where = Location(assembly.scene.origins, ("models", "damage"))
             message = (
-                f"{self.name} needs the kinematic viscosity of the oil at 40 degC: {error}; or give its viscosity_40"
+                f"{self.name} needs the kinematic viscosity of the oil at 40 degC: "
+                f"{error}; or give its viscosity_40"
             )
             raise SceneError([where.says(message)]) from error
 
@@ -220,13 +237,18 @@ class ScuffingAgma(BulkAndFlash):
     def limit(self) -> tuple[float, str] | None:
         """The scuffing temperature at the risk that is taken."""
         if not self.oil and self.taken:
-            return math.nan, f"AGMA 925 has no scuffing temperature of the kind of this oil, {self.taken}; {_NO_KIND}"
+            return (
+                math.nan,
+                f"AGMA 925 has no scuffing temperature of the kind of this oil, {self.taken}; {_NO_KIND}",
+            )
         if self.oil in _AIRCRAFT:
             mean = _AIRCRAFT[self.oil]
         elif self.viscosity_40 is None:
             return None
         else:
-            mean = _MINERAL[self.oil or "mineral"] + _BY_VISCOSITY * math.log(1e6 * self.viscosity_40)
+            mean = _MINERAL[self.oil or "mineral"] + _BY_VISCOSITY * math.log(
+                1e6 * self.viscosity_40
+            )
         source = f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil or 'mineral'!r}, recalled (C)"
         if self.taken and self.oil not in _AIRCRAFT:
             source += f", {self.taken}"

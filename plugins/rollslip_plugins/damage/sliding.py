@@ -62,10 +62,15 @@ class PowerDensity(DamageModel):
     )
 
     over: str = parameter(
-        default="mean", doc="mean pressure of a contact, or its maximum", validator=one_of("mean", "maximum")
+        default="mean",
+        doc="mean pressure of a contact, or its maximum",
+        validator=one_of("mean", "maximum"),
     )
     allowed: float | None = allowed(
-        "W/m2", "largest power density that is allowed, where it is known", usual=(1e5, 1e10), possible=(1e-6, 1e15)
+        "W/m2",
+        "largest power density that is allowed, where it is known",
+        usual=(1e5, 1e10),
+        possible=(1e-6, 1e15),
     )
 
     def evaluate(self, contacts: Contacts) -> Array:
@@ -118,9 +123,14 @@ class PassEnergy(DamageModel):
         "it counts one pass, and nothing of what heals or builds up between passes; no limit of it is valid in general"
     )
 
-    surface: str = parameter(default="slower", doc="whose pass is taken", validator=one_of("slower", "ring", "roller"))
+    surface: str = parameter(
+        default="slower", doc="whose pass is taken", validator=one_of("slower", "ring", "roller")
+    )
     allowed: float | None = allowed(
-        "J/m2", "largest energy of a pass that is allowed, where it is known", usual=(1e-3, 1e6), possible=(1e-12, 1e12)
+        "J/m2",
+        "largest energy of a pass that is allowed, where it is known",
+        usual=(1e-3, 1e6),
+        possible=(1e-12, 1e12),
     )
 
     def evaluate(self, contacts: Contacts) -> Array:
@@ -173,7 +183,11 @@ class FilmParameter(DamageModel):
     )
 
     allowed: float | None = allowed(
-        "1", "least film parameter that is allowed", default=_SMEARS, usual=(0.05, 10), possible=(1e-9, 1e9)
+        "1",
+        "least film parameter that is allowed",
+        default=_SMEARS,
+        usual=(0.05, 10),
+        possible=(1e-9, 1e9),
     )
 
     def evaluate(self, contacts: Contacts) -> Array:

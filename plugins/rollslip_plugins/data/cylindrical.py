@@ -19,7 +19,16 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Final, NamedTuple
 
-from rollslip.datasets import Bearing, BearingData, Catalogue, Family, Mounting, OwnCage, Profile, Scatter
+from rollslip.datasets import (
+    Bearing,
+    BearingData,
+    Catalogue,
+    Family,
+    Mounting,
+    OwnCage,
+    Profile,
+    Scatter,
+)
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
 from rollslip_plugins.data.designations import other_bearing, read_designation
 
@@ -74,7 +83,10 @@ class Rule(NamedTuple):
     scatter: float
     bores: tuple[float, float]  # from which to which bore [mm] makers list them
     minimum_load: float  # k_r of SKF's least load
-    large: tuple[float, float] = (math.inf, 0.0)  # from which bore [mm] on rollers are what over Da - d
+    large: tuple[float, float] = (
+        math.inf,
+        0.0,
+    )  # from which bore [mm] on rollers are what over Da - d
 
 
 #: Series of widths and diameters, E for the reinforced type -> rule.
@@ -176,7 +188,9 @@ class _Size(NamedTuple):
 
 def clearance(bore: float, group: str) -> tuple[float, float]:
     """Return from what to what radial clearance before mounting goes [um], ISO 5753-1."""
-    low, high = next(spans for most, *spans in _CLEARANCES if bore <= most)[_GROUPS.index(group[:2])]
+    low, high = next(spans for most, *spans in _CLEARANCES if bore <= most)[
+        _GROUPS.index(group[:2])
+    ]
     first, last = _PARTS[group[2:]]
     return low + first * (high - low), low + last * (high - low)
 
@@ -200,7 +214,9 @@ class CylindricalRollerBearings(Family):
     """Bearings of types NU, NJ, NUP and N in series 10, 2, 22, 3, 23 and 4."""
 
     name = "cylindrical-roller"
-    description = "cylindrical roller bearings of standard size, such as NU2210E; the inside is estimated (D)"
+    description = (
+        "cylindrical roller bearings of standard size, such as NU2210E; the inside is estimated (D)"
+    )
 
     @cached_property
     def _sizes(self) -> dict[tuple[str, str], _Size]:
@@ -210,7 +226,9 @@ class CylindricalRollerBearings(Family):
     def names(self) -> tuple[str, ...]:
         """All designations, of normal clearance."""
         return tuple(
-            _name(kind, series, code, "CN") for series, code in self._sizes for kind in _TYPES.get(series, _ALL)
+            _name(kind, series, code, "CN")
+            for series, code in self._sizes
+            for kind in _TYPES.get(series, _ALL)
         )
 
     def called(self, written: str) -> str | None:
@@ -227,7 +245,8 @@ class CylindricalRollerBearings(Family):
 
     def cage(self, written: str) -> OwnCage | None:
         """Return the cage of a bearing, by its letters or by what makers put into it; see `OwnCage`."""
-        read, name = read_designation(written), self.called(written)
+        read = read_designation(written)
+        name = self.called(written)
         if read is None or name is None:
             return None
         if read.cage is not None:
@@ -312,7 +331,14 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
         ),
         grades={
             **dict.fromkeys(
-                ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter"), "D"
+                (
+                    "rollers",
+                    "roller_diameter",
+                    "roller_length",
+                    "inner_raceway_diameter",
+                    "outer_raceway_diameter",
+                ),
+                "D",
             ),
             "radial_clearance": "C" if size.bore > 200 or "C5" in group or len(group) > 2 else "B",
             "profile": "D",

@@ -27,12 +27,15 @@ _BESIDE: Final = (
     "FERSA|ISB|FBJ|KBC|LYC|ZWZ|HRB|CRAFT|MPZ|EPK|GPZ|PSL|MRC|IBC|FKL|NBS|CX|CODEX|ROLLWAY|NRB|SLF|EXPLORER|"
     "CYLINDRICAL|ROLLER|BALL|BEARINGS?|ZYLINDERROLLENLAGER|W(?:AE|Ä)LZLAGER|DIN ?5412(?:-1)?|TYPE|SINGLE|ROW|CRB"
 )
-_FRAMED: Final = re.compile(rf"^(?:[\s\-:,./]*(?:{_BESIDE})\b)*(?:[\s\-:,./]*(?:{_BESIDE})(?=[A-Z]*\d))?[\s\-:,./]*")
+_FRAMED: Final = re.compile(
+    rf"^(?:[\s\-:,./]*(?:{_BESIDE})\b)*(?:[\s\-:,./]*(?:{_BESIDE})(?=[A-Z]*\d))?[\s\-:,./]*"
+)
 _BEHIND: Final = re.compile(rf"(?:[\s\-:,./(\[]+(?:{_BESIDE})[\s)\]]*)+$")
 #: Letters -> what the cage is of, and what guides it; "ribs" is the ring that has them.
 _CAGES: Final[Mapping[str, tuple[str, str]]] = {
     **dict.fromkeys(
-        ("P", "TVP", "TVP2", "TVP3", "TVPX", "TN", "TN9", "TNG", "T", "T2", "T2X", "G15", "G"), ("polyamide", "roller")
+        ("P", "TVP", "TVP2", "TVP3", "TVPX", "TN", "TN9", "TNG", "T", "T2", "T2X", "G15", "G"),
+        ("polyamide", "roller"),
     ),
     **dict.fromkeys(("PA", "TVPA"), ("polyamide", "outer")),
     **dict.fromkeys(("TVPB",), ("polyamide", "inner")),
@@ -44,7 +47,8 @@ _CAGES: Final[Mapping[str, tuple[str, str]]] = {
 }
 #: What says nothing of what is modelled: PEEK, precision, heat treatment, insulation, special versions, interchange.
 _SILENT: Final = (
-    "PHA?S?|P[0456]|P63|S[0-4]|SN|NA|R\\d{2,3}|W\\d{2,3}|L4B|L5B|V[ACEQL]\\d{3,4}|J20[A-Z]{0,2}|F1|FV|AH|XL|W33|Q"
+    "PHA?S?|P[0456]|P63|S[0-4]|SN|NA|R\\d{2,3}|W\\d{2,3}|L4B|L5B|"
+    "V[ACEQL]\\d{3,4}|J20[A-Z]{0,2}|F1|FV|AH|XL|W33|Q"
 )
 _CAGE: Final = "|".join(sorted(_CAGES, key=len, reverse=True))
 #: A class of clearance stands behind the cage or, with some, before it; SNR's J30 is C3.
@@ -52,7 +56,9 @@ _TAIL: Final = re.compile(
     rf"(?P<design>OLD|EC|EA|EXL|E|R)?(?:XL)?(?P<first>C[2345N][LMH]?)?(?:(?P<cage>{_CAGE})|PHA?S?)?(?:{_SILENT})*?"
     rf"(?P<group>C[2345N][LMH]?|J[34]0)?(?:{_SILENT})*"
 )
-_NUMBER: Final = re.compile(r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)(?!\d)(?P<tail>.*)")
+_NUMBER: Final = re.compile(
+    r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)(?!\d)(?P<tail>.*)"
+)
 
 
 class Designation(NamedTuple):
@@ -94,7 +100,8 @@ def read_designation(written: str) -> Designation | None:
         return None
     if tail["first"] and tail["group"]:
         return None
-    cage, group = None, tail["first"] or tail["group"]
+    cage = None
+    group = tail["first"] or tail["group"]
     if tail["cage"] is not None:
         make, guidance = _CAGES[tail["cage"]]
         ribbed = "inner" if number["type"] == "N" else "outer"
@@ -134,23 +141,42 @@ _LETTERED: Final = tuple(
     (re.compile(rf"(?:{begins})"), what)
     for begins, what in (
         (r"NN[UC]?\d|NNU\d", "double row cylindrical roller bearing"),
-        (r"NCF|NJG|NNC|NNF|SL0?\d|RSL|NUPV?\d+V|N[UJ]\d+V", "full complement cylindrical roller bearing"),
+        (
+            r"NCF|NJG|NNC|NNF|SL0?\d|RSL|NUPV?\d+V|N[UJ]\d+V",
+            "full complement cylindrical roller bearing",
+        ),
         (r"RNU?\d|RNJ\d|RNUP\d", "cylindrical roller bearing without one of its rings"),
         (r"HJ\d|NH\d|NUJ\d", "cylindrical roller bearing with an angle ring, or the angle ring"),
         (r"L?L?RJ\d|M?MRJ\d|CRM\d|CRL\d", "cylindrical roller bearing of inch sizes"),
-        (r"R?NA[OX]?\d|NK[ISXR]?|NKI[ABS]|H[KFN]L?\d|BK\d|K\d+X|AXK|NX\d|DL\d|IR\d", "needle roller bearing"),
+        (
+            r"R?NA[OX]?\d|NK[ISXR]?|NKI[ABS]|H[KFN]L?\d|BK\d|K\d+X|AXK|NX\d|DL\d|IR\d",
+            "needle roller bearing",
+        ),
         (r"KRV?E?\d|N[UA][KT][RV]|PWKR|R?STO\d|CF\d", "track roller"),
-        (r"U[CKE]L?[PFT]?\d|UCF[LC]\d|S[AB]\d|YA[RT]|YE[TL]|GRAE|RAE|G[EY]E?\d+KRR|GYE?\d", "insert bearing"),
-        (r"GE[HGZ]?\d|GI?[AEX]?K?[RL]?\d|G[AI]\w*\d|S[AI]L?\w?\d|GX\d", "spherical plain bearing or rod end"),
+        (
+            r"U[CKE]L?[PFT]?\d|UCF[LC]\d|S[AB]\d|YA[RT]|YE[TL]|GRAE|RAE|G[EY]E?\d+KRR|GYE?\d",
+            "insert bearing",
+        ),
+        (
+            r"GE[HGZ]?\d|GI?[AEX]?K?[RL]?\d|G[AI]\w*\d|S[AI]L?\w?\d|GX\d",
+            "spherical plain bearing or rod end",
+        ),
         (r"QJF?\d", "four-point contact ball bearing"),
         (r"C\d{4}", "toroidal roller bearing"),
-        (r"T\d[A-Z]{2}\d|K?J?L?H?[LHM]M?\d{5,6}|J[LHMWF]M?\d|HH\d|EE\d|(?:4T|ET|HR|TR)\d", "taper roller bearing"),
+        (
+            r"T\d[A-Z]{2}\d|K?J?L?H?[LHM]M?\d{5,6}|J[LHMWF]M?\d|HH\d|EE\d|(?:4T|ET|HR|TR)\d",
+            "taper roller bearing",
+        ),
         (r"LM\d+UU|LME?\d|LB[BCE]R?\d|KH\d", "linear ball bearing"),
     )
 )
 #: Letters before a number that change nothing of what it is: hybrid, stainless, coated, for spindles.
-_BEFORE: Final = re.compile(r"(?:E2|BB1|HCB|HCS|XCB|HSS|HC|HS|SS|S|W|B|4T|ET|HR|TR)[\s.\-]*(?=\d{3})")
-_CORE: Final = re.compile(r"(?P<series>\d+?)(?P<code>\d\d|/\d+)(?=[^\d/]|/(?!\d{1,3}\b)|2(?:RS|Z|RZ|LS)|$)")
+_BEFORE: Final = re.compile(
+    r"(?:E2|BB1|HCB|HCS|XCB|HSS|HC|HS|SS|S|W|B|4T|ET|HR|TR)[\s.\-]*(?=\d{3})"
+)
+_CORE: Final = re.compile(
+    r"(?P<series>\d+?)(?P<code>\d\d|/\d+)(?=[^\d/]|/(?!\d{1,3}\b)|2(?:RS|Z|RZ|LS)|$)"
+)
 
 
 def other_bearing(written: str) -> str | None:
@@ -161,7 +187,8 @@ def other_bearing(written: str) -> str | None:
     >>> other_bearing("SKF 6205-2RS1/C3")
     'a deep groove ball bearing'
     """
-    bare, solid = _bare(written), packed(written)
+    bare = _bare(written)
+    solid = packed(written)
     if (number := _NUMBER.fullmatch(solid)) is not None:
         shown = f"{number['type']}{number['series']}{number['code']}"
         if read_designation(written) is not None:  # the nearest size is a better answer

@@ -16,7 +16,16 @@ import re
 from functools import cached_property
 from typing import Final
 
-from rollslip.datasets import Bearing, BearingData, Catalogue, Family, Mounting, OwnCage, Profile, Scatter
+from rollslip.datasets import (
+    Bearing,
+    BearingData,
+    Catalogue,
+    Family,
+    Mounting,
+    OwnCage,
+    Profile,
+    Scatter,
+)
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
 from rollslip_plugins.data.cylindrical import RULES, boundaries, clearance, nearest_roller
 from rollslip_plugins.data.designations import packed
@@ -40,7 +49,10 @@ _SERIES: Final = {
 }
 #: Length of a roller: that share of the width, less these ends [mm]; gap between rollers over their diameter;
 #: standard deviation of rollers times length (D).
-_LENGTH, _ENDS, _GAP, _SCATTER = 0.6, 1.6, 0.002, 0.15
+_LENGTH = 0.6
+_ENDS = 1.6
+_GAP = 0.002
+_SCATTER = 0.15
 _WRITTEN: Final = re.compile(
     r"(?:NCF(?P<ncf>29|30|22)(?P<ncf_code>\d\d)C?V|NJG(?P<njg>23)(?P<njg_code>\d\d)C?VH|SL18(?P<sl>29|30|22)"
     r"(?P<sl_code>\d\d)|SL19(?P<sh>23)(?P<sh_code>\d\d))(?:XL|[ABE])?(?:BR)?(?P<group>C[2345N])?(?:BR)?"
@@ -52,14 +64,16 @@ class FullComplementBearings(Family):
 
     name = "full-complement"
     description = (
-        "full complement cylindrical roller bearings, such as NCF2210V or SL182210; the inside is estimated (D)"
+        "full complement cylindrical roller bearings, such as NCF2210V or "
+        "SL182210; the inside is estimated (D)"
     )
 
     @cached_property
     def _sizes(self) -> dict[tuple[str, str], tuple[int, int, int]]:
         """Series and code of the bore of every size, and what it is [mm]."""
         listed = {
-            series: [[int(mm) for mm in one.split()] for one in text.split(",")] for series, text in _SIZES.items()
+            series: [[int(mm) for mm in one.split()] for one in text.split(",")]
+            for series, text in _SIZES.items()
         }
         listed |= {series: [list(size) for size in boundaries(series)] for series in ("22", "23")}
         return {
@@ -102,7 +116,9 @@ class FullComplementBearings(Family):
         read = self._read(name)
         if read is None:
             raise KeyError(name)
-        series, code, group = read[0], read[1], read[2] or "CN"
+        series = read[0]
+        code = read[1]
+        group = read[2] or "CN"
         return _bearing(name, series, *self._sizes[series, code], group)
 
 
@@ -111,7 +127,9 @@ def _name(series: str, code: str, group: str) -> str:
     return f"{kind}{series}{code}{behind}{'' if group == 'CN' else f'-{group}'}"
 
 
-def _bearing(name: str, series: str, bore: int, outside: int, width: int, group: str) -> BearingData:
+def _bearing(
+    name: str, series: str, bore: int, outside: int, width: int, group: str
+) -> BearingData:
     *_, share, of_mean = _SERIES[series]
     diameter = nearest_roller(share * (outside - bore))
     spacing = (1.0 + _GAP) * diameter
@@ -153,7 +171,14 @@ def _bearing(name: str, series: str, bore: int, outside: int, width: int, group:
         ),
         grades={
             **dict.fromkeys(
-                ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter"), "D"
+                (
+                    "rollers",
+                    "roller_diameter",
+                    "roller_length",
+                    "inner_raceway_diameter",
+                    "outer_raceway_diameter",
+                ),
+                "D",
             ),
             "radial_clearance": "C" if bore > 200 or group == "C5" else "B",
             "profile": "D",

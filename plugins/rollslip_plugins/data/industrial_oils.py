@@ -9,7 +9,14 @@ from rollslip.hookspecs import hookimpl
 from rollslip.lubricant import Constant, Hyperbola, Lubricant, Product, Table, Vogel, fit_walther
 from rollslip.lubricant.base_oil import BASE_OILS, estimated, exponent_factor, falling_density
 from rollslip.references import Reference
-from rollslip_plugins.bibliography import ASTM_D341, GEARPIE, ISO_3448, TU_TP_22S, WINGERTSZAHN_2023, WU_1989
+from rollslip_plugins.bibliography import (
+    ASTM_D341,
+    GEARPIE,
+    ISO_3448,
+    TU_TP_22S,
+    WINGERTSZAHN_2023,
+    WU_1989,
+)
 from rollslip_plugins.data.lubricants import scatter_of
 from rollslip_plugins.pressure_viscosity import Roelands
 
@@ -34,10 +41,14 @@ def _correlated(
     synonyms: tuple[str, ...] = (),
 ) -> Lubricant:
     """An oil of two kinematic viscosities [mm2/s] at temperatures [degC], and densities at 15 and 100 degC [kg/m3]."""
-    kinematic = fit_walther([T + 273.15 for T in points], [1e-6 * nu for nu in points.values()], density=1.0)
-    rho, of = falling_density(*density), BASE_OILS[kind]
+    kinematic = fit_walther(
+        [T + 273.15 for T in points], [1e-6 * nu for nu in points.values()], density=1.0
+    )
+    rho = falling_density(*density)
+    of = BASE_OILS[kind]
     properties, told = estimated(kind, kinematic, {"density": rho})
-    eta, alpha = kinematic(333.15) * rho(333.15), properties["pressure_viscosity"](333.15)
+    eta = kinematic(333.15) * rho(333.15)
+    alpha = properties["pressure_viscosity"](333.15)
     return Lubricant(
         name=name,
         description=description,
@@ -54,7 +65,10 @@ def _correlated(
         ),
         references=(*references, ASTM_D341, WU_1989),
         scatter=scatter_of(
-            exponent_factor(Roelands(), of.exponent, eta, alpha), *_GRADE_SCATTER, of.alpha_scatter, of.alpha_source
+            exponent_factor(Roelands(), of.exponent, eta, alpha),
+            *_GRADE_SCATTER,
+            of.alpha_scatter,
+            of.alpha_source,
         ),
         grades={**of.grades, **grades},
         synonyms=synonyms,
@@ -116,7 +130,9 @@ tp_22s = _correlated(
 
 # eta = eta0(T) exp(p/(a1 + a2 T + (b1 + b2 T) p)), p in bar, T in degC, a1 = 327.7918, a2 = 2.9862: at no pressure the
 # slope of ln(eta) is 1/(a1 + a2 T), a hyperbola without a limit.
-_A1, _A2 = 327.7918e5, 2.9862e5  # Pa, Pa/K
+# Pa, Pa/K
+_A1 = 327.7918e5
+_A2 = 2.9862e5
 
 fva_3 = Lubricant(
     name="fva-3",

@@ -26,10 +26,13 @@ from rollslip_plugins.bibliography import GUPTA_1984
 _EYRING_STRESS = 4e6  # Pa
 _SHEAR_MODULUS = 0.3e9  # Pa
 _SHEAR_SOURCE = (
-    "Eyring stress 4 MPa (D), published traction curves give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa."
+    "Eyring stress 4 MPa (D), published traction curves give 1 to 10 MPa; shear "
+    "modulus 0.3 GPa (C), 0.05 to 1 GPa."
 )
 _REFERENCES = (GUPTA_1984,)
-_KIND_SOURCE = "alpha is taken as the slope at no pressure (C): its source does not say which it is."
+_KIND_SOURCE = (
+    "alpha is taken as the slope at no pressure (C): its source does not say which it is."
+)
 _ATTRIBUTION = "as in the lubricant library of the bearing code ADORE (Gupta, 1984; attribution C)"
 
 
@@ -38,14 +41,18 @@ def _grades(**own: str) -> dict[str, str]:
     return own | {"eyring_stress": "D", "shear_modulus": "C", "pressure_viscosity_kind": "C"}
 
 
-_LOWEST, _HIGHEST = 273.15, 473.15  # K
+# K
+_LOWEST = 273.15
+_HIGHEST = 473.15
 _RANGE_SOURCE = (
     "Range 0 to 200 degC (D): the service range of such oils; over it the laws are finite and fall, but the "
     "temperatures behind the fits are not published."
 )
 
 
-_FORMULAS = "correlations of the coefficient after So and Klaus, Wu, Klaus and Duda, and Gold differ by"
+_FORMULAS = (
+    "correlations of the coefficient after So and Klaus, Wu, Klaus and Duda, and Gold differ by"
+)
 
 
 def scatter_of(
@@ -57,7 +64,9 @@ def scatter_of(
     pressure_viscosity_source: str = f"{_FORMULAS} 25 %",
 ) -> tuple[Scatter, ...]:
     """Return the scatter of an oil; ``exponent`` is that of ln(eta/eta0), after `rollslip.lubricant.base_oil`."""
-    return oil.scatter_of(viscosity, grade, source, pressure_viscosity, pressure_viscosity_source, exponent)
+    return oil.scatter_of(
+        viscosity, grade, source, pressure_viscosity, pressure_viscosity_source, exponent
+    )
 
 
 mil_prf_7808 = Lubricant(
@@ -66,10 +75,13 @@ mil_prf_7808 = Lubricant(
     synonyms=("MIL-L-7808",),
     description="Diester turbine oil after MIL-PRF-7808 (formerly MIL-L-7808), 3 mm2/s at 100 degC",
     # Published in natural logarithms: eta = 9.997e-4 [exp(exp(22.216 - 3.7048 ln T)) - 0.87] Pa s.
-    viscosity=Walther(intercept=(22.216 - log(log(10.0))) / log(10.0), slope=3.7048, constant=0.87, scale=9.997e-4),
+    viscosity=Walther(
+        intercept=(22.216 - log(log(10.0))) / log(10.0), slope=3.7048, constant=0.87, scale=9.997e-4
+    ),
     pressure_viscosity=Hyperbola(limit=7.5808e-10, slope=1.0742e-6, pole=215.56),
     conductivity=Table(
-        temperatures=(303.15, 313.15, 323.15, 343.15, 373.15), values=(0.145, 0.144, 0.1425, 0.1386, 0.1338)
+        temperatures=(303.15, 313.15, 323.15, 343.15, 373.15),
+        values=(0.145, 0.144, 0.1425, 0.1386, 0.1338),
     ),
     source=(
         "Viscosity, pressure-viscosity coefficient and conductivity: property functions of the bearing code ADORE "
@@ -92,7 +104,9 @@ mil_prf_7808 = Lubricant(
     ),
 )
 
-_VISCOSITY_23699 = Andrade(reference_viscosity=0.0276, reference_temperature=311.111, slope=3609.6, curvature=7.7657e5)
+_VISCOSITY_23699 = Andrade(
+    reference_viscosity=0.0276, reference_temperature=311.111, slope=3609.6, curvature=7.7657e5
+)
 
 mil_prf_23699 = Lubricant(
     name="mil-prf-23699",
@@ -122,7 +136,9 @@ santotrac_50 = Lubricant(
     name="santotrac-50",
     description="Synthetic cycloaliphatic traction fluid",
     viscosity=Walther(intercept=9.5363, slope=3.7452, constant=0.8, scale=889e-6),
-    pressure_viscosity=Exponential(reference_value=3.916e-8, reference_temperature=277.78, rate=0.0083178),
+    pressure_viscosity=Exponential(
+        reference_value=3.916e-8, reference_temperature=277.78, rate=0.0083178
+    ),
     source=(
         f"Kinematic viscosity and pressure-viscosity coefficient: fits {_ATTRIBUTION}; the first gives 37.5 mm2/s at "
         "38 degC, where data sheets print 34 (C). Density 889 kg/m3 (C), its value at 38 degC, constant in the "
@@ -138,7 +154,10 @@ santotrac_50 = Lubricant(
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
     scatter=scatter_of(
-        0.078, 0.1, "(D)", "no tolerance of the maker was found; as wide as a grade of ISO 3448, 10 % either way"
+        0.078,
+        0.1,
+        "(D)",
+        "no tolerance of the maker was found; as wide as a grade of ISO 3448, 10 % either way",
     ),
 )
 

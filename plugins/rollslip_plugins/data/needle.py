@@ -17,7 +17,17 @@ import re
 from functools import cached_property
 from typing import Final, NamedTuple
 
-from rollslip.datasets import Bearing, BearingData, Catalogue, Family, Mounting, OwnCage, Profile, Raceway, Scatter
+from rollslip.datasets import (
+    Bearing,
+    BearingData,
+    Catalogue,
+    Family,
+    Mounting,
+    OwnCage,
+    Profile,
+    Raceway,
+    Scatter,
+)
 from rollslip_plugins.bibliography import ISO_76, ISO_286, ISO_3096, ISO_3245, ISO_5753
 from rollslip_plugins.data.cylindrical import clearance
 from rollslip_plugins.data.designations import packed
@@ -41,7 +51,9 @@ _NEEDLES: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0)
 
 
 class _Rule(NamedTuple):
-    needle: float  # diameter of a needle over half of outside diameter less circle under the rollers
+    needle: (
+        float  # diameter of a needle over half of outside diameter less circle under the rollers
+    )
     spacing: float  # from one needle to the next, over its diameter
     length: float  # of a needle over the width
     grade: int  # of the circle under the rollers, a tolerance F
@@ -67,7 +79,9 @@ class NeedleBearings(Family):
     """Needle roller bearings NK and NKI with machined rings, and drawn cups HK."""
 
     name = "needle-roller"
-    description = "needle roller bearings, such as NK20/16, NKI20/16 or HK2016; the inside is estimated (D)"
+    description = (
+        "needle roller bearings, such as NK20/16, NKI20/16 or HK2016; the inside is estimated (D)"
+    )
 
     @cached_property
     def _sizes(self) -> dict[str, _Size]:
@@ -113,8 +127,11 @@ def _bearing(name: str, size: _Size) -> BearingData:
         told = f"clearance: middle of group CN of ISO 5753-1, {low:g} to {high:g} um"
     else:
         _, least, h5, *circle = next(row for row in _LIMITS if under <= row[0])
-        low, high = least, least + circle[rule.grade - 6] + h5
-        told = f"clearance: circle under the rollers F{rule.grade}, shaft h5, {low:g} to {high:g} um"
+        low = least
+        high = least + circle[rule.grade - 6] + h5
+        told = (
+            f"clearance: circle under the rollers F{rule.grade}, shaft h5, {low:g} to {high:g} um"
+        )
     of = "" if kind == "NKI" else ", on the shaft"
     return BearingData(
         name=name,
@@ -147,7 +164,9 @@ def _bearing(name: str, size: _Size) -> BearingData:
             ),
         ),
         grades={
-            **dict.fromkeys(("rollers", "roller_diameter", "roller_length", "outer_raceway_diameter"), "D"),
+            **dict.fromkeys(
+                ("rollers", "roller_diameter", "roller_length", "outer_raceway_diameter"), "D"
+            ),
             "inner_raceway_diameter": "C",
             "radial_clearance": "C",
             "profile": "D",

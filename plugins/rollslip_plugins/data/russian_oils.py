@@ -73,7 +73,8 @@ def _of_limits(
     )  # fmt: skip
 
 
-_ESTER, _B_3V = _kinematic(12500.0, 5.0), falling_density(987.7, 919.8)
+_ESTER = _kinematic(12500.0, 5.0)
+_B_3V = falling_density(987.7, 919.8)
 _PAO = _kinematic(2000.0, 3.0)
 _OF_23699 = mil_prf_23699.pressure_viscosity
 assert isinstance(_OF_23699, PowerOfViscosity)

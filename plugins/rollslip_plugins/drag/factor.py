@@ -15,6 +15,9 @@ def scattering_factor(deviation: float, source: str) -> Any:
         usual=(0.02, 50),
         possible=(0, 1e4),
         scatter=Scatter(
-            distribution="lognormal", parameters={"deviation_of_ln": deviation}, grade="(D)", source=source
+            distribution="lognormal",
+            parameters={"deviation_of_ln": deviation},
+            grade="(D)",
+            source=source,
         ),
     )

@@ -12,7 +12,13 @@ from rollslip.models import NON_NEGATIVE, POSITIVE, Domain, ResistanceModel, Val
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
-from rollslip_plugins.bibliography import GOKSEM_1978, GREENWOOD_1961, JOHNSON_1985, MARTIN_1916, MURCH_1975
+from rollslip_plugins.bibliography import (
+    GOKSEM_1978,
+    GREENWOOD_1961,
+    JOHNSON_1985,
+    MARTIN_1916,
+    MURCH_1975,
+)
 from rollslip_plugins.drag.factor import scattering_factor
 from rollslip_plugins.film.corrections import LAWS, heated_inlet, in_full, starved, thermal_load
 from rollslip_plugins.symbols import explained
@@ -24,7 +30,9 @@ ELASTIC: Final = 4.318
 
 
 _OIL: Final = ("load", "rolling_speed", "radius", "modulus", "viscosity")
-_DOMAIN: Final[Domain] = MappingProxyType({**dict.fromkeys(_OIL, POSITIVE), "pressure_viscosity": NON_NEGATIVE})
+_DOMAIN: Final[Domain] = MappingProxyType(
+    {**dict.fromkeys(_OIL, POSITIVE), "pressure_viscosity": NON_NEGATIVE}
+)
 _HEATED: Final[Domain] = MappingProxyType({**LAWS["murch-wilson"], **_DOMAIN})
 #: (WHOLE[0] L - WHOLE[1]) M^2/(1 + M^2): what the film behind the inlet adds, over what the inlet resists with.
 WHOLE: Final = (0.049, 0.16)
@@ -106,7 +114,11 @@ class RollingResistance(ResistanceModel):
         doc="reduction by shear heating of the inlet: 'none' or 'murch-wilson'",
     )
     starvation: float = from_scene(
-        "starvation", validator=starved, doc="factor C_S of a starved inlet", usual=(0.1, 1), possible=(0, 1)
+        "starvation",
+        validator=starved,
+        doc="factor C_S of a starved inlet",
+        usual=(0.1, 1),
+        possible=(0, 1),
     )
     extent: str = parameter(
         default="inlet",
@@ -124,7 +136,11 @@ class RollingResistance(ResistanceModel):
     def expected_failures(self) -> Mapping[str, str]:  # type: ignore[override]
         """A hot inlet resists less the faster it rolls, from Lt = 11 on: 0.658 = 1.24 Lt^0.62/(3.94 + Lt^0.62)."""
         hot = "the heat of the inlet takes more from the film than speed adds, beyond Lt = 11"
-        return {} if self.inlet_heating == "none" else {"check_resistance_does_not_fall_with_load_and_speed": hot}
+        return (
+            {}
+            if self.inlet_heating == "none"
+            else {"check_resistance_does_not_fall_with_load_and_speed": hot}
+        )
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
@@ -138,11 +154,16 @@ class RollingResistance(ResistanceModel):
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the resistance."""
-        c, s = slices.conditions, slices
+        c = slices.conditions
+        s = slices
         flow = c.viscosity * s.rolling_speed
         a = RIGID * np.sqrt(flow * s.load)
         W = s.load / (c.modulus * c.radius)
-        x = a * c.pressure_viscosity**0.342 / (ELASTIC * c.radius * (flow / c.radius) ** 0.658 * W**0.0126)
+        x = (
+            a
+            * c.pressure_viscosity**0.342
+            / (ELASTIC * c.radius * (flow / c.radius) ** 0.658 * W**0.0126)
+        )
         large = np.maximum(x, 1.0)
         small = np.minimum(x, 1.0 / large)
         factor = np.asarray(self.factor * in_full(self.starvation))
@@ -150,14 +171,18 @@ class RollingResistance(ResistanceModel):
             factor = factor * heated_inlet(thermal_load(s))
         if self.extent == "film":
             Us = 2.0 * flow / (c.modulus * c.radius)
-            L, M2 = c.pressure_viscosity * c.modulus * Us**0.25, W * W / Us
+            L = c.pressure_viscosity * c.modulus * Us**0.25
+            M2 = W * W / Us
             factor = factor * (1.0 + (WHOLE[0] * L - WHOLE[1]) / (1.0 + 1.0 / M2))
         s.resistance[...] = factor * (a / large) * (1.0 + small**5) ** -0.2
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        heated, whole = self.inlet_heating != "none", self.extent == "film"
-        return compiled.rolling_resistance(RIGID, ELASTIC, self.factor * in_full(self.starvation), heated, whole)
+        heated = self.inlet_heating != "none"
+        whole = self.extent == "film"
+        return compiled.rolling_resistance(
+            RIGID, ELASTIC, self.factor * in_full(self.starvation), heated, whole
+        )
 
 
 @attrs.frozen(kw_only=True)
@@ -199,7 +224,11 @@ class Hysteresis(ResistanceModel):
     domain = MappingProxyType(dict.fromkeys(sorted(reads), POSITIVE))
 
     loss: float = parameter(
-        default=0.01, unit="1", doc="share k of the work that is lost", usual=(0, 0.1), possible=(0, 1)
+        default=0.01,
+        unit="1",
+        doc="share k of the work that is lost",
+        usual=(0, 0.1),
+        possible=(0, 1),
     )
     factor: float = scattering_factor(
         0.7, "the share of the work that hard steel loses, 0.005 to 0.02 in what is published"
@@ -209,7 +238,9 @@ class Hysteresis(ResistanceModel):
         """Fill the resistance."""
         c = slices.conditions
         half_width = np.sqrt(8 * c.radius / (np.pi * c.modulus) * slices.load)
-        slices.resistance[...] = self.factor * self.loss / (3 * np.pi * c.radius) * slices.load * half_width
+        slices.resistance[...] = (
+            self.factor * self.loss / (3 * np.pi * c.radius) * slices.load * half_width
+        )
 
     def kernel(self) -> object:
         """Return the compiled form."""

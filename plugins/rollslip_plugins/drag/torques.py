@@ -50,11 +50,19 @@ class ConstantTorque(DragModel):
     name: ClassVar[str] = "constant-torque"
     equation: ClassVar[str] = "T = -T0 w_c/sqrt(w_c^2 + w_s^2)"
     references: ClassVar[tuple[Reference, ...]] = (
-        Reference(kind="remark", title="No law: a number that is given, made smooth where the cage stands."),
+        Reference(
+            kind="remark",
+            title="No law: a number that is given, made smooth where the cage stands.",
+        ),
     )
 
     size: float = parameter(
-        default=0.1, unit="N m", validator=non_negative, doc="size T0 of the torque", usual=(0, 1e3), possible=(0, 1e9)
+        default=0.1,
+        unit="N m",
+        validator=non_negative,
+        doc="size T0 of the torque",
+        usual=(0, 1e3),
+        possible=(0, 1e9),
     )
     transition: float = parameter(
         default=1.0,
@@ -67,7 +75,11 @@ class ConstantTorque(DragModel):
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
         """Return the torque on the cage [N m]; speeds in rad/s."""
-        return -self.size * cage_speed / math.sqrt(cage_speed * cage_speed + self.transition * self.transition)
+        return (
+            -self.size
+            * cage_speed
+            / math.sqrt(cage_speed * cage_speed + self.transition * self.transition)
+        )
 
     def kernel(self) -> object:
         """Return the compiled form."""
@@ -113,7 +125,9 @@ class PetroffLand(DragModel):
     equation: ClassVar[str] = "T = f 2 pi eta W R^3 (w_ring - w_c)/c"
     references: ClassVar[tuple[Reference, ...]] = (PETROFF_1883, HARRIS_2007)
 
-    ring: str = from_scene("guiding_ring", validator=one_of("inner", "outer"), doc="ring whose land guides the cage")
+    ring: str = from_scene(
+        "guiding_ring", validator=one_of("inner", "outer"), doc="ring whose land guides the cage"
+    )
     viscosity: float = from_scene(
         "viscosity",
         validator=within_possible,
@@ -121,7 +135,10 @@ class PetroffLand(DragModel):
         **_ranges(OilTable, "viscosity"),
     )
     radius: float = from_scene(
-        "land_radius", validator=within_possible, doc="radius R of the land", **_ranges(Cage, "land_radius")
+        "land_radius",
+        validator=within_possible,
+        doc="radius R of the land",
+        **_ranges(Cage, "land_radius"),
     )
     width: float = from_scene(
         "land_width",
@@ -150,7 +167,14 @@ class PetroffLand(DragModel):
     def damping(self) -> float:
         """Torque for each rad/s between ring and cage [N m s]."""
         self.check_given()
-        land = 2 * math.pi * self.viscosity * self.width / self.clearance * (self.radius * self.radius * self.radius)
+        land = (
+            2
+            * math.pi
+            * self.viscosity
+            * self.width
+            / self.clearance
+            * (self.radius * self.radius * self.radius)
+        )
         return self.factor * land
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
@@ -220,10 +244,16 @@ class Churning(DragModel):
         **_ranges(Lubrication, "oil_fraction"),
     )
     density: float = from_scene(
-        "density", validator=within_possible, doc="density rho of the oil", **_ranges(OilTable, "density")
+        "density",
+        validator=within_possible,
+        doc="density rho of the oil",
+        **_ranges(OilTable, "density"),
     )
     rollers: float = from_scene(
-        "rollers", validator=within_possible, doc="number Z of rollers", **_ranges(Bearing, "rollers")
+        "rollers",
+        validator=within_possible,
+        doc="number Z of rollers",
+        **_ranges(Bearing, "rollers"),
     )
     roller_diameter: float = from_scene(
         "roller_diameter",
@@ -232,7 +262,10 @@ class Churning(DragModel):
         **_ranges(Bearing, "roller_diameter"),
     )
     roller_length: float = from_scene(
-        "roller_length", validator=within_possible, doc="length l of a roller", **_ranges(Bearing, "roller_length")
+        "roller_length",
+        validator=within_possible,
+        doc="length l of a roller",
+        **_ranges(Bearing, "roller_length"),
     )
     orbit_radius: float = from_scene(
         "orbit_radius",
@@ -242,7 +275,8 @@ class Churning(DragModel):
         possible=(5e-5, 25),
     )
     factor: float = scattering_factor(
-        0.65, "share of oil times drag coefficient: editions of one maker's formula of a bath differ by 3.6"
+        0.65,
+        "share of oil times drag coefficient: editions of one maker's formula of a bath differ by 3.6",
     )
 
     @property

@@ -30,7 +30,13 @@ from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
-from rollslip_plugins.bibliography import CHEVALIER_1998, GUPTA_1992, MURCH_1975, WILSON_1983, ZHOU_1991
+from rollslip_plugins.bibliography import (
+    CHEVALIER_1998,
+    GUPTA_1992,
+    MURCH_1975,
+    WILSON_1983,
+    ZHOU_1991,
+)
 from rollslip_plugins.film.formulas import Moes
 
 if TYPE_CHECKING:
@@ -61,7 +67,12 @@ MILD_HEATING: Final = Validity(
     remedy="less speed or a thinner oil; no law of the inlet in the box holds there",
     source="Wilson and Sheu (1983), whose thermal Reynolds equation ends there",
 )
-LAWS["gupta"] = {**LAWS["murch-wilson"], "sliding_speed": FINITE, "pressure": POSITIVE, "modulus": POSITIVE}
+LAWS["gupta"] = {
+    **LAWS["murch-wilson"],
+    "sliding_speed": FINITE,
+    "pressure": POSITIVE,
+    "modulus": POSITIVE,
+}
 
 #: Validator of a factor of starved inlets.
 starved: Final = attrs.validators.and_(positive, within_possible)
@@ -75,7 +86,9 @@ def in_full(starvation: float) -> float:
 def thermal_load(s: Slices) -> Array:
     """Return the thermal load Lt = eta0 beta0 u^2/K_f of slices."""
     c = s.conditions
-    return np.asarray(c.viscosity * c.thermoviscosity / c.conductivity * (s.rolling_speed * s.rolling_speed))
+    return np.asarray(
+        c.viscosity * c.thermoviscosity / c.conductivity * (s.rolling_speed * s.rolling_speed)
+    )
 
 
 def heated_inlet(load: Array) -> Array:
@@ -148,16 +161,28 @@ class InletCorrection(FilmModel):
         "h = h_ff h_oil/(h_ff^g + h_oil^g)^(1/g), h_ff = C_T C_S h_film; murch-wilson: C_T = 3.94/(3.94 + Lt^0.62); "
         "gupta: C_T = [1 - 13.2 (p_H/E') Lt^0.42]/[1 + 0.213 (1 + 2.23 S^0.83) Lt^0.64]"
     )
-    references: ClassVar[tuple[Reference, ...]] = (MURCH_1975, WILSON_1983, GUPTA_1992, ZHOU_1991, CHEVALIER_1998)
+    references: ClassVar[tuple[Reference, ...]] = (
+        MURCH_1975,
+        WILSON_1983,
+        GUPTA_1992,
+        ZHOU_1991,
+        CHEVALIER_1998,
+    )
 
-    film: FilmModel = submodel("film", factory=Moes, doc="film model of an isothermal, fully flooded inlet")
+    film: FilmModel = submodel(
+        "film", factory=Moes, doc="film model of an isothermal, fully flooded inlet"
+    )
     thermal: str = parameter(
         default="murch-wilson",
         validator=one_of(*LAWS),
         doc="reduction by shear heating of the inlet: 'none', 'murch-wilson' or 'gupta'",
     )
     starvation: float = from_scene(
-        "starvation", validator=starved, doc="factor C_S of a starved inlet", usual=(0.1, 1), possible=(0, 1)
+        "starvation",
+        validator=starved,
+        doc="factor C_S of a starved inlet",
+        usual=(0.1, 1),
+        possible=(0, 1),
     )
     oil_layer: float | None = parameter(
         default=None,
@@ -178,7 +203,10 @@ class InletCorrection(FilmModel):
 
     def __attrs_post_init__(self) -> None:
         if self.film.inlet_heating or self.film.inlet_starvation:
-            raise FieldError("film", f"the inlet of {self.film.name!r} is corrected already; give the film inside it")
+            raise FieldError(
+                "film",
+                f"the inlet of {self.film.name!r} is corrected already; give the film inside it",
+            )
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
@@ -227,13 +255,21 @@ class InletCorrection(FilmModel):
     @property
     def isothermal(self) -> FilmModel:
         """The film of a cold inlet, which is starved as much."""
-        return attrs.evolve(self, thermal="none") if self.starvation != 1.0 or self.oil_layer is not None else self.film
+        return (
+            attrs.evolve(self, thermal="none")
+            if self.starvation != 1.0 or self.oil_layer is not None
+            else self.film
+        )
 
     @property
     def inlet_starvation(self) -> str:
         """Factor and layer of the starved inlet, in words; of a factor near one nobody has to know."""
         told = [f"a factor of {self.starvation:.3g}"] if self.starvation < _NEARLY_FULL else []
-        told += [f"an oil layer of {format_quantity(self.oil_layer, 'm', 3)}"] if self.oil_layer is not None else []
+        told += (
+            [f"an oil layer of {format_quantity(self.oil_layer, 'm', 3)}"]
+            if self.oil_layer is not None
+            else []
+        )
         return " and ".join(told)
 
     def evaluate(self, slices: Slices) -> None:
@@ -241,7 +277,9 @@ class InletCorrection(FilmModel):
         self.film.evaluate(slices)
         slices.film_thickness[...] *= in_full(self.starvation) * self._thermal_factor(slices)
         if self.oil_layer is not None:
-            film, oil, g = slices.film_thickness, self.oil_layer, self.layer_exponent
+            film = slices.film_thickness
+            oil = self.oil_layer
+            g = self.layer_exponent
             thin = np.minimum(film, oil)
             share = np.maximum(thin / np.maximum(film, oil), _LEAST_SHARE)
             slices.film_thickness[...] = thin * (1.0 + share**g) ** (-1.0 / g)
@@ -254,7 +292,8 @@ class InletCorrection(FilmModel):
         if self.thermal == "murch-wilson":
             factor = heated_inlet(load)
         else:
-            stress, slide = 4 / math.pi * s.pressure / c.modulus, np.abs(s.sliding_speed) / s.rolling_speed
+            stress = 4 / math.pi * s.pressure / c.modulus
+            slide = np.abs(s.sliding_speed) / s.rolling_speed
             heated = 1 + 0.213 * (1 + 2.23 * slide**0.83) * load**0.64
             factor = np.asarray((1 - 13.2 * stress * load**0.42) / heated)
         if not np.all(factor > 0):
@@ -302,5 +341,8 @@ class InletCorrection(FilmModel):
 
     def kernel(self) -> object:
         """Return the compiled form, with the film's compiled form or a call of its NumPy form."""
-        law, layer = list(LAWS).index(self.thermal), self.oil_layer or 0.0
-        return compiled.inlet(stage(self.film), law, in_full(self.starvation), layer, self.layer_exponent)
+        law = list(LAWS).index(self.thermal)
+        layer = self.oil_layer or 0.0
+        return compiled.inlet(
+            stage(self.film), law, in_full(self.starvation), layer, self.layer_exponent
+        )

@@ -18,7 +18,9 @@ DEGREE: Final = 4
 
 def _radau() -> Array:
     """Return the Radau points on [-1, 1], the right end among them."""
-    points: Array = np.sort(np.real(legendre.legroots([0.0] * (DEGREE - 1) + [-1.0, 1.0])))  # complex from NumPy 2.5 on
+    points: Array = np.sort(
+        np.real(legendre.legroots([0.0] * (DEGREE - 1) + [-1.0, 1.0]))
+    )  # complex from NumPy 2.5 on
     points[-1] = 1.0
     return points
 
@@ -48,11 +50,15 @@ def _moments(z: Array) -> Array:
     W[:, 1] = 1.0
     for k in range(1, DEGREE + 1):
         W[:, k + 1] = ((2 * k + 1) * z * W[:, k] - k * W[:, k - 1]) / (k + 1)
-    ends = [np.log(np.where(d == 0.0, 1.0, np.abs(d)))[:, None] for d in (1 + z, 1 - z)]  # 0 ln 0 = 0
+    ends = [
+        np.log(np.where(d == 0.0, 1.0, np.abs(d)))[:, None] for d in (1 + z, 1 - z)
+    ]  # 0 ln 0 = 0
     step = P[:, 2:] - P[:, :-2]
     near = np.empty((len(z), DEGREE + 1))
     near[:, :1] = (1 + z)[:, None] * ends[0] + (1 - z)[:, None] * ends[1] - 2
-    near[:, 1:] = (step * (ends[0] - ends[1]) - 2 * (W[:, 2:] - W[:, :-2])) / (2 * np.arange(1, DEGREE + 1) + 1)
+    near[:, 1:] = (step * (ends[0] - ends[1]) - 2 * (W[:, 2:] - W[:, :-2])) / (
+        2 * np.arange(1, DEGREE + 1) + 1
+    )
     moments[~far] = near
     return moments
 

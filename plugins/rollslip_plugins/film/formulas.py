@@ -12,7 +12,15 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from rollslip.bearing.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, PowerLaw, film_by_regime, groups
+from rollslip.bearing.regimes import (
+    BLOK,
+    DOWSON_1968,
+    HERREBRUGH,
+    MARTIN,
+    PowerLaw,
+    film_by_regime,
+    groups,
+)
 from rollslip.fields import one_of, parameter
 from rollslip.models import POSITIVE, FilmModel, Validity
 from rollslip.references import Reference
@@ -47,7 +55,10 @@ def _mapped(off: str) -> tuple[Validity, ...]:
             remedy="film 'reynolds-line', where it finds a solution",
             source="reynolds-line: docs/scripts/film_error_map.py",
         )
-        for code, quantity, high in (("W04", "load_parameter", 200.0), ("W03", "lubricant_parameter", 15.0))
+        for code, quantity, high in (
+            ("W04", "load_parameter", 200.0),
+            ("W03", "lubricant_parameter", 15.0),
+        )
     )
 
 
@@ -292,7 +303,9 @@ class PanHamrock(FilmModel):
 
     name: ClassVar[str] = "pan-hamrock"
     on_fronts: ClassVar[bool] = True
-    equation: ClassVar[str] = "h/R = 1.714 W^-0.128 U^0.694 G^0.568 (minimum); 2.922 W^-0.166 U^0.692 G^0.470 (central)"
+    equation: ClassVar[str] = (
+        "h/R = 1.714 W^-0.128 U^0.694 G^0.568 (minimum); 2.922 W^-0.166 U^0.692 G^0.470 (central)"
+    )
     references: ClassVar[tuple[Reference, ...]] = (PAN_1989,)
     location: ClassVar[str] = "minimum or central, as chosen"
     regime: ClassVar[str] = "VE"
@@ -350,7 +363,9 @@ class Moes(FilmModel):
 
     name: ClassVar[str] = "moes"
     on_fronts: ClassVar[bool] = True
-    equation: ClassVar[str] = "H = [(H_RI^(7/3) + H_EI^(7/3))^(3s/7) + (H_RP^(-7/2) + H_EP^(-7/2))^(-2s/7)]^(1/s)"
+    equation: ClassVar[str] = (
+        "H = [(H_RI^(7/3) + H_EI^(7/3))^(3s/7) + (H_RP^(-7/2) + H_EP^(-7/2))^(-2s/7)]^(1/s)"
+    )
     references: ClassVar[tuple[Reference, ...]] = (MOES_1992,)
     location: ClassVar[str] = "dp/dx = 0"
 
@@ -363,14 +378,20 @@ class Moes(FilmModel):
         """Fill the film thickness."""
         U, G, W = groups(slices)
         r = np.sqrt(2 * U)
-        M, L = W / r, G * np.sqrt(r)
-        ri, ei, ep = 3 / M, 2.621 * M**-0.2, 1.311 * M**-0.125 * L**0.75
+        M = W / r
+        L = G * np.sqrt(r)
+        ri = 3 / M
+        ei = 2.621 * M**-0.2
+        ep = 1.311 * M**-0.125 * L**0.75
         ep_over_rp = 1.311 / 1.287 * L ** (1 / 12) * M**-0.125  # finite at L = 0, where both vanish
         isoviscous = (ri ** (7 / 3) + ei ** (7 / 3)) ** (3 / 7)
         piezoviscous = ep * (1 + ep_over_rp**3.5) ** (-2 / 7)
         s = (7 + 8 * np.exp(-2 * ei / ri)) / 5
-        larger, smaller = np.maximum(isoviscous, piezoviscous), np.minimum(isoviscous, piezoviscous)
-        slices.film_thickness[...] = slices.conditions.radius * r * larger * (1 + (smaller / larger) ** s) ** (1 / s)
+        larger = np.maximum(isoviscous, piezoviscous)
+        smaller = np.minimum(isoviscous, piezoviscous)
+        slices.film_thickness[...] = (
+            slices.conditions.radius * r * larger * (1 + (smaller / larger) ** s) ** (1 / s)
+        )
 
     def kernel(self) -> object:
         """Return the compiled form."""

@@ -45,12 +45,15 @@ LOADS: Final = (1e-6, 200.0)
 ACCURACIES: Final = (1e-6, 1e-2)
 
 #: Elements to try on the way to a contact, and how many they may become by halving.
-_ELEMENTS, _MOST_ELEMENTS = (24, 40, 64), 400
+_ELEMENTS = (24, 40, 64)
+_MOST_ELEMENTS = 400
 #: The inlet starts so many film lengths sqrt(2 H) and Hertz widths before the exit, behind a tail of P = 8/X^3.
 _REACH: Final = 80.0
 #: Floor of the fluidity on the way, and at the goal as a share of the accuracy.
-_EARLY_FLOOR, _FLOOR = 1e-2, 0.05
-_NEWTON_STEPS, _HALVINGS = 20, 6
+_EARLY_FLOOR = 1e-2
+_FLOOR = 0.05
+_NEWTON_STEPS = 20
+_HALVINGS = 6
 #: Where a solution is sampled to place new elements.
 _SAMPLES: Final = np.linspace(-1.0, 1.0, 9)[:-1]
 
@@ -137,9 +140,13 @@ def solve_line_contact(
     if not 0.0 <= L < math.inf:
         raise DomainError(f"reynolds-line: L = {L:g} is outside its domain (>= 0)")
     if not ACCURACIES[0] <= accuracy <= ACCURACIES[1]:
-        raise DomainError(f"reynolds-line: accuracy = {accuracy:g} is outside its domain ({interval(ACCURACIES)})")
+        raise DomainError(
+            f"reynolds-line: accuracy = {accuracy:g} is outside its domain ({interval(ACCURACIES)})"
+        )
     if location not in (None, *LOCATIONS):
-        raise DomainError(f"reynolds-line: location = {location!r}; there are {', '.join(LOCATIONS)}")
+        raise DomainError(
+            f"reynolds-line: location = {location!r}; there are {', '.join(LOCATIONS)}"
+        )
     if log_viscosity is None and (L > 0 or density is not None):
 
         def log_viscosity(pressure: Array) -> Array:
@@ -150,7 +157,9 @@ def solve_line_contact(
     try:
         for elements in _ELEMENTS:
             try:
-                fine, thickness, error = _to_accuracy(_along_the_path(state, elements), state, accuracy, location)
+                fine, thickness, error = _to_accuracy(
+                    _along_the_path(state, elements), state, accuracy, location
+                )
                 break
             except _Stuck:
                 if elements == _ELEMENTS[-1]:
@@ -198,12 +207,14 @@ class _Problem:
 
     def oil(self, pressure: Array) -> tuple[Array, Array, Array, Array]:
         """Return fluidity and density, each with its derivative."""
-        one, zero = np.ones_like(pressure), np.zeros_like(pressure)
+        one = np.ones_like(pressure)
+        zero = np.zeros_like(pressure)
         if self.log_viscosity is None:
             return one, zero, one, zero
         pressure = np.maximum(pressure, 0.0)
         step = 1e-5 * np.max(pressure)
-        above, below = pressure + step, np.maximum(pressure - step, 0.0)
+        above = pressure + step
+        below = np.maximum(pressure - step, 0.0)
 
         def with_slope(law: Law) -> tuple[Array, Array]:
             return law(pressure), (law(above) - law(below)) / (above - below)
@@ -219,19 +230,23 @@ class _Problem:
 
 def _residual(grid: Elements, unknowns: Array, problem: _Problem) -> tuple[Array, Array]:
     """Return the residuals of Reynolds equation over 6 H, inlet pressure and load over M; and H."""
-    pressure, Hm, exit_at = unknowns[:-2], unknowns[-2], unknowns[-1]
+    pressure = unknowns[:-2]
+    Hm = unknowns[-2]
+    exit_at = unknowns[-1]
     gap = grid.deformation @ pressure + grid.y * (grid.y / 2 - exit_at)
     H = Hm + gap
     fluidity, _, density, _ = problem.oil(pressure)
     inlet = grid.edges[-1] - exit_at
     flow = density * fluidity * H**3 * (grid.slope @ pressure) + 6 * (gap + (density - 1) * H)
-    tail, load = pressure[-1] - 8 / inlet**3, grid.load @ pressure + 4 / inlet**2
+    tail = pressure[-1] - 8 / inlet**3
+    load = grid.load @ pressure + 4 / inlet**2
     return np.append(flow / (6 * H), [tail / problem.M, load / problem.M - 1]), H
 
 
 def _jacobian(grid: Elements, unknowns: Array, problem: _Problem) -> Array:
     """Return the derivatives of the residuals by pressures, Hm and exit, without those of their scale 6 H."""
-    pressure, exit_at = unknowns[:-2], unknowns[-1]
+    pressure = unknowns[:-2]
+    exit_at = unknowns[-1]
     n = len(pressure)
     H = unknowns[-2] + grid.deformation @ pressure + grid.y * (grid.y / 2 - exit_at)
     fluidity, by_pressure, density, density_by_pressure = problem.oil(pressure)
@@ -239,15 +254,19 @@ def _jacobian(grid: Elements, unknowns: Array, problem: _Problem) -> Array:
     flow = H**3 * (grid.slope @ pressure)
     by_film = 3 * density * fluidity * flow / H + 6 * density
     J = np.zeros((n + 2, n + 2))
-    J[:n, :n] = (density * fluidity * H**3)[:, None] * grid.slope + by_film[:, None] * grid.deformation
+    J[:n, :n] = (density * fluidity * H**3)[:, None] * grid.slope + by_film[
+        :, None
+    ] * grid.deformation
     J[range(n), range(n)] += (
         density * by_pressure + density_by_pressure * fluidity
     ) * flow + 6 * density_by_pressure * H
     J[:n, n] = by_film - 6
     J[:n, n + 1] = -by_film * grid.y
     J[:n] /= (6 * H)[:, None]
-    J[n, n - 1], J[n, n + 1] = 1 / problem.M, -24 / inlet**4 / problem.M
-    J[n + 1, :n], J[n + 1, n + 1] = grid.load / problem.M, 8 / inlet**3 / problem.M
+    J[n, n - 1] = 1 / problem.M
+    J[n, n + 1] = -24 / inlet**4 / problem.M
+    J[n + 1, :n] = grid.load / problem.M
+    J[n + 1, n + 1] = 8 / inlet**3 / problem.M
     return J
 
 
@@ -257,7 +276,9 @@ def _jacobian(grid: Elements, unknowns: Array, problem: _Problem) -> Array:
 class _Stuck(Exception):  # noqa: N818 - becomes a ConvergenceError that names the contact
     """A solution is not found; says where it ended."""
 
-    def __init__(self, message: str, at: "_State | None" = None, residual: float = math.nan) -> None:
+    def __init__(
+        self, message: str, at: "_State | None" = None, residual: float = math.nan
+    ) -> None:
         super().__init__(message)
         self.residual = residual if at is None else float(np.max(np.abs(at.residual)))
 
@@ -281,7 +302,8 @@ class _State:
 
     def adapted(self, problem: _Problem, elements: int) -> "_State":
         """Return the state on elements whose size follows the change of pressure, fluidity and film."""
-        grid, pressure = self.grid, self.unknowns[:-2]
+        grid = self.grid
+        pressure = self.unknowns[:-2]
         y = (grid.middle[:, None] + grid.half[:, None] * _SAMPLES).ravel()
         coefficients = grid.coefficients(pressure)
         value = (coefficients @ legendre.legvander(_SAMPLES, DEGREE).T).ravel()
@@ -294,8 +316,11 @@ class _State:
             + np.abs(np.gradient(film, y)) / film
             + 1 / grid.edges[-1]
         )
-        size = np.min(size + np.abs(y[:, None] - y), axis=1)  # neighbours differ by a factor of two at most
-        y, size = np.append(y, grid.edges[-1]), np.append(size, size[-1])
+        size = np.min(
+            size + np.abs(y[:, None] - y), axis=1
+        )  # neighbours differ by a factor of two at most
+        y = np.append(y, grid.edges[-1])
+        size = np.append(size, size[-1])
         count = np.append(0.0, np.cumsum(np.diff(y) * (1 / size[1:] + 1 / size[:-1]) / 2))
         return self._on(np.interp(np.linspace(0.0, count[-1], elements + 1), count, y))
 
@@ -308,7 +333,8 @@ class _State:
 
 def _solved(state: _State, problem: _Problem, tolerance: float) -> _State:
     """Return the solution on the same grid, by Newton's method until a step changes less than the tolerance."""
-    grid, unknowns = state.grid, state.unknowns
+    grid = state.grid
+    unknowns = state.unknowns
     with np.errstate(all="ignore"):  # a step that leads out of the numbers is halved
         residual, H = _residual(grid, unknowns, problem)
         norm = math.sqrt(np.mean(residual**2))
@@ -324,8 +350,12 @@ def _solved(state: _State, problem: _Problem, tolerance: float) -> _State:
                     break
             else:
                 break
-            unknowns, norm = tried, reached
-            change = max(np.max(np.abs(step[:-2])) / np.max(np.abs(unknowns[:-2])), abs(step[-2] / unknowns[-2]))
+            unknowns = tried
+            norm = reached
+            change = max(
+                np.max(np.abs(step[:-2])) / np.max(np.abs(unknowns[:-2])),
+                abs(step[-2] / unknowns[-2]),
+            )
             if part == 1.0 and change < tolerance:
                 return _State(grid, unknowns, residual, iteration)
     raise _Stuck("Newton's method does not converge", residual=float(norm))
@@ -349,7 +379,11 @@ def _along_the_path(goal: _Problem, elements: int) -> _State:
     early = attrs.evolve(goal, floor=max(goal.floor, _EARLY_FLOOR))
     rise = float(goal.log_viscosity(np.max(state.unknowns[:-2], keepdims=True))[0])
     state = _followed(
-        "viscosity", state, lambda part: attrs.evolve(early, share=part), elements, 0.7 / rise if rise > 0.7 else 1.0
+        "viscosity",
+        state,
+        lambda part: attrs.evolve(early, share=part),
+        elements,
+        0.7 / rise if rise > 0.7 else 1.0,
     )
     return _followed(
         "floor of the fluidity",
@@ -362,7 +396,9 @@ def _along_the_path(goal: _Problem, elements: int) -> _State:
 
 def _rigid(M: float, heaviest: float, elements: int) -> _State:
     """Return the rigid, isoviscous contact, with H0 = 2.4475/M: dP/dg = 6 k/H0^2 (cos^2 g - cos^4 g/cos^2 gc)."""
-    H0, tan2 = 2.447484 / M, 0.2257484  # gc = 0.4435543 at the exit, where P = dP/dX = 0
+    # gc = 0.4435543 at the exit, where P = dP/dX = 0
+    H0 = 2.447484 / M
+    tan2 = 0.2257484
     k = math.sqrt(2 * H0)  # X = k tan g
 
     def pressure(g: Array) -> Array:
@@ -372,28 +408,53 @@ def _rigid(M: float, heaviest: float, elements: int) -> _State:
     exit_at = k * math.sqrt(tan2)
     near = elements * 2 // 3
     reach = _REACH * (k + math.sqrt(8 * heaviest / math.pi))
-    grid = Elements(np.append(np.linspace(0.0, 4 * k, near + 1), np.geomspace(4 * k, reach, elements - near + 1)[1:]))
-    P = 6 * k / H0**2 * (pressure(np.arctan((exit_at - grid.y) / k)) - pressure(np.array(-math.pi / 2)))
+    grid = Elements(
+        np.append(
+            np.linspace(0.0, 4 * k, near + 1), np.geomspace(4 * k, reach, elements - near + 1)[1:]
+        )
+    )
+    P = (
+        6
+        * k
+        / H0**2
+        * (pressure(np.arctan((exit_at - grid.y) / k)) - pressure(np.array(-math.pi / 2)))
+    )
     return _State(grid, np.append(P, [H0 * (1 + tan2), exit_at]), P, 0)
 
 
-def _followed(what: str, state: _State, problem: Callable[[float], _Problem], elements: int, step: float) -> _State:
+def _followed(
+    what: str, state: _State, problem: Callable[[float], _Problem], elements: int, step: float
+) -> _State:
     """Return the solution of problem(1) from that of problem(0), by predicted steps on elements that follow it."""
     done = 0.0
     while done < 1.0:
         aim = min(1.0, done + step)
         try:
-            ahead = attrs.evolve(state, unknowns=state.unknowns + (aim - done) * _tangent(state, problem, done))
-            found = _solved(_solved(ahead, problem(aim), 1e-3).adapted(problem(aim), elements), problem(aim), 1e-5)
+            ahead = attrs.evolve(
+                state, unknowns=state.unknowns + (aim - done) * _tangent(state, problem, done)
+            )
+            found = _solved(
+                _solved(ahead, problem(aim), 1e-3).adapted(problem(aim), elements),
+                problem(aim),
+                1e-5,
+            )
         except _Stuck as stuck:
             step = (aim - done) / 2
             if step < 2e-3:
                 raise _Stuck(
-                    f"following the {what}, {stuck} beyond {100 * done:.1f} % of the way", residual=stuck.residual
+                    f"following the {what}, {stuck} beyond {100 * done:.1f} % of the way",
+                    residual=stuck.residual,
                 ) from None
             continue
-        step *= 1.7 if (count := found.iterations - state.iterations) <= 8 else 1.2 if count <= 10 else 0.8
-        state, done = found, aim
+        step *= (
+            1.7
+            if (count := found.iterations - state.iterations) <= 8
+            else 1.2
+            if count <= 10
+            else 0.8
+        )
+        state = found
+        done = aim
     return state
 
 
@@ -420,10 +481,12 @@ def _to_accuracy(
     floored = _films(state)
     while True:
         state = _solved(state.bisected(), problem, 1e-8)
-        before, floored = floored, _films(state)
+        before = floored
+        floored = _films(state)
         thickness = _films(_without_floor(state, problem))
         error = {
-            name: (abs(floored[name] - before[name]) + abs(thickness[name] - floored[name])) / thickness[name]
+            name: (abs(floored[name] - before[name]) + abs(thickness[name] - floored[name]))
+            / thickness[name]
             for name in LOCATIONS
         }
         worst = location or max(LOCATIONS, key=lambda name: error[name])
@@ -431,13 +494,15 @@ def _to_accuracy(
             return state, thickness, error
         if 2 * len(state.grid.half) > _MOST_ELEMENTS:
             raise _Stuck(
-                f"the film ({worst}) is uncertain by {error[worst]:.1g} on {len(state.grid.half)} elements", state
+                f"the film ({worst}) is uncertain by {error[worst]:.1g} on {len(state.grid.half)} elements",
+                state,
             )
 
 
 def _films(state: _State) -> dict[str, float]:
     """Return the film by location; the minimum from a polynomial through some of many points."""
-    film, y = state.film(), np.append(0.0, state.grid.y)
+    film = state.film()
+    y = np.append(0.0, state.grid.y)
     k = int(np.argmin(film)) + 1
     near = np.linspace(y[k - 1], y[min(k + 1, len(y) - 1)], 41)
     least = -vertex(near, -state.grid.film(state.unknowns, near))[1]
@@ -449,5 +514,7 @@ def _without_floor(state: _State, problem: _Problem) -> _State:
     """Return the state with the effect of the floor of the fluidity taken out, to first order."""
     if problem.log_viscosity is None:
         return state
-    effect = _tangent(state, lambda part: attrs.evolve(problem, floor=problem.floor * (1 + part)), 0.0)
+    effect = _tangent(
+        state, lambda part: attrs.evolve(problem, floor=problem.floor * (1 + part)), 0.0
+    )
     return attrs.evolve(state, unknowns=state.unknowns - effect)

@@ -61,7 +61,11 @@ class ReynoldsLine(FilmModel):
         "d/dx [rho h^3/(12 eta) dp/dx] = u d(rho h)/dx, h = h0 + x^2/(2 R) - 4/(pi E') int p(s) ln|x - s| ds, "
         "w = int p dx, p >= 0"
     )
-    references: ClassVar[tuple[Reference, ...]] = (DOWSON_HIGGINSON_1966, MOES_1992, HAIRER_1996.at("section IV.5"))
+    references: ClassVar[tuple[Reference, ...]] = (
+        DOWSON_HIGGINSON_1966,
+        MOES_1992,
+        HAIRER_1996.at("section IV.5"),
+    )
     location: ClassVar[str] = "minimum, central or dp/dx = 0, as chosen"
 
     thickness: str = parameter(
@@ -69,7 +73,9 @@ class ReynoldsLine(FilmModel):
         validator=one_of(*LOCATIONS),
         doc="which film thickness: 'minimum', 'central' or 'dp/dx = 0', where the density is the ambient one",
     )
-    compressible: bool = parameter(default=False, doc="the density follows the pressure after Dowson and Higginson")
+    compressible: bool = parameter(
+        default=False, doc="the density follows the pressure after Dowson and Higginson"
+    )
     accuracy: float = parameter(
         default=1e-3,
         unit="1",
@@ -88,7 +94,10 @@ class ReynoldsLine(FilmModel):
     def domain(self) -> Domain:  # type: ignore[override]
         """Where the contact and the oil's law are defined."""
         return MappingProxyType(
-            {**FilmModel.domain, **{name: self.law.domain[name] for name in self.law.reads - _UNUSED}}
+            {
+                **FilmModel.domain,
+                **{name: self.law.domain[name] for name in self.law.reads - _UNUSED},
+            }
         )
 
     def evaluate(self, slices: Slices) -> None:
@@ -104,7 +113,9 @@ class ReynoldsLine(FilmModel):
         states, of_slice = np.unique(table, axis=1, return_inverse=True)
         film = np.empty(states.shape[1])
         for i, state in enumerate(states.T.tolist()):
-            found = _film_thickness(self.law, self.compressible, self.thickness, self.accuracy, names, tuple(state))
+            found = _film_thickness(
+                self.law, self.compressible, self.thickness, self.accuracy, names, tuple(state)
+            )
             if isinstance(found, str):
                 raise DomainError(found)
             film[i] = found

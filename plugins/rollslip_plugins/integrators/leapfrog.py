@@ -37,7 +37,9 @@ class Leapfrog(IntegratorModel):
     name: ClassVar[str] = "leapfrog"
     order: ClassVar[int] = 2
     explicit: ClassVar[bool] = True
-    equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 2, with the rates in the middle of a step"
+    equation: ClassVar[str] = (
+        "dy/dt = f(t, y); explicit, order 2, with the rates in the middle of a step"
+    )
     references: ClassVar[tuple[Reference, ...]] = (HAIRER_2003,)
 
     def solver(self) -> type[Any]:

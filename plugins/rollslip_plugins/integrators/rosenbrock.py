@@ -38,7 +38,9 @@ class Rodas5p(IntegratorModel):
             "method has order 6"
         }
     )
-    equation: ClassVar[str] = "dy/dt = f(t, y); linearly implicit, L-stable, order 5, error estimate of order 4"
+    equation: ClassVar[str] = (
+        "dy/dt = f(t, y); linearly implicit, L-stable, order 5, error estimate of order 4"
+    )
     references: ClassVar[tuple[Reference, ...]] = (STEINEBACH_2023, HAIRER_1996)
 
     def solver(self) -> type[Any]:

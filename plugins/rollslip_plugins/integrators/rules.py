@@ -31,20 +31,33 @@ def _smooth() -> _Problem:
     )
 
 
-def _solved(model: IntegratorModel, problem: _Problem, start: float, end: float, rtol: float) -> Any:
+def _solved(
+    model: IntegratorModel, problem: _Problem, start: float, end: float, rtol: float
+) -> Any:
     from scipy.integrate import solve_ivp
 
     right, exact = problem
     solution = solve_ivp(
-        right, (start, end), exact(start), method=model.solver(), rtol=rtol, atol=rtol, dense_output=True
+        right,
+        (start, end),
+        exact(start),
+        method=model.solver(),
+        rtol=rtol,
+        atol=rtol,
+        dense_output=True,
     )
-    refuse_unless(solution.success, f"it fails from t = {start:g} to {end:g} at rtol = {rtol:g}: {solution.message}")
+    refuse_unless(
+        solution.success,
+        f"it fails from t = {start:g} to {end:g} at rtol = {rtol:g}: {solution.message}",
+    )
     return solution
 
 
 def _error_at_most(error: float, rtol: float, what: str) -> None:
     # the tolerance is one of a step; a thousand leaves room for the sum of steps and for interpolation
-    refuse_unless(error <= 1e3 * rtol, f"{what}: the error is {error:.2g} at rtol = atol = {rtol:g}")
+    refuse_unless(
+        error <= 1e3 * rtol, f"{what}: the error is {error:.2g} at rtol = atol = {rtol:g}"
+    )
 
 
 @rule(IntegratorModel)
@@ -54,7 +67,8 @@ def check_is_a_solver_of_scipys_kind(model: IntegratorModel) -> None:
 
     cls = model.solver()
     refuse_unless(
-        inspect.isclass(cls) and issubclass(cls, OdeSolver), f"solver() must return a class of OdeSolver, not {cls!r}"
+        inspect.isclass(cls) and issubclass(cls, OdeSolver),
+        f"solver() must return a class of OdeSolver, not {cls!r}",
     )
     refuse_unless(model.solver() is cls, "solver() returns another class each time")
 
@@ -73,16 +87,24 @@ def check_converges_with_its_order(model: IntegratorModel) -> None:
     for steps in (4, 8, 16, 32, 64, 128):
         h = 4.0 / steps
         # tolerances so wide that every step is taken, at its largest size
-        solver = model.solver()(right, 0.0, exact(0.0), 4.0, first_step=h, max_step=h, rtol=1e3, atol=1e3)
+        solver = model.solver()(
+            right, 0.0, exact(0.0), 4.0, first_step=h, max_step=h, rtol=1e3, atol=1e3
+        )
         for _ in range(2 * steps):
             if solver.status == "running":
                 solver.step()
-        refuse_unless(solver.status == "finished", f"{steps} steps of {h:g} do not reach the end: {solver.status}")
+        refuse_unless(
+            solver.status == "finished",
+            f"{steps} steps of {h:g} do not reach the end: {solver.status}",
+        )
         errors.append(float(np.max(np.abs(solver.y - exact(4.0)))))
     pairs = [(a, b) for a, b in pairwise(errors) if b > 1e-12]
     refuse_unless(pairs, f"the errors {errors} leave nothing to measure an order from")
     found = math.log2(pairs[-1][0] / pairs[-1][1])
-    refuse_unless(abs(found - order) < 0.5, f"it converges with order {found:.2f}, its order is given as {order}")
+    refuse_unless(
+        abs(found - order) < 0.5,
+        f"it converges with order {found:.2f}, its order is given as {order}",
+    )
 
 
 @rule(IntegratorModel)
@@ -93,7 +115,10 @@ def check_error_falls_with_the_tolerance(model: IntegratorModel) -> None:
         solution = _solved(model, _smooth(), 0.0, 2.0, rtol)
         errors.append(float(np.max(np.abs(solution.y - _smooth()[1](solution.t)))))
         _error_at_most(errors[-1], rtol, "forwards")
-    refuse_unless(errors[-1] <= errors[0] / 100, f"the errors {errors} do not fall with rtol = 1e-4, 1e-6, 1e-8")
+    refuse_unless(
+        errors[-1] <= errors[0] / 100,
+        f"the errors {errors} do not fall with rtol = 1e-4, 1e-6, 1e-8",
+    )
 
 
 @rule(IntegratorModel)
@@ -102,7 +127,9 @@ def check_is_as_accurate_between_its_steps(model: IntegratorModel) -> None:
     t = np.linspace(0.0, 2.0, 201)
     for rtol in (1e-4, 1e-8):
         solution = _solved(model, _smooth(), 0.0, 2.0, rtol)
-        _error_at_most(float(np.max(np.abs(solution.sol(t) - _smooth()[1](t)))), rtol, "between the steps")
+        _error_at_most(
+            float(np.max(np.abs(solution.sol(t) - _smooth()[1](t)))), rtol, "between the steps"
+        )
 
 
 @rule(IntegratorModel)
@@ -140,13 +167,15 @@ def check_says_when_it_fails(model: IntegratorModel) -> None:
             return y * y
 
     solver = model.solver()(right, 0.0, np.array([1.0]), 2.0, rtol=1e-6, atol=1e-9)
-    message, steps = None, 0
+    message = None
+    steps = 0
     with np.errstate(all="ignore"):
         while solver.status == "running" and steps < _CALLS // 5 and calls < _CALLS:
             message = solver.step()
             steps += 1
     refuse_unless(
-        solver.status != "running", f"after {steps} steps and {calls} calls it still stands at t = {solver.t:.6g}"
+        solver.status != "running",
+        f"after {steps} steps and {calls} calls it still stands at t = {solver.t:.6g}",
     )
     refuse_unless(
         solver.status == "failed" and message,

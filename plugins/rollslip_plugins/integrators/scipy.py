@@ -176,7 +176,9 @@ class Lsoda(_SciPy):
     name: ClassVar[str] = "lsoda"
     solver_name: ClassVar[str] = "LSODA"
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"check_says_when_it_fails": "SciPy's LSODA steps on the spot before a singularity and reports no failure"}
+        {
+            "check_says_when_it_fails": "SciPy's LSODA steps on the spot before a singularity and reports no failure"
+        }
     )
     equation: ClassVar[str] = "dy/dt = f(t, y); Adams where it is not stiff, BDF where it is"
     references: ClassVar[tuple[Reference, ...]] = (PETZOLD_1983,)

@@ -58,7 +58,9 @@ class _Ours(OdeSolver):
                 raise ValueError("a System has its own Jacobian; leave jac out")
             capsule = fun.capsule
         else:
-            capsule = python_system(self.fun_single, self.n, scale=self._scale(rtol, atol), jacobian=_function(jac))
+            capsule = python_system(
+                self.fun_single, self.n, scale=self._scale(rtol, atol), jacobian=_function(jac)
+            )
         self._inner = self.kernel(capsule, t0, self.y, t_bound, rtol, atol, max_step, first_step)
 
     def _scale(self, rtol: float | Array, atol: float | Array) -> Array:
@@ -68,8 +70,11 @@ class _Ours(OdeSolver):
     def _step_impl(self) -> tuple[bool, str | None]:
         inner = self._inner
         reason = inner.step()
-        self.t, self.y = inner.t, inner.y
-        self.nfev, self.njev, self.nlu = inner.evaluations, inner.jacobians, inner.factorisations
+        self.t = inner.t
+        self.y = inner.y
+        self.nfev = inner.evaluations
+        self.njev = inner.jacobians
+        self.nlu = inner.factorisations
         return reason != "failed", inner.message or None
 
     def _dense_output_impl(self) -> "_Polynomial":
@@ -136,7 +141,8 @@ class CvodeSolver(OdeSolver):
         self.njev = self.nlu = done.njev
         if not done.success:
             return False, f"CVODE at t = {self.t:.9g}: {done.message}"
-        self.t, self.y = done.t, done.y
+        self.t = done.t
+        self.y = done.y
         return True, None
 
     def _dense_output_impl(self) -> "_Polynomial":
@@ -152,12 +158,18 @@ class CvodeSolver(OdeSolver):
 class _Polynomial(DenseOutput):
     """Coefficients of the powers of (t - start)/size."""
 
-    def __init__(self, t_old: float, t: float, start: float, size: float, coefficients: Array) -> None:
+    def __init__(
+        self, t_old: float, t: float, start: float, size: float, coefficients: Array
+    ) -> None:
         super().__init__(t_old, t)
-        self.start, self.size, self.coefficients = start, size, coefficients
+        self.start = start
+        self.size = size
+        self.coefficients = coefficients
 
     def _call_impl(self, t: Array) -> Array:
-        return np.asarray(np.polynomial.polynomial.polyval((t - self.start) / self.size, self.coefficients))
+        return np.asarray(
+            np.polynomial.polynomial.polyval((t - self.start) / self.size, self.coefficients)
+        )
 
 
 def _function(jac: Any) -> Callable[[float, Array], Any] | None:

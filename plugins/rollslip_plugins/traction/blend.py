@@ -43,11 +43,17 @@ class _Blend(TractionModel, abc.ABC):
     """Two traction models and the share of the first."""
 
     #: What the share reads.
-    fraction_domain: ClassVar[Domain] = MappingProxyType({"film_thickness": POSITIVE, "roughness": POSITIVE})
+    fraction_domain: ClassVar[Domain] = MappingProxyType(
+        {"film_thickness": POSITIVE, "roughness": POSITIVE}
+    )
     covers: ClassVar[frozenset[str]] = frozenset({"film_parameter"})
 
-    boundary: TractionModel = submodel("traction", factory=Kragelsky, doc="traction model of boundary friction")
-    hydrodynamic: TractionModel = submodel("traction", factory=MaxwellEyring, doc="traction model of the full film")
+    boundary: TractionModel = submodel(
+        "traction", factory=Kragelsky, doc="traction model of boundary friction"
+    )
+    hydrodynamic: TractionModel = submodel(
+        "traction", factory=MaxwellEyring, doc="traction model of the full film"
+    )
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
@@ -146,7 +152,11 @@ class _BetweenLimits(_Blend):
     def kernel(self) -> object:
         """Return the compiled form, with each child's compiled form or a call of its NumPy form."""
         return compiled.power(
-            stage(self.boundary), stage(self.hydrodynamic), self.boundary_limit, self.hydrodynamic_limit, self.power
+            stage(self.boundary),
+            stage(self.hydrodynamic),
+            self.boundary_limit,
+            self.hydrodynamic_limit,
+            self.power,
         )
 
 
@@ -187,11 +197,18 @@ class LambdaBlend(_BetweenLimits):
     """
 
     name: ClassVar[str] = "lambda-blend"
-    equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m"
+    equation: ClassVar[str] = (
+        "mu = mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m"
+    )
     references: ClassVar[tuple[Reference, ...]] = (SAKAGUCHI_2003,)
 
     exponent: float = parameter(
-        default=6.0, unit="1", validator=positive, doc="power m of the blend", usual=(0.5, 12), possible=(0, 1e3)
+        default=6.0,
+        unit="1",
+        validator=positive,
+        doc="power m of the blend",
+        usual=(0.5, 12),
+        possible=(0, 1e3),
     )
 
     @property
@@ -237,7 +254,9 @@ class LinearBlend(_BetweenLimits):
     """
 
     name: ClassVar[str] = "linear-blend"
-    equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) (Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd)"
+    equation: ClassVar[str] = (
+        "mu = mu_hd + (mu_bd - mu_hd) (Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd)"
+    )
     references: ClassVar[tuple[Reference, ...]] = (GUPTA_1984,)
 
 
@@ -317,13 +336,18 @@ class ZhouHoeprich(_Blend):
     def shares(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness
-        power, mixed = -self.factor * film_parameter**self.exponent, film_parameter < self.full_film_from
+        power = -self.factor * film_parameter**self.exponent
+        mixed = film_parameter < self.full_film_from
         return np.where(mixed, np.exp(power), 0.0), np.where(mixed, -np.expm1(power), 1.0)
 
     def kernel(self) -> object:
         """Return the compiled form, with each child's compiled form or a call of its NumPy form."""
         return compiled.exponential(
-            stage(self.boundary), stage(self.hydrodynamic), self.full_film_from, self.factor, self.exponent
+            stage(self.boundary),
+            stage(self.hydrodynamic),
+            self.full_film_from,
+            self.factor,
+            self.exponent,
         )
 
 
@@ -422,7 +446,9 @@ class GreenwoodTripp(_Blend):
     @property
     def coefficient(self) -> float:
         """p_a over E' F_5/2."""
-        shape = self.roughness_parameter * self.roughness_parameter * math.sqrt(self.slope_parameter)
+        shape = (
+            self.roughness_parameter * self.roughness_parameter * math.sqrt(self.slope_parameter)
+        )
         return 16 * math.sqrt(2) * math.pi / 15 / 2 * shape
 
     @property
@@ -433,13 +459,19 @@ class GreenwoodTripp(_Blend):
     def shares(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice."""
         touching = asperity_integral(slices.film_thickness / slices.conditions.roughness)
-        share = np.minimum(self.coefficient * slices.conditions.modulus / slices.pressure * touching, 1.0)
-        share = np.where(touching > 0, share, 0.0)  # whatever the pressure, which may make the quotient infinite
+        share = np.minimum(
+            self.coefficient * slices.conditions.modulus / slices.pressure * touching, 1.0
+        )
+        share = np.where(
+            touching > 0, share, 0.0
+        )  # whatever the pressure, which may make the quotient infinite
         return share, 1.0 - share
 
     def kernel(self) -> object:
         """Return the compiled form, with each child's compiled form or a call of its NumPy form."""
-        return compiled.greenwood_tripp(stage(self.boundary), stage(self.hydrodynamic), REACH, self.coefficient, SERIES)
+        return compiled.greenwood_tripp(
+            stage(self.boundary), stage(self.hydrodynamic), REACH, self.coefficient, SERIES
+        )
 
 
 def _where(model: TractionModel, slices: Slices, needed: NDArray[np.bool_]) -> Array:

@@ -60,10 +60,18 @@ class Kragelsky(TractionModel):
     shapes = MappingProxyType({"cold": "one maximum"})
 
     limit: float = parameter(
-        default=0.1, unit="1", validator=positive, doc="friction A far beyond the maximum", **COEFFICIENT
+        default=0.1,
+        unit="1",
+        validator=positive,
+        doc="friction A far beyond the maximum",
+        **COEFFICIENT,
     )
-    rise: float = parameter(default=22.28, unit="1", validator=positive, doc="coefficient B of the rise", **RISE)
-    decay: float = parameter(default=181.46, unit="1", validator=positive, doc="decay C of the rise", **DECAY)
+    rise: float = parameter(
+        default=22.28, unit="1", validator=positive, doc="coefficient B of the rise", **RISE
+    )
+    decay: float = parameter(
+        default=181.46, unit="1", validator=positive, doc="decay C of the rise", **DECAY
+    )
 
     def friction(self, slide_roll_ratio: ArrayLike) -> Array:
         """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
@@ -118,7 +126,11 @@ class Constant(TractionModel):
         default=0.05, unit="1", validator=positive, doc="friction coefficient f", **COEFFICIENT
     )
     transition: float = parameter(
-        default=1e-3, unit="1", validator=positive, doc="slide-roll ratio s0 at which it is reached", **TRANSITION
+        default=1e-3,
+        unit="1",
+        validator=positive,
+        doc="slide-roll ratio s0 at which it is reached",
+        **TRANSITION,
     )
 
     def friction(self, slide_roll_ratio: ArrayLike) -> Array:

@@ -31,13 +31,17 @@ def even_cells(n: int) -> Cells:
     middle = (edge[1:] + edge[:-1]) / 2
 
     def apart(a: Array, b: Array) -> Array:
-        return 2 * np.sin((a + b) / 2) * np.sin((a - b) / 2)  # cos(b) - cos(a), without cancellation
+        return (
+            2 * np.sin((a + b) / 2) * np.sin((a - b) / 2)
+        )  # cos(b) - cos(a), without cancellation
 
-    width, gap = apart(edge[1:], edge[:-1]), apart(middle[1:], middle[:-1])
+    width = apart(edge[1:], edge[:-1])
+    gap = apart(middle[1:], middle[:-1])
     root = np.sqrt(np.maximum(apart(edge[:, None], edge), 0))
     behind = np.tri(n + 1, n, -1, dtype=bool)
     rise = np.where(behind, width / np.where(behind, root[:, :-1] + root[:, 1:], 1), 0)
-    flash, tilt = 2 * rise, rise[:, 1:] ** 3 / (3 * gap)
+    flash = 2 * rise
+    tilt = rise[:, 1:] ** 3 / (3 * gap)
     flash[:, 1:] += tilt
     flash[:, :-1] -= tilt
     return Cells(-np.cos(edge), -np.cos(middle), width, flash)
@@ -61,7 +65,9 @@ def conduction_modes(m: int) -> Modes:
     place, weight = (values[m + 1 :] for values in leggauss(2 * (m + 1)))
     legendre = legvander(place, 2 * m)
     # P_2j - P_2j+2 vanish at the wall, and the products of their slopes are orthogonal
-    basis = (legendre[:, 0 : 2 * m : 2] - legendre[:, 2 : 2 * m + 1 : 2]) / np.sqrt(4 * np.arange(m) + 3)
+    basis = (legendre[:, 0 : 2 * m : 2] - legendre[:, 2 : 2 * m + 1 : 2]) / np.sqrt(
+        4 * np.arange(m) + 3
+    )
     inverse, vectors = np.linalg.eigh(basis.T @ (weight[:, None] * basis))
     shape = basis @ vectors[:, ::-1] / np.sqrt(inverse[::-1])
     return Modes(place, weight, shape, weight @ shape, 4 / inverse[::-1])
@@ -113,8 +119,13 @@ class ConductedHeat(Heat):
     of_all_work = False
 
     def __init__(self, capacity: Array, flash: Array, grid: Cells, modes: Modes) -> None:
-        self.weight, s, n = modes.weight, capacity.size, grid.width.size
-        self._capacity, self._flash, self._grid, self._modes = capacity[:, None], flash, grid, modes
+        self.weight = modes.weight
+        s = capacity.size
+        n = grid.width.size
+        self._capacity = capacity[:, None]
+        self._flash = flash
+        self._grid = grid
+        self._modes = modes
         self._amplitude = np.zeros((s, modes.rate.size))
         self.surface = np.zeros((s, n + 1))  # at the edges
         self.flux = np.zeros((s, n))  # from the film into one surface, in units of 2 tau0 V
@@ -122,13 +133,17 @@ class ConductedHeat(Heat):
 
     def affine(self, i: int) -> tuple[Array, Array]:
         """Solve the cell for a release that is constant along it; mean values over the cell."""
-        m, grid = self._modes, self._grid
+        m = self._modes
+        grid = self._grid
         storage = self._capacity / grid.width[i]
         decay = m.rate / storage
         gone = -np.expm1(-decay)
         kept = gone / decay
-        self._gone, self._storage = gone, storage
-        self._end = gone / m.rate  # response of a mode at the end of the cell, and its mean over the cell:
+        self._gone = gone
+        self._storage = storage
+        self._end = (
+            gone / m.rate
+        )  # response of a mode at the end of the cell, and its mean over the cell:
         mean = (1 - kept) / m.rate
         # The heat that has not stayed in the film flows into the surfaces: this fixes how far their temperature rises.
         stored = m.mean * self._end * storage
@@ -142,7 +157,9 @@ class ConductedHeat(Heat):
             kept * self._amplitude - mean * storage * self._rise[:, None] * m.mean
         ) @ m.shape.T
         response = (m.shape * mean[:, None, :]) @ self._project
-        response += (0.5 - (mean * storage * m.mean) @ m.shape.T)[:, :, None] * self._rise_of_release[:, None, :]
+        response += (0.5 - (mean * storage * m.mean) @ m.shape.T)[
+            :, :, None
+        ] * self._rise_of_release[:, None, :]
         return offset, response
 
     def advance(self, i: int, release: Array) -> None:

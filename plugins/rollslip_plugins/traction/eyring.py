@@ -16,7 +16,12 @@ from rollslip.references import KLEBANOV, Reference
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
-from rollslip_plugins.bibliography import EYRING_1936, JOHNSON_TEVAARWERK_1977, MURAKI_1987, MURAKI_1992
+from rollslip_plugins.bibliography import (
+    EYRING_1936,
+    JOHNSON_TEVAARWERK_1977,
+    MURAKI_1987,
+    MURAKI_1992,
+)
 from rollslip_plugins.symbols import explained
 from rollslip_plugins.traction.heating import (
     HEATED,
@@ -46,7 +51,9 @@ class _EyringFluid(TractionModel, abc.ABC):
     at the mean pressure, where the oil has slopes of them.
     """
 
-    domain: Domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE})
+    domain: Domain = MappingProxyType(
+        {**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE}
+    )
     reads = frozenset(domain)
     shapes = MappingProxyType({"cold": "rises", "heated": "one maximum"})
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
@@ -66,15 +73,21 @@ class _EyringFluid(TractionModel, abc.ABC):
         return _risen(slices.conditions.eyring_stress, self.eyring_stress_slope, slices)
 
     @abc.abstractmethod
-    def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
+    def dimensionless_stress(
+        self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
+    ) -> Array:
         """Return the mean shear stress over tau0, S(sigma, D, Phi); arguments broadcast."""
 
     def groups(self, slices: Slices) -> Mapping[str, Array]:
         """Return sigma, D and Phi of slices, by the names that `dimensionless_stress` has for them."""
-        c, s = slices.conditions, slices
-        eta, tau0 = s.film_viscosity, self.eyring_stress(s)
+        c = slices.conditions
+        s = slices
+        eta = s.film_viscosity
+        tau0 = self.eyring_stress(s)
         modulus = _risen(c.shear_modulus, self.shear_modulus_slope, s)
-        zeta = self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
+        zeta = (
+            self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
+        )
         zeta = zeta + s.film_thickness / (12 * c.conductivity)
         # a product, since a power of Python's floats raises where it overflows
         phi = s.film_thermoviscosity * zeta * (tau0 * tau0) * s.film_thickness / eta
@@ -141,7 +154,17 @@ class Muraki(_EyringFluid):
             called="Deborah number D",
             high=0.1,
             consequence="its linear ramp gives at most {error} too much friction without heat",
-            error=Tabled(((0.1, 2.6), (0.3, 8.8), (1.0, 32.1), (2.0, 36.0), (3.0, 25.6), (10.0, 12.0), (30.0, 7.0))),
+            error=Tabled(
+                (
+                    (0.1, 2.6),
+                    (0.3, 8.8),
+                    (1.0, 32.1),
+                    (2.0, 36.0),
+                    (3.0, 25.6),
+                    (10.0, 12.0),
+                    (30.0, 7.0),
+                )
+            ),
             remedy=EXACT,
             instead="maxwell-eyring",
             source="maxwell-eyring at sigma 1e-3 to 1e4 (docs/scripts/validity.py)",
@@ -189,7 +212,9 @@ class Muraki(_EyringFluid):
         found = super().quantities(slices)
         return {**found, "film_heating": np.abs(found["heating"] * found["strain_rate"])}
 
-    def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
+    def dimensionless_stress(
+        self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
+    ) -> Array:
         """Return S of the closed form."""
         return muraki_stress(strain_rate, deborah, heating)
 
@@ -230,20 +255,26 @@ class MaxwellEyring(_EyringFluid):
     """
 
     name: ClassVar[str] = "maxwell-eyring"
-    equation: ClassVar[str] = "mu = tau0 S/p, S = mean of S(X) with D dS/dX + exp(Phi sigma S) sinh S(X) = sigma"
+    equation: ClassVar[str] = (
+        "mu = tau0 S/p, S = mean of S(X) with D dS/dX + exp(Phi sigma S) sinh S(X) = sigma"
+    )
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, KLEBANOV)
     closed_form: ClassVar[str | None] = "muraki"
     flash: float = flash_factor()
     eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
     shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
 
-    def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
+    def dimensionless_stress(
+        self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
+    ) -> Array:
         """Return S of the exact solution."""
         return maxwell_eyring_stress(strain_rate, deborah, heating)
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        return compiled.maxwell_eyring(self.flash, self.eyring_stress_slope, self.shear_modulus_slope)
+        return compiled.maxwell_eyring(
+            self.flash, self.eyring_stress_slope, self.shear_modulus_slope
+        )
 
 
 def _left_by_elasticity(deborah: float) -> float:
@@ -294,11 +325,15 @@ class Eyring(_EyringFluid):
         ),
     )
     reads = _EyringFluid.reads - {"shear_modulus"}
-    domain = MappingProxyType({k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"})
+    domain = MappingProxyType(
+        {k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"}
+    )
     flash: float = flash_factor()
     eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
 
-    def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
+    def dimensionless_stress(
+        self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
+    ) -> Array:
         """Return S; the Deborah number is accepted and has no effect."""
         return eyring_stress(strain_rate, deborah, heating)
 

@@ -79,7 +79,9 @@ class _Groups(NamedTuple):
     deborah: Array  # D = eta u/(Gamma b)
     capacity: Array  # C = rho_f c_f u h^2/(K_f b), conduction against transit
     flash: Array  # 2 K_f/(h E) sqrt(b/(pi u))
-    heating: Array  # tau0^2 h^2/(K_f eta) [K]: times beta sigma, the exponent of the unit of temperature
+    heating: (
+        Array  # tau0^2 h^2/(K_f eta) [K]: times beta sigma, the exponent of the unit of temperature
+    )
     scale: Array  # tau0/p, with the sign of V
 
 
@@ -101,12 +103,15 @@ class _Marched(NamedTuple):
 def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
     """Integrate stress and temperature cell by cell; NaN where Newton's method does not settle."""
     s, n = oil.thinning.shape
-    weight, identity = heat.weight, np.eye(heat.weight.size)
-    stress, temperature = np.empty((s, n)), np.zeros((s, n, weight.size))
+    weight = heat.weight
+    identity = np.eye(heat.weight.size)
+    stress = np.empty((s, n))
+    temperature = np.zeros((s, n, weight.size))
     unit = groups.heating * groups.strain_rate
     warming = np.zeros((s, n))  # logarithm of the film's mean of exp(beta theta)
     release = np.zeros((s, weight.size))
-    start, end = np.zeros(s), np.zeros(s)
+    start = np.zeros(s)
+    end = np.zeros(s)
     alive = np.ones(s, dtype=bool)
     for i in range(n):
         offset, response = heat.affine(i)
@@ -117,15 +122,19 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
         todo = np.flatnonzero(alive)
         log_before, heated_before = np.full((2, s), np.nan)
         for _ in range(MAX_STEPS):
-            sigma, deborah, first = groups.strain_rate[todo], groups.deborah[todo] / grid.width[i], start[todo]
-            beta, t = (oil.softening[todo, i] * unit[todo])[:, None], temperature[todo, i]
+            sigma = groups.strain_rate[todo]
+            deborah = groups.deborah[todo] / grid.width[i]
+            first = start[todo]
+            beta = (oil.softening[todo, i] * unit[todo])[:, None]
+            t = temperature[todo, i]
             top = np.max(beta * t, axis=1)
             share = np.exp(beta * t - top[:, None])  # of the places in the shear
             mean_share = share @ weight
             share = share / mean_share[:, None]
             log = warming[todo, i] = top + np.log(mean_share)
             # hotter films are met on the way to the mean stress only
-            kappa, change = oil.thinning[todo, i] * np.exp(np.minimum(log, 600)), oil.change[todo, i]
+            kappa = oil.thinning[todo, i] * np.exp(np.minimum(log, 600))
+            change = oil.change[todo, i]
             if i > 1:
                 change = change + 1.5 * log - 2 * warming[todo, i - 1] + 0.5 * warming[todo, i - 2]
             mean, last = carried(first, kappa, sigma, deborah, change)
@@ -138,8 +147,11 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
             apart = log - log_before[todo]
             secant = (heated - heated_before[todo]) / apart
             slope = np.where((np.abs(apart) > 1e-7) & (np.abs(apart) < NEAR), secant, slope)
-            log_before[todo], heated_before[todo] = log, heated
-            released, steeper, r = heated[:, None] * share, (slope - heated)[:, None] * share, response[todo]
+            log_before[todo] = log
+            heated_before[todo] = heated
+            released = heated[:, None] * share
+            steeper = (slope - heated)[:, None] * share
+            r = response[todo]
             residual = t - offset[todo] - _times(r, released)
             jacobian = identity - r * (beta * released)[:, None, :]
             jacobian -= _times(r, steeper)[:, :, None] * (beta * share * weight)[:, None, :]
@@ -147,7 +159,9 @@ def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
             size = np.max(np.abs(beta * step), axis=1)
             good = np.isfinite(size)
             temperature[todo, i] = t - step * (BOLD / np.maximum(size, BOLD))[:, None]
-            stress[todo, i], end[todo], release[todo] = mean, last, released
+            stress[todo, i] = mean
+            end[todo] = last
+            release[todo] = released
             alive[todo[~good]] = False
             todo = todo[good & (size > SETTLED)]
             if not todo.size:
@@ -168,14 +182,18 @@ def _solved(matrix: Array, vector: Array) -> Array:
     except np.linalg.LinAlgError:
         if len(matrix) == 1:
             return np.full_like(vector, np.nan)
-        return np.concatenate([_solved(matrix[k : k + 1], vector[k : k + 1]) for k in range(len(matrix))])
+        return np.concatenate(
+            [_solved(matrix[k : k + 1], vector[k : k + 1]) for k in range(len(matrix))]
+        )
 
 
 def _times(matrix: Array, vector: Array) -> Array:
     return (matrix @ vector[:, :, None])[:, :, 0]
 
 
-def _solve(groups: _Groups, oil: _Oil, grid: Cells, modes: Modes, heating: Heating) -> tuple[_Marched, Heat]:
+def _solve(
+    groups: _Groups, oil: _Oil, grid: Cells, modes: Modes, heating: Heating
+) -> tuple[_Marched, Heat]:
     """Integrate along a grid with a kind of heating."""
     zeta = FLASH * groups.flash / 2 + 1 / 12
     heat: Heat
@@ -191,7 +209,9 @@ def _solve(groups: _Groups, oil: _Oil, grid: Cells, modes: Modes, heating: Heati
     # ln S less the logarithm of the mean stress at the heat of S is rising and convex in ln S: secants that begin above
     # its root, at the stress of the cold film, descend to it.
     log = np.log(_mean(marched, grid))
-    old, residual_old = log, np.full_like(log, np.nan)  # no slope yet: a step of 1e-3
+    # no slope yet: a step of 1e-3
+    old = log
+    residual_old = np.full_like(log, np.nan)
     for _ in range(MAX_SECANTS):
         heat = GivenHeat(zeta * np.exp(log))
         marched = _march(groups, oil, grid, heat)
@@ -200,7 +220,9 @@ def _solve(groups: _Groups, oil: _Oil, grid: Cells, modes: Modes, heating: Heati
             break
         slope = (residual - residual_old) / (log - old)
         slope = np.where(slope >= 1, slope, np.maximum(1e3 * residual, 1))
-        old, residual_old, log = log, residual, log - np.minimum(residual / slope, 2)
+        old = log
+        residual_old = residual
+        log = log - np.minimum(residual / slope, 2)
     return marched, heat
 
 
@@ -222,7 +244,8 @@ def _profile(pressure: Pressure) -> Callable[[Array], Array]:
 
 
 def _groups(slices: Slices, law: PressureViscosity, heat_capacity: float) -> _Groups:
-    c, s = slices.conditions, slices
+    c = slices.conditions
+    s = slices
     eta = law.at(c, s.pressure)[0]
     transit = s.half_width / s.rolling_speed
     signed = eta * s.sliding_speed / (c.eyring_stress * s.film_thickness)
@@ -232,15 +255,22 @@ def _groups(slices: Slices, law: PressureViscosity, heat_capacity: float) -> _Gr
         capacity=heat_capacity * s.film_thickness**2 / (c.conductivity * transit),
         flash=2 * c.conductivity / (s.film_thickness * c.effusivity) * np.sqrt(transit / np.pi),
         heating=(c.eyring_stress * s.film_thickness) ** 2 / (c.conductivity * eta),
-        scale=c.eyring_stress / s.pressure * np.copysign(np.minimum(np.abs(signed), LINEAR) / LINEAR, signed),
+        scale=c.eyring_stress
+        / s.pressure
+        * np.copysign(np.minimum(np.abs(signed), LINEAR) / LINEAR, signed),
     )
 
 
-def _oil(slices: Slices, law: PressureViscosity, profile: Callable[[Array], Array], grid: Cells) -> _Oil:
-    c, p = slices.conditions, slices.pressure[:, None]
+def _oil(
+    slices: Slices, law: PressureViscosity, profile: Callable[[Array], Array], grid: Cells
+) -> _Oil:
+    c = slices.conditions
+    p = slices.pressure[:, None]
     eta, softening = law.at(c, p * profile(grid.middle))
     at_edges = np.log(law.at(c, p * profile(grid.edge))[0])
-    softening = np.where(softening >= 0, softening, np.nan)  # an oil that thickens with heat is none
+    softening = np.where(
+        softening >= 0, softening, np.nan
+    )  # an oil that thickens with heat is none
     return _Oil(law.at(c, p)[0] / eta, at_edges[:, :-1] - at_edges[:, 1:], softening)
 
 
@@ -341,17 +371,23 @@ def solve_field(
     DomainError
         If the field has no solution, or not of that accuracy.
     """
-    one, law, profile = _picked(slices, np.array([k])), law or Barus(), _profile(pressure)
+    one = _picked(slices, np.array([k]))
+    law = law or Barus()
+    profile = _profile(pressure)
     friction, error, level = _refined(one, law, pressure, heating, heat_capacity, accuracy)
     _refuse_unsettled("traction field", error, accuracy, k)
     n, m = GRIDS[level[0]]
-    grid, modes = even_cells(n), conduction_modes(m)
-    c, V, h = one.conditions, one.sliding_speed[0], one.film_thickness[0]
+    grid = even_cells(n)
+    modes = conduction_modes(m)
+    c = one.conditions
+    V = one.sliding_speed[0]
+    h = one.film_thickness[0]
     groups = _groups(one, law, heat_capacity)
     marched, heat = _solve(groups, _oil(one, law, profile, grid), grid, modes, heating)
     kelvin = c.eyring_stress * abs(V) * h / c.conductivity
     film = kelvin * marched.temperature[0]
-    height, surface = np.array([0.5]), film[:, 0]
+    height = np.array([0.5])
+    surface = film[:, 0]
     if isinstance(heat, ConductedHeat):
         height = np.concatenate([(1 - modes.place[::-1]) / 2, (1 + modes.place) / 2])
         film = np.concatenate([film[:, ::-1], film], axis=1)
@@ -379,12 +415,15 @@ def stress_on_grid(
     heat_capacity: float = OIL_HEAT_CAPACITY,
 ) -> Array:
     """Return the mean shear stress over the Eyring stress that one grid gives, NaN where it gives none."""
-    law, profile, grid = law or Barus(), _profile(pressure), even_cells(cells)
+    law = law or Barus()
+    profile = _profile(pressure)
+    grid = even_cells(cells)
     stress = np.empty(slices.pressure.size)
     with np.errstate(all="ignore"):  # what leaves the floats becomes NaN
         for first in range(0, stress.size, BATCH):
             part = _picked(slices, np.arange(first, min(first + BATCH, stress.size)))
-            groups, oil = _groups(part, law, heat_capacity), _oil(part, law, profile, grid)
+            groups = _groups(part, law, heat_capacity)
+            oil = _oil(part, law, profile, grid)
             marched, _ = _solve(groups, oil, grid, conduction_modes(modes), heating)
             stress[first : first + BATCH] = _mean(marched, grid)
     return stress
@@ -400,19 +439,29 @@ def _refined(
 ) -> tuple[Array, Array, NDArray[np.intp]]:
     """Return friction, error and the number of the grid at which a slice ended, of all slices."""
     s = slices.pressure.size
-    stress, error, level = np.full(s, np.nan), np.full(s, np.inf), np.zeros(s, dtype=np.intp)
-    todo, (coarse, guess, last) = np.arange(s), np.full((3, s), np.nan)
+    stress = np.full(s, np.nan)
+    error = np.full(s, np.inf)
+    level = np.zeros(s, dtype=np.intp)
+    todo = np.arange(s)
+    (coarse, guess, last) = np.full((3, s), np.nan)
     for at, (n, m) in enumerate(GRIDS):
         part = _picked(slices, todo)
-        mean = stress_on_grid(part, n, m, law=law, pressure=pressure, heating=heating, heat_capacity=heat_capacity)
+        mean = stress_on_grid(
+            part, n, m, law=law, pressure=pressure, heating=heating, heat_capacity=heat_capacity
+        )
         better = mean + (mean - coarse) / 3
         change = np.abs(better - guess) / better
         # one change alone may be small by chance; a quarter is left of it by a grid where all is smooth, or less
         off = np.maximum(change, last / 4)
-        level[todo], stress[todo], error[todo] = at, better, np.where(np.isnan(off), np.inf, off)
+        level[todo] = at
+        stress[todo] = better
+        error[todo] = np.where(np.isnan(off), np.inf, off)
         # what two grids in a row cannot solve has no solution; the first are coarse
         on = ~(off <= accuracy) & (np.isfinite(mean) | np.isfinite(coarse) | (n < COARSE))
-        todo, coarse, guess, last = todo[on], mean[on], better[on], change[on]
+        todo = todo[on]
+        coarse = mean[on]
+        guess = better[on]
+        last = change[on]
         if not todo.size:
             break
     with np.errstate(all="ignore"):
@@ -427,7 +476,8 @@ def _refuse_unsettled(name: str, error: Array, accuracy: float, first: int = 0) 
     bad = np.flatnonzero(~(error <= accuracy))
     if not bad.size:
         return
-    k, off = int(bad[0]), float(error[bad[0]])
+    k = int(bad[0])
+    off = float(error[bad[0]])
     if np.isfinite(off):
         raise DomainError(
             f"{name}: slice {first + k} did not settle: the error of its friction is {off:.1e} at "
@@ -506,7 +556,11 @@ class MaxwellEyringField(TractionModel):
         "mu = mean(tau)/p, V/h = (u/Gamma) dtau/dx + mean_z[(tau0/eta) sinh(tau/tau0)], eta = eta(p(x)) "
         "exp(-beta(p(x)) theta(x, z)), rho_f c_f u dtheta/dx = K_f d2theta/dz2 + tau dgamma/dt"
     )
-    references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, CARSLAW_1959.at("section 2.9"), KLEBANOV)
+    references: ClassVar[tuple[Reference, ...]] = (
+        JOHNSON_TEVAARWERK_1977,
+        CARSLAW_1959.at("section 2.9"),
+        KLEBANOV,
+    )
     #: what is left when Newton's method ends in other company
     tolerance: ClassVar[float] = 1e-7
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, SLOW_SLIDING)

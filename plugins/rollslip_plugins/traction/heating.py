@@ -64,7 +64,9 @@ MEAN_PRESSURE: Final = Validity(
     high=1.0,
     consequence="the viscosity at the mean pressure is too low: friction by at most {error} where the oil is Newtonian "
     "(sigma < 0.3) and inelastic, by 4 % and less at sigma > 10 up to an exponent of 6",
-    error=Tabled(((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))),
+    error=Tabled(
+        ((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))
+    ),
     remedy="traction 'maxwell-eyring-field', which takes the local pressure",
     instead="maxwell-eyring-field",
     source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
@@ -119,12 +121,20 @@ class HeatedFilm(TractionModel, abc.ABC):
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
-        c, s = slices.conditions, slices
+        c = slices.conditions
+        s = slices
         newtonian = s.film_viscosity * s.sliding_speed / s.film_thickness
         softening = s.film_thermoviscosity * newtonian * s.sliding_speed
-        surfaces = self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed) * softening
+        surfaces = (
+            self.flash
+            / (c.effusivity * np.sqrt(np.pi))
+            * np.sqrt(s.half_width / s.rolling_speed)
+            * softening
+        )
         across = softening * s.film_thickness / c.conductivity
-        s.friction[...] = newtonian / s.pressure * self.share(np.abs(newtonian), surfaces, across, s)
+        s.friction[...] = (
+            newtonian / s.pressure * self.share(np.abs(newtonian), surfaces, across, s)
+        )
 
 
 def mean_softening(surfaces: Array, across: Array) -> Array:
@@ -138,7 +148,9 @@ def softened(law: Callable[[Array], tuple[Array, Array]], share: Array) -> Array
         value, fall = law(share)
         step = np.log(share / value) / (1 + fall)
         share = share * np.exp(-step)
-        if not np.any((1 + fall) * step**2 > 1e-17):  # the error left is below (1 + fall) step^2; NaN also ends
+        if not np.any(
+            (1 + fall) * step**2 > 1e-17
+        ):  # the error left is below (1 + fall) step^2; NaN also ends
             break
     return share
 
@@ -147,4 +159,6 @@ def newtonian_bound(softening: Array) -> Array:
     """Return the share of a Newtonian film, t = exp(-w t), to a few percent: no other law keeps more."""
     w = np.maximum(softening, NO_EFFECT)
     x = np.log1p(w)
-    return np.asarray(x * (1 - np.log1p(x) / (2 + x)) / w)  # Lambert's W after Iacono and Boyd (2017)
+    return np.asarray(
+        x * (1 - np.log1p(x) / (2 + x)) / w
+    )  # Lambert's W after Iacono and Boyd (2017)

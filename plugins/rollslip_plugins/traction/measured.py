@@ -70,18 +70,30 @@ class Gupta(TractionModel):
     """
 
     name: ClassVar[str] = "gupta"
-    equation: ClassVar[str] = "mu = sign(V) [(A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0)], s = |V|/u"
+    equation: ClassVar[str] = (
+        "mu = sign(V) [(A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0)], s = |V|/u"
+    )
     references: ClassVar[tuple[Reference, ...]] = (GUPTA_1984,)
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
 
-    a: float = parameter(default=-0.1, unit="1", doc="A, the part that decays", usual=(-0.5, 0.5), possible=(-10, 10))
+    a: float = parameter(
+        default=-0.1, unit="1", doc="A, the part that decays", usual=(-0.5, 0.5), possible=(-10, 10)
+    )
     b: float = parameter(
-        default=22.28, unit="1", doc="B, coefficient of the rise", usual=(-1e3, 1e3), possible=(-1e9, 1e9)
+        default=22.28,
+        unit="1",
+        doc="B, coefficient of the rise",
+        usual=(-1e3, 1e3),
+        possible=(-1e9, 1e9),
     )
     c: float = parameter(default=181.46, unit="1", validator=positive, doc="C, the decay", **DECAY)
     d: float = parameter(
-        default=0.1, unit="1", validator=non_negative, doc="D, friction far beyond the maximum", **COEFFICIENT
+        default=0.1,
+        unit="1",
+        validator=non_negative,
+        doc="D, friction far beyond the maximum",
+        **COEFFICIENT,
     )
     transition: float = parameter(
         default=1e-3,
@@ -92,15 +104,25 @@ class Gupta(TractionModel):
     )
 
     def __attrs_post_init__(self) -> None:
-        a, b, c, start = self.a, self.b, self.c, self.a + self.d
+        a = self.a
+        b = self.b
+        c = self.c
+        start = self.a + self.d
         if start < 0:
-            raise FieldError("a", f"a + d, the friction at zero slip, must not be negative, not {start:g}")
+            raise FieldError(
+                "a", f"a + d, the friction at zero slip, must not be negative, not {start:g}"
+            )
         if b < 0 < 1 / c - a / b and b / c * math.exp(a * c / b - 1) + self.d < 0:
-            raise FieldError("b", f"the minimum of the friction, at s = {1 / c - a / b:g}, must not be negative")
+            raise FieldError(
+                "b", f"the minimum of the friction, at s = {1 / c - a / b:g}, must not be negative"
+            )
         # the steepest fall of the curve is at s = 2/C - A/B, or at zero; a ramp that rises as steeply does not dip
         steepest = b * math.exp(a * c / b - 2) if b > 0 and 2 / c > a / b else a * c - b
         if (a > 0 or b < 0) and steepest * self.transition > start:
-            raise FieldError("transition", f"must be at most {start / steepest:.3g}, or the ramp would fall somewhere")
+            raise FieldError(
+                "transition",
+                f"must be at most {start / steepest:.3g}, or the ramp would fall somewhere",
+            )
 
     def friction(self, slide_roll_ratio: ArrayLike) -> Array:
         """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
@@ -108,7 +130,9 @@ class Gupta(TractionModel):
         x = np.abs(s)
         # expm1 keeps the digits that A exp(-C s) + D loses at small s where A + D = 0
         mu = self.b * x * np.exp(-self.c * x) + self.a * np.expm1(-self.c * x)
-        return np.asarray(np.copysign(mu + (self.a + self.d) * np.minimum(x / self.transition, 1.0), s))
+        return np.asarray(
+            np.copysign(mu + (self.a + self.d) * np.minimum(x / self.transition, 1.0), s)
+        )
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
@@ -130,10 +154,18 @@ class TableRow:
 
     slide_roll_ratio: float = field(unit="1", doc="slide-roll ratio |V|/u", validator=non_negative)
     mean_pressure: float | None = field(default=None, unit="Pa", doc="mean Hertz pressure")
-    max_pressure: float | None = field(default=None, unit="Pa", doc="maximum Hertz pressure of a line contact")
-    rolling_speed: float | None = field(default=None, unit="m/s", doc="rolling (entrainment) speed u")
-    temperature: float | None = field(default=None, unit="K", doc="temperature of the oil at the inlet")
-    friction: float = field(unit="1", doc="friction coefficient, along the sliding", validator=non_negative)
+    max_pressure: float | None = field(
+        default=None, unit="Pa", doc="maximum Hertz pressure of a line contact"
+    )
+    rolling_speed: float | None = field(
+        default=None, unit="m/s", doc="rolling (entrainment) speed u"
+    )
+    temperature: float | None = field(
+        default=None, unit="K", doc="temperature of the oil at the inlet"
+    )
+    friction: float = field(
+        unit="1", doc="friction coefficient, along the sliding", validator=non_negative
+    )
 
 
 #: Column -> member of the slices that it is the value of, and factor to it, where that is not the column itself.
@@ -187,14 +219,19 @@ class Tabulated(TractionModel):
     name: ClassVar[str] = "tabulated"
     equation: ClassVar[str] = "mu = sign(V) table(|V|/u, p, u, T)"
     references: ClassVar[tuple[Reference, ...]] = (
-        Reference(kind="remark", title="The measurement that the file holds, as its own comments cite it."),
+        Reference(
+            kind="remark", title="The measurement that the file holds, as its own comments cite it."
+        ),
     )
 
     file: str = parameter(
-        default=KRAGELSKY, doc=f"full path of a CSV file with units in its header; '{KRAGELSKY}' is in the box"
+        default=KRAGELSKY,
+        doc=f"full path of a CSV file with units in its header; '{KRAGELSKY}' is in the box",
     )
     interpolation: str = parameter(
-        default="linear", validator=one_of("linear", "pchip"), doc="interpolation: 'linear' or 'pchip'"
+        default="linear",
+        validator=one_of("linear", "pchip"),
+        doc="interpolation: 'linear' or 'pchip'",
     )
 
     def __attrs_post_init__(self) -> None:
@@ -207,12 +244,16 @@ class Tabulated(TractionModel):
 
     @cached_property
     def _table(self) -> tuple[dict[str, Array], Any]:
-        from scipy.interpolate import RegularGridInterpolator  # takes longer than a module of models may
+        from scipy.interpolate import (
+            RegularGridInterpolator,
+        )  # takes longer than a module of models may
 
         axes, friction = read_table(self.file)
         few = [name for name, axis in axes.items() if len(axis) < 4]
         if self.interpolation == "pchip" and few:
-            raise FieldError("interpolation", f"'pchip' needs four values of {', '.join(few)}; choose 'linear'")
+            raise FieldError(
+                "interpolation", f"'pchip' needs four values of {', '.join(few)}; choose 'linear'"
+            )
         return axes, RegularGridInterpolator(
             tuple(axes.values()),
             friction,
@@ -227,7 +268,11 @@ class Tabulated(TractionModel):
     @property
     def domain(self) -> Domain:  # type: ignore[override]
         """The range of the table, but for the slide-roll ratio, which is no member of the slices."""
-        varied = {name: (float(axis[0]), float(axis[-1])) for name, axis in self.axes.items() if name != SLIP}
+        varied = {
+            name: (float(axis[0]), float(axis[-1]))
+            for name, axis in self.axes.items()
+            if name != SLIP
+        }
         return MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE, **varied})
 
     def evaluate(self, slices: Slices) -> None:
@@ -235,7 +280,8 @@ class Tabulated(TractionModel):
         axes, interpolator = self._table
         ratio = slices.sliding_speed / slices.rolling_speed
         given = [np.abs(ratio)] + [
-            getattr(slices.conditions if name == "temperature" else slices, name) for name in list(axes)[1:]
+            getattr(slices.conditions if name == "temperature" else slices, name)
+            for name in list(axes)[1:]
         ]
         for (name, axis), values in zip(axes.items(), given, strict=True):
             outside = ~((values >= axis[0]) & (values <= axis[-1]))
@@ -260,31 +306,44 @@ def read_table(file: str) -> tuple[dict[str, Array], Array]:
     if faults:
         raise FieldError("file", faults[0])
     columns = {name: np.array(values) for name, values in given.items()}
-    slip, friction = columns[SLIP], columns.pop("friction")
+    slip = columns[SLIP]
+    friction = columns.pop("friction")
     if np.any(friction[slip == 0] != 0):
         at = int(np.argmax((slip == 0) & (friction != 0)))
-        raise _fault(file, lines[at], f"friction {friction[at]:g} at zero slip; there it is 0, or left out")
-    axes, places = {}, []
+        raise _fault(
+            file, lines[at], f"friction {friction[at]:g} at zero slip; there it is 0, or left out"
+        )
+    axes = {}
+    places = []
     for name in [name for name in _UNITS if name in columns]:
         member, factor = _MEMBERS.get(name, (name, 1.0))
         values, place = np.unique(columns[name], return_inverse=True)
         if len(values) < 2 and (name != SLIP or values[0] == 0):
-            raise _fault(file, None, f"{name} has one value only; leave out a column that is not varied")
+            raise _fault(
+                file, None, f"{name} has one value only; leave out a column that is not varied"
+            )
         axes[member] = values * factor
         places.append(place)
     grid = np.full([len(axis) for axis in axes.values()], np.nan)
     first: dict[tuple[int, ...], int] = {}
-    for cell, value, line in zip(zip(*(place.tolist() for place in places), strict=True), friction, lines, strict=True):
+    for cell, value, line in zip(
+        zip(*(place.tolist() for place in places), strict=True), friction, lines, strict=True
+    ):
         if cell in first:
-            raise _fault(file, line, f"the same point as in line {first[cell]}; a table holds each once")
+            raise _fault(
+                file, line, f"the same point as in line {first[cell]}; a table holds each once"
+            )
         first[cell] = line
         grid[cell] = value
     if np.any(np.isnan(grid)):
         cell = np.unravel_index(np.argmax(np.isnan(grid)), grid.shape)
         where = " and ".join(
-            f"{name} = {_shown(name, axis[k])}" for (name, axis), k in zip(axes.items(), cell, strict=True)
+            f"{name} = {_shown(name, axis[k])}"
+            for (name, axis), k in zip(axes.items(), cell, strict=True)
         )
-        raise _fault(file, None, f"no row for {where}; a table is a full grid, here of {grid.size} rows")
+        raise _fault(
+            file, None, f"no row for {where}; a table is a full grid, here of {grid.size} rows"
+        )
     if axes[SLIP][0] > 0:
         axes[SLIP] = np.concatenate([[0.0], axes[SLIP]])
         grid = np.concatenate([np.zeros((1, *grid.shape[1:])), grid])

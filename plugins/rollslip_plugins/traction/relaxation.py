@@ -22,20 +22,27 @@ def relaxed(start: Array, kappa: Array, sigma: Array, deborah: Array) -> tuple[A
     the digits of small stresses, the latter those of large ones.
     """
     r = np.hypot(kappa, sigma)
-    steady, fading = sigma / (kappa + r), kappa / (sigma + r)  # tanh(S/2) and exp(-S) at rest
-    z, y = np.tanh(start / 2), np.exp(-start)
+    # tanh(S/2) and exp(-S) at rest
+    steady = sigma / (kappa + r)
+    fading = kappa / (sigma + r)
+    z = np.tanh(start / 2)
+    y = np.exp(-start)
     p = np.minimum(r / deborah, 1e30)  # where relaxation is faster its ramp is lost in rounding
 
     def after(p: Array, steady: Array, fading: Array, z: Array, y: Array) -> Array:
-        q, gone = np.exp(-p), -np.expm1(-p)
+        q = np.exp(-p)
+        gone = -np.expm1(-p)
         return _stress(_moebius(steady, z, q, gone), _moebius(fading, y, q, gone))
 
     # mean = steady stress + [Li2(-x m q) - Li2(-x m) + Li2(x) - Li2(x q)]/p, m = fading^2, x the distance from rest
     small = (z < 0.5) & (steady < 0.5)
     distance = np.where(small, (z - steady) / (1 - z * steady), (fading - y) / (fading + y))
-    x, q = distance * (fading + y) / (fading * (1 + fading * y)), np.exp(-p)
+    x = distance * (fading + y) / (fading * (1 + fading * y))
+    q = np.exp(-p)
     inner = -x * fading**2
-    plus, minus, other_minus, other_plus = _dilogarithm_of_any(np.stack([inner * q, inner, x * q, x]))
+    plus, minus, other_minus, other_plus = _dilogarithm_of_any(
+        np.stack([inner * q, inner, x * q, x])
+    )
     mean = _stress(steady, fading) + (plus - minus + other_plus - other_minus) / p
     ramp = p < 0.25  # there the bracket cancels, while S is smooth
     if np.any(ramp):
@@ -55,14 +62,19 @@ def _stress(z: Array, y: Array) -> Array:
 
 def _dilogarithm_of_any(x: Array) -> Array:
     """Return Li2(x), x < 1, by inversion and reflection."""
-    far, near = x < -1, x > 0.5
+    far = x < -1
+    near = x > 0.5
     inner = dilogarithm(np.where(far, 1 / np.where(far, x, -1), np.where(near, 1 - x, x)))
     inverted = -(np.pi**2) / 6 - np.log(np.where(far, -x, 1)) ** 2 / 2 - inner
-    reflected = np.pi**2 / 6 - np.log(np.where(near, x, 1)) * np.log1p(-np.where(near, x, 0)) - inner
+    reflected = (
+        np.pi**2 / 6 - np.log(np.where(near, x, 1)) * np.log1p(-np.where(near, x, 0)) - inner
+    )
     return np.asarray(np.where(far, inverted, np.where(near, reflected, inner)))
 
 
-def carried(start: Array, kappa: Array, sigma: Array, deborah: Array, change: Array) -> tuple[Array, Array]:
+def carried(
+    start: Array, kappa: Array, sigma: Array, deborah: Array, change: Array
+) -> tuple[Array, Array]:
     """Return mean and end of S over a cell across which ln(kappa) changes, kappa that of its middle.
 
     With the drift g of the steady stress, R = S - g x follows the equation of S with sigma - D g for sigma, up to terms

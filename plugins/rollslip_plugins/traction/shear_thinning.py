@@ -27,7 +27,9 @@ from rollslip_plugins.traction.heating import (
 
 EULER = np.euler_gamma
 ROOTS, WEIGHTS = np.polynomial.legendre.leggauss(12)
-PLACE, WEIGHT = (1 + ROOTS) / 2, WEIGHTS / 2  # of Gauss's rule from 0 to 1
+# of Gauss's rule from 0 to 1
+PLACE = (1 + ROOTS) / 2
+WEIGHT = WEIGHTS / 2
 
 
 @attrs.frozen(kw_only=True)
@@ -79,7 +81,12 @@ class Carreau(HeatedFilm):
     )
 
     critical_stress: float = parameter(
-        default=6.9e6, unit="Pa", validator=positive, doc="critical stress G", usual=(1e4, 1e8), possible=(1, 1e12)
+        default=6.9e6,
+        unit="Pa",
+        validator=positive,
+        doc="critical stress G",
+        usual=(1e4, 1e8),
+        possible=(1, 1e12),
     )
     exponent: float = parameter(
         default=0.463, unit="1", doc="exponent n of the thinning", usual=(0.2, 1), possible=(0, 1)
@@ -88,7 +95,9 @@ class Carreau(HeatedFilm):
 
     def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
         """Return t = exp(-w t) [1 + (c exp(-w t))^2]^((n - 1)/2), c = eta V/(h G)."""
-        n, strain, softening = self.exponent, newtonian / self.critical_stress, mean_softening(surfaces, across)
+        n = self.exponent
+        strain = newtonian / self.critical_stress
+        softening = mean_softening(surfaces, across)
 
         def law(share: Array) -> tuple[Array, Array]:
             thinned = np.exp(-softening * share)
@@ -195,12 +204,17 @@ def transit(strain: Array, duration: Array) -> tuple[Array, Array]:
 
     Both differences cancel while S is nearly eps x; there quadrature in v is exact.
     """
-    eps, p = np.broadcast_arrays(strain, np.minimum(duration, 1e30))  # beyond, the ramp is lost in rounding
-    mean, end = np.empty(eps.shape), np.empty(eps.shape)
+    eps, p = np.broadcast_arrays(
+        strain, np.minimum(duration, 1e30)
+    )  # beyond, the ramp is lost in rounding
+    mean = np.empty(eps.shape)
+    end = np.empty(eps.shape)
     early = (p < 2.0) & (eps * p < 0.5)
     mean[early], end[early] = _early(eps[early], p[early])
     mean[~early], end[~early] = _late(eps[~early], p[~early])
-    fall = eps * (1 + end - 2 * mean) - end / p - end + mean  # of the order of 1/eps, which eps rounds away
+    fall = (
+        eps * (1 + end - 2 * mean) - end / p - end + mean
+    )  # of the order of 1/eps, which eps rounds away
     return mean, np.where(eps < 1e8, np.clip(fall / mean, 0.0, 1.0), 0.0)
 
 
@@ -225,8 +239,11 @@ def _late(eps: Array, p: Array) -> tuple[Array, Array]:
     distance = np.empty(eps.shape)  # eps - r
     distance[rising] = _rising(eps[rising], gap[rising])
     distance[~rising] = _settling(eps[~rising], gap[~rising])
-    r, near = eps - distance, np.exp(-distance)
-    missing = _scaled(2 * eps) - near**2 * _scaled(2 * r) - decay * (_scaled(eps) - near * _scaled(r))
+    r = eps - distance
+    near = np.exp(-distance)
+    missing = (
+        _scaled(2 * eps) - near**2 * _scaled(2 * r) - decay * (_scaled(eps) - near * _scaled(r))
+    )
     return -np.expm1(-eps) - missing / p, -np.expm1(-distance)
 
 
@@ -260,7 +277,8 @@ def _settling(eps: Array, gap: Array) -> Array:
 def _scaled(x: Array) -> Array:
     """Return exp(-x) N(x) with N(x) = sum of x^k/(k k!), k >= 1; above 40 from the asymptotic series of Ei."""
     small = np.minimum(x, 40.0)
-    term, total = np.ones_like(small), np.zeros_like(small)
+    term = np.ones_like(small)
+    total = np.zeros_like(small)
     for k in range(1, 160):
         term *= small / k
         total += term / k
@@ -269,7 +287,8 @@ def _scaled(x: Array) -> Array:
     if not (x > 40.0).any():
         return np.exp(-small) * total
     large = np.maximum(x, 40.0)
-    term, tail = 1 / large, np.zeros_like(large)
+    term = 1 / large
+    tail = np.zeros_like(large)
     for k in range(1, 41):
         tail = tail + term
         term = term * k / large

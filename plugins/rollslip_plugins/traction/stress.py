@@ -59,7 +59,9 @@ def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
     margin = 1 + a - d * (plateau / sigma)
     elastic = margin < 0
     margin = np.maximum(margin, 0)
-    r = a * np.sqrt((1 / a) ** 2 + (phi * sigma / a) * (margin / a))  # sqrt(1 + Phi sigma margin); a^2 may overflow
+    r = a * np.sqrt(
+        (1 / a) ** 2 + (phi * sigma / a) * (margin / a)
+    )  # sqrt(1 + Phi sigma margin); a^2 may overflow
     v = margin / (1 + r)
     stress = plateau * (1 + v) / (a + r)  # (y/2) (1 + v)
     return np.asarray(part * np.where(elastic, sigma / np.where(elastic, d, 1), stress))
@@ -134,31 +136,42 @@ def maxwell_eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: A
         # kappa = exp(y) and P may overflow, and P is infinite at D = 0; where P > 1e30 the ramp is lost in rounding.
         with np.errstate(over="ignore", divide="ignore"):
             p = np.minimum(2 / (half * half) * c / d, 1e30)
-        stress, fall = np.empty_like(p), np.empty_like(p)
+        stress = np.empty_like(p)
+        fall = np.empty_like(p)
         ramp = p < 1
         stress[ramp], fall[ramp] = _ramp_mean(eps[ramp], c[ramp], p[ramp])
         stress[~ramp], fall[~ramp] = _layer_mean(eps[~ramp], c[~ramp], p[~ramp])
         return stress, fall
 
-    bound = np.minimum(_eyring_bound(sigma, phi), sigma / np.maximum(d, 1e-8))  # no stress exceeds sigma/D
+    bound = np.minimum(
+        _eyring_bound(sigma, phi), sigma / np.maximum(d, 1e-8)
+    )  # no stress exceeds sigma/D
     return part * _solve_heated(mean, phi * sigma, bound)
 
 
-def _prepare(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
+def _prepare(
+    strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
+) -> tuple[Floats, Floats, Floats, Floats]:
     """Broadcast; return positive sigma, D, Phi and the factor that brings back sign, zero and denormals."""
-    signed, d, phi = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (strain_rate, deborah, heating)))
+    signed, d, phi = np.broadcast_arrays(
+        *(np.asarray(x, dtype=np.float64) for x in (strain_rate, deborah, heating))
+    )
     sigma = np.maximum(np.abs(signed), LINEAR)
     return sigma, d, phi, np.copysign(np.minimum(np.abs(signed), LINEAR) / LINEAR, signed)
 
 
-def _solve_heated(mean: Callable[[Floats], tuple[Floats, Floats]], rate: Floats, stress: Floats) -> Floats:
+def _solve_heated(
+    mean: Callable[[Floats], tuple[Floats, Floats]], rate: Floats, stress: Floats
+) -> Floats:
     """Solve S = F(rate S) in log S by Newton's method; mean(y) returns F and -dF/dy."""
     for _ in range(MAX_STEPS):
         y = rate * stress
         value, fall = mean(y)
         step = np.log(stress / value) / (1 + y * fall / value)
         stress = stress * np.exp(-step)
-        if not np.any((1 + y) * step**2 > 1e-17):  # the error left is below (1 + y) step^2; NaN also ends
+        if not np.any(
+            (1 + y) * step**2 > 1e-17
+        ):  # the error left is below (1 + y) step^2; NaN also ends
             break
     return stress
 
@@ -168,17 +181,22 @@ def _eyring_bound(sigma: Floats, phi: Floats) -> Floats:
     # Since sinh S >= S, S exp(w S) <= sigma with w = Phi sigma; Lambert's W after Iacono and Boyd (2017).
     w = np.maximum(phi * sigma, LINEAR)
     with np.errstate(invalid="ignore"):  # logaddexp warns of a NaN that is only passed on
-        x: Floats = np.logaddexp(0, np.log(w) + np.log(sigma))  # log(1 + w sigma), whose product may overflow
+        x: Floats = np.logaddexp(
+            0, np.log(w) + np.log(sigma)
+        )  # log(1 + w sigma), whose product may overflow
     return np.minimum(np.arcsinh(sigma), x * (1 - np.log1p(x) / (2 + x)) / w)
 
 
 def _ramp_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
     """Return F and -dF/dy for P < 1 by Gauss's rule: the closed form cancels, while S(X) is smooth and small."""
     x = p[..., None] * (1 + ROOTS) / 4  # P X/4
-    eps, c = eps[..., None], c[..., None]
+    eps = eps[..., None]
+    c = c[..., None]
     th = np.tanh(x)
     z = eps * th / (c + th)  # tanh(S/2)
-    fall = eps * (th**2 + (th - (1 - th**2) * x) / c) / ((c + th) ** 2 * (1 - z**2))  # -d artanh(z)/dy
+    fall = (
+        eps * (th**2 + (th - (1 - th**2) * x) / c) / ((c + th) ** 2 * (1 - z**2))
+    )  # -d artanh(z)/dy
     return np.arctanh(z) @ WEIGHTS, fall @ WEIGHTS
 
 
@@ -186,7 +204,9 @@ def _layer_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
     """Return F and -dF/dy for P >= 1 in closed form."""
     tanh_half = eps / (1 + c)
     steady = np.arcsinh(eps)
-    a, b, q = tanh_half / (eps + c), tanh_half * (eps + c), np.exp(-p)
+    a = tanh_half / (eps + c)
+    b = tanh_half * (eps + c)
+    q = np.exp(-p)
     bq = b * q
     # Li2(-B) for B > 1 by inversion: -Li2(-B) = pi^2/6 + log(B)^2/2 + Li2(-1/B).
     inner, inner_q = (dilogarithm(-np.minimum(x, 1 / np.maximum(x, 1))) for x in (b, bq))
@@ -207,6 +227,15 @@ def dilogarithm(x: Floats) -> Floats:
     t = u * u
     # B_n/(n + 1)! for n = 2, 4, ..., 14
     series = np.polynomial.polynomial.polyval(
-        t, [1 / 36, -1 / 3600, 1 / 211680, -1 / 10886400, 1 / 526901760, -4.0647616451442256e-11, 8.921691020456452e-13]
+        t,
+        [
+            1 / 36,
+            -1 / 3600,
+            1 / 211680,
+            -1 / 10886400,
+            1 / 526901760,
+            -4.0647616451442256e-11,
+            8.921691020456452e-13,
+        ],
     )
     return np.asarray(u - t / 4 + u * t * series)

@@ -130,7 +130,10 @@ class EyringThermal(HeatedFilm):
         "mu = eta_e V/(h p) asinh(x)/(x sqrt(1 + x^2)), x^2 = beta eta_e V^2/(8 K_f), tau = mu p, "
         "eta_e = eta exp(-beta T_s) (tau/tau0)/sinh(tau/tau0), T_s = flash sqrt(b/(pi u))/sqrt(K rho c) tau V"
     )
-    references: ClassVar[tuple[Reference, ...]] = (JOHNSON_GREENWOOD_1980, *NewtonianThermal.references)
+    references: ClassVar[tuple[Reference, ...]] = (
+        JOHNSON_GREENWOOD_1980,
+        *NewtonianThermal.references,
+    )
     reads = HeatedFilm.reads | {"eyring_stress"}
     domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE})
 
@@ -157,7 +160,12 @@ def couette(strain: Array, surfaces: Array, across: Array) -> Array:
         return thinned * value, fall * (1 + rise)
 
     bound = np.minimum(newtonian_bound(surfaces), conducted(across / 8)[0])
-    return softened(law, np.minimum(bound, np.arcsinh(np.maximum(strain, NO_EFFECT)) / np.maximum(strain, NO_EFFECT)))
+    return softened(
+        law,
+        np.minimum(
+            bound, np.arcsinh(np.maximum(strain, NO_EFFECT)) / np.maximum(strain, NO_EFFECT)
+        ),
+    )
 
 
 def conducted(square: Array) -> tuple[Array, Array]:

@@ -43,32 +43,45 @@ from rollslip_studies.motion.torque_balance import near_running_away
 #: What a plan chooses -> the finest of it that needs nothing more from a scene.
 OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
 #: Slices and error of tables, with which motions are tried.
-_FEW, _TABLE = 12, 1e-3
+_FEW = 12
+_TABLE = 1e-3
 #: Shares of the tolerance of the cage speed that the simpler friction and the simpler level may take.
 _SHARE: Final = {"friction": 0.3, "level": 0.2}
 #: Error of their steps, relative to the tolerance of the cage speed, and the largest one.
-_STEP, _LOOSEST = 0.1, 1e-3
+_STEP = 0.1
+_LOOSEST = 1e-3
 #: Orbits of the cage over which levels are compared, and instants of each.
-_ORBITS, _INSTANTS = 3, 64
+_ORBITS = 3
+_INSTANTS = 64
 #: Instants after which frictions are compared before their motions go on.
 _LOOKS: Final = (4, 8, 16, 32)
 #: Damping [1/s] up to which rk45 takes fewer evaluations of smooth motions than rodas5p, or 1.6 times as many at most,
 #: and error of a step from which on leapfrog takes fewer than rk45 where contacts are resolved: 24 random bearings.
-_SMOOTH, _LEAPS = 1e4, 3e-8
+_SMOOTH = 1e4
+_LEAPS = 3e-8
 #: A step resolves a contact by this part of a radian; what is damped by more than the other part in it is stiff. An
 #: explicit method bears a fifth more.
-_RESOLVED, _STIFF = 0.2, 0.25
+_RESOLVED = 0.2
+_STIFF = 0.25
 #: Slip by which two cages begin apart to see how errors of the cage speed fade, error of a step relative to it, the
 #: time [s] over which that is seen at most, and its instants.
-_APART, _EXACT, _FADING, _SEEN = 1e-2, 1e-5, 10.0, 256
+_APART = 1e-2
+_EXACT = 1e-5
+_FADING = 10.0
+_SEEN = 256
 #: Share of the tolerance of the cage speed that steps may take, and the time [s] of a short motion.
-_OF_STEPS, _SHORT = 0.2, 5e-3
+_OF_STEPS = 0.2
+_SHORT = 5e-3
 #: A usual tolerance of a step.
 _USUAL: Final = 1e-5
 #: Pieces of an orbit, and instants of each, in which it is looked how far steps let motions come apart, how much finer
 #: others are, evaluations of the rates after which there is no further piece, and how many times as far apart as those
 #: that were tried others may be, by the scenes of tools/references/motions_by_scipy.csv.
-_PIECES, _PIECE, _FINER, _MOST, _OTHERS = 8, 16, (4.0, 16.0), 200_000, 2.0
+_PIECES = 8
+_PIECE = 16
+_FINER = (4.0, 16.0)
+_MOST = 200_000
+_OTHERS = 2.0
 
 
 class Movable(Protocol):
@@ -109,7 +122,11 @@ class Movable(Protocol):
         """Return the bearing in motion."""
 
     def tried(
-        self, moving: MovingBearing, times: Array, tolerance: float, before: Trajectory | None = None
+        self,
+        moving: MovingBearing,
+        times: Array,
+        tolerance: float,
+        before: Trajectory | None = None,
     ) -> Trajectory:
         """Return the motion at some times [s] and a relative tolerance, from its start or from what was before."""
 
@@ -130,7 +147,9 @@ def with_few_slices(assembly: Assembly) -> Assembly:
     """Return a bearing as motions of it are tried, so that all of them share its loads and tables."""
     resolution = assembly.resolution
     slices = min(_FEW, resolution.slices)
-    return assembly.at(attrs.evolve(resolution, slices=slices, quadrature="equal", table_tolerance=_TABLE))
+    return assembly.at(
+        attrs.evolve(resolution, slices=slices, quadrature="equal", table_tolerance=_TABLE)
+    )
 
 
 def adds_up(study: Movable, few: Assembly, span: float) -> float:
@@ -151,8 +170,11 @@ def adds_up(study: Movable, few: Assembly, span: float) -> float:
     """
     seen = min(study.duration, _FADING)
     times = np.linspace(0.0, seen, _SEEN + 1)
-    alone = study.evolved(level="cage-set", friction="constant" if study.friction == "constant" else "effective")
-    moving, ends = alone.moving(few), []
+    alone = study.evolved(
+        level="cage-set", friction="constant" if study.friction == "constant" else "effective"
+    )
+    moving = alone.moving(few)
+    ends = []
     for slip in (study.cage_slip, study.cage_slip + _APART):
         found = alone.evolved(cage_slip=slip).tried(moving, times, _EXACT * _APART)
         if found.outcome != "finished":
@@ -170,16 +192,21 @@ def choose_motion(study: Movable, assembly: Assembly, named: Collection[str]) ->
         return MotionChoice()
     if assembly.scene.accuracy.exact:
         exact = {name: of for name in unnamed if (of := OPEN[name]) is not None}
-        return MotionChoice(settings=exact, reasons=dict.fromkeys(exact, "an exact result is asked for"))
+        return MotionChoice(
+            settings=exact, reasons=dict.fromkeys(exact, "an exact result is asked for")
+        )
     study = study.evolved(film_limit=0.0)  # an event, which moves nothing
-    trials, settings = _Trials(assembly), dict[str, Any]()
-    reasons, errors = dict[str, str](), dict[str, Mapping[str, float]]()
+    trials = _Trials(assembly)
+    settings = dict[str, Any]()
+    reasons = dict[str, str]()
+    errors = dict[str, Mapping[str, float]]()
     for name in unnamed:
         try:
             choice, reasons[name], left = getattr(trials, name)(study.evolved(**settings))
         except RollslipError as error:
             choice = OPEN[name] or getattr(study, name)
-            reasons[name], left = f"there is no estimate of what a simpler one would leave: {error}", None
+            reasons[name] = f"there is no estimate of what a simpler one would leave: {error}"
+            left = None
         settings[name] = choice
         if left is not None:
             errors[name] = {"cage_speed": left}
@@ -215,22 +242,29 @@ class _Trials:
         moving = self.moving(study)
         found = study.tried(moving, times, tolerance, before)
         if found.outcome != "finished":
-            raise ConvergenceError(f"{study.friction} friction at level {study.level}: {found.message}")
-        return np.asarray(moving.split(found.y)["cage_speed"] / self.few.kinematics.epicyclic_cage_speed), found
+            raise ConvergenceError(
+                f"{study.friction} friction at level {study.level}: {found.message}"
+            )
+        return np.asarray(
+            moving.split(found.y)["cage_speed"] / self.few.kinematics.epicyclic_cage_speed
+        ), found
 
     def friction(self, study: Movable) -> tuple[str, str, float | None]:
         """Effective friction where it moves the cage as conventional friction does, over all of the time."""
         times = np.linspace(0.0, study.duration, _INSTANTS + 1)[1:]
-        tolerance, allowed = min(_STEP * self.asked, _LOOSEST), _SHARE["friction"] * self.asked
+        tolerance = min(_STEP * self.asked, _LOOSEST)
+        allowed = _SHARE["friction"] * self.asked
         conventional, effective = (
-            study.evolved(friction=friction, level="cage-set") for friction in ("conventional", "effective")
+            study.evolved(friction=friction, level="cage-set")
+            for friction in ("conventional", "effective")
         )
         ours = theirs = None
         off = slowest = 0.0
         for part in np.split(times, _LOOKS):
             one, ours = self.speeds(conventional, part, tolerance, ours)
             other, theirs = self.speeds(effective, part, tolerance, theirs)
-            off, slowest = max(off, float(np.abs(one - other).max())), max(slowest, 1.0 - float(one.min()))
+            off = max(off, float(np.abs(one - other).max()))
+            slowest = max(slowest, 1.0 - float(one.min()))
             if off > allowed:
                 break
         after = "" if part[-1] == times[-1] else f" after {part[-1]:.2g} s already"
@@ -239,7 +273,11 @@ class _Trials:
             if near := near_running_away(self.few, slowest):
                 return "conventional", f"{found}, but {near}", None
             return "effective", f"{found}, less than the {allowed:.1e} that it may take", off
-        return "conventional", f"{found}, more than the {allowed:.1e} that effective friction may take", None
+        return (
+            "conventional",
+            f"{found}, more than the {allowed:.1e} that effective friction may take",
+            None,
+        )
 
     def level(self, study: Movable) -> tuple[str, str, float | None]:
         """Cage-set where play in the pockets does not move the mean speed of the cage, orbit by orbit."""
@@ -255,7 +293,8 @@ class _Trials:
         )
         off = within - alone
         means = np.abs(off[1:].reshape(-1, _INSTANTS).mean(axis=1))
-        moved, allowed = float(means.max()), _SHARE["level"] * self.asked
+        moved = float(means.max())
+        allowed = _SHARE["level"] * self.asked
         found = (
             f"play in the pockets moves the mean speed of the cage by up to {moved:.1e} (and lets it "
             f"swing by {np.ptp(off):.1e})"
@@ -267,15 +306,24 @@ class _Trials:
                 f"{found}, less than the {allowed:.1e} that leaving it out may take{other}",
                 moved,
             )
-        return "pocket", f"{found}, more than the {allowed:.1e} that leaving it out may take{other}", None
+        return (
+            "pocket",
+            f"{found}, more than the {allowed:.1e} that leaving it out may take{other}",
+            None,
+        )
 
     def integrator(self, study: Movable) -> tuple[str, str, float | None]:
         """Leapfrog where contacts are to be resolved, rk45 where nothing swings, and the default where it is stiff."""
-        moving, name = self.moving(study), study.method(self.assembly).name
-        contact, (times, states) = moving.system.frequencies[0], moving.looks()
+        moving = self.moving(study)
+        name = study.method(self.assembly).name
+        contact = moving.system.frequencies[0]
+        (times, states) = moving.looks()
         without_slip = [_damping(moving, t, y) for t, y in zip(times.tolist(), states, strict=True)]
-        begin = _damping(moving, 0.0, np.asarray(moving.initial(study.cage_slip, study.roller_slip)))
-        mildest, most = min(without_slip), max(*without_slip, begin)
+        begin = _damping(
+            moving, 0.0, np.asarray(moving.initial(study.cage_slip, study.roller_slip))
+        )
+        mildest = min(without_slip)
+        most = max(*without_slip, begin)
         damped = f"speeds are damped by up to {most:.2g}/s"
         if not contact:
             if most > _SMOOTH:
@@ -286,14 +334,28 @@ class _Trials:
                 )
             return "rk45", f"{damped}, which does not bind an explicit method", None
         if self.assembly.cage.pocket_contact == "film":
-            return name, "the motion is stiff: films in the pockets are, once they are pressed", None
+            return (
+                name,
+                "the motion is stiff: films in the pockets are, once they are pressed",
+                None,
+            )
         if stiff := _stiff(contact, mildest):
             return name, stiff, None
         if _stiff(contact, most):
-            return "rk45", f"{damped}, but for a while only: explicit steps are held to their error there", None
-        swings = f"the motion swings, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
+            return (
+                "rk45",
+                f"{damped}, but for a while only: explicit steps are held to their error there",
+                None,
+            )
+        swings = (
+            f"the motion swings, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
+        )
         if study.relative_tolerance < _LEAPS:
-            return "rk45", f"{swings}: explicit steps of a high order serve for errors of that size", None
+            return (
+                "rk45",
+                f"{swings}: explicit steps of a high order serve for errors of that size",
+                None,
+            )
         return "leapfrog", f"{swings}: explicit steps that resolve contacts serve", None
 
 
@@ -309,7 +371,8 @@ def step_tolerance(study: Movable, assembly: Assembly, fades: bool) -> tuple[flo
     fades : bool
         Whether it is looked at how errors of the cage speed fade; else they add up over all of the duration.
     """
-    few, moving = with_few_slices(assembly), study.moving(assembly)
+    few = with_few_slices(assembly)
+    moving = study.moving(assembly)
     if moving.friction.by_slices:
         moving = study.moving(few)
     span = min(_SHORT, study.duration)
@@ -322,10 +385,14 @@ def step_tolerance(study: Movable, assembly: Assembly, fades: bool) -> tuple[flo
     least = finest(assembly.scene).integrator_tolerance or 0.0
     tolerance = min(max(_USUAL * share / max(error, 1e-300), least), _USUAL)
     left = error * tolerance / _USUAL
-    return tolerance, left if study.level == "cage-set" else max(left, _swings_apart(study, moving, tolerance))
+    return tolerance, left if study.level == "cage-set" else max(
+        left, _swings_apart(study, moving, tolerance)
+    )
 
 
-def _come_apart(study: Movable, moving: MovingBearing, tolerances: Sequence[float], spans: Sequence[float]) -> Array:
+def _come_apart(
+    study: Movable, moving: MovingBearing, tolerances: Sequence[float], spans: Sequence[float]
+) -> Array:
     """Return how far motions with finer steps come apart from one at some times [s], (cage and rollers, m).
 
     They begin with the motion, along a history in its middle and late, without slip, too: the largest of these counts.
@@ -352,16 +419,24 @@ def _come_apart(study: Movable, moving: MovingBearing, tolerances: Sequence[floa
     later = np.flatnonzero((looks > 0.0) & (looks + spans[-1] <= looks[-1])).tolist()
     few = {later[len(later) // 2], later[-1]} if later else ()
     off = np.full((2, len(spans), _PIECE), np.nan)
-    for begin in (still, *(attrs.evolve(still, last_t=float(looks[k]), last_y=states[k]) for k in few)):
-        motions, work = [begin] * len(tolerances), 0
+    for begin in (
+        still,
+        *(attrs.evolve(still, last_t=float(looks[k]), last_y=states[k]) for k in few),
+    ):
+        motions = [begin] * len(tolerances)
+        work = 0
         for k, (start, end) in enumerate(itertools.pairwise((0.0, *spans))):
             times = begin.last_t + np.linspace(start, end, _PIECE + 1)[1:]
-            motions = [study.tried(moving, times, *one) for one in zip(tolerances, motions, strict=True)]
+            motions = [
+                study.tried(moving, times, *one) for one in zip(tolerances, motions, strict=True)
+            ]
             work += sum(found.evaluations for found in motions)
             count = min(found.t.size for found in motions)
             first, *others = (moving.split(found.y[:count]) for found in motions)
             for other in others:
-                cage, spin = (np.abs(other[name] - first[name]) for name in ("cage_speed", "roller_spin"))
+                cage, spin = (
+                    np.abs(other[name] - first[name]) for name in ("cage_speed", "roller_spin")
+                )
                 here = off[:, k, :count]
                 here[:] = np.fmax(here, np.stack((cage, spin.max(axis=-1))) / most)
             if work > _MOST or count < _PIECE:
@@ -379,7 +454,8 @@ def _fastest(moving: MovingBearing) -> tuple[float, ...]:
 def _swings_apart(study: Movable, moving: MovingBearing, tolerance: float) -> float:
     """Return how far steps of a tolerance let motions come apart in an orbit of the cage, and others as these."""
     span = min(study.duration, 2.0 * math.pi / _fastest(moving)[0])
-    ends, most = [span * k / _PIECES for k in range(1, _PIECES + 1)], 0.0
+    ends = [span * k / _PIECES for k in range(1, _PIECES + 1)]
+    most = 0.0
     for own in dict.fromkeys((tolerance, _USUAL)):  # looser steps show more of an orbit
         off = _come_apart(study, moving, (own, *(own / finer for finer in _FINER)), ends)
         most = max(most, _OTHERS * float(np.nanmax(off, initial=0.0)))

@@ -26,14 +26,16 @@ from rollslip_studies.motion.time_integration import Trajectory
 
 #: Evaluations of the rates that a look takes, its time of the processor [s] at most, and its first stretch [s].
 _ENOUGH: Final = 20_000
-_LOOK, _FIRST = 0.3, 3e-4
+_LOOK = 0.3
+_FIRST = 3e-4
 #: Evaluations that a look at a later instant of a history takes.
 _FEW: Final = 200
 #: Evaluations that tell what one costs, and the time [s] from which that is told well.
 _CALLS: Final = 10
 _SHORT: Final = 0.01
 #: Evaluations a second over those of the stretch before: up to the first they fall, at least to the other.
-_FALLS, _FASTEST = 0.8, 0.5
+_FALLS = 0.8
+_FASTEST = 0.5
 
 
 def costs_of(study: Movable, assembly: Assembly) -> dict[str, float]:
@@ -54,18 +56,25 @@ def costs_of(study: Movable, assembly: Assembly) -> dict[str, float]:
 
 def _foreseen(study: Movable, moving: MovingBearing) -> tuple[float, float, Trajectory]:
     """Evaluations of the rates in the whole motion, the time [s] of each, and where the look at it ended."""
-    ends, counts = [0.0], [0]
-    before, found = None, None
+    ends = [0.0]
+    counts = [0]
+    before = None
+    found = None
     begin = time.process_time()
-    while ends[-1] < study.duration and sum(counts) < _ENOUGH and time.process_time() - begin < _LOOK:
+    while (
+        ends[-1] < study.duration and sum(counts) < _ENOUGH and time.process_time() - begin < _LOOK
+    ):
         ends.append(min(max(2.0 * ends[-1], _FIRST), study.duration))
-        before, found = found, study.tried(moving, np.array(ends[-1:]), study.relative_tolerance, found)
+        before = found
+        found = study.tried(moving, np.array(ends[-1:]), study.relative_tolerance, found)
         counts.append(found.evaluations)
         if found.outcome != "finished":
             break
     # again, now that the loads there are known
     assert found is not None
-    seconds = timed(partial(study.tried, moving, np.array(ends[-1:]), study.relative_tolerance, before), 1)
+    seconds = timed(
+        partial(study.tried, moving, np.array(ends[-1:]), study.relative_tolerance, before), 1
+    )
     ahead = _ahead(ends, counts, study.duration)
     if found.outcome == "finished" and ahead > _ENOUGH:
         ahead = min(ahead, _on_the_way(study, moving, found, counts[-1] / (ends[-1] - ends[-2])))
@@ -75,29 +84,42 @@ def _foreseen(study: Movable, moving: MovingBearing) -> tuple[float, float, Traj
 def _on_the_way(study: Movable, moving: MovingBearing, at: Trajectory, pace: float) -> float:
     """Evaluations to come by those of short motions from later instants of a history, a power of time between."""
     times, states = moving.looks()
-    ahead, before = 0.0, at.last_t
+    ahead = 0.0
+    before = at.last_t
     for t, y in zip(times.tolist(), states, strict=True):
         if not before < t < study.duration:
             continue
         begin = attrs.evolve(at, last_t=t, last_y=y, last_step=0.0, last_state=np.zeros(0))
-        span, evaluations = _FIRST, 0
+        span = _FIRST
+        evaluations = 0
         while evaluations < _FEW and t + span < study.duration:
             span *= 2.0
-            tried = study.tried(moving, np.array([min(t + span, study.duration)]), study.relative_tolerance, begin)
+            tried = study.tried(
+                moving, np.array([min(t + span, study.duration)]), study.relative_tolerance, begin
+            )
             evaluations = tried.evaluations
             if tried.outcome != "finished":
                 return math.inf
         here = max(evaluations, 1) / min(span, study.duration - t)
         power = 1.0 + math.log(here / pace) / math.log(t / before)
-        ahead += before * pace * (math.log(t / before) if power == 0.0 else ((t / before) ** power - 1.0) / power)
-        before, pace = t, here
+        ahead += (
+            before
+            * pace
+            * (math.log(t / before) if power == 0.0 else ((t / before) ** power - 1.0) / power)
+        )
+        before = t
+        pace = here
     return ahead + pace * (study.duration - before) if before > at.last_t else math.inf
 
 
 def _ahead(ends: list[float], counts: list[int], duration: float) -> float:
     """Evaluations of the rates to come, by those of the stretches up to some times [s]."""
-    paces = [count / (end - start) for count, start, end in zip(counts[1:], ends, ends[1:], strict=False)]
-    at, pace, ratio = ends[-1], paces[-1], paces[-1] / max(paces[-2], 1e-300) if len(paces) > 1 else 1.0
+    paces = [
+        count / (end - start) for count, start, end in zip(counts[1:], ends, ends[1:], strict=False)
+    ]
+    at = ends[-1]
+    pace = paces[-1]
+    ratio = paces[-1] / max(paces[-2], 1e-300) if len(paces) > 1 else 1.0
     falls = max(ratio, _FASTEST) if ratio < _FALLS else 1.0
     ahead = 0.0
     while at < duration:
@@ -110,11 +132,13 @@ def _ahead(ends: list[float], counts: list[int], duration: float) -> float:
 
 def _stored(moving: MovingBearing, at: Trajectory, points: int) -> float:
     """Time [s] of what goes with a stored instant, of which more cost less each."""
-    count, seconds = 1, 0.0
+    count = 1
+    seconds = 0.0
     while count < points and seconds < _SHORT:
         enough = math.ceil(2.0 * _SHORT / max(seconds, 1e-9) * count) if seconds else _CALLS
         count = min(_CALLS * count, enough, points)
-        states, times = np.array([at.last_y] * count), np.full(count, at.last_t)
+        states = np.array([at.last_y] * count)
+        times = np.full(count, at.last_t)
         begin = time.process_time()
         moving.outputs(times, states)
         seconds = time.process_time() - begin

@@ -52,9 +52,11 @@ __all__ = ["motion_figures", "plot_together"]
 _RPM = 30.0 / math.pi
 #: With fewer stored instants an orbit, the curve of a single roller would not be what it did; with more orbits, it
 #: would run together on paper.
-_INSTANTS, _ORBITS = 6.0, 40.0
+_INSTANTS = 6.0
+_ORBITS = 40.0
 #: Cells of a map along time at most; along the orbit it has one for each roller, within limits.
-_TIMES, _POSITIONS = 60, (12, 48)
+_TIMES = 60
+_POSITIONS = (12, 48)
 #: Pieces of one shade of a track that darkens in time.
 _PIECES: Final = 30
 #: Share of the largest slip from which on a slip of running away beyond it is worth the room on the axis.
@@ -120,7 +122,9 @@ def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Pa
         caption = f"Speed of cage and roller against time: {', '.join(datasets)}."
         yield "dynamics-together", caption, _together(datasets)
 
-    return save_figures(drawn(), " ".join(f"{text[:1].upper()}{text[1:]}." for text in compared(datasets)), folder)
+    return save_figures(
+        drawn(), " ".join(f"{text[:1].upper()}{text[1:]}." for text in compared(datasets)), folder
+    )
 
 
 # Figures ------------------------------------------------------------------------------------------------------------
@@ -131,14 +135,16 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
 
     sheet = _sheet(1)
     cage, roller = sheet.axes
-    time, speed = _time(dataset), _RPM * dataset["cage_speed"].to_numpy()
+    time = _time(dataset)
+    speed = _RPM * dataset["cage_speed"].to_numpy()
     _line(sheet, cage, time, speed, label="cage", color=MODEL_COLOURS[0])
     history = history_findings.along(dataset)
     unslipped = math.nan if history else _RPM * unslipped_cage_speed(dataset)
     if history:
         without = _RPM * dataset["epicyclic_cage_speed"].to_numpy()
         _line(sheet, cage, time, without, label="without slip", linestyle="dotted", **_QUIET)
-    largest, away = float(dataset["cage_slip"].max()), runaway_slip(dataset)
+    largest = float(dataset["cage_slip"].max())
+    away = runaway_slip(dataset)
     if not math.isnan(unslipped):
         for axes, level in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):
             if not math.isnan(level):
@@ -150,12 +156,18 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
             sheet.key(f"skidding begins, {100 * away:.3g} %", linestyle=DASHES[1], **_QUIET)
     passages = runaway_passages(dataset)
     for moment, rising in passages:
-        cage.plot(_scale(dataset) * moment, np.interp(_scale(dataset) * moment, time, speed), **_passage(rising))
+        cage.plot(
+            _scale(dataset) * moment,
+            np.interp(_scale(dataset) * moment, time, speed),
+            **_passage(rising),
+        )
     for rising, words in ((True, "rising"), (False, "falling")):
         if any(one is rising for _, one in passages):
             sheet.key(f"passed while {words}", linestyle="none", **_passage(rising))
     if others := _other_events(dataset):
-        cage.vlines(others, 0.0, 0.03, transform=cage.get_xaxis_transform(), color="0.3", linewidth=0.6)
+        cage.vlines(
+            others, 0.0, 0.03, transform=cage.get_xaxis_transform(), color="0.3", linewidth=0.6
+        )
         sheet.key("events (at the foot)", linestyle="none", marker="|", color="0.3", markersize=5)
 
     speeds = _RPM * dataset["roller_speed"].to_numpy()
@@ -164,7 +176,9 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
         if time.size > 1:
             roller.fill_between(time, speeds.min(axis=1), speeds.max(axis=1), **tint)
         else:
-            roller.vlines(time, speeds.min(), speeds.max(), color=MODEL_COLOURS[1], alpha=0.25, linewidth=4.0)
+            roller.vlines(
+                time, speeds.min(), speeds.max(), color=MODEL_COLOURS[1], alpha=0.25, linewidth=4.0
+            )
         sheet.handles.append(Patch(label="range of all rollers", **tint))
     curve, label = _shown_roller(dataset)
     _line(sheet, roller, time, curve, label=label, color=MODEL_COLOURS[1], linewidth=0.8)
@@ -191,7 +205,9 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
             "linewidth": 1.1 if k else 2.4,
         }
         time = scale * dataset["time"].to_numpy()
-        _line(sheet, panels[0, 0], time, _RPM * dataset["cage_speed"].to_numpy(), label=name, **style)
+        _line(
+            sheet, panels[0, 0], time, _RPM * dataset["cage_speed"].to_numpy(), label=name, **style
+        )
         curve, shown = _shown_roller(dataset, single)
         _line(sheet, panels[0, 1], time, curve, **style)
         if dataset is not reference:
@@ -211,14 +227,25 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
     inner = dataset.sel(ring="inner")
-    sliding, force, film = (inner[name].to_numpy() for name in ("sliding_speed", "normal_force", "film_parameter"))
-    loaded, power = force > 0.0, inner["traction_force"].to_numpy() * sliding
+    sliding, force, film = (
+        inner[name].to_numpy() for name in ("sliding_speed", "normal_force", "film_parameter")
+    )
+    loaded = force > 0.0
+    power = inner["traction_force"].to_numpy() * sliding
     status = f"film parameter: {dataset['film_parameter'].attrs['film_status']}"
     nothing = "no roller is loaded"
     rows = [
-        ("Sliding speed [m/s]", _Cells.of(dataset, np.where(loaded, sliding, np.nan), np.mean), nothing),
+        (
+            "Sliding speed [m/s]",
+            _Cells.of(dataset, np.where(loaded, sliding, np.nan), np.mean),
+            nothing,
+        ),
         ("Normal force [N]", _Cells.of(dataset, np.where(loaded, force, np.nan), np.mean), nothing),
-        ("Sliding power [W]", _Cells.of(dataset, np.where(loaded, np.abs(power), np.nan), np.mean), nothing),
+        (
+            "Sliding power [W]",
+            _Cells.of(dataset, np.where(loaded, np.abs(power), np.nan), np.mean),
+            nothing,
+        ),
         ("Smallest Λ [–]", _Cells.of(dataset, film, np.min), status if loaded.any() else nothing),
     ]
     if "pocket_force" in dataset:
@@ -236,31 +263,73 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         if np.isfinite(cells.values).any():
             _draw_cells(sheet.figure, axes, cells, label, _THICK if "Λ" in label else math.inf)
         else:
-            axes.text(0.5, 0.5, otherwise, transform=axes.transAxes, ha="center", va="center", color="0.25")
+            axes.text(
+                0.5,
+                0.5,
+                otherwise,
+                transform=axes.transAxes,
+                ha="center",
+                va="center",
+                color="0.25",
+            )
             axes.set_title(label)
     _time_axis(panels[-1], dataset, limits=False)
     return sheet.done()
 
 
 def _energy(dataset: "xr.Dataset") -> "Figure":
-    sheet = Sheet((TWO_COLUMNS[0], TWO_COLUMNS[1] + 20 * MM), 2, 1, sharex=True, height_ratios=(3, 1))
+    sheet = Sheet(
+        (TWO_COLUMNS[0], TWO_COLUMNS[1] + 20 * MM), 2, 1, sharex=True, height_ratios=(3, 1)
+    )
     works, residuals = sheet.axes
-    time, energy = _time(dataset), dataset["energy"].to_numpy()
+    time = _time(dataset)
+    energy = dataset["energy"].to_numpy()
     for k, (name, work) in enumerate(ledger(dataset).items()):
         # an entry that went round the colours comes with other dashes
         dashes = DASHES[(k + k // len(MODEL_COLOURS)) % len(DASHES)]
-        _line(sheet, works, time, work, label=name, color=MODEL_COLOURS[k % len(MODEL_COLOURS)], linestyle=dashes)
-    _line(sheet, works, time, energy - energy[0], label="kept in the motion", color="black", linewidth=2.0)
+        _line(
+            sheet,
+            works,
+            time,
+            work,
+            label=name,
+            color=MODEL_COLOURS[k % len(MODEL_COLOURS)],
+            linestyle=dashes,
+        )
+    _line(
+        sheet,
+        works,
+        time,
+        energy - energy[0],
+        label="kept in the motion",
+        color="black",
+        linewidth=2.0,
+    )
     works.axhline(0.0, **_QUIET)
     works.set_ylabel("Energy since the start [J]")
     size = turnover(dataset)
     residual = np.abs(dataset["energy_residual"].to_numpy()) / (size or 1.0)
     if np.any(residual > 0.0):
-        _line(sheet, residuals, time, np.where(residual > 0.0, residual, np.nan), color="black", linewidth=0.8)
+        _line(
+            sheet,
+            residuals,
+            time,
+            np.where(residual > 0.0, residual, np.nan),
+            color="black",
+            linewidth=0.8,
+        )
         residuals.set_yscale("log")
     else:
         residuals.set_yticks(())
-        residuals.text(0.5, 0.5, "no residual", transform=residuals.transAxes, ha="center", va="center", color="0.25")
+        residuals.text(
+            0.5,
+            0.5,
+            "no residual",
+            transform=residuals.transAxes,
+            ha="center",
+            va="center",
+            color="0.25",
+        )
     residuals.set_ylabel("Residual over\nturnover [–]" if size > 0.0 else "Residual [J]")
     _time_axis(residuals, dataset)
     return _done(sheet)
@@ -273,13 +342,15 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
 
     sheet = _sheet(1)
     panels = sheet.axes
-    time, colours = _time(dataset), light_to_dark()
+    time = _time(dataset)
+    colours = light_to_dark()
     pieces = np.array_split(np.arange(time.size), min(time.size, _PIECES))
     edges = np.unique(np.append(time[[piece[0] for piece in pieces]], time[-1]))
     shades = colours(np.linspace(0.0, 1.0, len(pieces)))
     for axes, name, title in zip(panels, ("cage", "ring"), ("cage", "inner ring"), strict=True):
         along, across = (
-            1e6 * dataset[f"{name}_displacement"].sel(direction=way).to_numpy() for way in ("along", "across")
+            1e6 * dataset[f"{name}_displacement"].sel(direction=way).to_numpy()
+            for way in ("along", "across")
         )
         for piece, shade in zip(pieces, shades, strict=True):
             part = np.arange(max(piece[0] - 1, 0), piece[-1] + 1)
@@ -321,10 +392,14 @@ class _Cells:
             edges = time[0] + np.array([-0.5, 0.5])
         count = int(np.clip(dataset.sizes["roller"], *_POSITIONS))
         # the middle of a cell is the line of load
-        place = np.floor(dataset["orbit_angle"].to_numpy() * count / (2.0 * math.pi) + 0.5).astype(int) % count
+        place = (
+            np.floor(dataset["orbit_angle"].to_numpy() * count / (2.0 * math.pi) + 0.5).astype(int)
+            % count
+        )
         found = np.full((len(groups), count), np.nan)
         for i, group in enumerate(groups):
-            here, what = place[group].ravel(), values[group].ravel()
+            here = place[group].ravel()
+            what = values[group].ravel()
             for j in np.unique(here[np.isfinite(what)]):
                 found[i, j] = summary(what[(here == j) & np.isfinite(what)])
         return cls(edges, found)
@@ -338,9 +413,15 @@ class _Cells:
             low, high = (360.0 * (j + side) / count for side in (-0.5, 0.5))
             # what lies beyond +180 degrees is drawn from -180 on; the axes cut the cell that has both
             turns = [0.0, -360.0] if low < 180.0 < high else [-360.0] if low >= 180.0 else [0.0]
-            for begin, end in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True):
-                a, b = self.edges[begin], self.edges[end]
-                corners += [[(a, low + t), (b, low + t), (b, high + t), (a, high + t), (a, low + t)] for t in turns]
+            for begin, end in zip(
+                np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True
+            ):
+                a = self.edges[begin]
+                b = self.edges[end]
+                corners += [
+                    [(a, low + t), (b, low + t), (b, high + t), (a, high + t), (a, low + t)]
+                    for t in turns
+                ]
         return np.array(corners)
 
 
@@ -355,11 +436,13 @@ def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most:
     from matplotlib.path import Path as Outline
     from matplotlib.ticker import MaxNLocator
 
-    low, high = float(np.nanmin(cells.values)), float(np.nanmax(cells.values))
+    low = float(np.nanmin(cells.values))
+    high = float(np.nanmax(cells.values))
     beyond = high > most * low > 0.0
     high = most * low if beyond else high
     if high - low <= 1e-9 * max(abs(low), abs(high)):  # the same everywhere, but for rounding
-        low, high = low - 0.05 * (abs(low) or 1.0), high + 0.05 * (abs(high) or 1.0)
+        low = low - 0.05 * (abs(low) or 1.0)
+        high = high + 0.05 * (abs(high) or 1.0)
     levels = np.asarray(MaxNLocator(16).tick_values(low, high))
     colours = light_to_dark()
     scale = ScalarMappable(BoundaryNorm(levels, colours.N), colours)
@@ -368,7 +451,9 @@ def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most:
         if np.any(classes == k):
             outline = Outline.make_compound_path_from_polys(cells.rectangles(classes == k))
             axes.add_patch(PathPatch(outline, facecolor=colour, edgecolor=colour, linewidth=0.2))
-    bar = figure.colorbar(scale, ax=axes, aspect=14, pad=0.015, extend="max" if beyond else "neither")
+    bar = figure.colorbar(
+        scale, ax=axes, aspect=14, pad=0.015, extend="max" if beyond else "neither"
+    )
     bar.set_label(label)
     bar.locator = MaxNLocator(5)
     bar.minorticks_off()
@@ -415,7 +500,13 @@ def _line(sheet: Sheet, axes: "Axes", x: Array, y: Array, **style: Any) -> None:
 def _passage(rising: bool) -> dict[str, Any]:
     """Marker of a passage of the slip of running away, full while slip rises."""
     face = MODEL_COLOURS[1] if rising else "white"
-    return {"marker": "o", "markersize": 5, "color": face, "markeredgecolor": MODEL_COLOURS[1], "zorder": 4}
+    return {
+        "marker": "o",
+        "markersize": 5,
+        "color": face,
+        "markeredgecolor": MODEL_COLOURS[1],
+        "zorder": 4,
+    }
 
 
 def _other_events(dataset: "xr.Dataset") -> list[float]:
@@ -423,12 +514,15 @@ def _other_events(dataset: "xr.Dataset") -> list[float]:
     away = [moment for moment, _ in runaway_passages(dataset)]
     times = np.setdiff1d(dataset["event_time"].to_numpy(), away)
     apart = max(float(dataset["time"][-1]), 1e-300) / 300.0
-    return [float(moment) for moment in _scale(dataset) * apart * np.unique(np.round(times / apart))]
+    return [
+        float(moment) for moment in _scale(dataset) * apart * np.unique(np.round(times / apart))
+    ]
 
 
 def _resolved(dataset: "xr.Dataset") -> bool:
     """Whether what a roller does within an orbit is stored, and can be seen."""
-    time, speed = dataset["time"].to_numpy(), np.abs(dataset["cage_speed"].to_numpy())
+    time = dataset["time"].to_numpy()
+    speed = np.abs(dataset["cage_speed"].to_numpy())
     orbits = float(np.trapezoid(speed, time)) / (2.0 * math.pi)
     return bool(time.size > _INSTANTS * orbits and orbits < _ORBITS)
 
@@ -456,4 +550,6 @@ def _slip_axis(axes: "Axes", unslipped: float) -> None:
 
 def _done(sheet: Sheet, **options: Any) -> "Figure":
     count = len(sheet.handles)
-    return sheet.done(columns=-(-count // -(-count // 5)), **options)  # five at most, and rows of like length
+    return sheet.done(
+        columns=-(-count // -(-count // 5)), **options
+    )  # five at most, and rows of like length

@@ -55,7 +55,9 @@ def unslipped_cage_speed(dataset: "xr.Dataset") -> float:
 
 def unslipped_roller_speed(dataset: "xr.Dataset") -> float:
     """Spin of a roller of pure rolling, relative to the cage [rad/s]; NaN if none ever turned."""
-    return _unslipped(dataset["roller_speed"].to_numpy().ravel(), dataset["roller_slip"].to_numpy().ravel())
+    return _unslipped(
+        dataset["roller_speed"].to_numpy().ravel(), dataset["roller_slip"].to_numpy().ravel()
+    )
 
 
 def _unslipped(speed: Array, slip: Array) -> float:
@@ -67,7 +69,9 @@ def ledger(dataset: "xr.Dataset") -> dict[str, Array]:
     """Return the work since the start [J] of each entry of the ledger, by its name in words; none that did nothing."""
     return {
         _ENTRIES.get(str(name), str(name)): work
-        for name, work in zip(dataset["work"].to_numpy(), dataset["work_done"].to_numpy(), strict=True)
+        for name, work in zip(
+            dataset["work"].to_numpy(), dataset["work_done"].to_numpy(), strict=True
+        )
         if np.any(work != 0.0)
     }
 
@@ -95,8 +99,14 @@ def _over(residual: "xr.DataArray", size: float) -> float:
 
 def smallest_film(dataset: "xr.Dataset") -> dict[str, float]:
     """Smallest film parameter at each ring, NaN where it is not known or no roller was loaded."""
-    films = {str(ring): dataset["film_parameter"].sel(ring=ring).to_numpy() for ring in dataset["ring"].to_numpy()}
-    return {ring: float(np.nanmin(film)) if np.any(np.isfinite(film)) else math.nan for ring, film in films.items()}
+    films = {
+        str(ring): dataset["film_parameter"].sel(ring=ring).to_numpy()
+        for ring in dataset["ring"].to_numpy()
+    }
+    return {
+        ring: float(np.nanmin(film)) if np.any(np.isfinite(film)) else math.nan
+        for ring, film in films.items()
+    }
 
 
 class DynamicsAccount(Account):
@@ -132,7 +142,9 @@ class DynamicsAccount(Account):
         slip = history_findings.row(dataset) if history_findings.along(dataset) else row(dataset)
         cut = dataset.attrs["outcome"] in ("failed", "interrupted")
         faults = (outcome(dataset).partition(": ")[2],) if cut else ()
-        return Answer(rows=(slip, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults)
+        return Answer(
+            rows=(slip, *damage.rows(dataset)), commands=next_of_others(dataset), faults=faults
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -156,7 +168,8 @@ class DynamicsAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values of a motion; what has no value is None."""
-        a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
+        a = dataset.attrs
+        slip = dataset["cage_slip"].to_numpy()
         values: dict[str, Any] = {
             "outcome": str(a["outcome"]),
             "outcome_message": str(a["outcome_message"]),
@@ -168,10 +181,16 @@ class DynamicsAccount(Account):
             "steady_status": str(a["steady_status"]),
             "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
             "final_cage_slip": float(slip[-1]),
-            **{f"runaway_{name}": value for name, value in zip(("slip", "drag", "status"), _away(a), strict=True)},
+            **{
+                f"runaway_{name}": value
+                for name, value in zip(("slip", "drag", "status"), _away(a), strict=True)
+            },
             "critical_cage_slip": float(a["critical_cage_slip"]),
             "critical_status": str(a["critical_status"]),
-            **{f"smallest_film_parameter_{ring}": film for ring, film in smallest_film(dataset).items()},
+            **{
+                f"smallest_film_parameter_{ring}": film
+                for ring, film in smallest_film(dataset).items()
+            },
             "energy_turned_over": turnover(dataset),
             "energy_closure": energy_closure(dataset),
             "momentum_closure": momentum_closure(dataset),
@@ -234,14 +253,20 @@ def runaway_slip(dataset: "xr.Dataset") -> float:
 
 def runaway_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
     """Times at which cage slip passed that at which the cage runs away, in order, and whether it was rising."""
-    return sorted(p for what, passages in _passages(dataset).items() if RUNAWAY in what for p in passages)
+    return sorted(
+        p for what, passages in _passages(dataset).items() if RUNAWAY in what for p in passages
+    )
 
 
 def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]]]:
     """Return head and rows of the energy ledger at the end."""
-    size, energy = turnover(dataset), dataset["energy"].to_numpy()
+    size = turnover(dataset)
+    energy = dataset["energy"].to_numpy()
     entries = {name: float(work[-1]) for name, work in ledger(dataset).items()}
-    entries |= {"kept in the motion": float(energy[-1] - energy[0]), "residual": float(dataset["energy_residual"][-1])}
+    entries |= {
+        "kept in the motion": float(energy[-1] - energy[0]),
+        "residual": float(dataset["energy_residual"][-1]),
+    }
     return ("energy since the start", "", "of what was turned over"), [
         [name, energy_in_words(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"]
         for name, value in entries.items()
@@ -254,10 +279,14 @@ def compared(datasets: "Mapping[str, xr.Dataset]") -> list[str]:
     said = [f"{name}: {_steady(dataset)}" for name, dataset in datasets.items()]
     for name, dataset in others:
         gap = np.abs(difference(reference, dataset, "cage_speed")).max(initial=0.0)
-        said.append(f"the cage speed of {name} is never further than {_share(gap)} of its largest from that of {first}")
+        said.append(
+            f"the cage speed of {name} is never further than {_share(gap)} of its largest from that of {first}"
+        )
         steady = [1.0 - float(one.attrs["steady_cage_slip"]) for one in (dataset, reference)]
         if _is_steady(reference) and _is_steady(dataset) and steady[1] != 0.0:
-            said.append(f"the steady cage speed of {name} differs by {100 * (steady[0] / steady[1] - 1.0):+.2g} %")
+            said.append(
+                f"the steady cage speed of {name} differs by {100 * (steady[0] / steady[1] - 1.0):+.2g} %"
+            )
         speeds = [float(one.attrs["real_time_factor"]) for one in (dataset, reference)]
         if min(speeds) > 0.0 and max(speeds) < math.inf:
             said.append(f"{name} is {speeds[0] / speeds[1]:.3g} times as fast as {first}")
@@ -272,7 +301,11 @@ def difference(reference: "xr.Dataset", dataset: "xr.Dataset", name: str) -> Arr
     """
     times = common_times(reference, dataset)
     one, other = (
-        np.interp(times, run["time"].to_numpy(), run[name].to_numpy().reshape(run.sizes["time"], -1).mean(axis=1))
+        np.interp(
+            times,
+            run["time"].to_numpy(),
+            run[name].to_numpy().reshape(run.sizes["time"], -1).mean(axis=1),
+        )
         for run in (reference, dataset)
     )
     largest = float(np.abs(reference[name]).max())
@@ -281,7 +314,8 @@ def difference(reference: "xr.Dataset", dataset: "xr.Dataset", name: str) -> Arr
 
 def common_times(reference: "xr.Dataset", dataset: "xr.Dataset") -> Array:
     """Instants of a reference that another motion covers too."""
-    times, others = reference["time"].to_numpy(), dataset["time"].to_numpy()
+    times = reference["time"].to_numpy()
+    others = dataset["time"].to_numpy()
     return np.asarray(times[(times >= others[0]) & (times <= others[-1])])
 
 
@@ -323,7 +357,9 @@ def row(dataset: "xr.Dataset") -> Row:
 def _steady(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
     if _is_steady(dataset):
-        return f"steady cage slip {_share(float(a['steady_cage_slip']))}, the mean of the last orbit"
+        return (
+            f"steady cage slip {_share(float(a['steady_cage_slip']))}, the mean of the last orbit"
+        )
     why = str(a["steady_status"])
     what = f"cage slip is {why}" if why.startswith("not ") else f"no steady cage slip: {why}"
     last = float(dataset["cage_slip"][-1])
@@ -332,7 +368,8 @@ def _steady(dataset: "xr.Dataset") -> str:
 
 def _critical(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
-    critical, rests_on = float(a["critical_cage_slip"]), str(a.get("curves_with", ""))
+    critical = float(a["critical_cage_slip"])
+    rests_on = str(a.get("curves_with", ""))
     if math.isnan(critical):
         said = f"slip at largest traction of the inner ring's friction curve unknown: {a['critical_status']}"
     else:
@@ -344,19 +381,24 @@ def _critical(dataset: "xr.Dataset") -> str:
 
 
 def _running_away(dataset: "xr.Dataset") -> list[str]:
-    a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
-    away, said = runaway_slip(dataset), [headline(dataset)]
+    a = dataset.attrs
+    slip = dataset["cage_slip"].to_numpy()
+    away = runaway_slip(dataset)
+    said = [headline(dataset)]
     if math.isnan(away):
         return said
     if a["friction"] == "effective" and slip.max() > _NEAR * away:
         said.append(
             f"{UNSURE}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
         )
-    value, passages = f"the {_share(away)} at which skidding begins", runaway_passages(dataset)
+    value = f"the {_share(away)} at which skidding begins"
+    passages = runaway_passages(dataset)
     if not passages:
         return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]
     begun = len(said)
-    said += [f"cage slip begins at {_share(float(slip[0]))}, beyond {value}"] if slip[0] > away else []
+    said += (
+        [f"cage slip begins at {_share(float(slip[0]))}, beyond {value}"] if slip[0] > away else []
+    )
     for k, (time, rising) in enumerate(passages):
         if not rising:
             said.append(f"cage slip fell below {value} at {_time(time)}")
@@ -380,7 +422,9 @@ def _running_away(dataset: "xr.Dataset") -> list[str]:
 
 
 def _largest(dataset: "xr.Dataset") -> str:
-    times, cage, rollers = (dataset[name].to_numpy() for name in ("time", "cage_slip", "roller_slip"))
+    times, cage, rollers = (
+        dataset[name].to_numpy() for name in ("time", "cage_slip", "roller_slip")
+    )
     k = int(np.argmax(cage))
     i, j = np.unravel_index(np.argmax(rollers), rollers.shape)
     return (
@@ -390,7 +434,8 @@ def _largest(dataset: "xr.Dataset") -> str:
 
 
 def _events(dataset: "xr.Dataset") -> list[str]:
-    said, others = [], [(what, sorted(p)) for what, p in _passages(dataset).items() if RUNAWAY not in what]
+    said = []
+    others = [(what, sorted(p)) for what, p in _passages(dataset).items() if RUNAWAY not in what]
     for what, passages in others[:_KINDS]:
         times = [time for time, _ in passages]
         many = f"{len(times)} times, first at {_time(times[0])}, last at {_time(times[-1])}"
@@ -407,7 +452,9 @@ def _films(dataset: "xr.Dataset") -> str:
         loaded = bool(np.any(dataset["normal_force"].to_numpy() > 0.0))
         why = dataset["film_parameter"].attrs["film_status"] if loaded else "no roller was loaded"
         return f"film parameter unknown: {why}"
-    return "smallest film parameter " + ", ".join(f"{film:.3g} at the {ring} ring" for ring, film in known.items())
+    return "smallest film parameter " + ", ".join(
+        f"{film:.3g} at the {ring} ring" for ring, film in known.items()
+    )
 
 
 def _cage(dataset: "xr.Dataset") -> list[str]:
@@ -418,7 +465,9 @@ def _cage(dataset: "xr.Dataset") -> list[str]:
         largest = format_quantity(float(np.abs(dataset["pocket_force"]).max()), "N", 3)
         said.append(f"largest force between a roller and the cage {largest}")
     if "land_eccentricity" in dataset:
-        said.append(f"largest eccentricity of the cage on its lands {float(dataset['land_eccentricity'].max()):.3g}")
+        said.append(
+            f"largest eccentricity of the cage on its lands {float(dataset['land_eccentricity'].max()):.3g}"
+        )
     return said
 
 
@@ -433,12 +482,17 @@ def _steps(dataset: "xr.Dataset") -> list[str]:
 
 
 def _ledger(dataset: "xr.Dataset") -> str:
-    size, momentum = turnover(dataset), momentum_closure(dataset)
+    size = turnover(dataset)
+    momentum = momentum_closure(dataset)
     if size > 0.0:
         said = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {energy_in_words(size)} turned over"
     else:
         said = "no energy was turned over"
-    return said if math.isnan(momentum) else f"{said}, angular momentum to {momentum:.1e} of its largest"
+    return (
+        said
+        if math.isnan(momentum)
+        else f"{said}, angular momentum to {momentum:.1e} of its largest"
+    )
 
 
 def _cost(dataset: "xr.Dataset") -> str:

@@ -44,17 +44,21 @@ _INSTANTS: Final = 257
 #: Relative change of rates with a kelvin, at most: viscosities of oils change by 2 to 9 % there.
 _PER_KELVIN: Final = 0.1
 #: Passes at most, and passes before from which one starts.
-_MOST, _BEFORE = 25, 3
+_MOST = 25
+_BEFORE = 3
 #: Halvings of the way to temperatures at which a motion fails: the losses of cold oil may lead beyond the data of it.
 _HALVINGS: Final = 6
 #: What a plan expects: passes, bearings put together for each, and by how much rates between them take longer.
-_USUAL, _BEARINGS, _ALONG = 4, 30, 5
+_USUAL = 4
+_BEARINGS = 30
+_ALONG = 5
 #: Step of temperature by which the thermal model is made linear, and to a bearing whose price is measured [K].
 _STEP: Final = 1.0
 #: Difference of two linear parts that is rounding.
 _SAME: Final = 1e-9
 #: Instants of an orbit, and cage slips, for what the rings share of the resistance to rolling.
-_ORBIT, _SLIPS = 4, (0.0, 0.05, 0.15, 0.3, 0.6, 0.9)
+_ORBIT = 4
+_SLIPS = (0.0, 0.05, 0.15, 0.3, 0.6, 0.9)
 
 
 class Warming(Movable, Protocol):
@@ -82,13 +86,17 @@ class Heating:
     heat: Mapping[str, Array]  # heat made since the start by place [J], (m,)
     carried: Array  # heat carried away since the start [J], (m,)
     passes: int  # motions that were computed
-    change: float  # largest difference of `temperatures` to those at which the motion was computed [K]
+    change: (
+        float  # largest difference of `temperatures` to those at which the motion was computed [K]
+    )
 
 
 def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what is stored of temperatures at instants [s]: variables, and single values up to the last of them."""
     if heating is None:
-        return {}, dict.fromkeys(VALUES, math.nan) | {"thermal_status": "no model lets temperatures follow from losses"}
+        return {}, dict.fromkeys(VALUES, math.nan) | {
+            "thermal_status": "no model lets temperatures follow from losses"
+        }
     model = heating.model
     history = heating.history
     k = int(np.searchsorted(heating.times, times[-1], side="right")) - 1
@@ -127,7 +135,9 @@ def allowed(assembly: Assembly) -> float:
     return assembly.scene.accuracy.of("cage_speed") / _PER_KELVIN
 
 
-def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], None] | None = None) -> Heating | None:
+def heated(
+    study: Warming, assembly: Assembly, progress: Callable[[str, float], None] | None = None
+) -> Heating | None:
     """Return the temperatures that a motion leads to; None where they are given."""
     model = model_of(assembly)
     if model is None:
@@ -145,9 +155,12 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
     times = np.linspace(0.0, study.duration, _INSTANTS)
     if given is not None:
         times = np.union1d(times, given.breaks)
-    rolling, most = _rolling_shares(bearing), allowed(assembly)
+    rolling = _rolling_shares(bearing)
+    most = allowed(assembly)
     at = np.tile(start, (times.size, 1))
-    tried, moved, halved = list[Array](), list[Array](), 0
+    tried = list[Array]()
+    moved = list[Array]()
+    halved = 0
     for count in range(1, _MOST + 1):
         history = _history(study, assembly, bearing, model, given, times, at, most)
         if progress is not None:
@@ -167,7 +180,8 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
                 assembly=bearing, history=history, model=model, times=times, temperatures=temperatures, heat=heat,
                 carried=carried, passes=count, change=change,
             )  # fmt: skip
-        tried, moved = [*tried[-_BEFORE:], at], [*moved[-_BEFORE:], step]
+        tried = [*tried[-_BEFORE:], at]
+        moved = [*moved[-_BEFORE:], step]
         at = _accelerated(tried, moved)
     raise ConvergenceError(
         f"temperatures do not settle: after {_MOST} passes through the motion they still change by {change:.3g} K, "
@@ -206,17 +220,27 @@ def _history(
     """The operation with temperatures of the nodes (m, n) at times; as it is given where they stay."""
     if not np.ptp(at, axis=0).any():
         return given
-    rows = [model.changes(row, written.scene) for row in at]  # of the scene as it is written: no change comes twice
+    rows = [
+        model.changes(row, written.scene) for row in at
+    ]  # of the scene as it is written: no change comes twice
     values = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     path = ThermalPath.through(times, values, error)
-    own = {key.removeprefix("operation."): course for key, course in path.courses.items() if key != CLEARANCE}
+    own = {
+        key.removeprefix("operation."): course
+        for key, course in path.courses.items()
+        if key != CLEARANCE
+    }
     known: dict[str, Any] = {name: own[name] for name in TEMPERATURES if name in own}
     operation = assembly.scene.operation
     if given is None:
         named = ("inner_speed", "outer_speed", "radial_load")
-        courses = {name: constant(getattr(operation, name)) for name in named} | {"load_direction": constant(0.0)}
+        courses = {name: constant(getattr(operation, name)) for name in named} | {
+            "load_direction": constant(0.0)
+        }
         given = History(courses=courses, given=(), end=study.duration)
-    return attrs.evolve(given, courses={**given.courses, **known}, given=(*given.given, *known), path=path)
+    return attrs.evolve(
+        given, courses={**given.courses, **known}, given=(*given.given, *known), path=path
+    )
 
 
 def _moved(
@@ -234,20 +258,27 @@ def _moved(
 
 
 def _failed(count: int, message: str) -> ConvergenceError:
-    at = "the temperatures of the start" if count == 1 else f"the temperatures after pass {count - 1}"
+    at = (
+        "the temperatures of the start"
+        if count == 1
+        else f"the temperatures after pass {count - 1}"
+    )
     return ConvergenceError(
         f"temperatures over the motion are not known: at {at} it fails: {message}; look at it with temperatures held, "
         "by --set models.thermal=given, or cool the bearing more"
     )
 
 
-def _heat(moving: MovingBearing, found: Trajectory, rolling: tuple[Array, Array]) -> dict[str, Array]:
+def _heat(
+    moving: MovingBearing, found: Trajectory, rolling: tuple[Array, Array]
+) -> dict[str, Array]:
     """Heat made since the start by place [J], (m,), from the ledger.
 
     A torque T on the cage makes the heat -int T (w_c - w_b) dt with the body b that bears its reaction; the ledger has
     int T w_c dt and int T dt, and w_b is that of the middle of an interval.
     """
-    of, t = moving.split(found.y), found.t
+    of = moving.split(found.y)
+    t = found.t
     with np.errstate(divide="ignore", invalid="ignore"):  # a cage whose epicyclic speed is none
         slip = np.nan_to_num(1.0 - of["cage_speed"] / moving.unslipped(t)[0])
     inner = np.interp(0.5 * (slip[1:] + slip[:-1]), *rolling) * np.diff(of["lost_rolling"])
@@ -262,18 +293,25 @@ def _heat(moving: MovingBearing, found: Trajectory, rolling: tuple[Array, Array]
     if "lost_land" in of:  # the land itself moves there, and no torque stands for it
         heat["oil" if cage.guidance not in RINGS else f"{cage.guidance} land"] = of["lost_land"]
         torques = tuple(torque for torque in torques if torque.against not in RINGS)
-    work, turned = np.diff(of["work_drag"]), np.diff(of["impulse_drag"])
+    work = np.diff(of["work_drag"])
+    turned = np.diff(of["impulse_drag"])
     now = moving.ring_speeds(t)
-    for torque, share in zip(torques, _shares(moving, torques, t, of["cage_speed"], now), strict=True):
+    for torque, share in zip(
+        torques, _shares(moving, torques, t, of["cage_speed"], now), strict=True
+    ):
         against = torque.against
-        place, body = ("oil", 0.0) if against not in RINGS else (f"{against} land", now[RINGS.index(against)])
+        place, body = (
+            ("oil", 0.0) if against not in RINGS else (f"{against} land", now[RINGS.index(against)])
+        )
         middle = body if isinstance(body, float) else 0.5 * (body[1:] + body[:-1])
         made = share * (middle * turned - work)
         heat[place] = heat.get(place, 0.0) + np.concatenate(([0.0], np.cumsum(made)))
     return heat
 
 
-def _shares(moving: MovingBearing, torques: Any, times: Array, cage: Array, rings: Array) -> list[Any]:
+def _shares(
+    moving: MovingBearing, torques: Any, times: Array, cage: Array, rings: Array
+) -> list[Any]:
     """What of the torque on the cage each drag gives over every interval, at the temperatures of one station."""
     if len(torques) < 2:
         return [1.0] * len(torques)
@@ -289,7 +327,9 @@ def _shares(moving: MovingBearing, torques: Any, times: Array, cage: Array, ring
     )
     values = 0.5 * (values[:, 1:] + values[:, :-1])
     whole = values.sum(axis=0)
-    return list(np.divide(values, whole, out=np.full(values.shape, 1.0 / len(torques)), where=whole != 0.0))
+    return list(
+        np.divide(values, whole, out=np.full(values.shape, 1.0 / len(torques)), where=whole != 0.0)
+    )
 
 
 def _rolling_shares(assembly: Assembly) -> tuple[Array, Array]:
@@ -297,37 +337,55 @@ def _rolling_shares(assembly: Assembly) -> tuple[Array, Array]:
     if assembly.cage.drags.resistance is None:
         return np.zeros(1), np.full(1, 0.5)
     there = assembly.with_resistance()
-    balance = TorqueBalance(there, there.cage.drags, instants=assembly.resolution.instants or _ORBIT)
+    balance = TorqueBalance(
+        there, there.cage.drags, instants=assembly.resolution.instants or _ORBIT
+    )
     found = dict[float, float]()
     for slip in _SLIPS:
         with suppress(DomainError, ConvergenceError):  # a slip that the motion need not come to
             losses = power_balance(balance, balance.orbit(slip)).losses
             inner, outer = (
-                sum(one.power for one in losses if one.place == f"{ring} contact" and "sliding" not in one.source)
+                sum(
+                    one.power
+                    for one in losses
+                    if one.place == f"{ring} contact" and "sliding" not in one.source
+                )
                 for ring in RINGS
             )
             found[slip] = inner / (inner + outer) if inner + outer > 0.0 else 0.5
     return np.array([*found] or [0.0]), np.array([*found.values()] or [0.5])
 
 
-def _temperatures(model: ThermalModel, start: Array, times: Array, heat: Mapping[str, Array]) -> tuple[Array, Array]:
+def _temperatures(
+    model: ThermalModel, start: Array, times: Array, heat: Mapping[str, Array]
+) -> tuple[Array, Array]:
     """Temperatures of the nodes [K], (m, n), and heat carried away since the start [J], (m,), with heat by place."""
     from scipy.linalg import expm
 
-    capacities, n = model.capacities(), start.size
-    rows, carried = [start], [0.0]
+    capacities = model.capacities()
+    n = start.size
+    rows = [start]
+    carried = [0.0]
     known: tuple[Array, Array] | None = None
     for k, lasts in enumerate(np.diff(times)):
-        T, power = rows[-1], {place: float(of[k + 1] - of[k]) / lasts for place, of in heat.items()}
+        T = rows[-1]
+        power = {place: float(of[k + 1] - of[k]) / lasts for place, of in heat.items()}
 
-        def flows(at: Array, power: Mapping[str, float] = power) -> Array:  # into the nodes, and out of the bearing
-            return np.append(model.inflows(at, power) / capacities, sum(model.carried_away(at).values()))
+        def flows(
+            at: Array, power: Mapping[str, float] = power
+        ) -> Array:  # into the nodes, and out of the bearing
+            return np.append(
+                model.inflows(at, power) / capacities, sum(model.carried_away(at).values())
+            )
 
-        now, linear = flows(T), np.zeros((2 * n + 2, 2 * n + 2))
+        now = flows(T)
+        linear = np.zeros((2 * n + 2, 2 * n + 2))
         for j in range(n):
             linear[: n + 1, j] = lasts * (flows(T + _STEP * (np.arange(n) == j)) - now) / _STEP
         linear[: n + 1, n + 1 :] = lasts * np.eye(n + 1)
-        if known is None or not np.allclose(linear, known[0], rtol=_SAME, atol=_SAME * float(np.abs(linear).max())):
+        if known is None or not np.allclose(
+            linear, known[0], rtol=_SAME, atol=_SAME * float(np.abs(linear).max())
+        ):
             known = linear, expm(linear)[: n + 1, n + 1 :]
         moved = known[1] @ now
         rows.append(T + moved[:n])

@@ -68,9 +68,13 @@ def time_beyond(dataset: "xr.Dataset") -> float:
     margin = (dataset["cage_slip"] - dataset["runaway_slip_along"]).to_numpy()
     if not np.isfinite(margin).any():
         return math.nan
-    t, one, other = dataset["time"].to_numpy(), margin[:-1], margin[1:]
+    t = dataset["time"].to_numpy()
+    one = margin[:-1]
+    other = margin[1:]
     with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.where(one * other < 0.0, np.maximum(one, other) / np.abs(other - one), (one + other) > 0.0)
+        share = np.where(
+            one * other < 0.0, np.maximum(one, other) / np.abs(other - one), (one + other) > 0.0
+        )
     known = np.isfinite(one) & np.isfinite(other)
     return float(np.sum(np.where(known, share, 0.0) * np.diff(t)))
 
@@ -84,7 +88,11 @@ def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:
 def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
     """Work [J] that sliding took at each ring, of the ledger."""
     names = [str(name) for name in dataset["work"].to_numpy()]
-    return {ring: -float(dataset["work_done"][names.index(name), -1]) for ring, name in _WORK.items() if name in names}
+    return {
+        ring: -float(dataset["work_done"][names.index(name), -1])
+        for ring, name in _WORK.items()
+        if name in names
+    }
 
 
 def heats(dataset: "xr.Dataset") -> bool:
@@ -99,7 +107,9 @@ def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
     last = dataset["course_temperature"].to_numpy()[-1].tolist()
     return {
         **{name: float(dataset.attrs[name]) for name in _HEAT},
-        **{name: str(dataset.attrs[name]) for name in ("thermal", "hottest_node", "thermal_status")},
+        **{
+            name: str(dataset.attrs[name]) for name in ("thermal", "hottest_node", "thermal_status")
+        },
         "final_temperatures": dict(zip(map(str, dataset["node"].to_numpy()), last, strict=True)),
     }
 
@@ -111,7 +121,8 @@ def energy_in_words(joules: float) -> str:
 
 def heat_in_words(dataset: "xr.Dataset") -> list[str]:
     """Say what the losses did to the temperatures."""
-    a, nodes = dataset.attrs, [str(node) for node in dataset["node"].to_numpy()]
+    a = dataset.attrs
+    nodes = [str(node) for node in dataset["node"].to_numpy()]
     rows = dataset["course_temperature"].to_numpy()
     ends = ", ".join(
         f"{node} from {format_quantity(float(first), 'K', 4)} to {format_quantity(float(last), 'K', 4)}"
@@ -130,14 +141,19 @@ def heat_in_words(dataset: "xr.Dataset") -> list[str]:
     if guessed := estimated(dataset):
         said.append(f"{guessed}, 'rollslip models {a['thermal']}' says how")
     if "radial_clearance" in dataset:
-        first, last = (format_quantity(float(dataset["radial_clearance"][k]), "m", 3) for k in (0, -1))
+        first, last = (
+            format_quantity(float(dataset["radial_clearance"][k]), "m", 3) for k in (0, -1)
+        )
         said.append(f"the radial clearance goes with them from {first} to {last}")
     return said
 
 
 def without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return values with None in place of numbers that are not finite."""
-    return {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()}
+    return {
+        key: None if isinstance(v, float) and not math.isfinite(v) else v
+        for key, v in values.items()
+    }
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -158,7 +174,10 @@ def single_values(dataset: "xr.Dataset") -> dict[str, Any]:
         "least_margin_to_runaway": margin,
         "least_margin_time": near,
         "time_beyond_runaway": time_beyond(dataset),
-        **{f"sliding_distance_{ring}": float(d.mean()) for ring, d in sliding_distance(dataset).items()},
+        **{
+            f"sliding_distance_{ring}": float(d.mean())
+            for ring, d in sliding_distance(dataset).items()
+        },
         **{f"frictional_work_{ring}": work for ring, work in frictional_work(dataset).items()},
         "largest_cage_slip": slip,
     }
@@ -172,18 +191,25 @@ def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[
         return {first: topics[first], **warm, **{name: topics[name] for name in others}}
     own = warm | {
         "history": sentences(dataset),
-        "skidding": [f"at the operation of the scene: {topics['skidding'][0]}", *running_away(dataset)],
+        "skidding": [
+            f"at the operation of the scene: {topics['skidding'][0]}",
+            *running_away(dataset),
+        ],
         "largest slip": [largest_in_words(dataset)],
     }
-    return {name: own.get(name, topics.get(name, [])) for name in (first, "history", *warm, *others)}
+    return {
+        name: own.get(name, topics.get(name, [])) for name in (first, "history", *warm, *others)
+    }
 
 
 def sentences(dataset: "xr.Dataset") -> list[str]:
     """Say how the operation went, and what sliding it brought."""
-    said, t = [], dataset["time"].to_numpy()
+    said = []
+    t = dataset["time"].to_numpy()
     varies = json.loads(dataset.attrs["history_varies"])
     for name in json.loads(dataset.attrs["history"]):
-        values, what = dataset[name].to_numpy(), name.replace("_", " ")
+        values = dataset[name].to_numpy()
+        what = name.replace("_", " ")
         low, high, first, last = (
             format_quantity(float(value), dataset[name].attrs["units"], 4, _TOLD_IN.get(name))
             for value in (values.min(), values.max(), values[0], values[-1])
@@ -191,7 +217,9 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
         if name not in varies:
             said.append(f"{what} stays at {first}")
         else:
-            more = "" if {first, last} == {low, high} else f", with {low} at least and {high} at most"
+            more = (
+                "" if {first, last} == {low, high} else f", with {low} at least and {high} at most"
+            )
             said.append(f"{what} goes from {first} to {last} {_when(t, values)}{more}")
     held, least = json.loads(dataset.attrs.get("starvation", "[1, 1]"))
     if abs(least - held) > _KNOWN * least:
@@ -199,11 +227,16 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
             f"starvation is that of the largest speed throughout, a factor of {held:.3g} on the film; at the lowest "
             f"speed it would be {least:.3g}"
         )
-    distances, works = sliding_distance(dataset), frictional_work(dataset)
+    distances = sliding_distance(dataset)
+    works = frictional_work(dataset)
     for ring, distance in distances.items():
-        far, most = (format_quantity(float(value), "m", 3) for value in (distance.mean(), distance.max()))
+        far, most = (
+            format_quantity(float(value), "m", 3) for value in (distance.mean(), distance.max())
+        )
         work = format_quantity(works[ring], "J", 3) if ring in works else "work that is not known"
-        said.append(f"a roller slid {far} on the {ring} ring on average, {most} at most; friction took {work} there")
+        said.append(
+            f"a roller slid {far} on the {ring} ring on average, {most} at most; friction took {work} there"
+        )
     return said
 
 
@@ -212,7 +245,8 @@ def _when(t: Array, values: Array) -> str:
     steps = np.flatnonzero(np.abs(np.diff(values)) > 1e-9 * np.ptp(values))
     if not steps.size:
         return f"at t = {t[-1]:.3g} s"
-    begin, end = float(t[steps[0]]), float(t[steps[-1] + 1])
+    begin = float(t[steps[0]])
+    end = float(t[steps[-1] + 1])
     return f"at t = {end:.3g} s" if steps.size == 1 else f"between t = {begin:.3g} and {end:.3g} s"
 
 
@@ -243,9 +277,13 @@ def running_away(dataset: "xr.Dataset") -> list[str]:
     """Say how near the cage came to running away, at the operation of each moment."""
     margin, when, limit = nearest(dataset)
     if math.isnan(margin):
-        return [f"along the way it is not known where skidding begins: {dataset.attrs['history_status']}"]
+        return [
+            f"along the way it is not known where skidding begins: {dataset.attrs['history_status']}"
+        ]
     where = f"{100 * limit:.3g} % at the operation of that moment"
-    known = int(np.isfinite((dataset["runaway_slip_along"] - dataset["cage_slip"]).to_numpy()).sum())
+    known = int(
+        np.isfinite((dataset["runaway_slip_along"] - dataset["cage_slip"]).to_numpy()).sum()
+    )
     if known < dataset.sizes["time"]:
         where += f"; both slips are known at {known} of {dataset.sizes['time']} instants"
     if margin > 0.0:

@@ -8,7 +8,8 @@ from rollslip.studies.answers import Output
 from rollslip_studies.effective_friction.raceways import REGIMES
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 
-_CONTACT, _ROLLER = "ring time roller", "time roller"
+_CONTACT = "ring time roller"
+_ROLLER = "time roller"
 
 
 def _nodes(ring: str) -> dict[str, Output]:

@@ -45,22 +45,29 @@ _GRID: Final = {0: 1, 1: 9, 2: 5, 3: 4, 4: 3}
 _INSTANTS: Final = 2001
 #: Instants at which a plan looks at the maps along a history, and bearings over an axis of speed from which on
 #: conventional friction takes far less time than effective friction.
-_LOOKS, _MOST_BEARINGS = 257, 100
+_LOOKS = 257
+_MOST_BEARINGS = 100
 #: Least value over the largest from which on steps of a grid are equal; below, they are in proportion.
 _EVEN: Final = 0.5
 #: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
 INSTANTS: Final = 4
 
 
-def history_of(settings: HistorySettings | None, assembly: Assembly, duration: float, table_of: str) -> History | None:
+def history_of(
+    settings: HistorySettings | None, assembly: Assembly, duration: float, table_of: str
+) -> History | None:
     """Return the history of a run; None where nothing is to change."""
     if settings is None:
         return None
     where = Location(assembly.scene.origins, (*table_of.split("."), "history"))
-    return assembly.kept("history", (settings, duration), lambda: settings.history(assembly.scene, duration, where))
+    return assembly.kept(
+        "history", (settings, duration), lambda: settings.history(assembly.scene, duration, where)
+    )
 
 
-def left_open(history: History | None, named: Sequence[str], level: str) -> tuple[dict[str, Any], list[str]]:
+def left_open(
+    history: History | None, named: Sequence[str], level: str
+) -> tuple[dict[str, Any], list[str]]:
     """Return what a history leaves no choice of, and the settings that are not to be chosen: those and the named."""
     if history is None:
         return {}, [*named]
@@ -72,7 +79,9 @@ def left_open(history: History | None, named: Sequence[str], level: str) -> tupl
     return settings, [*named, *settings, *([] if within else ["integrator"])]
 
 
-def reasons(history: History | None, settings: Mapping[str, Any], level: str, given: Collection[str]) -> dict[str, str]:
+def reasons(
+    history: History | None, settings: Mapping[str, Any], level: str, given: Collection[str]
+) -> dict[str, str]:
     """Say why a history leaves no choice."""
     if history is None:
         return {}
@@ -83,7 +92,9 @@ def reasons(history: History | None, settings: Mapping[str, Any], level: str, gi
         "would take longer than they save",
     }
     fixed = settings.get("level", level) == "cage-set"
-    return {name: known[name] for name in (*({"integrator"} - {*given} if fixed else ()), *settings)}
+    return {
+        name: known[name] for name in (*({"integrator"} - {*given} if fixed else ()), *settings)
+    }
 
 
 @attrs.frozen(eq=False)
@@ -101,16 +112,23 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     """Return where the cage would run away, held at the operation of each instant."""
     nothing = np.full(times.size, np.nan)
     if not history.speeds_in_proportion():
-        said = "not worked out where the speeds of both rings change, not in proportion to each other"
-        return Along(nothing, nothing, nothing, f"the slip at which skidding begins along the way is {said}")
-    now, spans = history.at(times), history.spans
-    values, grids = list[Array](), list[Array]()
+        said = (
+            "not worked out where the speeds of both rings change, not in proportion to each other"
+        )
+        return Along(
+            nothing, nothing, nothing, f"the slip at which skidding begins along the way is {said}"
+        )
+    now = history.at(times)
+    spans = history.spans
+    values = list[Array]()
+    grids = list[Array]()
     names: list[str] = [name for name in history.conditions if name in history.varies]
     apart = np.abs(now["inner_speed"] - now["outer_speed"])
     fast = apart > STILL * apart.max(initial=0.0)
     if {"inner_speed", "outer_speed"} & {*history.varies}:
         names.append("speed")
-    spans, now = spans | {"speed": (STILL * apart.max(), apart.max())}, now | {"speed": apart}
+    spans = spans | {"speed": (STILL * apart.max(), apart.max())}
+    now = now | {"speed": apart}
     if (path := history.path) is not None:
         names.append(path.name)
         spans[path.name], now[path.name] = (0.0, 1.0), path.along.at(times)
@@ -127,10 +145,14 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         *names,
         *(float(one) for grid in grids for one in grid[[0, -1]]),
     )
-    found: dict[tuple[int, ...], tuple[float, float, float]] = assembly.kept("held along", key, dict)
+    found: dict[tuple[int, ...], tuple[float, float, float]] = assembly.kept(
+        "held along", key, dict
+    )
     statuses: set[str] = assembly.kept("statuses along", key, set)
     top = int(np.argmax(apart))
-    speeds = {name: float(now[name][top]) / (apart[top] or 1.0) for name in ("inner_speed", "outer_speed")}
+    speeds = {
+        name: float(now[name][top]) / (apart[top] or 1.0) for name in ("inner_speed", "outer_speed")
+    }
 
     held = {name: spans[name][0] for name in history.conditions if name not in names}
 
@@ -141,8 +163,11 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
             there = held | here | {name: float(share * speed) for name, share in speeds.items()}
             try:
                 bearing = assembly if path is None else path.bearing(assembly, there.pop(path.name))
-                raceways = study.loaded(operated(bearing, there), assembly.resolution.instants or INSTANTS)
-                away, critical = away_of(study, raceways), critical_of(study, raceways)
+                raceways = study.loaded(
+                    operated(bearing, there), assembly.resolution.instants or INSTANTS
+                )
+                away = away_of(study, raceways)
+                critical = critical_of(study, raceways)
             except RollslipError as error:
                 statuses.add(str(error))
                 found[place] = math.nan, math.nan, math.nan
@@ -151,7 +176,8 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
                 found[place] = away.slip, away.drag, critical.slip
         return found[place]
 
-    cells, shares = list[Any](), list[Array]()
+    cells = list[Any]()
+    shares = list[Array]()
     for value, grid in zip(values, grids, strict=True):
         k = np.clip(np.searchsorted(grid, value, side="right") - 1, 0, grid.size - 2)
         cells.append(k)
@@ -161,7 +187,10 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         weight = np.ones(times.size)
         for bit, share in zip(corner, shares, strict=True):
             weight = weight * (share if bit else 1.0 - share)
-        places = np.stack([cell + bit for bit, cell in zip(corner, cells, strict=True)] or [np.zeros(times.size, int)])
+        places = np.stack(
+            [cell + bit for bit, cell in zip(corner, cells, strict=True)]
+            or [np.zeros(times.size, int)]
+        )
         used = (weight > 0.0) & fast
         for place in {tuple(row) for row in places[:, used].T.tolist()}:
             here = used & (places == np.array(place)[:, None]).all(axis=0)
@@ -178,22 +207,35 @@ def _grid(low: float, high: float, count: int) -> Array:
     return np.linspace(low, high, count)
 
 
-def limit_of(study: EffectiveFriction, assembly: Assembly, history: History | None) -> Course | None:
+def limit_of(
+    study: EffectiveFriction, assembly: Assembly, history: History | None
+) -> Course | None:
     """Return the slip of running away as a course to be watched; None where none is known, or nothing changes."""
     if history is None:
         return None
     breaks = np.array(history.breaks)
     before = breaks - 1e-9 * history.end
-    times = np.unique(np.concatenate((np.linspace(0.0, history.end, _INSTANTS), before[before > 0.0], breaks)))
+    times = np.unique(
+        np.concatenate((np.linspace(0.0, history.end, _INSTANTS), before[before > 0.0], breaks))
+    )
     slip = along(study, assembly, history, times).runaway_slip
     return None if np.isnan(slip).all() else attrs.evolve(table(times, slip), breaks=())
 
 
 def away_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Runaway:
     """Where the cage runs away."""
-    rings, away = raceways.assembly.rings, study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
-    why = "a form turns with its ring" if rings and rings.turning else f"study.{study.name}.runaway_range is 0"
-    return Runaway(math.nan, math.nan, f"it was not looked where skidding begins: {why}") if away is None else away
+    rings = raceways.assembly.rings
+    away = study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
+    why = (
+        "a form turns with its ring"
+        if rings and rings.turning
+        else f"study.{study.name}.runaway_range is 0"
+    )
+    return (
+        Runaway(math.nan, math.nan, f"it was not looked where skidding begins: {why}")
+        if away is None
+        else away
+    )
 
 
 def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
@@ -202,7 +244,9 @@ def critical_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
     return raceways.critical(slip, raceways.curve(slip))[0]
 
 
-def at_the_ends(study: EffectiveFriction, assembly: Assembly, history: History | None, share: float) -> Estimated:
+def at_the_ends(
+    study: EffectiveFriction, assembly: Assembly, history: History | None, share: float
+) -> Estimated:
     """Slices and instants as the operation needs them, and the least and the largest load and temperature."""
     estimated, *_ = slices_and_instants(study, assembly, share)
     if history is None:
@@ -255,13 +299,21 @@ def _starvation(moving: VaryingMotion, now: Mapping[str, Array]) -> list[float]:
 
     They are of one speed, the largest, unless friction is tabulated over speeds.
     """
-    at, apart = moving.base.assembly, np.abs(now["inner_speed"] - now["outer_speed"])
-    starved = any("starvation" in taken_from_scene(model) for model in (*at.models.values(), *at.cage.named))
-    if not (starved and moving.stations.speeds_vary) or "speed" in [axis.name for axis in moving.stations.axes]:
+    at = moving.base.assembly
+    apart = np.abs(now["inner_speed"] - now["outer_speed"])
+    starved = any(
+        "starvation" in taken_from_scene(model) for model in (*at.models.values(), *at.cage.named)
+    )
+    if not (starved and moving.stations.speeds_vary) or "speed" in [
+        axis.name for axis in moving.stations.axes
+    ]:
         return [1.0, 1.0]
     slow = int(np.argmin(np.where(apart > 0.0, apart, np.inf)))
     least = operated(at, {name: float(now[name][slow]) for name in ("inner_speed", "outer_speed")})
-    return [float(str(scene_values(one.scene, one.kinematics, one.lubricant)["starvation"])) for one in (at, least)]
+    return [
+        float(str(scene_values(one.scene, one.kinematics, one.lubricant)["starvation"]))
+        for one in (at, least)
+    ]
 
 
 def parts(
@@ -289,7 +341,9 @@ def parts(
     ]
 
 
-def cost(history: History | None, make: Callable[[], MovingBearing], study: EffectiveFriction) -> dict[str, float]:
+def cost(
+    history: History | None, make: Callable[[], MovingBearing], study: EffectiveFriction
+) -> dict[str, float]:
     """Return the time [s] that maps along a history, and the slips of running away along it, take in a run.
 
     They are made for it, and kept: of them the run pays what finding them costs.
@@ -305,9 +359,15 @@ def cost(history: History | None, make: Callable[[], MovingBearing], study: Effe
     return {"history": time.process_time() - begin}
 
 
-def without_tables(history: History | None, friction: str, make: Callable[[], MovingBearing]) -> str:
+def without_tables(
+    history: History | None, friction: str, make: Callable[[], MovingBearing]
+) -> str:
     """Return why effective friction cannot be tabulated along a history of speeds; empty if it can, or need not."""
-    if history is None or friction != "effective" or not {"inner_speed", "outer_speed"} & {*history.varies}:
+    if (
+        history is None
+        or friction != "effective"
+        or not {"inner_speed", "outer_speed"} & {*history.varies}
+    ):
         return ""
     try:
         _through(history, make(), _MOST_BEARINGS)
@@ -319,20 +379,30 @@ def without_tables(history: History | None, friction: str, make: Callable[[], Mo
 def _through(history: History, moving: MovingBearing, most: float = math.inf) -> None:
     """Put together what a motion asks for along a history, up to so many bearings an axis of speed."""
     assert isinstance(moving, VaryingMotion)
-    y, most = moving.initial(), most * 4 ** max(len(moving.stations.axes) - 1, 0)
+    y = moving.initial()
+    most = most * 4 ** max(len(moving.stations.axes) - 1, 0)
     for t in np.linspace(0.0, history.end, _LOOKS):
         moving.system(float(t), y)
         if moving.stations.bearings > most:
-            raise ConvergenceError(f"more than {most:g} bearings would have to be put together for it")
+            raise ConvergenceError(
+                f"more than {most:g} bearings would have to be put together for it"
+            )
 
 
 def told(dataset: "xr.Dataset") -> "xr.Dataset":
     """Return a result with what is asked of a history as single values, which campaigns keep; none without one."""
     if not history_findings.along(dataset):
-        none = dict.fromkeys((name for name, output in OUTPUTS.items() if output.status == "history_status"), math.nan)
-        return dataset.assign_attrs(none | {"history_status": "the operation does not change: there is no history"})
+        none = dict.fromkeys(
+            (name for name, output in OUTPUTS.items() if output.status == "history_status"),
+            math.nan,
+        )
+        return dataset.assign_attrs(
+            none | {"history_status": "the operation does not change: there is no history"}
+        )
     values = history_findings.single_values(dataset)
-    return dataset.assign_attrs({key: value for key, value in values.items() if not isinstance(value, list)})
+    return dataset.assign_attrs(
+        {key: value for key, value in values.items() if not isinstance(value, list)}
+    )
 
 
 def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float, str]:
@@ -350,7 +420,10 @@ def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float
     changing = [name for name, values in now.items() if np.ptp(values) > known_to.get(name, 0.0)]
     if not changing:
         return status
-    return math.nan, f"the operation changes until the end ({', '.join(changing).replace('_', ' ')})"
+    return (
+        math.nan,
+        f"the operation changes until the end ({', '.join(changing).replace('_', ' ')})",
+    )
 
 
 def at_the_end(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
@@ -370,9 +443,15 @@ def at_the_end(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
 
 def at_instant(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assembly:
     """Return the bearing at the temperatures of a stored instant of a result, by its number, its inlets fed as then."""
-    given = {name: float(dataset[name][instant]) for name in json.loads(dataset.attrs.get("history", "[]"))}
+    given = {
+        name: float(dataset[name][instant])
+        for name in json.loads(dataset.attrs.get("history", "[]"))
+    }
     at = {name: value for name, value in given.items() if name in TEMPERATURES}
-    speeds = {name: given.get(name, getattr(assembly.scene.operation, name)) for name in ("inner_speed", "outer_speed")}
+    speeds = {
+        name: given.get(name, getattr(assembly.scene.operation, name))
+        for name in ("inner_speed", "outer_speed")
+    }
     if speeds["inner_speed"] != speeds["outer_speed"] and any(
         "starvation" in taken_from_scene(model) for model in assembly.models.values()
     ):

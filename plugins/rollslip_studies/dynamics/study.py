@@ -24,7 +24,15 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.catalogue.registry import find, structure_model
 from rollslip.errors import SceneError
-from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
+from rollslip.fields import (
+    FieldError,
+    at_least,
+    in_range,
+    non_negative,
+    one_of,
+    parameter,
+    positive,
+)
 from rollslip.models import IntegratorModel
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
@@ -71,7 +79,8 @@ LEVELS: Final = {
 #: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
-_SHARE, _TABLES = 0.5, 0.2
+_SHARE = 0.5
+_TABLES = 0.2
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
 _LEAST_TOLERANCE: Final = 2.3e-14
 
@@ -104,7 +113,9 @@ class Dynamics(Study):
     in_time: ClassVar[bool] = True
 
     level: str = parameter(
-        default="cage-set", doc="what moves; a plan chooses where it is not given", validator=one_of(*LEVELS)
+        default="cage-set",
+        doc="what moves; a plan chooses where it is not given",
+        validator=one_of(*LEVELS),
     )
     friction: str = parameter(
         default="effective",
@@ -117,7 +128,9 @@ class Dynamics(Study):
         doc="effective friction over the sliding speed at each raceway, or over cage slip and roller slip",
         validator=one_of("sliding-speed", "slips"),
     )
-    friction_coefficient: float = parameter(default=0.05, unit="1", doc="of constant friction", validator=non_negative)
+    friction_coefficient: float = parameter(
+        default=0.05, unit="1", doc="of constant friction", validator=non_negative
+    )
     friction_speed: float = parameter(
         default=0.05,
         unit="m/s",
@@ -127,11 +140,22 @@ class Dynamics(Study):
         possible=(1e-12, 1e4),
     )
     duration: float = parameter(
-        default=1.0, unit="s", doc="time to go through", validator=positive, usual=(1e-4, 1e4), possible=(1e-9, 1e9)
+        default=1.0,
+        unit="s",
+        doc="time to go through",
+        validator=positive,
+        usual=(1e-4, 1e4),
+        possible=(1e-9, 1e9),
     )
-    points: int = parameter(default=1001, doc="instants stored, evenly spread with both ends", validator=at_least(2))
-    cage_slip: float = parameter(default=0.0, unit="1", doc="slip of the cage at the start: 1 at rest, 2 backwards")
-    roller_slip: float = parameter(default=0.0, unit="1", doc="slip of the rollers at the start: 1 at rest")
+    points: int = parameter(
+        default=1001, doc="instants stored, evenly spread with both ends", validator=at_least(2)
+    )
+    cage_slip: float = parameter(
+        default=0.0, unit="1", doc="slip of the cage at the start: 1 at rest, 2 backwards"
+    )
+    roller_slip: float = parameter(
+        default=0.0, unit="1", doc="slip of the rollers at the start: 1 at rest"
+    )
     integrator: Any = parameter(
         default="rodas5p",
         doc="integrator, by name or as a table with its parameters; a plan chooses where it is not given",
@@ -148,18 +172,28 @@ class Dynamics(Study):
         validator=one_of("end", "critical"),
     )
     film_limit: float = parameter(
-        default=0.0, unit="1", doc="film parameter whose passing is an event; 0 for none", validator=non_negative
+        default=0.0,
+        unit="1",
+        doc="film parameter whose passing is an event; 0 for none",
+        validator=non_negative,
     )
     planar: PlanarSettings | None = attrs.field(
-        default=None, metadata={"doc": "masses, damping, gravity and load of level planar", "unit": None}
+        default=None,
+        metadata={"doc": "masses, damping, gravity and load of level planar", "unit": None},
     )
     history: HistorySettings | None = attrs.field(
-        default=None, metadata={"doc": "speeds, load and temperature over time, in place of [operation]", "unit": None}
+        default=None,
+        metadata={
+            "doc": "speeds, load and temperature over time, in place of [operation]",
+            "unit": None,
+        },
     )
 
     def __attrs_post_init__(self) -> None:
         if self.film_limit > 0.0 and self.friction != "conventional":
-            raise FieldError("film_limit", f"only known to friction = 'conventional', not to {self.friction!r}")
+            raise FieldError(
+                "film_limit", f"only known to friction = 'conventional', not to {self.friction!r}"
+            )
 
     def at(self, resolution: Resolution) -> "Dynamics":
         """Return the settings with what a resolution says of friction, level, integrator and its tolerance."""
@@ -169,7 +203,9 @@ class Dynamics(Study):
             "integrator": resolution.integrator,
             "relative_tolerance": resolution.integrator_tolerance,
         }
-        return attrs.evolve(self, **{name: value for name, value in said.items() if value is not None})
+        return attrs.evolve(
+            self, **{name: value for name, value in said.items() if value is not None}
+        )
 
     def chosen(self, assembly: Assembly) -> Mapping[str, Any]:
         """Return friction, level, integrator and its tolerance, as they are."""
@@ -187,8 +223,11 @@ class Dynamics(Study):
 
     def curved(self, assembly: Assembly) -> EffectiveFriction:
         """Return how the raceways' contacts are averaged, as the scene has it."""
-        found, rings = EffectiveFriction.of(assembly.scene), assembly.rings
-        return attrs.evolve(found, runaway_range=0.0) if rings and rings.turning else found  # where no slip is steady
+        found = EffectiveFriction.of(assembly.scene)
+        rings = assembly.rings
+        return (
+            attrs.evolve(found, runaway_range=0.0) if rings and rings.turning else found
+        )  # where no slip is steady
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
@@ -203,12 +242,16 @@ class Dynamics(Study):
 
     def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Friction, level and integrator, where the scene does not name them."""
-        given, history = [*assembly.scene.study.get(self.name, {})], self.course(assembly)
+        given = [*assembly.scene.study.get(self.name, {})]
+        history = self.course(assembly)
         settings, named = over_time.left_open(history, given, self.level)
         reasons = over_time.reasons(history, settings, self.level, given)
         at = assembly.at(estimated.resolution)
-        if why := over_time.without_tables(history, self.evolved(**settings).friction, lambda: self.moving(at)):
-            settings["friction"], reasons["friction"] = "conventional", why
+        if why := over_time.without_tables(
+            history, self.evolved(**settings).friction, lambda: self.moving(at)
+        ):
+            settings["friction"] = "conventional"
+            reasons["friction"] = why
         choice = choose_motion(self.evolved(**settings), at, named)
         return attrs.evolve(
             estimated,
@@ -229,7 +272,11 @@ class Dynamics(Study):
 
     def _fades(self, level: str, assembly: Assembly) -> bool:
         """Whether it is looked at how errors of the cage speed fade; else they add up over all of the duration."""
-        return not self.history and level != "cage-set" and not (assembly.rings and assembly.rings.turning)
+        return (
+            not self.history
+            and level != "cage-set"
+            and not (assembly.rings and assembly.rings.turning)
+        )
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
@@ -237,21 +284,34 @@ class Dynamics(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of tables and motion, from its beginning, and of the slip of running away."""
-        at = attrs.evolve(assembly.resolution, instants=assembly.resolution.instants or over_time.INSTANTS)
+        at = attrs.evolve(
+            assembly.resolution, instants=assembly.resolution.instants or over_time.INSTANTS
+        )
         told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
-        away, history = sum(told.values()), self.course(assembly)
+        away = sum(told.values())
+        history = self.course(assembly)
         along_it = over_time.cost(history, lambda: self.moving(assembly), self.curved(assembly))
         motion = costs_of(self, assembly)
-        return {"skidding": away, **along_it, **motion, **heating.cost(self, assembly, motion["motion"])}
+        return {
+            "skidding": away,
+            **along_it,
+            **motion,
+            **heating.cost(self, assembly, motion["motion"]),
+        }
 
-    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+    def more_parts(
+        self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]
+    ) -> list[Part]:
         """Return steps, friction, level and integrator."""
-        errors, fades = estimated.errors, self._fades(self.level, assembly)
+        errors = estimated.errors
+        fades = self._fades(self.level, assembly)
         offer = find("integrator", self.method(assembly).name)
 
         def why(setting: str) -> str:
             named = setting in assembly.scene.study.get(self.name, {})
-            return estimated.reasons.get(setting, f"study.{self.name} names it" if named else "default")
+            return estimated.reasons.get(
+                setting, f"study.{self.name} names it" if named else "default"
+            )
 
         steps = Part(
             part="steps in time",
@@ -259,13 +319,19 @@ class Dynamics(Study):
             resolution="every step",
             reason="two short motions of other tolerances tell what it leaves of the cage speed, "
             + ("two cages that begin apart how long that lasts" if fades else "which adds up")
-            + ("" if self.level == "cage-set" else ", and finer ones how far motions come apart in an orbit"),
+            + (
+                ""
+                if self.level == "cage-set"
+                else ", and finer ones how far motions come apart in an orbit"
+            ),
             errors=errors.get("steps", {}),
             seconds=costs.pop("motion", None) if "steps" in errors else None,
         )
         return [
             *([steps] if "steps" in errors else []),
-            *over_time.parts(self.course(assembly), lambda: self.moving(assembly), self.name, costs),
+            *over_time.parts(
+                self.course(assembly), lambda: self.moving(assembly), self.name, costs
+            ),
             *heating.part(self, assembly, costs),
             *parts(assembly.scene),
             Part(
@@ -315,8 +381,12 @@ class Dynamics(Study):
             If the cage is wrong, or they are not there.
         """
         drags = (("drag", model) for model in assembly.cage.drags)
-        heat, measures = heating.model_of(assembly), damage_of(assembly)
-        more = [*([] if heat is None else [("thermal", heat)]), *(("damage", model) for model in measures)]
+        heat = heating.model_of(assembly)
+        measures = damage_of(assembly)
+        more = [
+            *([] if heat is None else [("thermal", heat)]),
+            *(("damage", model) for model in measures),
+        ]
         return *drags, ("integrator", self.method(assembly)), *more
 
     @property
@@ -353,7 +423,9 @@ class Dynamics(Study):
             If loads or friction cannot be tabulated.
         """
         dataset = over_time.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
-        damage, measures = over_motion(assembly, dataset, partial(over_time.at_instant, assembly, dataset))
+        damage, measures = over_motion(
+            assembly, dataset, partial(over_time.at_instant, assembly, dataset)
+        )
         return dataset.assign_coords(measures).assign(self.variables(**damage))
 
     def _run(self, assembly: Assembly, kept: Keep) -> "xr.Dataset":
@@ -361,30 +433,47 @@ class Dynamics(Study):
         if self.level == "planar":
             self._of_planar(assembly)
         heat = heating.heated(self, assembly, kept.progress)
-        assembly, history = (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
+        assembly, history = (
+            (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
+        )
         settings = self.curved(assembly)
         store = None if kept.store is None else Checkpoints(*attrs.astuple(kept.store))
         raceways = settings.loaded(assembly, assembly.resolution.instants or over_time.INSTANTS)
-        critical, away = over_time.critical_of(settings, raceways), over_time.away_of(settings, raceways)
+        critical = over_time.critical_of(settings, raceways)
+        away = over_time.away_of(settings, raceways)
         limit = over_time.limit_of(settings, assembly, history)
         moving = self.moving_along(history, assembly, critical_slip=away.slip, limit=limit)
-        times, watch = np.linspace(0.0, self.duration, self.points), moving.system.watch
+        times = np.linspace(0.0, self.duration, self.points)
+        watch = moving.system.watch
         before = None if store is None else store.load(times, moving.system.n)
-        done, parts = (0, 0) if before is None or store is None else (before.t.size, len(store.parts()))
+        done, parts = (
+            (0, 0) if before is None or store is None else (before.t.size, len(store.parts()))
+        )
 
         def keep(number: int, trajectory: Trajectory) -> None:
             if store is not None:
                 store.write(parts + number, trajectory)
             if kept.progress is not None:
                 t = trajectory.last_t
-                kept.progress(f"{t:.4g} of {self.duration:.4g} s", heating.share(heat, t / self.duration))
+                kept.progress(
+                    f"{t:.4g} of {self.duration:.4g} s", heating.share(heat, t / self.duration)
+                )
 
         found = integrate(
-            self._ivp(moving, self.relative_tolerance, before, watch=watch if moving.system.watched else None),
+            self._ivp(
+                moving,
+                self.relative_tolerance,
+                before,
+                watch=watch if moving.system.watched else None,
+            ),
             integrator,
             times[done:],
             rtol=self.relative_tolerance,
-            stop=frozenset({0} if self.stop_at == "critical" and not (math.isnan(away.slip) and limit is None) else ()),
+            stop=frozenset(
+                {0}
+                if self.stop_at == "critical" and not (math.isnan(away.slip) and limit is None)
+                else ()
+            ),
             first_step=0.0 if before is None else before.last_step,
             state=None if before is None else before.last_state,
             keep=keep,
@@ -394,9 +483,15 @@ class Dynamics(Study):
         # by now models may fail as in the run, or anew
         outputs, found = outputs_of(moving, found)
         slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.unslipped(found.t)[0])[[0, -1]]
-        regimes, found = regimes_of(raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found)
+        regimes, found = regimes_of(
+            raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found
+        )
         warmed, warmth = heating.told(heat, found.t)
-        nodes = {} if heat is None else {"node": ("node", [*heat.model.nodes], about("1", "part of the bearing"))}
+        nodes = (
+            {}
+            if heat is None
+            else {"node": ("node", [*heat.model.nodes], about("1", "part of the bearing"))}
+        )
         return (
             self._dataset(assembly, moving, found, outputs, integrator)
             .assign(regimes)
@@ -405,7 +500,10 @@ class Dynamics(Study):
             .assign_attrs(warmth)
             .assign_attrs(
                 {
-                    **{f"runaway_{name}": getattr(away, name) for name in ("slip", "drag", "status")},
+                    **{
+                        f"runaway_{name}": getattr(away, name)
+                        for name in ("slip", "drag", "status")
+                    },
                     "critical_cage_slip": critical.slip,
                     "critical_status": critical.status,
                     "first_maximum_slip": critical.first_slip,
@@ -415,7 +513,11 @@ class Dynamics(Study):
         )
 
     def tried(
-        self, moving: MovingBearing, times: Array, tolerance: float, before: Trajectory | None = None
+        self,
+        moving: MovingBearing,
+        times: Array,
+        tolerance: float,
+        before: Trajectory | None = None,
     ) -> Trajectory:
         """Return the motion from its start or from before, at some times [s], nothing watched or kept."""
         found = integrate(
@@ -426,11 +528,15 @@ class Dynamics(Study):
             first_step=0.0 if before is None else before.last_step,
             state=None if before is None else before.last_state,
         )
-        if found.outcome == "interrupted":  # else what is chosen by trials would take it for a fault of one
+        if (
+            found.outcome == "interrupted"
+        ):  # else what is chosen by trials would take it for a fault of one
             raise KeyboardInterrupt
         return found
 
-    def _ivp(self, moving: MovingBearing, error: float, before: Trajectory | None, **own: Any) -> InitialValueProblem:
+    def _ivp(
+        self, moving: MovingBearing, error: float, before: Trajectory | None, **own: Any
+    ) -> InitialValueProblem:
         absolute, relative = moving.tolerances
         return InitialValueProblem(
             rates=moving.system,
@@ -476,7 +582,9 @@ class Dynamics(Study):
         )
         if history is not None:
             planar = self._of_planar(assembly) if self.level == "planar" else None
-            return varying_motion(assembly, friction, history, level=self.level, planar=planar, limit=limit)
+            return varying_motion(
+                assembly, friction, history, level=self.level, planar=planar, limit=limit
+            )
         if self.level == "planar":
             return planar_motion(assembly, self._of_planar(assembly), friction)
         return carried_motion(assembly, friction, level=self.level)
@@ -503,7 +611,8 @@ class Dynamics(Study):
         SceneError, PluginError
             If its parameters are wrong, or it is not there.
         """
-        problems, where = list[str](), Location(assembly.scene.origins, ("study", self.name, "integrator"))
+        problems = list[str]()
+        where = Location(assembly.scene.origins, ("study", self.name, "integrator"))
         made = structure_model("integrator", self.integrator, where, problems)
         if problems or not isinstance(made, IntegratorModel):
             raise SceneError(problems)
@@ -523,10 +632,13 @@ class Dynamics(Study):
     ) -> "xr.Dataset":
         import xarray as xr
 
-        t, cage, shapes = found.t, moving.split(found.y)["cage_speed"], shapes_of(moving)
+        t = found.t
+        cage = moving.split(found.y)["cage_speed"]
+        shapes = shapes_of(moving)
         variables = self.variables(**stored(moving, found, outputs))
         variables["film_parameter"][2]["film_status"] = self._film_status()
-        cage_slip, works = variables["cage_slip"][1], moving.works(found.y)
+        cage_slip = variables["cage_slip"][1]
+        works = moving.works(found.y)
         at_instants, of_history = over_time.with_history(self.curved(assembly), moving, t, found.y)
         variables |= self.variables(**at_instants)
         ended = found.outcome == "finished"  # else a longer run would end there too
@@ -535,7 +647,9 @@ class Dynamics(Study):
             cage_slip,
             cage,
             assembly.scene.accuracy.tolerance,
-            lambda seconds: f"; run longer with --set {self.table}.duration={seconds:.2g}s" if ended else "",
+            lambda seconds: (
+                f"; run longer with --set {self.table}.duration={seconds:.2g}s" if ended else ""
+            ),
             f"; store more with --set {self.table}.points={4 * self.points}",
         )
         steady, steady_status = over_time.settled(moving, t, (steady, steady_status))
@@ -543,11 +657,23 @@ class Dynamics(Study):
             variables,
             {
                 "time": ("time", t, about("s", "time")),
-                "roller": ("roller", np.arange(assembly.scene.bearing.rollers), about("1", "roller")),
+                "roller": (
+                    "roller",
+                    np.arange(assembly.scene.bearing.rollers),
+                    about("1", "roller"),
+                ),
                 "ring": ("ring", np.array(RINGS), about("1", "ring")),
                 "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
-                "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
-                **({"shape": ("shape", np.array(shapes), about("1", "shape of a ring"))} if shapes else {}),
+                "direction": (
+                    "direction",
+                    np.array(["along", "across"]),
+                    about("1", "direction to the line of load"),
+                ),
+                **(
+                    {"shape": ("shape", np.array(shapes), about("1", "shape of a ring"))}
+                    if shapes
+                    else {}
+                ),
             },
             attrs=self.attributes
             | of_history
@@ -566,10 +692,14 @@ class Dynamics(Study):
                 "contacts_evaluated": int(moving.system.owner.contacts_evaluated),
                 "integration_time": found.wall_time,
                 "integration_seconds": found.processor_time,
-                "real_time_factor": float(t[-1] - t[0]) / found.wall_time if found.wall_time > 0.0 else math.inf,
+                "real_time_factor": float(t[-1] - t[0]) / found.wall_time
+                if found.wall_time > 0.0
+                else math.inf,
                 "steady_cage_slip": steady,
                 "steady_status": steady_status,
-                "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
+                "drag": json.dumps(
+                    [{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]
+                ),
                 "cage": json.dumps(resolved(assembly.cage), default=str),
                 **moving.tables,
                 **found.told,

@@ -24,8 +24,14 @@ if TYPE_CHECKING:
 #: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
 WATCHED: Final = (
     ("cage slip passes that of skidding", "cage slip falls below that of skidding"),
-    ("the smallest film parameter rises above its limit", "the smallest film parameter falls below its limit"),
-    ("a contact of the inner ring closes: rollers carry it again", "the last contact of the inner ring opens"),
+    (
+        "the smallest film parameter rises above its limit",
+        "the smallest film parameter falls below its limit",
+    ),
+    (
+        "a contact of the inner ring closes: rollers carry it again",
+        "the last contact of the inner ring opens",
+    ),
 )
 #: What an integrator says in its message where a model has refused.
 _REFUSED: Final = "the rates are not defined"
@@ -45,10 +51,14 @@ def explained(found: Trajectory, moving: MovingBearing) -> Trajectory:
     """Return a trajectory that says what stopped it, and in a model's words what that model refused."""
     if found.outcome == "stopped":
         last = found.events[-1]
-        return attrs.evolve(found, message=f"{found.message}: {WATCHED[last.watched][not last.rising]}")
+        return attrs.evolve(
+            found, message=f"{found.message}: {WATCHED[last.watched][not last.rising]}"
+        )
     if found.outcome == "failed" and _REFUSED in found.message:
         error = moving.error(moving.system.refusal())
-        return attrs.evolve(found, error=error, message="; ".join((f"{found.message}: {error}", *_notes(error))))
+        return attrs.evolve(
+            found, error=error, message="; ".join((f"{found.message}: {error}", *_notes(error)))
+        )
     return attrs.evolve(found, message="; ".join((found.message, *_notes(found.error))))
 
 
@@ -61,7 +71,9 @@ def _failing(found: Trajectory, error: Exception, what: str) -> Trajectory:
     if found.outcome in ("failed", "interrupted"):
         return found
     message = f"{type(error).__name__} when {what} of the stored instants were computed: {error}"
-    return attrs.evolve(found, outcome="failed", error=error, message="; ".join((message, *_notes(error))))
+    return attrs.evolve(
+        found, outcome="failed", error=error, message="; ".join((message, *_notes(error)))
+    )
 
 
 def outputs_of(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Array], Trajectory]:
@@ -70,7 +82,8 @@ def outputs_of(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Arra
         return moving.outputs(found.t, found.y), found
     except Exception as error:
         found = _failing(found, error, "forces")
-    instants, rollers = found.t.size, moving.assembly.scene.bearing.rollers
+    instants = found.t.size
+    rollers = moving.assembly.scene.bearing.rollers
     names = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
     outputs = {name: np.full((instants, len(RINGS), rollers), np.nan) for name in names}
     outputs["pocket_force"] = np.full((instants, rollers), np.nan)
@@ -88,13 +101,19 @@ def shapes_of(moving: MovingBearing) -> list[str]:
     return [name for name in names if f"{name}_speed" in names]
 
 
-def stored(moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array]) -> dict[str, Array]:
+def stored(
+    moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array]
+) -> dict[str, Array]:
     """Return what is known of the stored instants by name: motion, contacts with these outputs, ledger and events."""
-    a, of = moving.assembly, moving.split(found.y)
-    k, sign = a.kinematics, a.kinematics.direction
-    cage, spin = of["cage_speed"], of["roller_spin"]
+    a = moving.assembly
+    of = moving.split(found.y)
+    k = a.kinematics
+    sign = a.kinematics.direction
+    cage = of["cage_speed"]
+    spin = of["roller_spin"]
     places = of["cage_angle"][:, None] + 2.0 * np.pi / spin.shape[1] * np.arange(spin.shape[1])
-    orbit, place = of.get("orbital_speed", cage[:, None]), of.get("pocket_position")
+    orbit = of.get("orbital_speed", cage[:, None])
+    place = of.get("pocket_position")
     if place is not None:
         places = places + place / k.orbit_radius
     relative = spin + orbit
@@ -124,21 +143,29 @@ def stored(moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array
             known |= {f"{ring}_sliding": curve[0], f"{ring}_friction": curve[1]}
     for what in ("inner_ring", "cage"):
         if f"{what}_x" in of:
-            known[f"{what.removeprefix('inner_')}_displacement"] = np.array([of[f"{what}_x"], of[f"{what}_y"]])
+            known[f"{what.removeprefix('inner_')}_displacement"] = np.array(
+                [of[f"{what}_x"], of[f"{what}_y"]]
+            )
     if shapes := shapes_of(moving):
         known["ring_deflection"] = np.array([of[name] for name in shapes])
     angles = [of.get(f"{ring}_form_angle") for ring in RINGS]
     if any(angle is not None for angle in angles):
-        known["form_angle"] = sign * np.array([0.0 * cage if angle is None else angle for angle in angles])
+        known["form_angle"] = sign * np.array(
+            [0.0 * cage if angle is None else angle for angle in angles]
+        )
     if "cage_x" in of and (clearance := a.cage.land_clearance) is not None:
-        x, y = of["cage_x"], of["cage_y"]
+        x = of["cage_x"]
+        y = of["cage_y"]
         if a.cage.guidance == "inner":
-            x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
+            x = x - of["inner_ring_x"]
+            y = y - of["inner_ring_y"]
         known["land_eccentricity"] = np.hypot(x, y) / clearance
     return known
 
 
-def regimes_of(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[dict[str, Any], Trajectory]:
+def regimes_of(
+    raceways: LoadedRaceways, slip: Array, found: Trajectory
+) -> tuple[dict[str, Any], Trajectory]:
     """Film regimes and load parameters of the contacts at some cage slips, NaN if a model fails; as `outputs_of`."""
     try:
         shares = raceways.regimes(raceways.speeds(slip))
@@ -155,7 +182,9 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
     Nothing if a value of that instant is missing.
     """
     last = dataset.isel(time=-1)
-    cage, rollers, force = (last[name].to_numpy() for name in ("cage_slip", "roller_slip", "normal_force"))
+    cage, rollers, force = (
+        last[name].to_numpy() for name in ("cage_slip", "roller_slip", "normal_force")
+    )
     if not all(np.isfinite(values).all() for values in (cage, rollers, force)):
         return []
     speeds = assembly.kinematics.surface_speeds(float(cage), rollers)
@@ -170,11 +199,16 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
             continue
         load = np.array([balanced_load(assembly, raceway, float(carried[k])) for k in carries])
         roller, column = np.nonzero(load > 0.0)
-        owner, some = carries[roller], load[load > 0.0]
-        places = assembly.places(raceway.ring, last.orbit_angle.to_numpy()[owner], owner.astype(float))
+        owner = carries[roller]
+        some = load[load > 0.0]
+        places = assembly.places(
+            raceway.ring, last.orbit_angle.to_numpy()[owner], owner.astype(float)
+        )
         places |= {"position": places["position"][column]} if places else {}
         forces = some * assembly.widths[column]
-        found.append(Evaluated(0, raceway.ring, some, rolling[owner], sliding[owner], forces, places))
+        found.append(
+            Evaluated(0, raceway.ring, some, rolling[owner], sliding[owner], forces, places)
+        )
     return found
 
 
@@ -196,27 +230,38 @@ def steady_slip_of(
             math.nan,
             "not known to be steady: the cage stands still at the end, and no orbit of the rollers can be told",
         )
-    orbit, lasted = 2.0 * math.pi / abs(float(speed[-1])), float(t[-1] - t[0])
+    orbit = 2.0 * math.pi / abs(float(speed[-1]))
+    lasted = float(t[-1] - t[0])
     if lasted < 3.0 * orbit:
         needed = f"three orbits of the rollers, which take {3.0 * orbit:.3g} s"
-        return math.nan, f"not known to be steady: the run is shorter than {needed}{longer(4.0 * orbit)}"
+        return (
+            math.nan,
+            f"not known to be steady: the run is shorter than {needed}{longer(4.0 * orbit)}",
+        )
     span = orbit * max(1.0, lasted // (8.0 * orbit))
     spans = [(t > t[-1] - k * span) & (t <= t[-1] - (k - 1) * span) for k in (3, 2, 1)]
     if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
         return math.nan, f"not known to be steady: too few instants are stored to tell{more}"
-    mean, (first, second, third) = float(slip[last].mean()), (float(slip[one].mean()) for one in spans)
+    mean = float(slip[last].mean())
+    (first, second, third) = (float(slip[one].mean()) for one in spans)
     allowed = tolerance * max(abs(mean), 1e-2)
-    before, moved = second - first, third - second
+    before = second - first
+    moved = third - second
     if max(abs(before), abs(moved), abs(mean - third)) <= allowed:
         return mean, "steady"
-    digits = 2 + max(1, math.ceil(-math.log10(tolerance)))  # so that what the tolerance tells apart looks different
+    digits = 2 + max(
+        1, math.ceil(-math.log10(tolerance))
+    )  # so that what the tolerance tells apart looks different
 
     def shown(value: float) -> str:
         return f"{100.0 * value:.{digits}g} %"
 
     if not 0.0 <= moved < 0.95 * before and not before * 0.95 < moved <= 0.0:
         went = f"from {shown(first)} over {shown(second)} to {shown(third)}"
-        return math.nan, f"not steady: it moves {went}, the means of the last three spans{longer(2.0 * lasted)}"
+        return (
+            math.nan,
+            f"not steady: it moves {went}, the means of the last three spans{longer(2.0 * lasted)}",
+        )
     end = third + moved**2 / (before - moved)
     if abs(end - mean) <= allowed:
         return mean, "steady"

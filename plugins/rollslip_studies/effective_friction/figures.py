@@ -27,12 +27,18 @@ if TYPE_CHECKING:
 
 __all__ = ["figures"]
 
-_POINT: Final[dict[str, Any]] = {**MARKER, "markersize": 6, "linestyle": "none", "label": "operating point"}
+_POINT: Final[dict[str, Any]] = {
+    **MARKER,
+    "markersize": 6,
+    "linestyle": "none",
+    "label": "operating point",
+}
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure of each that the dataset has something to show for."""
-    name, closure = "effective-friction", f"roller speed: {dataset.attrs['closure']}"
+    name = "effective-friction"
+    closure = f"roller speed: {dataset.attrs['closure']}"
     caption = f"Effective friction of both raceways against cage slip, {closure}."
     yield name, caption, _effective_friction(dataset)
     if "roller_friction" in dataset:
@@ -47,10 +53,17 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 def _effective_friction(dataset: "xr.Dataset") -> "Figure":
     figure, axes = new_figure()
-    shown, limits = curves(dataset), film_limits(dataset)
+    shown = curves(dataset)
+    limits = film_limits(dataset)
     tints = shade_film(axes, shown, limits)
     lines: list[Artist] = [
-        draw_curve(axes, curve, RING_COLOURS[ring], f"{curve.name}: smallest {film_text(curve, limits)}", tinted=True)
+        draw_curve(
+            axes,
+            curve,
+            RING_COLOURS[ring],
+            f"{curve.name}: smallest {film_text(curve, limits)}",
+            tinted=True,
+        )
         for ring, curve in zip(dataset["ring"].values, shown, strict=True)
     ]
     axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
@@ -66,7 +79,8 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
 
     figure, axes = new_figure()
     inner = dataset.sel(ring="inner")
-    forces, friction = inner["normal_force"].to_numpy(), inner["roller_friction"].to_numpy()
+    forces = inner["normal_force"].to_numpy()
+    friction = inner["roller_friction"].to_numpy()
     loaded = np.flatnonzero(forces > 0.0)
     scale = ScalarMappable(Normalize(0.0, forces.max()), light_to_dark())
     slip = 100 * inner["cage_slip"].to_numpy()
@@ -74,14 +88,19 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
         axes.plot(slip, friction[roller], color=scale.to_rgba(forces[roller]), linewidth=0.8)
     effective = [curve for curve in curves(dataset) if curve.name == "inner ring"]
     lines: list[Artist] = [
-        draw_curve(axes, curve, "black", r"inner ring, effective: $\mu_\mathrm{e}$", width=2.0) for curve in effective
+        draw_curve(axes, curve, "black", r"inner ring, effective: $\mu_\mathrm{e}$", width=2.0)
+        for curve in effective
     ]
-    lines.append(Line2D([], [], color=light_to_dark()(1.0), linewidth=0.8, label="its single rollers"))
+    lines.append(
+        Line2D([], [], color=light_to_dark()(1.0), linewidth=0.8, label="its single rollers")
+    )
     bar = figure.colorbar(scale, ax=axes, aspect=30, pad=0.03)
     bar.set_label(axis_label(dataset["normal_force"], "$Q$", "N", name="normal force"))
     seamless(bar)
     axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
-    axes.set_ylabel(axis_label(dataset["roller_friction"], r"$\mu$", "–", name="friction coefficient"))
+    axes.set_ylabel(
+        axis_label(dataset["roller_friction"], r"$\mu$", "–", name="friction coefficient")
+    )
     finish(figure, axes, effective, lines, others=friction[loaded])
     return figure
 
@@ -99,26 +118,43 @@ def _map(dataset: "xr.Dataset") -> "Figure":
 
     figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
     surface = np.ma.masked_invalid(dataset["friction_map"].to_numpy())
-    cage, roller = 100 * dataset["map_cage_slip"].to_numpy(), 100 * dataset["map_roller_slip"].to_numpy()
+    cage = 100 * dataset["map_cage_slip"].to_numpy()
+    roller = 100 * dataset["map_roller_slip"].to_numpy()
     levels = MaxNLocator(20).tick_values(surface.min(), surface.max())
     rolling = np.isclose(levels, 0.0, atol=1e-6 * np.ptp(levels))
     falls = np.where(levels < -1e-6 * np.ptp(levels), "dashed", "solid").tolist()
     colours = against_zero(float(levels[0]), float(levels[-1]))
     style: dict[str, Any] = {"color": "black", "linewidth": 1.6, "linestyle": DASHES[3]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
-    runs, point = _runs(dataset), list[Line2D]()
-    for axes, curve, ring, values in zip(panels, curves(dataset), dataset["ring"].values, surface, strict=True):
+    runs = _runs(dataset)
+    point = list[Line2D]()
+    for axes, curve, ring, values in zip(
+        panels, curves(dataset), dataset["ring"].values, surface, strict=True
+    ):
         filled = axes.contourf(cage, roller, values.T, levels, **colours)
         filled.set_edgecolor("face")  # some viewers show seams between the areas without it
-        axes.contour(cage, roller, values.T, levels, colors="black", linewidths=0.25 + rolling, linestyles=falls)
+        axes.contour(
+            cage,
+            roller,
+            values.T,
+            levels,
+            colors="black",
+            linewidths=0.25 + rolling,
+            linestyles=falls,
+        )
         line = 100 * dataset["roller_slip"].sel(ring=ring).to_numpy()
         axes.plot(100 * curve.slip, line, **style)
         if curve.has_critical:
-            place = 100 * curve.critical_slip, float(np.interp(curve.critical_slip, curve.slip, line))
+            place = (
+                100 * curve.critical_slip,
+                float(np.interp(curve.critical_slip, curve.slip, line)),
+            )
             axes.plot(*place, marker="o", markersize=5, color="white", markeredgecolor="black")
             write_beside(axes, percent(curve.critical_slip), place)
         if np.isfinite(runs):
-            point = axes.plot(100 * runs, float(np.interp(runs, curve.slip, line)), color="black", **_POINT)
+            point = axes.plot(
+                100 * runs, float(np.interp(runs, curve.slip, line)), color="black", **_POINT
+            )
         axes.set_title(curve.name)
         axes.set_xlabel(axis_label(dataset["map_cage_slip"], r"$S_\mathrm{c}$", "%"))
         axes.set_xlim(cage[0], cage[-1])
@@ -131,9 +167,21 @@ def _map(dataset: "xr.Dataset") -> "Figure":
         Line2D([], [], color="black", linewidth=1.25, label="pure rolling, no friction"),
     ]
     if float(surface.min()) < 0.0:
-        handles.append(Line2D([], [], color="black", linewidth=0.5, linestyle="dashed", label="negative"))
+        handles.append(
+            Line2D([], [], color="black", linewidth=0.5, linestyle="dashed", label="negative")
+        )
     if any(curve.has_critical for curve in curves(dataset)):
         label = f"cage slip at largest traction {dataset.attrs.get('curves_with', '')}".rstrip()
-        handles.append(Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label=label))
+        handles.append(
+            Line2D(
+                [],
+                [],
+                color="white",
+                markeredgecolor="black",
+                marker="o",
+                markersize=5,
+                label=label,
+            )
+        )
     figure.legend(handles=handles + point, loc="outside upper left", ncols=3)
     return figure

@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
 from rollslip.results.words import runs_at, runs_away
-from rollslip_studies.steady_slip.findings import LOAD_OF_OTHERS, next_of_others, reserve_row, slip_row
+from rollslip_studies.steady_slip.findings import (
+    LOAD_OF_OTHERS,
+    next_of_others,
+    reserve_row,
+    slip_row,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +31,9 @@ def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
 
 def _runs_away(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away; nothing where that was not asked for."""
-    return runs_away(*(dataset[name].item() for name in _RUNAWAY)) if "runaway_slip" in dataset else ""
+    return (
+        runs_away(*(dataset[name].item() for name in _RUNAWAY)) if "runaway_slip" in dataset else ""
+    )
 
 
 def _runs(dataset: "xr.Dataset") -> str:
@@ -36,9 +43,11 @@ def _runs(dataset: "xr.Dataset") -> str:
     slip, drag, status = (dataset[name].item() for name in _STEADY)
     if math.isnan(slip):
         return str(status)
-    reserve, known = dataset["runaway_drag"].item() / drag if drag > 0.0 else math.nan, "found"
+    reserve = dataset["runaway_drag"].item() / drag if drag > 0.0 else math.nan
+    known = "found"
     if "drag_reserve" in dataset:
-        reserve, known = dataset["drag_reserve"].item(), dataset["reserve_status"].item()
+        reserve = dataset["drag_reserve"].item()
+        known = dataset["reserve_status"].item()
     return runs_at(slip, dataset["runaway_slip"].item(), reserve, known)
 
 
@@ -55,26 +64,37 @@ class EffectiveFrictionAccount(PlainAccount):
         """Return slip and reserve of drag, which a study of steady slips knows better."""
         if "steady_cage_slip" not in dataset:
             return Answer(commands=next_of_others(dataset))
-        slip, status = dataset["steady_cage_slip"].item(), dataset["steady_status"].item()
+        slip = dataset["steady_cage_slip"].item()
+        status = dataset["steady_status"].item()
         rows = [slip_row(dataset, slip, str(status), known=1, within=_WITHIN), LOAD_OF_OTHERS]
         if "drag_reserve" in dataset:
             reserve = dataset["drag_reserve"].item(), str(dataset["reserve_status"].item())
             rows.append(reserve_row(*reserve, known=1, within=_WITHIN, slip=slip))
-        return Answer(rows=tuple(rows), assumed=assumed_of(dataset), commands=next_of_others(dataset))
+        return Answer(
+            rows=tuple(rows), assumed=assumed_of(dataset), commands=next_of_others(dataset)
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say where the cage runs away and runs, and what was found of each curve."""
         said = {"skidding": _runs_away(dataset), "steady slip": _runs(dataset)}
-        return {about: [text] for about, text in said.items() if text} | PlainAccount.topics(_curves(dataset))
+        return {about: [text] for about, text in said.items() if text} | PlainAccount.topics(
+            _curves(dataset)
+        )
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return where the cage runs away and runs, and what was found of each curve."""
-        return [*filter(None, (_runs_away(dataset), _runs(dataset))), *super().sentences(_curves(dataset))]
+        return [
+            *filter(None, (_runs_away(dataset), _runs(dataset))),
+            *super().sentences(_curves(dataset)),
+        ]
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return what is said on a terminal."""
-        said = [*filter(None, (_runs_away(dataset), _runs(dataset))), *super().lines(_curves(dataset))]
+        said = [
+            *filter(None, (_runs_away(dataset), _runs(dataset))),
+            *super().lines(_curves(dataset)),
+        ]
         a = dataset.attrs
         if {"instants_error", "resolution"} <= a.keys():
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none

@@ -38,7 +38,8 @@ _MAP_SHARE = 1e-3
 #: Loads that stand for the slices of a ring, and for those of each roller.
 _FEW: Final = (24, 8)
 #: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
-_GO_ON, _TELLS = 4, 1e-5
+_GO_ON = 4
+_TELLS = 1e-5
 #: Cage slip up to which friction rises with slip, so that a roller has one balance only.
 _START = 1e-3
 
@@ -49,16 +50,22 @@ REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
         "regime_share": Output("ring regime", "1", "share of the contact forces in a film regime"),
         "load_parameter": Output("ring", "1", "largest Moes load parameter M"),
         "light_share": Output(
-            "ring", "1", f"share of the contact forces at M < {LIGHT:g}, where the film's pressure is not Hertz's"
+            "ring",
+            "1",
+            f"share of the contact forces at M < {LIGHT:g}, where the film's pressure is not Hertz's",
         ),
     }
 )
 
 
-def regime_variables(share: Array, load_parameter: Array, light: Array, where: str = "") -> dict[str, Any]:
+def regime_variables(
+    share: Array, load_parameter: Array, light: Array, where: str = ""
+) -> dict[str, Any]:
     """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded."""
     values = {"regime_share": share, "load_parameter": load_parameter, "light_share": light}
-    variables: dict[str, Any] = {name: output.variable(values[name]) for name, output in REGIMES.items()}
+    variables: dict[str, Any] = {
+        name: output.variable(values[name]) for name, output in REGIMES.items()
+    }
     for _, _, attributes in variables.values():
         attributes["long_name"] += where
     return variables | {"regime": ("regime", np.array(NAMES), about("1", "film regime"))}
@@ -80,7 +87,10 @@ class LoadedRaceways:
         *,
         shared: bool = False,
     ) -> None:
-        self.assembly, self.distribution, self.closure, self.settings = assembly, distribution, closure, settings
+        self.assembly = assembly
+        self.distribution = distribution
+        self.closure = closure
+        self.settings = settings
         #: what few loads stand for
         self.whole = self
         #: cage slip -> roller slips of free rollers over that of rolling on the outer ring
@@ -90,7 +100,8 @@ class LoadedRaceways:
         orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
         # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same where rings do
         positions = distribution.psi.size
-        number, angle = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi)), distribution.psi
+        number = np.repeat(np.arange(float(distribution.psi.shape[1])), len(distribution.psi))
+        angle = distribution.psi
         self._folded = assembly.load_case(len(distribution.psi)).mirrored
         if self._folded:
             count = np.full(positions // 2 + 1, 2.0)
@@ -106,14 +117,19 @@ class LoadedRaceways:
             return LoadedContacts(raceway, whole[: count.size], assembly.widths, orbit, count)
 
         def both() -> tuple[LoadedContacts, LoadedContacts]:
-            return of(assembly.inner, distribution.inner_load), of(assembly.outer, distribution.outer_load)
+            return of(assembly.inner, distribution.inner_load), of(
+                assembly.outer, distribution.outer_load
+            )
 
         instants = int(distribution.psi.shape[0])
         rings = assembly.kept_by_loads(("contacts", instants), instants, both) if shared else both()
-        self.inner, self.outer = (ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True))
+        self.inner, self.outer = (
+            ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True)
+        )
         if self.inner.total == 0.0:
             raise unloaded(assembly.scene, "there is no friction to average")
-        inner, outer = float(distribution.inner_force.max()), float(distribution.outer_force.max())
+        inner = float(distribution.inner_force.max())
+        outer = float(distribution.outer_force.max())
         unbalanced = max(distribution.force_residual, np.finfo(float).eps) * max(inner, outer)
         if unbalanced > max(assembly.scene.accuracy.tolerance, 1e-9) * inner:
             raise ConvergenceError(
@@ -131,14 +147,20 @@ class LoadedRaceways:
         free = self.closure == "free-roller"
 
         def made() -> tuple[LoadedContacts, ...]:
-            return tuple(ring.fewer(_FEW[free], whole=not free) for ring in (self.inner, self.outer))
+            return tuple(
+                ring.fewer(_FEW[free], whole=not free) for ring in (self.inner, self.outer)
+            )
 
         instants = int(self.distribution.psi.shape[0])
         few = copy.copy(self)
-        few._shares, few._slopes, few._spins = {}, np.zeros(0), None
+        few._shares = {}
+        few._slopes = np.zeros(0)
+        few._spins = None
         rings = self.assembly.kept_by_loads(("few", instants, free), instants, made)
         few.whole = self
-        few.inner, few.outer = (ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True))
+        few.inner, few.outer = (
+            ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True)
+        )
         return few
 
     def speeds(self, cage_slip: Array) -> SurfaceSpeeds:
@@ -149,12 +171,18 @@ class LoadedRaceways:
         outer_rolling = kinematics.roller_slip_outer_rolling(cage_slip)
         if self.closure == "outer-rolling":
             speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
-            return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))  # not the rounding of it
-        new = np.array(sorted({float(slip) for slip in cage_slip if slip > 0.0} - self._shares.keys()))
+            return attrs.evolve(
+                speeds, outer_sliding=np.zeros_like(speeds.outer_sliding)
+            )  # not the rounding of it
+        new = np.array(
+            sorted({float(slip) for slip in cage_slip if slip > 0.0} - self._shares.keys())
+        )
         if new.size:
             self._find_shares(new)
         none = np.zeros(self.inner.rollers)
-        shares = np.array([self._shares[slip] if slip > 0.0 else none for slip in cage_slip.tolist()])
+        shares = np.array(
+            [self._shares[slip] if slip > 0.0 else none for slip in cage_slip.tolist()]
+        )
         return kinematics.surface_speeds(cage_slip[:, None], outer_rolling[:, None] * shares)
 
     def _find_shares(self, cage_slip: Array) -> None:
@@ -164,12 +192,19 @@ class LoadedRaceways:
         so there is a root; of several a roller is in the one that goes on from smaller cage slips, and where that ends
         in the next one that is stable. A roller without inner load rolls on the outer ring.
         """
-        kinematics, rollers = self.assembly.kinematics, self.inner.rollers
+        kinematics = self.assembly.kinematics
+        rollers = self.inner.rollers
         if self._spins is None:
             self._spins = Spins(kinematics, rollers, (self.inner, self.outer))
         loaded = self.inner.per_roller(self.inner.force) > 0.0
-        ends = np.array([np.where(loaded, -kinematics.inner_radius / kinematics.outer_radius, 1.0), np.ones(rollers)])
-        ahead, rolls = kinematics.surface_speeds(1.0, 0.0), float(kinematics.roller_slip_outer_rolling(1.0))
+        ends = np.array(
+            [
+                np.where(loaded, -kinematics.inner_radius / kinematics.outer_radius, 1.0),
+                np.ones(rollers),
+            ]
+        )
+        ahead = kinematics.surface_speeds(1.0, 0.0)
+        rolls = float(kinematics.roller_slip_outer_rolling(1.0))
         near = self._below(float(cage_slip[0]))
         if not near and cage_slip[0] > _START:
             cage_slip = np.concatenate(([_START], cage_slip))
@@ -184,14 +219,17 @@ class LoadedRaceways:
         )
         if ended in RINGS:
             self.require_entrainment(
-                kinematics.surface_speeds(cage_slip[row : row + 1, None], rolls * cage_slip[row] * shares[row])
+                kinematics.surface_speeds(
+                    cage_slip[row : row + 1, None], rolls * cage_slip[row] * shares[row]
+                )
             )
         self._spins.ended(ended)
         if ended:
             raise ConvergenceError(
                 f"closure 'free-roller' found no spin for {np.count_nonzero(lost)} of {np.count_nonzero(loaded)} "
                 f"rollers at a cage slip of {cage_slip[row]:g}, where friction rises within the rounding of the speeds "
-                "or has no balance" + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
+                "or has no balance"
+                + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
             )
         self._shares.update(zip(cage_slip.tolist(), shares, strict=True))
 
@@ -210,7 +248,9 @@ class LoadedRaceways:
         self.require_entrainment(speeds)
         for k in range(speeds.cage_speed.shape[0]):
             yield [
-                (contacts, u[k], V[k]) if u.ndim == 1 else (contacts, u[k][contacts.owner], V[k][contacts.owner])
+                (contacts, u[k], V[k])
+                if u.ndim == 1
+                else (contacts, u[k][contacts.owner], V[k][contacts.owner])
                 for contacts, u, V in self.rings(speeds)
             ]
 
@@ -226,7 +266,11 @@ class LoadedRaceways:
         for ring, rolling in (("inner", speeds.inner_rolling), ("outer", speeds.outer_rolling)):
             if not np.all(rolling > 0.0):
                 row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
-                slip = 1.0 - float(speeds.cage_speed[row].flat[0]) / self.assembly.kinematics.epicyclic_cage_speed
+                slip = (
+                    1.0
+                    - float(speeds.cage_speed[row].flat[0])
+                    / self.assembly.kinematics.epicyclic_cage_speed
+                )
                 remedy = f"; lower {self.settings}.max_cage_slip" if self.settings else ""
                 raise DomainError(
                     f"at a cage slip of {slip:.3g} a contact of the {ring} ring has the entrainment speed "
@@ -244,7 +288,9 @@ class LoadedRaceways:
         film = np.full(contacts.rollers + 2, np.inf)
         thickness = contacts.slices.film_thickness / contacts.raceway.conditions.roughness
         np.minimum.at(film, contacts.owner + 1, thickness)
-        around = contacts.rollers == self.distribution.psi.size  # else one half of the orbit stands for both
+        around = (
+            contacts.rollers == self.distribution.psi.size
+        )  # else one half of the orbit stands for both
         film[0], film[-1] = (film[-2], film[1]) if around else (film[2], film[-3])
         return film
 
@@ -279,7 +325,10 @@ class LoadedRaceways:
 
     def regimes(self, speeds: SurfaceSpeeds) -> tuple[Array, Array, Array]:
         """What `regime_variables` takes: in which film regimes the contacts run, over all rows of speeds."""
-        rings = regime_shares(self.inner, speeds.inner_rolling), regime_shares(self.outer, speeds.outer_rolling)
+        rings = (
+            regime_shares(self.inner, speeds.inner_rolling),
+            regime_shares(self.outer, speeds.outer_rolling),
+        )
         share, light, largest = (np.array(values) for values in zip(*rings, strict=True))
         return share, largest, light
 
@@ -315,7 +364,9 @@ class LoadedRaceways:
         return cage, roller, surface.reshape(2, cage.size, roller.size)
 
 
-def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) -> list[tuple[Array, Array]]:
+def evaluated_together(
+    cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]],
+) -> list[tuple[Array, Array]]:
     """Return effective friction and smallest film parameter of both rings, (2, n) each, of bearings at their speeds.
 
     All are evaluated in one go without the GIL; each is what it is alone, to the last bit.
@@ -325,7 +376,9 @@ def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) ->
     rings = [ring for raceways, speeds in cases for ring in raceways.rings(speeds)]
     values = [
         (contacts.mean(pull), film / contacts.raceway.conditions.roughness)
-        for (contacts, *_), (pull, film) in zip(rings, along([c.job(u, V) for c, u, V in rings]), strict=True)
+        for (contacts, *_), (pull, film) in zip(
+            rings, along([c.job(u, V) for c, u, V in rings]), strict=True
+        )
     ]
     return [
         (np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]]))
@@ -335,10 +388,14 @@ def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) ->
 
 def friction_together(asked: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
     """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, evaluated in one go."""
-    return mean_friction([raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked])
+    return mean_friction(
+        [raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked]
+    )
 
 
-def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array]]) -> list[tuple[Critical, Critical]]:
+def critical_together(
+    cases: Sequence[tuple[LoadedRaceways, Array, Array]],
+) -> list[tuple[Critical, Critical]]:
     """Return the critical cage slips of both rings of bearings, from their friction on slips, (2, n)."""
 
     def of(ring: int) -> list[Critical]:
@@ -346,13 +403,18 @@ def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array]]) -> l
             Curve(slip, friction[ring], raceways.settings and f"{raceways.settings}.max_cage_slip")
             for raceways, slip, friction in cases
         ]
-        return searched(curves, lambda asked: friction_together([(cases[k][0], ring, slip) for k, slip in asked]))
+        return searched(
+            curves,
+            lambda asked: friction_together([(cases[k][0], ring, slip) for k, slip in asked]),
+        )
 
     # free rollers go on from slips that are known: one ring after the other, whatever else is evaluated with it
     return [*zip(of(0), of(1), strict=True)]
 
 
-def agree_together(cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], errors: Sequence[float]) -> list[bool]:
+def agree_together(
+    cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], errors: Sequence[float]
+) -> list[bool]:
     """Return whether all slices have the friction of few loads at slips of either ring, up to errors relative to it.
 
     That is at the speeds of the rollers that few loads give.
@@ -395,18 +457,32 @@ def regime_shares(contacts: LoadedContacts, rolling: Array) -> tuple[Array, floa
 
     The speeds [m/s] are of shape (n,) for all rollers, or (n, rollers).
     """
-    share, light, largest = np.zeros(4), 0.0, 0.0
+    share = np.zeros(4)
+    light = 0.0
+    largest = 0.0
     alike = [(np.ones(contacts.owner.size, dtype=bool), rolling)]
-    for chosen, speed in alike if rolling.ndim == 1 else [(contacts.owner == k, u) for k, u in enumerate(rolling.T)]:
+    for chosen, speed in (
+        alike if rolling.ndim == 1 else [(contacts.owner == k, u) for k, u in enumerate(rolling.T)]
+    ):
         order = np.argsort(contacts.load[chosen])
         if order.size == 0:
             continue
         load = contacts.load[chosen][order]
-        below = np.concatenate(([0.0], np.cumsum(contacts.force[chosen][order]))) / (contacts.total * speed.size)
-        U, G, W = groups(Slices.of_columns(contacts.raceway.conditions, {"rolling_speed": speed, "load": load}))
-        elastic, piezoviscous, both = (below[np.searchsorted(W, at, side="right")] for at in regime_limits(U, G))
-        rigid, mixed = np.minimum(elastic, piezoviscous), np.maximum(both, piezoviscous)
-        share += [part.sum() for part in (rigid, mixed - piezoviscous, piezoviscous - rigid, below[-1] - mixed)]
+        below = np.concatenate(([0.0], np.cumsum(contacts.force[chosen][order]))) / (
+            contacts.total * speed.size
+        )
+        U, G, W = groups(
+            Slices.of_columns(contacts.raceway.conditions, {"rolling_speed": speed, "load": load})
+        )
+        elastic, piezoviscous, both = (
+            below[np.searchsorted(W, at, side="right")] for at in regime_limits(U, G)
+        )
+        rigid = np.minimum(elastic, piezoviscous)
+        mixed = np.maximum(both, piezoviscous)
+        share += [
+            part.sum()
+            for part in (rigid, mixed - piezoviscous, piezoviscous - rigid, below[-1] - mixed)
+        ]
         light += float(below[np.searchsorted(W, LIGHT * np.sqrt(2.0 * U))].sum())
         largest = max(largest, float(W[-1] / np.sqrt(2.0 * U.min())))
     return share, light, largest

@@ -42,31 +42,49 @@ def ring_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     shape = loads["raceway_shape"]
     if not shape.any():
         return
-    bearing, times = scene.bearing, _SHAPE * scene.bearing.roller_diameter / float(abs(shape).max())
-    radii = {"inner": bearing.inner_raceway_diameter / 2.0, "outer": bearing.outer_raceway_diameter / 2.0}
+    bearing = scene.bearing
+    times = _SHAPE * scene.bearing.roller_diameter / float(abs(shape).max())
+    radii = {
+        "inner": bearing.inner_raceway_diameter / 2.0,
+        "outer": bearing.outer_raceway_diameter / 2.0,
+    }
     sheet = Sheet((ONE_COLUMN[0], ONE_COLUMN[0]))
-    axes, turn, psi = sheet.axes, shape["orbit_angle"].to_numpy(), loads["angle"].to_numpy()
+    axes = sheet.axes
+    turn = shape["orbit_angle"].to_numpy()
+    psi = loads["angle"].to_numpy()
 
     pitch = 0.5 * (radii["inner"] + radii["outer"])
     for angle in psi:
-        (x, y), (dx, dy) = _place(pitch, angle), _place(0.5 * bearing.roller_diameter, turn)
+        (x, y) = _place(pitch, angle)
+        (dx, dy) = _place(0.5 * bearing.roller_diameter, turn)
         axes.plot(x + dx, y + dy, color="0.8", linewidth=0.5)
     largest = float(loads["normal_force"].max())
     for ring, sign in (("inner", -1.0), ("outer", 1.0)):
-        own, radius, colour = shape.sel(ring=ring).to_numpy(), radii[ring], RING_COLOURS[ring]
+        own = shape.sel(ring=ring).to_numpy()
+        radius = radii[ring]
+        colour = RING_COLOURS[ring]
         axes.plot(*_place(radius, turn), color="0.6", linewidth=0.6, linestyle="dotted")
         axes.plot(*_place(radius + times * own, turn), color=colour)
         force = loads["normal_force"].sel(ring=ring).to_numpy()
         long = _FORCE * radii["outer"] * force / (largest or 1.0)
         begin = radius + times * np.interp(psi, turn, own, period=2.0 * np.pi)
         for angle, start, far in zip(psi, begin, long, strict=True):
-            axes.plot(*_place(np.array([start, start + sign * far]), angle), color=colour, linewidth=2.0)
+            axes.plot(
+                *_place(np.array([start, start + sign * far]), angle), color=colour, linewidth=2.0
+            )
         said = f"{1e6 * own.min():.3g} to {1e6 * own.max():.3g} µm, bars to {force.max():.3g} N"
         sheet.key(f"{ring} raceway, {said}", color=colour)
     sheet.key("round, without load", color="0.6", linewidth=0.6, linestyle="dotted")
     if scene.operation.radial_load > 0.0:
-        axes.annotate("", _place(0.3 * pitch, 0.0), (0.0, 0.0), arrowprops={"arrowstyle": "-|>", "color": "black"})
-        axes.annotate(format_quantity(scene.operation.radial_load, "N", 3), (0.04 * pitch, -0.15 * pitch))
+        axes.annotate(
+            "",
+            _place(0.3 * pitch, 0.0),
+            (0.0, 0.0),
+            arrowprops={"arrowstyle": "-|>", "color": "black"},
+        )
+        axes.annotate(
+            format_quantity(scene.operation.radial_load, "N", 3), (0.04 * pitch, -0.15 * pitch)
+        )
     axes.set_aspect("equal")
     axes.set_axis_off()
     caption = f"Raceways as forms and loads leave them, {two(times)} times as large, and forces of the rollers."

@@ -59,7 +59,8 @@ if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
 #: Doublings start here and give up there.
-_FIRST_INSTANTS, _MOST_INSTANTS = 2, 1024
+_FIRST_INSTANTS = 2
+_MOST_INSTANTS = 1024
 
 
 #: Slices from which on costs go with their number, and points of maps on which costs are measured.
@@ -85,18 +86,35 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "effective_friction": Output(_CURVE, "1", "effective friction coefficient"),
         "critical_cage_slip": Output(
-            "ring", "1", "cage slip of the largest effective friction", status="critical_status", default=True
+            "ring",
+            "1",
+            "cage slip of the largest effective friction",
+            status="critical_status",
+            default=True,
         ),
         "critical_friction": Output(
-            "ring", "1", "largest effective friction coefficient", status="critical_status", default=True
+            "ring",
+            "1",
+            "largest effective friction coefficient",
+            status="critical_status",
+            default=True,
         ),
         "critical_status": Output("ring", "1", "what was found of the slip at largest traction"),
         "first_maximum_slip": Output(
-            "ring", "1", "cage slip from which effective friction first falls", status="critical_status"
+            "ring",
+            "1",
+            "cage slip from which effective friction first falls",
+            status="critical_status",
         ),
-        "first_maximum_friction": Output("ring", "1", "effective friction coefficient there", status="critical_status"),
+        "first_maximum_friction": Output(
+            "ring", "1", "effective friction coefficient there", status="critical_status"
+        ),
         "runaway_slip": Output(
-            "", "1", "cage slip at which skidding begins", status="runaway_status", also=("largest_drag_slip",)
+            "",
+            "1",
+            "cage slip at which skidding begins",
+            status="runaway_status",
+            also=("largest_drag_slip",),
         ),
         "runaway_drag": Output(
             "",
@@ -107,12 +125,20 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "runaway_status": Output("", "1", "what was found of skidding"),
         "steady_cage_slip": Output(
-            "", "1", "cage slip at which the drags are carried", status="steady_status", also=("slip", "steady_slip")
+            "",
+            "1",
+            "cage slip at which the drags are carried",
+            status="steady_status",
+            also=("slip", "steady_slip"),
         ),
         "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
         "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
-        "drag_reserve": Output("", "1", "limit drag torque over the drag of the scene", status="reserve_status"),
-        "reserve_status": Output("", "1", "what was found of the reserve: found, at least, or why there is none"),
+        "drag_reserve": Output(
+            "", "1", "limit drag torque over the drag of the scene", status="reserve_status"
+        ),
+        "reserve_status": Output(
+            "", "1", "what was found of the reserve: found, at least, or why there is none"
+        ),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
         "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
@@ -120,8 +146,12 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         **REGIMES,
         "normal_force": Output("ring roller", "N", "normal force at the first instant"),
         "angle": Output("roller", "rad", "position from the line of load, first instant"),
-        "roller_friction": Output("ring roller cage_slip", "1", "friction coefficient of each roller, first instant"),
-        "friction_map": Output("ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"),
+        "roller_friction": Output(
+            "ring roller cage_slip", "1", "friction coefficient of each roller, first instant"
+        ),
+        "friction_map": Output(
+            "ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"
+        ),
     }
 )
 #: What of them takes the whole curve, and not its maxima alone.
@@ -182,11 +212,17 @@ class EffectiveFriction(Study):
         doc="largest cage slip up to which skidding is looked for, whatever the curve's; 0 for not",
         validator=in_range(0.0, 0.99),
     )
-    points: int = parameter(default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5))
-    map_points: int = parameter(
-        default=15, doc="cage slips, and roller slips either way, of the map; 0 for none", validator=at_least(0)
+    points: int = parameter(
+        default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5)
     )
-    per_roller: bool = parameter(default=False, doc="store the friction of every roller at the first instant")
+    map_points: int = parameter(
+        default=15,
+        doc="cage slips, and roller slips either way, of the map; 0 for none",
+        validator=at_least(0),
+    )
+    per_roller: bool = parameter(
+        default=False, doc="store the friction of every roller at the first instant"
+    )
 
     def with_bands(self, scene: "Scene", dataset: "xr.Dataset") -> "xr.Dataset":
         """Return a result with the band of its steady slip, which every slice's friction gives."""
@@ -200,20 +236,28 @@ class EffectiveFriction(Study):
         half = loads.psi.size // 2 + 1
         contacts = sum(
             LoadedContacts(raceway, load[0, :half], assembly.widths, 1.0).force.size
-            for raceway, load in ((assembly.inner, loads.inner_load), (assembly.outer, loads.outer_load))
+            for raceway, load in (
+                (assembly.inner, loads.inner_load),
+                (assembly.outer, loads.outer_load),
+            )
         )
         instants = 2 * _FIRST_INSTANTS  # at which most curves stand still
         per_point = 12 if self.closure == "free-roller" else 1
         curves = (_FIRST_INSTANTS + instants) * (self.points + 15) + instants // 2 * self.points
         surface = self.map_points * max(2 * self.map_points - 1, 0)
-        return contacts * (curves * per_point + instants * PROBES * bool(surface)) + 2 * 16 * surface
+        return (
+            contacts * (curves * per_point + instants * PROBES * bool(surface)) + 2 * 16 * surface
+        )
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
         """Return how many numbers curves and map hold at least: what is stored of a slip, and the rollers' speeds."""
         rollers = assembly.scene.bearing.rollers
         of_rollers = 6 * (self.closure == "free-roller") + 2 * self.per_roller
         surface = float(self.map_points) * max(2 * self.map_points - 1, 0)
-        return {"points": float(self.points) * (16 + of_rollers * rollers), "map_points": 8.0 * surface}
+        return {
+            "points": float(self.points) * (16 + of_rollers * rollers),
+            "map_points": 8.0 * surface,
+        }
 
     def without(self, outputs: frozenset[str]) -> "EffectiveFriction":
         """Return a study without the map and without running away, which are most of the work, and single rollers."""
@@ -229,17 +273,29 @@ class EffectiveFriction(Study):
         resolution = assembly.resolution
         slip = slip_grid(self.max_cage_slip, POINTS[0])[1:]
         some = assembly.at(attrs.evolve(resolution, slices=min(resolution.slices, _MANY)))
-        times: dict[str, list[float]] = {"load distribution": [], "friction": [], "film regimes": []}
+        times: dict[str, list[float]] = {
+            "load distribution": [],
+            "friction": [],
+            "film regimes": [],
+        }
         for m in INSTANTS:
             anew = attrs.evolve(some, known_loads={})
             times["load distribution"].append(timed(partial(anew.load_distribution, m), 1))
             raceways = self.loaded(anew, m)
-            closure = timed(partial(raceways.speeds, slip), 1) / slip.size  # a free roller's spin is a root, found once
+            closure = (
+                timed(partial(raceways.speeds, slip), 1) / slip.size
+            )  # a free roller's spin is a root, found once
             speeds = raceways.speeds(slip)
-            one, regimes = (timed(partial(work, speeds)) / slip.size for work in (raceways.evaluated, raceways.regimes))
-            times["friction"].append(one * (self.points + _SEARCH / 2) + closure * (self.points + _SEARCH / 4))
+            one, regimes = (
+                timed(partial(work, speeds)) / slip.size
+                for work in (raceways.evaluated, raceways.regimes)
+            )
+            times["friction"].append(
+                one * (self.points + _SEARCH / 2) + closure * (self.points + _SEARCH / 4)
+            )
             times["film regimes"].append(regimes * self.points)
-        more, instants = assembly.slices / some.slices, resolution.instants or INSTANTS[-1]
+        more = assembly.slices / some.slices
+        instants = resolution.instants or INSTANTS[-1]
         costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
         if self.runaway_range:
             costs["skidding"] = rollers(assembly, instants).seconds(self.runaway_range)
@@ -251,18 +307,24 @@ class EffectiveFriction(Study):
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices of both rings, slip by slip."""
-        yield from self._evaluated(assembly, dataset.attrs["instants"], dataset["cage_slip"].to_numpy())
+        yield from self._evaluated(
+            assembly, dataset.attrs["instants"], dataset["cage_slip"].to_numpy()
+        )
 
     def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
         """Return the slices of both rings at a few slips of the curves, of one instant."""
         slips = np.linspace(self.max_cage_slip / JUDGED, self.max_cage_slip, JUDGED)
         return "over the curves", [*self._evaluated(assembly, 1, slips)]
 
-    def _evaluated(self, assembly: Assembly, instants: int, cage_slip: Array) -> Iterator[Evaluated]:
+    def _evaluated(
+        self, assembly: Assembly, instants: int, cage_slip: Array
+    ) -> Iterator[Evaluated]:
         raceways = self.loaded(assembly, instants)
         for both in raceways.contacts(raceways.speeds(cage_slip)):
             for k, (contacts, u, V) in enumerate(both):
-                yield Evaluated(k, RINGS[k], contacts.slices.load, u, V, contacts.force, contacts.places)
+                yield Evaluated(
+                    k, RINGS[k], contacts.slices.load, u, V, contacts.force, contacts.places
+                )
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the effective friction curves, the critical cage slip and the map.
@@ -290,7 +352,9 @@ class EffectiveFriction(Study):
             return self.at_instants(assembly, assembly.resolution.instants)
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways, curves, critical, error = self._converged(assembly, slip)
-        return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(instants_error=error)
+        return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(
+            instants_error=error
+        )
 
     @classmethod
     def together(
@@ -311,7 +375,8 @@ class EffectiveFriction(Study):
         found = dict[int, tuple[Array, Array | None, tuple[Critical, Critical]]]()
         begun = list[tuple[int, Array, LoadedRaceways]]()
         for k, (study, assembly) in enumerate(cases):
-            slip, instants = slip_grid(study.max_cage_slip, study.points), assembly.resolution.instants
+            slip = slip_grid(study.max_cage_slip, study.points)
+            instants = assembly.resolution.instants
             if instants is None:
                 _, (friction, _), critical, _ = study._converged(assembly, slip)
                 found[k] = slip, friction, critical
@@ -320,12 +385,21 @@ class EffectiveFriction(Study):
         if not outputs & _WHOLE_CURVE:
             maxima = _by_few_loads([(slip, raceways) for _, slip, raceways in begun])
             found |= {
-                k: (slip, None, known) for (k, slip, _), known in zip(begun, maxima, strict=True) if known is not None
+                k: (slip, None, known)
+                for (k, slip, _), known in zip(begun, maxima, strict=True)
+                if known is not None
             }
         left = [one for one in begun if one[0] not in found]
-        curves = evaluated_together([(raceways, raceways.speeds(slip)) for _, slip, raceways in left])
-        whole = [(raceways, slip, friction) for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)]
-        for (k, *_), (_, slip, friction), critical in zip(left, whole, critical_together(whole), strict=True):
+        curves = evaluated_together(
+            [(raceways, raceways.speeds(slip)) for _, slip, raceways in left]
+        )
+        whole = [
+            (raceways, slip, friction)
+            for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
+        ]
+        for (k, *_), (_, slip, friction), critical in zip(
+            left, whole, critical_together(whole), strict=True
+        ):
             found[k] = slip, friction, critical
         some = [_curves(*found[k]) for k in range(len(cases))]
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
@@ -338,7 +412,10 @@ class EffectiveFriction(Study):
         """
         film = np.where(dataset["film_parameter"] > 0.0, dataset["film_parameter"], np.inf)
         instants = finer.resolution.instants or 1
-        raceways, here, off, jumped = self.loaded(finer, instants), film.min(axis=1), 0.0, 0.0
+        raceways = self.loaded(finer, instants)
+        here = film.min(axis=1)
+        off = 0.0
+        jumped = 0.0
         slips = dataset["cage_slip"].to_numpy()[film.argmin(axis=1)]
         tolerance = finer.scene.accuracy.tolerance
         for ring, both in enumerate(raceways.contacts(raceways.speeds(slips))):
@@ -352,7 +429,9 @@ class EffectiveFriction(Study):
             for step in (1, -1) if np.ndim(u) and instants > dataset.attrs["instants"] else ():
                 near, at, far = (over[1 + k : over.size - 1 + k] for k in (-step, 0, step))
                 edges = np.flatnonzero(
-                    (at <= tolerance) & (far > _JUMP * np.maximum(near, tolerance)) & np.isfinite(far)
+                    (at <= tolerance)
+                    & (far > _JUMP * np.maximum(near, tolerance))
+                    & np.isfinite(far)
                 )
                 if not edges.size:
                     continue
@@ -360,10 +439,17 @@ class EffectiveFriction(Study):
                 moves = np.arange(over.size - 2)
                 moves[(edges + step) % moves.size] = edges
                 as_of = moves[contacts.owner]
-                own = np.where(as_of == contacts.owner, np.arange(as_of.size), np.searchsorted(contacts.owner, as_of))
+                own = np.where(
+                    as_of == contacts.owner,
+                    np.arange(as_of.size),
+                    np.searchsorted(contacts.owner, as_of),
+                )
                 bounds = raceways.thinnest(contacts, u[own], V[own])[1 + edges + step]
                 jumped = max(jumped, float((least / bounds - 1.0).max()))
-        return {"film parameter": float(off), **({f"film parameter{WHERE_JUMPED}": float(jumped)} if jumped else {})}
+        return {
+            "film parameter": float(off),
+            **({f"film parameter{WHERE_JUMPED}": float(jumped)} if jumped else {}),
+        }
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
@@ -418,7 +504,9 @@ class EffectiveFriction(Study):
                 force = contacts.per_roller(contacts.force)
                 for i, m in enumerate(instants):  # of every M/m-th position of the orbit
                     some = slice(None, None, max(instants) // m)
-                    found[i, ring, k] = pull[some].sum() / force[some].sum() if force[some].any() else np.nan
+                    found[i, ring, k] = (
+                        pull[some].sum() / force[some].sum() if force[some].any() else np.nan
+                    )
         return found
 
     def runaway(self, assembly: Assembly, instants: int) -> Runaway | None:
@@ -434,30 +522,44 @@ class EffectiveFriction(Study):
     def _away(self, balance: TorqueBalance) -> Runaway:
         return runaway(balance, self.runaway_range, f"study.{self.name}.runaway_range")
 
-    def _balanced(self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY) -> dict[str, Any]:
+    def _balanced(
+        self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY
+    ) -> dict[str, Any]:
         """Variables of running away and of how the cage runs, none where neither is looked for."""
         if not self.runaway_range:
             return {}
         balance = self._rollers(assembly, instants)
         away = self._away(balance)
-        found = self.variables(runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status))
+        found = self.variables(
+            runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status)
+        )
         if outputs & _STEADY:
             runs = running(balance, self.runaway_range)
             found |= self.variables(
-                steady_cage_slip=runs.slip, steady_drag=runs.drag, steady_status=np.array(runs.status)
+                steady_cage_slip=runs.slip,
+                steady_drag=runs.drag,
+                steady_status=np.array(runs.status),
             )
             if outputs & _RESERVE:
                 kept = reserve(balance, away, runs, self.runaway_range)
-                found |= self.variables(drag_reserve=kept.factor, reserve_status=np.array(kept.status))
+                found |= self.variables(
+                    drag_reserve=kept.factor, reserve_status=np.array(kept.status)
+                )
         return found
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags that act on rollers, if there are any and it is looked where the cage runs away."""
         if not self.runaway_range:
             return ()
-        return tuple(("drag", drag) for drag in assembly.cage.drags if drag not in assembly.cage.drags.torques)
+        return tuple(
+            ("drag", drag)
+            for drag in assembly.cage.drags
+            if drag not in assembly.cage.drags.torques
+        )
 
-    def loaded(self, assembly: Assembly, instants: int, known: LoadDistribution | None = None) -> LoadedRaceways:
+    def loaded(
+        self, assembly: Assembly, instants: int, known: LoadDistribution | None = None
+    ) -> LoadedRaceways:
         """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
         loads = assembly.load_distribution(instants, known=known)
         return LoadedRaceways(assembly, loads, self.closure, self.table, shared=known is None)
@@ -469,24 +571,32 @@ class EffectiveFriction(Study):
         tolerance = assembly.scene.accuracy.tolerance
         before: tuple[Array, tuple[Critical, Critical]] | None = None
         known: LoadDistribution | None = None
-        instants, moved = _FIRST_INSTANTS, np.inf
+        instants = _FIRST_INSTANTS
+        moved = np.inf
         while instants <= _MOST_INSTANTS:
             raceways = self.loaded(assembly, instants, known)
             known = raceways.distribution
             curves = friction, _ = raceways.evaluated(raceways.speeds(slip))
             critical = raceways.critical(slip, friction)
             if before is not None:
-                moved = max(largest_change(before[0], friction), *map(_critical_moved, before[1], critical))
+                moved = max(
+                    largest_change(before[0], friction), *map(_critical_moved, before[1], critical)
+                )
                 if moved <= tolerance:
                     return raceways, curves, critical, moved
-            before, instants = (friction, critical), 2 * instants
+            before = (friction, critical)
+            instants = 2 * instants
         what = f"effective friction still moves by {moved:.1e} (relative)"
         if np.isinf(moved):
             what = "whether there is a slip at largest traction still changes"
         raise ConvergenceError(
             f"{what} from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} roller positions within a pitch; raise "
             f"accuracy.tolerance, which is {tolerance:g}"
-            + (f", or move the end of the range, {self.table}.max_cage_slip" if np.isinf(moved) else "")
+            + (
+                f", or move the end of the range, {self.table}.max_cage_slip"
+                if np.isinf(moved)
+                else ""
+            )
         )
 
     def _dataset(
@@ -500,7 +610,8 @@ class EffectiveFriction(Study):
         import xarray as xr
 
         speeds = raceways.speeds(slip)
-        means, (friction, film) = raceways.means(speeds), curves
+        means = raceways.means(speeds)
+        (friction, film) = curves
         loads = raceways.distribution
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
         found, coords = _curves(slip, friction, critical)
@@ -529,19 +640,29 @@ class EffectiveFriction(Study):
         return xr.Dataset(variables, coords, attrs=self.attributes | said)
 
 
-def _by_few_loads(cases: Sequence[tuple[Array, LoadedRaceways]]) -> list[tuple[Critical, Critical] | None]:
+def _by_few_loads(
+    cases: Sequence[tuple[Array, LoadedRaceways]],
+) -> list[tuple[Critical, Critical] | None]:
     """Critical slips of both rings by few loads on slips of their curves; None where all slices say otherwise."""
     few = [raceways.by_few_loads() for _, raceways in cases]
-    curves = evaluated_together([(own, own.speeds(slip)) for own, (slip, _) in zip(few, cases, strict=True)])
+    curves = evaluated_together(
+        [(own, own.speeds(slip)) for own, (slip, _) in zip(few, cases, strict=True)]
+    )
     critical = critical_together(
-        [(own, slip, friction) for own, (slip, _), (friction, _) in zip(few, cases, curves, strict=True)]
+        [
+            (own, slip, friction)
+            for own, (slip, _), (friction, _) in zip(few, cases, curves, strict=True)
+        ]
     )
     held = [
         (own, [_held_at(slip, ring) for ring in both])
         for own, (slip, _), both in zip(few, cases, critical, strict=True)
     ]
     errors = [_FEW_SHARE * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases]
-    return [both if agrees else None for both, agrees in zip(critical, agree_together(held, errors), strict=True)]
+    return [
+        both if agrees else None
+        for both, agrees in zip(critical, agree_together(held, errors), strict=True)
+    ]
 
 
 def _held_at(slip: Array, critical: Critical) -> Array:

@@ -29,11 +29,14 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 def _friction_curve(dataset: "xr.Dataset") -> "Figure":
     figure, axes = new_figure()
-    shown, limits = curves(dataset.sortby("normal_force")), film_limits(dataset)
+    shown = curves(dataset.sortby("normal_force"))
+    limits = film_limits(dataset)
     tints = shade_film(axes, shown, limits)
     lines: list[Artist] = [
         draw_curve(axes, curve, colour, f"{curve.name}: {film_text(curve, limits)}, {curve.regime}")
-        for curve, colour in zip(shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True)
+        for curve, colour in zip(
+            shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True
+        )
     ]
     axes.set_xlabel(axis_label(dataset["slip"], r"$V/u$", "%", name="slide–roll ratio"))
     axes.set_ylabel(axis_label(dataset["friction"], r"$\mu$", "–"))

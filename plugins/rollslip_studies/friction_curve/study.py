@@ -26,7 +26,8 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-_OF_CURVE, _OF_FORCE = "normal_force slip", "normal_force"
+_OF_CURVE = "normal_force slip"
+_OF_FORCE = "normal_force"
 #: A contact, its entrainment speed [m/s], and slide-roll ratios.
 _Curve: TypeAlias = tuple[LoadedContacts, float, Array]
 #: Angle and number of the roller of a curve, for laws that ask: the one in the line of load.
@@ -35,23 +36,36 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "friction": Output(_OF_CURVE, "1", "friction coefficient"),
         "critical_slip": Output(
-            _OF_FORCE, "1", "slide-roll ratio of the largest friction", status="critical_status", default=True
+            _OF_FORCE,
+            "1",
+            "slide-roll ratio of the largest friction",
+            status="critical_status",
+            default=True,
         ),
         "critical_friction": Output(
             _OF_FORCE, "1", "largest friction coefficient", status="critical_status", default=True
         ),
         "critical_status": Output(_OF_FORCE, "1", "what was found of the slip at largest traction"),
         "first_maximum_slip": Output(
-            _OF_FORCE, "1", "slide-roll ratio from which friction first falls", status="critical_status"
+            _OF_FORCE,
+            "1",
+            "slide-roll ratio from which friction first falls",
+            status="critical_status",
         ),
-        "first_maximum_friction": Output(_OF_FORCE, "1", "friction coefficient there", status="critical_status"),
+        "first_maximum_friction": Output(
+            _OF_FORCE, "1", "friction coefficient there", status="critical_status"
+        ),
         "film_thickness": Output(_OF_CURVE, "m", "film thickness"),
         "film_parameter": Output(_OF_CURVE, "1", "film parameter Lambda"),
         "regime": Output(_OF_CURVE, "1", "film regime"),
         "half_width": Output(
-            _OF_FORCE, "m", "half width that carries the load, Hertz's or the film's (models.pressure)"
+            _OF_FORCE,
+            "m",
+            "half width that carries the load, Hertz's or the film's (models.pressure)",
         ),
-        "pressure": Output(_OF_FORCE, "Pa", "mean pressure, Hertz's or the film's (models.pressure)"),
+        "pressure": Output(
+            _OF_FORCE, "Pa", "mean pressure, Hertz's or the film's (models.pressure)"
+        ),
         "load_parameter": Output(_OF_FORCE, "1", "Moes load parameter M"),
         "lubricant_parameter": Output(_OF_FORCE, "1", "Moes lubricant parameter L"),
     }
@@ -67,9 +81,13 @@ class FrictionCurve(Study):
         variable="friction", over="normal_force", slip="slip", critical="critical_slip"
     )
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
-    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "friction", "critical_slip": "critical_slip"})
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"friction": "friction", "critical_slip": "critical_slip"}
+    )
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"friction": "the models of a contact on every loaded lamina, over the slips and in search of the largest"}
+        {
+            "friction": "the models of a contact on every loaded lamina, over the slips and in search of the largest"
+        }
     )
     bearing_loads: ClassVar[bool] = False
 
@@ -81,9 +99,15 @@ class FrictionCurve(Study):
         usual=(0, 1e6),
         possible=(0, 1e9),
     )
-    ring: str = parameter(default="inner", doc="ring of the contact", validator=one_of("inner", "outer"))
-    max_slip: float = parameter(default=0.3, unit="1", doc="largest slide-roll ratio V/u", validator=positive)
-    points: int = parameter(default=201, doc="points of the curve, denser towards zero", validator=at_least(5))
+    ring: str = parameter(
+        default="inner", doc="ring of the contact", validator=one_of("inner", "outer")
+    )
+    max_slip: float = parameter(
+        default=0.3, unit="1", doc="largest slide-roll ratio V/u", validator=positive
+    )
+    points: int = parameter(
+        default=201, doc="points of the curve, denser towards zero", validator=at_least(5)
+    )
 
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
@@ -112,7 +136,8 @@ class FrictionCurve(Study):
     def contacts(self, assembly: Assembly) -> list[LoadedContacts]:
         """Return the loaded slices of the contact, for each normal force."""
         raceway = assembly.inner if self.ring == "inner" else assembly.outer
-        c, where = raceway.conditions, Location(assembly.scene.origins, ("study", self.name, "normal_force"))
+        c = raceway.conditions
+        where = Location(assembly.scene.origins, ("study", self.name, "normal_force"))
         if faults := [
             where.at(k).says(f"{format_quantity(force, 'N')} is {fault}")
             for k, force in enumerate(self.normal_force)
@@ -122,10 +147,14 @@ class FrictionCurve(Study):
 
         def loaded(force: float) -> LoadedContacts:
             load = balanced_load(assembly, raceway, force)[None]
-            return LoadedContacts(raceway, load, assembly.widths, 1.0, places=assembly.places(raceway.ring, *_FIRST))
+            return LoadedContacts(
+                raceway, load, assembly.widths, 1.0, places=assembly.places(raceway.ring, *_FIRST)
+            )
 
         return [
-            assembly.kept_by_loads(("contact", self.ring, force), 1, partial(loaded, force)).on(raceway)
+            assembly.kept_by_loads(("contact", self.ring, force), 1, partial(loaded, force)).on(
+                raceway
+            )
             for force in self.normal_force
         ]
 
@@ -136,7 +165,9 @@ class FrictionCurve(Study):
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices of each normal force, slip by slip."""
-        yield from self._evaluated(assembly, dataset.attrs["rolling_speed"], dataset["slip"].to_numpy())
+        yield from self._evaluated(
+            assembly, dataset.attrs["rolling_speed"], dataset["slip"].to_numpy()
+        )
 
     def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
         """Return the slices of each normal force at a few slips of the curves."""
@@ -145,7 +176,8 @@ class FrictionCurve(Study):
 
     def _evaluated(self, assembly: Assembly, u: float, slips: Array) -> Iterator[Evaluated]:
         for k, contacts in enumerate(self.contacts(assembly)):
-            load, force = contacts.slices.load, contacts.force
+            load = contacts.slices.load
+            force = contacts.force
             for slip in slips:
                 yield Evaluated(k, contacts.raceway.ring, load, u, slip * u, force, contacts.places)
 
@@ -164,7 +196,9 @@ class FrictionCurve(Study):
         """
         import xarray as xr
 
-        slip, u, contacts = slip_grid(self.max_slip, self.points), self.rolling_speed(assembly), self.contacts(assembly)
+        slip = slip_grid(self.max_slip, self.points)
+        u = self.rolling_speed(assembly)
+        contacts = self.contacts(assembly)
         curves = [(one, u, slip) for one in contacts]
         friction = _friction(curves)
         found, coords = self._found(slip, friction, self._critical(curves, friction))
@@ -184,21 +218,35 @@ class FrictionCurve(Study):
         )
         variables["film_thickness"][2]["long_name"] += f", {assembly.film.location}"
         variables["regime"][2].update(flag_values=[0, 1, 2, 3], flag_meanings=" ".join(NAMES))
-        return xr.Dataset(variables | found, coords, attrs=self.attributes | {"ring": self.ring, "rolling_speed": u})
+        return xr.Dataset(
+            variables | found,
+            coords,
+            attrs=self.attributes | {"ring": self.ring, "rolling_speed": u},
+        )
 
     @classmethod
-    def together(cls, cases: "Sequence[tuple[FrictionCurve, Assembly]]", outputs: frozenset[str]) -> list[Some] | None:
+    def together(
+        cls, cases: "Sequence[tuple[FrictionCurve, Assembly]]", outputs: frozenset[str]
+    ) -> list[Some] | None:
         """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
-        if not outputs <= {"friction", "critical_slip", "critical_friction", "critical_status", *FIRST}:
+        if not outputs <= {
+            "friction",
+            "critical_slip",
+            "critical_friction",
+            "critical_status",
+            *FIRST,
+        }:
             return None
         curves = list[_Curve]()
         grid = cache(slip_grid)
         for study, assembly in cases:
-            slip, u = grid(study.max_slip, study.points), study.rolling_speed(assembly)
+            slip = grid(study.max_slip, study.points)
+            u = study.rolling_speed(assembly)
             curves += [(contact, u, slip) for contact in study.contacts(assembly)]
         friction = _friction(curves)
         critical = cls._critical(curves, friction)
-        found, first = list[Some](), 0
+        found = list[Some]()
+        first = 0
         for study, _ in cases:
             own = slice(first, first + len(study.normal_force))
             known = friction[own] if "friction" in outputs else None
@@ -211,11 +259,16 @@ class FrictionCurve(Study):
         """Largest friction of curves."""
         key = f"study.{cls.name}.max_slip"
         sought = [
-            Curve(slip, known, key, most=PURE_SLIDING) for (*_, slip), known in zip(curves, friction, strict=True)
+            Curve(slip, known, key, most=PURE_SLIDING)
+            for (*_, slip), known in zip(curves, friction, strict=True)
         ]
-        return searched(sought, lambda asked: _friction([(*curves[k][:2], slip) for k, slip in asked]))
+        return searched(
+            sought, lambda asked: _friction([(*curves[k][:2], slip) for k, slip in asked])
+        )
 
-    def _found(self, slip: Array, friction: Sequence[Array] | None, critical: Sequence[Critical]) -> Some:
+    def _found(
+        self, slip: Array, friction: Sequence[Array] | None, critical: Sequence[Critical]
+    ) -> Some:
         """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
         curves = {} if friction is None else self.variables(friction=np.stack(friction))
         return curves | self.variables(
@@ -225,7 +278,11 @@ class FrictionCurve(Study):
             first_maximum_slip=np.array([c.first_slip for c in critical]),
             first_maximum_friction=np.array([c.first_friction for c in critical]),
         ), {
-            "normal_force": ("normal_force", np.array(self.normal_force), about("N", "normal force of the contact")),
+            "normal_force": (
+                "normal_force",
+                np.array(self.normal_force),
+                about("N", "normal force of the contact"),
+            ),
             "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
         }
 
@@ -237,7 +294,9 @@ def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:
     drop = (
         assembly.drop - assembly.drop.min()
     )  # approaches are measured from the first touch, else small ones round off
-    load = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force)
+    load = _balanced(
+        lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force
+    )
     if not np.any(load > 0.0):
         raise DomainError(
             f"a normal force of {force:g} N is lost along a roller of "
@@ -247,12 +306,18 @@ def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:
     return load
 
 
-def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array, force: float) -> Array:
+def _balanced(
+    deflection: Callable[[float], tuple[Array, Array]], widths: Array, force: float
+) -> Array:
     """Loads that carry a force: Newton's method over the approach, which bisection keeps within its bracket."""
-    low, high, approach = 0.0, np.inf, 1e-6
+    low = 0.0
+    high = np.inf
+    approach = 1e-6
     while True:
         load, stiffness = deflection(approach)
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # far above a tiny force
+        with np.errstate(
+            over="ignore", invalid="ignore", divide="ignore"
+        ):  # far above a tiny force
             excess = float((load * widths / force).sum()) - 1.0
             step = excess / float((stiffness * widths / force).sum())
         low, high = (low, approach) if excess > 0.0 else (approach, high)
@@ -266,7 +331,9 @@ def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array,
 
 def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Array]:
     """Friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
-    return mean_friction([(contacts, np.full(slip.size, u), slip * u) for contacts, u, slip in cases])
+    return mean_friction(
+        [(contacts, np.full(slip.size, u), slip * u) for contacts, u, slip in cases]
+    )
 
 
 def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:

@@ -17,7 +17,16 @@ from rollslip.files import whole_file
 from rollslip.studies.answers import Store
 from rollslip_studies.motion.time_integration import Event, Trajectory
 
-_NUMBERS = ("last_t", "last_step", "steps", "rejected", "evaluations", "jacobians", "wall_time", "processor_time")
+_NUMBERS = (
+    "last_t",
+    "last_step",
+    "steps",
+    "rejected",
+    "evaluations",
+    "jacobians",
+    "wall_time",
+    "processor_time",
+)
 
 
 @attrs.frozen
@@ -46,10 +55,13 @@ class Checkpoints(Store):
                 y=part.y,
                 last_y=part.last_y,
                 last_state=part.last_state,
-                events=np.array([(e.time, e.watched, e.rising) for e in part.events]).reshape(-1, 3),
+                events=np.array([(e.time, e.watched, e.rising) for e in part.events]).reshape(
+                    -1, 3
+                ),
                 facts=np.frombuffer(
                     json.dumps(
-                        {name: getattr(part, name) for name in _NUMBERS} | {"scene_hash": self.scene_hash}
+                        {name: getattr(part, name) for name in _NUMBERS}
+                        | {"scene_hash": self.scene_hash}
                     ).encode(),
                     dtype=np.uint8,
                 ),
@@ -57,14 +69,23 @@ class Checkpoints(Store):
 
     def load(self, times: np.ndarray, unknowns: int) -> Trajectory | None:
         """Return what the parts hold together, or None if there are none."""
-        trajectory, fits = None, True
+        trajectory = None
+        fits = True
         for path in self.parts():
             part = self._read(path)
-            fits = fits and part.y.shape == (part.t.size, unknowns) and part.last_y.shape == (unknowns,)
+            fits = (
+                fits
+                and part.y.shape == (part.t.size, unknowns)
+                and part.last_y.shape == (unknowns,)
+            )
             if fits:
                 trajectory = part if trajectory is None else trajectory.then(part)
-        if not fits or (trajectory is not None and not np.array_equal(trajectory.t, times[: trajectory.t.size])):
-            raise OutputError(f"{self.folder}: its parts do not fit together; remove the folder and run anew")
+        if not fits or (
+            trajectory is not None and not np.array_equal(trajectory.t, times[: trajectory.t.size])
+        ):
+            raise OutputError(
+                f"{self.folder}: its parts do not fit together; remove the folder and run anew"
+            )
         return trajectory
 
     def _read(self, path: Path) -> Trajectory:
@@ -76,15 +97,27 @@ class Checkpoints(Store):
                     t=file["t"],
                     y=file["y"],
                     last_y=file["last_y"],
-                    last_state=file["last_state"] if "last_state" in file else np.zeros(0),  # of older versions
+                    last_state=file["last_state"]
+                    if "last_state" in file
+                    else np.zeros(0),  # of older versions
                     events=tuple(Event(float(t), int(k), bool(up)) for t, k, up in file["events"]),
                     outcome="interrupted",
                     message="",
                     error=None,
                     **facts,
                 )
-        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise OutputError(f"{path}: is not a part of a run that can be read ({error}); remove it") from error
+        except (
+            OSError,
+            ValueError,
+            KeyError,
+            TypeError,
+            EOFError,
+            zipfile.BadZipFile,
+            zlib.error,
+        ) as error:
+            raise OutputError(
+                f"{path}: is not a part of a run that can be read ({error}); remove it"
+            ) from error
         if of != self.scene_hash:
             raise OutputError(
                 f"{self.folder}: holds a run of another scene, or of this one before it was changed; "

@@ -48,17 +48,23 @@ _ROLLING: Final = (1.0 / 11.0, 3.0)
 _PROBES: Final = 129
 #: A speed that is to be a node is at one of these shares of the way to the largest one, the last for steep rises.
 _SHARES: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
-_FIRST_CELLS, _MOST_CELLS = 64, 4096
+_FIRST_CELLS = 64
+_MOST_CELLS = 4096
 #: To what a curve goes on that misses its tolerance with the most: a fast roller bends far from where friction rises.
 _LAST_CELLS: Final = 32768
 #: Where the first cells err more than this, more of them are needed to tell which mapping is best.
-_UNCLEAR, _CLEARER, _CLEAR_CELLS = 0.01, 256, 1024
-_FIRST_ROWS, _MOST_ROWS = 8, 256
-_FIRST_CLASSES, _MOST_CLASSES = 16, 1024
+_UNCLEAR = 0.01
+_CLEARER = 256
+_CLEAR_CELLS = 1024
+_FIRST_ROWS = 8
+_MOST_ROWS = 256
+_FIRST_CLASSES = 16
+_MOST_CLASSES = 1024
 #: Slices evaluated at a time.
 _AT_ONCE: Final = 1 << 18
 #: Of the tolerance, for the cells and for the classes.
-_CELLS_SHARE, _CLASSES_SHARE = 0.8, 0.1
+_CELLS_SHARE = 0.8
+_CLASSES_SHARE = 0.1
 #: Of two maxima among the probes that differ by less, either may be the larger one.
 _ALIKE: Final = 0.05
 #: What rounding leaves of the place of a maximum.
@@ -68,7 +74,8 @@ _NEAR: Final = 1e-4
 #: What the limits of slopes may leave of the slope at no slip, relative to it.
 _SLOPE: Final = 1e-9
 #: How what one node has to do with the slope at another falls from node to node, and after how many it is rounding.
-_DECAY, _DECAYED = math.sqrt(3.0) - 2.0, 28
+_DECAY = math.sqrt(3.0) - 2.0
+_DECAYED = 28
 
 Law = Callable[[Array], Array]
 
@@ -87,7 +94,9 @@ class EffectiveTable:
     #: Largest error at the quarters of the cells, relative to the largest friction at that rolling speed, and what the
     #: classes add.
     error: float = 0.0
-    slope_error: float = 0.0  # error of the slope at no slip, relative to it, at the epicyclic rolling speed
+    slope_error: float = (
+        0.0  # error of the slope at no slip, relative to it, at the epicyclic rolling speed
+    )
     #: Sliding speed V > 0 of the largest friction at the epicyclic rolling speed [m/s]; NaN if there is none below half
     #: the largest sliding speed.
     critical_speed: float = math.nan
@@ -107,7 +116,9 @@ class EffectiveTable:
         """Sliding speeds [m/s] and friction at the nodes; None for a table over two speeds."""
         if self.nodes.ndim != 2:
             return None
-        return _speed(np.linspace(*self.limits, self.nodes.shape[0]), self.sliding_scale), self.nodes[:, 0]
+        return _speed(
+            np.linspace(*self.limits, self.nodes.shape[0]), self.sliding_scale
+        ), self.nodes[:, 0]
 
     def raceway(self, rollers: int) -> object:
         """Return the compiled raceway of so many rollers."""
@@ -123,7 +134,12 @@ class EffectiveTable:
 
 
 def effective_table(
-    assembly: Assembly, raceway: Raceway, load: Array, tolerance: float, slips: bool, between_nodes: float = 1.0
+    assembly: Assembly,
+    raceway: Raceway,
+    load: Array,
+    tolerance: float,
+    slips: bool,
+    between_nodes: float = 1.0,
 ) -> EffectiveTable:
     """Tabulate the effective friction of a raceway.
 
@@ -144,8 +160,12 @@ def effective_table(
     """
     epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     rolling = np.array([epicyclic, *(epicyclic * share for share in _ROLLING)][: 3 if slips else 1])
-    distinct, times = np.unique(load[load > 0.0], return_counts=True)  # mirror images are equal to the bit
-    law, left = _gathered(raceway, distinct, times.astype(float), rolling, _CLASSES_SHARE * tolerance)
+    distinct, times = np.unique(
+        load[load > 0.0], return_counts=True
+    )  # mirror images are equal to the bit
+    law, left = _gathered(
+        raceway, distinct, times.astype(float), rolling, _CLASSES_SHARE * tolerance
+    )
     cells = _CELLS_SHARE * tolerance
     if slips:
         table = map_table(law, epicyclic, cells)
@@ -172,7 +192,9 @@ def table_records(tables: Sequence[_Recorded], name: str = "effective_tables") -
     return {name: json.dumps(records)} if records else {}
 
 
-def curve_table(friction: Law, rolling: float, tolerance: float, aim: float | None = None) -> EffectiveTable:
+def curve_table(
+    friction: Law, rolling: float, tolerance: float, aim: float | None = None
+) -> EffectiveTable:
     """Tabulate friction over the sliding speed.
 
     Parameters
@@ -198,20 +220,25 @@ def curve_table(friction: Law, rolling: float, tolerance: float, aim: float | No
         values = fine[::4]
         slopes = _slopes(limit, values, scale * shape.slope, share if shape.has_critical else 0.0)
         error = _missed(fine, slopes)
-        enough = error <= (tolerance if aim is None else aim) and _rises(limit, slopes, scale * shape.slope)
+        enough = error <= (tolerance if aim is None else aim) and _rises(
+            limit, slopes, scale * shape.slope
+        )
         if enough or (cells >= _MOST_CELLS and error <= tolerance):
             break
         if cells >= _LAST_CELLS:
             raise _too_coarse(error, tolerance)
         both = np.empty(8 * cells + 1)
         both[::2], both[1::2] = fine, at(_halves(limit, 8 * cells)[1::2])
-        cells, fine = 2 * cells, both
+        cells = 2 * cells
+        fine = both
     nodes = np.stack((values, slopes), axis=-1)
     table = EffectiveTable(nodes, (-limit, limit), sliding_scale=scale, error=error)
     return _stated(table, shape, nodes, scale)
 
 
-def map_table(friction: Callable[[float, Array], Array], epicyclic: float, tolerance: float) -> EffectiveTable:
+def map_table(
+    friction: Callable[[float, Array], Array], epicyclic: float, tolerance: float
+) -> EffectiveTable:
     """Tabulate friction over rolling and sliding speed.
 
     Parameters
@@ -227,25 +254,35 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
     shape = _shape(partial(friction, epicyclic), epicyclic)
     laws = [(share, partial(friction, share * epicyclic)) for share in (1.0, *_ROLLING)]
     scale, limit, share = _mapping(laws, shape, epicyclic)
-    ratio, near = scale / epicyclic, _NEAR * shape.half / epicyclic
+    ratio = scale / epicyclic
+    near = _NEAR * shape.half / epicyclic
     low, high = (part / (part + 1.0) for part in _ROLLING)
-    cells, rows = _first_cells(share), _FIRST_ROWS
+    cells = _first_cells(share)
+    rows = _FIRST_ROWS
     while cells <= _MOST_CELLS and rows <= _MOST_ROWS:
-        x, e = _halves(limit, 4 * cells), np.linspace(low, high, 2 * rows + 1)
+        x = _halves(limit, 4 * cells)
+        e = np.linspace(low, high, 2 * rows + 1)
         u = epicyclic * e / (1.0 - e)
         true = np.array([friction(speed, _speed(x, ratio * speed)) for speed in u.tolist()])
-        rise = [ratio * speed * _slope(partial(friction, speed), near * speed)[0] for speed in u[::2].tolist()]
+        rise = [
+            ratio * speed * _slope(partial(friction, speed), near * speed)[0]
+            for speed in u[::2].tolist()
+        ]
         values = true[::2, ::4]
         slopes = _slopes(limit, values, np.array(rise))
         middle = 5 * rows // 8  # the epicyclic row
-        slopes[middle] = _slopes(limit, values[middle], rise[middle], share if shape.has_critical else 0.0)
+        slopes[middle] = _slopes(
+            limit, values[middle], rise[middle], share if shape.has_critical else 0.0
+        )
         rising, twisting = (_spline(part.T).T for part in (values, slopes))
         # half-way between the rows
-        values_there, slopes_there = _between(values.T, rising.T, 0.5).T, _between(slopes.T, twisting.T, 0.5).T
+        values_there = _between(values.T, rising.T, 0.5).T
+        slopes_there = _between(slopes.T, twisting.T, 0.5).T
         along = _missed(true[::2], slopes)
         across = _relative(values_there - true[1::2, ::4], true[1::2])
         inside = max(
-            _relative(_between(values_there, slopes_there, q / 4) - true[1::2, q::4], true[1::2]) for q in (1, 2, 3)
+            _relative(_between(values_there, slopes_there, q / 4) - true[1::2, q::4], true[1::2])
+            for q in (1, 2, 3)
         )
         error = max(along, across, inside)
         steep = cells < _MOST_CELLS and not _rises(limit, slopes[middle], rise[middle])
@@ -294,9 +331,16 @@ def _shape(friction: Law, rolling: float) -> _Shape:
     end = int(np.searchsorted(probe, 0.5 * _REACH * rolling)) - 1
     # of maxima of nearly the same height, any may be the largest
     high = values[1:end] >= (1.0 - _ALIKE) * values[: end + 1].max()
-    peaks = 1 + np.flatnonzero(high & (values[1:end] > values[: end - 1]) & (values[1:end] >= values[2 : end + 1]))
-    curves = [Curve(probe[grid], values[grid], "") for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist())]
-    maxima = searched(curves, lambda asked: [*friction(np.concatenate([V for _, V in asked]))[:, None]])
+    peaks = 1 + np.flatnonzero(
+        high & (values[1:end] > values[: end - 1]) & (values[1:end] >= values[2 : end + 1])
+    )
+    curves = [
+        Curve(probe[grid], values[grid], "")
+        for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist())
+    ]
+    maxima = searched(
+        curves, lambda asked: [*friction(np.concatenate([V for _, V in asked]))[:, None]]
+    )
     found = (one for one in maxima if not math.isnan(one.slip))
     critical = max(found, key=lambda one: one.friction, default=Critical(math.nan, math.nan, ""))
     return _Shape(half, *_slope(friction, _NEAR * half), critical)
@@ -313,7 +357,8 @@ def _slope(friction: Law, near: float) -> tuple[float, float]:
     """
     V = near * 0.5 ** np.arange(4)
     ahead, behind = np.split(friction(np.concatenate((V, -V))), 2)
-    difference, before = (ahead - behind) / (2.0 * V), math.nan
+    difference = (ahead - behind) / (2.0 * V)
+    before = math.nan
     for power in (2.0, 4.0, 8.0):
         before = float(difference[-1])
         difference = (power * difference[1:] - difference[:-1]) / (power - 1.0)
@@ -327,33 +372,43 @@ def _apart(value: float, true: float) -> float:
 
 def _stated(table: EffectiveTable, shape: _Shape, nodes: Array, scale: float) -> EffectiveTable:
     """Return a table with the critical speed and the errors that it leaves of a shape; ``nodes`` (N, 2 or more)."""
-    middle, limit = nodes.shape[0] // 2, table.limits[1]
+    middle = nodes.shape[0] // 2
+    limit = table.limits[1]
     slope = float(nodes[middle, 1]) * middle / (limit * scale)
     table = attrs.evolve(table, slope_error=shape.slope_error + _apart(slope, shape.slope))
     if not shape.has_critical:
         return table
     largest = int(np.argmax(nodes[middle:, 0]))
     at = float(_speed(np.array(limit * largest / middle), scale))
-    moved = _apart(at, shape.critical.slip), _apart(float(nodes[middle + largest, 0]), shape.critical.friction)
-    return attrs.evolve(table, critical_speed=shape.critical.slip, critical_error=_PLACE + max(moved))
+    moved = (
+        _apart(at, shape.critical.slip),
+        _apart(float(nodes[middle + largest, 0]), shape.critical.friction),
+    )
+    return attrs.evolve(
+        table, critical_speed=shape.critical.slip, critical_error=_PLACE + max(moved)
+    )
 
 
 # The mapping ---------------------------------------------------------------------------------------------------------
 
 
-def _mapping(laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float) -> tuple[float, float, float]:
+def _mapping(
+    laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float
+) -> tuple[float, float, float]:
     """V_s, the limit of V/(V + V_s), and the share of it at which the critical speed, or else the half-way one, is.
 
     ``laws`` are those that the cells are to follow, the first one that of the shape, and by what their V_s is longer.
     """
-    reach, node = _REACH * rolling, shape.critical.slip if shape.has_critical else shape.half
+    reach = _REACH * rolling
+    node = shape.critical.slip if shape.has_critical else shape.half
     rises = [_slope(law, _NEAR * shape.half * longer)[0] for longer, law in laws]
     shares = [share for share in _SHARES if share * reach > node]
     for cells in (_FIRST_CELLS, _CLEARER, _CLEAR_CELLS):
         found = list[tuple[float, float, float, float]]()
         for share in shares:
             scale = node * reach * (1.0 - share) / (share * reach - node)
-            limit, error = reach / (reach + scale), 0.0
+            limit = reach / (reach + scale)
+            error = 0.0
             for (longer, law), rise in zip(laws, rises, strict=True):
                 fine = law(_speed(_halves(limit, 4 * cells), scale * longer))
                 error = max(error, _missed(fine, _slopes(limit, fine[::4], scale * longer * rise)))
@@ -361,7 +416,9 @@ def _mapping(laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float) -
         found.sort(key=lambda one: one[0])
         if found[0][0] <= _UNCLEAR:
             break
-        shares = [share for *_, share in found[: (len(found) + 1) // 2]]  # what is worse is not the best with more
+        shares = [
+            share for *_, share in found[: (len(found) + 1) // 2]
+        ]  # what is worse is not the best with more
     return found[0][1:]
 
 
@@ -411,24 +468,37 @@ def _spline(values: Array, rise: Array | None = None) -> Array:
     m obey m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1), of which [1 4 1] has the inverse z^|k| / (2 sqrt 3) with
     z = sqrt(3) - 2; to it z^k and z^(n-k) are added so that the ends are right.
     """
-    chord, last = np.diff(values, axis=-1), values.shape[-1] - 1
+    chord = np.diff(values, axis=-1)
+    last = values.shape[-1] - 1
     right = np.zeros(values.shape)
     right[..., 1:-1] = 3.0 * (chord[..., :-1] + chord[..., 1:])
     inverse = _DECAY ** np.abs(np.arange(-_DECAYED, _DECAYED + 1)) / (2.0 * math.sqrt(3.0))
     rows = (np.convolve(row, inverse)[_DECAYED:-_DECAYED] for row in right.reshape(-1, last + 1))
     slopes = np.array(list(rows)).reshape(values.shape)
     ahead = _DECAY ** np.arange(last + 1)
-    behind, far, knotless = ahead[::-1], ahead[-1], 1.0 + 2.0 * _DECAY
+    behind = ahead[::-1]
+    far = ahead[-1]
+    knotless = 1.0 + 2.0 * _DECAY
     missed = 2.5 * chord[..., -1] + 0.5 * chord[..., -2] - slopes[..., -1] - 2.0 * slopes[..., -2]
     if rise is None:
-        missed_first = 2.5 * chord[..., 0] + 0.5 * chord[..., 1] - slopes[..., 0] - 2.0 * slopes[..., 1]
-        near, across = knotless, far + 2.0 * ahead[-2]
+        missed_first = (
+            2.5 * chord[..., 0] + 0.5 * chord[..., 1] - slopes[..., 0] - 2.0 * slopes[..., 1]
+        )
+        near = knotless
+        across = far + 2.0 * ahead[-2]
     else:
-        missed_first, near, across = rise - slopes[..., 0], 1.0, far
-    of_last = far + 2.0 * ahead[-2]  # what z^k leaves at the last node, as `across` is what z^(n-k) does at the first
+        missed_first = rise - slopes[..., 0]
+        near = 1.0
+        across = far
+    of_last = (
+        far + 2.0 * ahead[-2]
+    )  # what z^k leaves at the last node, as `across` is what z^(n-k) does at the first
     both = near * knotless - across * of_last
-    first, second = missed_first * knotless - across * missed, near * missed - of_last * missed_first
-    return np.asarray(slopes + (first / both)[..., None] * ahead + (second / both)[..., None] * behind)
+    first = missed_first * knotless - across * missed
+    second = near * missed - of_last * missed_first
+    return np.asarray(
+        slopes + (first / both)[..., None] * ahead + (second / both)[..., None] * behind
+    )
 
 
 def _rises(limit: float, slopes: Array, rise: float) -> bool:
@@ -446,8 +516,10 @@ def _bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
     """
     rise = np.diff(values, axis=-1)
     sign = np.sign(rise)
-    before, after = sign[..., :-1], sign[..., 1:]
-    turns, points = before * after < 0.0, np.sign(slopes[..., 1:-1])
+    before = sign[..., :-1]
+    after = sign[..., 1:]
+    turns = before * after < 0.0
+    points = np.sign(slopes[..., 1:-1])
     holds = np.zeros(rise.shape, dtype=bool)
     holds[..., 1:] |= turns & (points == before)
     holds[..., :-1] |= turns & (points == after)
@@ -471,14 +543,18 @@ def _bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
 
 def _between(values: Array, slopes: Array, share: float) -> Array:
     """Hermite's cubics at a share of every cell of the last axis."""
-    x, rise = share, np.diff(values, axis=-1)
+    x = share
+    rise = np.diff(values, axis=-1)
     part = values[..., :-1] + x * x * (3.0 - 2.0 * x) * rise
     return np.asarray(part + x * (1.0 - x) * ((1.0 - x) * slopes[..., :-1] - x * slopes[..., 1:]))
 
 
 def _missed(fine: Array, slopes: Array) -> float:
     """Largest relative error of cubics at the quarters of their cells; ``fine`` has these and the nodes."""
-    return max(_relative(_between(fine[..., ::4], slopes, q / 4) - fine[..., q::4], fine) for q in (1, 2, 3))
+    return max(
+        _relative(_between(fine[..., ::4], slopes, q / 4) - fine[..., q::4], fine)
+        for q in (1, 2, 3)
+    )
 
 
 def _relative(off: Array, values: Array) -> float:
@@ -516,9 +592,13 @@ def _gathered(
         force = np.asarray(np.bincount(number, share, count), dtype=float)
         mean = np.bincount(number, share * load, count)[force > 0.0] / force[force > 0.0]
         law = _mean_friction(raceway, mean, force[force > 0.0])
-        off = max(_relative(law(u, _probe(u)) - one, one) for u, one in zip(rolling.tolist(), true, strict=True))
+        off = max(
+            _relative(law(u, _probe(u)) - one, one)
+            for u, one in zip(rolling.tolist(), true, strict=True)
+        )
         gathered = _shape(partial(law, epicyclic), epicyclic)
-        slope, place = _apart(gathered.slope, shape.slope), 0.0
+        slope = _apart(gathered.slope, shape.slope)
+        place = 0.0
         if shape.has_critical != gathered.has_critical:
             place = math.inf
         elif shape.has_critical:
@@ -543,7 +623,9 @@ def _mean_friction(raceway: Raceway, load: Array, share: Array) -> Callable[[flo
         for begin in range(0, sliding.size, part):
             V = sliding[begin : begin + part]
             slices = raceway.evaluate(np.tile(load, V.size), rolling, np.repeat(V, load.size))
-            parts.append((slices.friction.reshape(V.size, -1) * share).sum(axis=1))  # not by BLAS, whose threads show
+            parts.append(
+                (slices.friction.reshape(V.size, -1) * share).sum(axis=1)
+            )  # not by BLAS, whose threads show
         return np.concatenate(parts)
 
     return friction

@@ -42,7 +42,9 @@ class PowerBalance:
     """Losses of a bearing and what pays for them."""
 
     losses: tuple[Loss, ...]  # by source, in one order for all states of a scene
-    rings: tuple[float, float]  # power that inner and outer ring put in [W]; below zero where a ring gives power off
+    rings: tuple[
+        float, float
+    ]  # power that inner and outer ring put in [W]; below zero where a ring gives power off
     #: Power that speeds up cage and rollers [W]: none at a steady slip, but for rounding and positions of the orbit.
     stored: float
 
@@ -58,28 +60,40 @@ class PowerBalance:
 
 def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
     """Return the losses of a bearing in a motion of its rollers, means over the orbit."""
-    k, rollers = balance.assembly.kinematics, balance.assembly.scene.bearing.rollers
+    k = balance.assembly.kinematics
+    rollers = balance.assembly.scene.bearing.rollers
     speeds = k.surface_speeds(orbit.cage_slip, orbit.roller_slip)
     traction, resistance, on_cage = balance.forces(orbit)
     sliding = np.array([speeds.inner_sliding, speeds.outer_sliding])
     rolling = np.array([speeds.inner_rolling, speeds.outer_rolling])
-    cage, spin = balance.cage_speed(orbit.cage_slip), speeds.roller_speed
-    levers = np.array([k.inner_radius * (traction[0] + resistance[0]), k.outer_radius * (traction[1] - resistance[1])])
+    cage = balance.cage_speed(orbit.cage_slip)
+    spin = speeds.roller_speed
+    levers = np.array(
+        [
+            k.inner_radius * (traction[0] + resistance[0]),
+            k.outer_radius * (traction[1] - resistance[1]),
+        ]
+    )
     turns = on_cage - levers.sum(axis=0)  # G
-    pocket = k.roller_radius * (traction[0] - resistance[0] - traction[1] - resistance[1]) - turns  # M
+    pocket = (
+        k.roller_radius * (traction[0] - resistance[0] - traction[1] - resistance[1]) - turns
+    )  # M
 
     def all_rollers(power: Array) -> float:
         return rollers * float(power.mean())
 
     slid = [all_rollers(traction[i] * sliding[i]) for i in range(len(RINGS))]
     losses = [
-        Loss(f"sliding, {ring} raceway", f"{ring} contact", power) for ring, power in zip(RINGS, slid, strict=True)
+        Loss(f"sliding, {ring} raceway", f"{ring} contact", power)
+        for ring, power in zip(RINGS, slid, strict=True)
     ]
     if balance.drags.resistance is not None:
         rolled = [all_rollers(2.0 * resistance[i] * rolling[i]) for i in range(len(RINGS))]
         losses += _rolling(balance, orbit, balance.drags.resistance, rolled)
     if balance.drags.pocket_friction is not None:
-        losses.append(Loss(balance.drags.pocket_friction.name, "pocket", all_rollers(pocket * spin)))
+        losses.append(
+            Loss(balance.drags.pocket_friction.name, "pocket", all_rollers(pocket * spin))
+        )
     if balance.assembly.scene.models.neighbour_friction is not None:
         losses.append(Loss("rubbing of neighbours", "pocket", all_rollers(pocket * spin)))
     put_in = [all_rollers(lever) for lever in levers]
@@ -90,7 +104,9 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
         drag += torque
         ring = RINGS.index(model.against) if model.against in RINGS else None
         place = "oil" if ring is None else f"{RINGS[ring]} land"
-        losses.append(Loss(model.name, place, -torque * (cage - (0.0 if ring is None else ring_speeds[ring]))))
+        losses.append(
+            Loss(model.name, place, -torque * (cage - (0.0 if ring is None else ring_speeds[ring])))
+        )
         if ring is not None:
             put_in[ring] += torque
     inner, outer = (torque * speed for torque, speed in zip(put_in, ring_speeds, strict=True))
@@ -98,7 +114,9 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
     return PowerBalance(losses=_told_apart(losses), rings=(inner, outer), stored=stored)
 
 
-def _rolling(balance: TorqueBalance, orbit: Orbit, resistance: ResistanceModel, power: list[float]) -> list[Loss]:
+def _rolling(
+    balance: TorqueBalance, orbit: Orbit, resistance: ResistanceModel, power: list[float]
+) -> list[Loss]:
     """Losses by resistance to rolling, split in the proportion in which its terms resist on the slices."""
     terms = resistance.terms if isinstance(resistance, TotalResistance) else (resistance,)
     losses = []
@@ -125,7 +143,8 @@ def _power_of(term: ResistanceModel, contacts: LoadedContacts) -> float:
 
 def _told_apart(losses: list[Loss]) -> tuple[Loss, ...]:
     """Return the losses with a number behind a source that was there before."""
-    seen, told = dict[str, int](), []
+    seen = dict[str, int]()
+    told = []
     for loss in losses:
         seen[loss.source] = count = seen.get(loss.source, 0) + 1
         told.append(loss if count == 1 else attrs.evolve(loss, source=f"{loss.source} {count}"))

@@ -25,7 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.equilibrium import Contacts, Floats, LoadCase, angular_positions, solve_equilibrium
+from rollslip.bearing.equilibrium import (
+    Contacts,
+    Floats,
+    LoadCase,
+    angular_positions,
+    solve_equilibrium,
+)
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, SceneError
@@ -44,22 +50,33 @@ SLOW: Final = 1e-3
 _ROUGH: Final = 4
 #: Orbits at most, by implicit Euler and by differences of second order; exactness of balances, relative to the bracket,
 #: with inertia and without.
-_ORBITS, _LONG, _EXACT, _EXACTLY = 8, 24, 1e-5, 1e-12
+_ORBITS = 8
+_LONG = 24
+_EXACT = 1e-5
+_EXACTLY = 1e-12
 #: Step, relative to the roller slip, at which a motion is found, and what is left of one that repeats.
-_SETTLED, _REPEATS = 1e-7, 1e-3
+_SETTLED = 1e-7
+_REPEATS = 1e-3
 #: Mean shares, by load, by which motions are two, and up to which one goes on from another.
-TWO, GOES_ON = 0.02, 0.15
+TWO = 0.02
+GOES_ON = 0.15
 #: Part of the weights of positions that is even where unloaded rollers brake; least roller slips that count.
-_EVEN, _LEAST, _NOTHING = 0.5, 1e-9, 1e-12
+_EVEN = 0.5
+_LEAST = 1e-9
+_NOTHING = 1e-12
 #: Width, in roller slips, in which it is first looked for what rollers slip without the cage.
 _AT_REST: Final = 1e-3
 #: Torque at an end of the bracket that is rounding, relative to the largest; how far that end may go, in roller slips.
-_IDLE, _WIDEST = 1e-12, 64.0
+_IDLE = 1e-12
+_WIDEST = 64.0
 #: Error of a motion of first order beyond which it is not sure.
 _WRONG = 1e-2
 #: Exactness of what neighbours brake, relative to the largest; turns at most; turns whose mean is taken where steps do
 #: not fall, and how much of the least one so far a step is that does not.
-_PUSHED, _TURNS, _MEAN, _SLOWLY = 1e-5, 40, 8, 0.8
+_PUSHED = 1e-5
+_TURNS = 40
+_MEAN = 8
+_SLOWLY = 0.8
 
 
 def _film_speed(rolling: Array) -> Array:
@@ -70,11 +87,13 @@ class Conventional:
     """The whole chain of models on every loaded slice."""
 
     def __init__(self, contacts: LoadedContacts) -> None:
-        self.contacts, self.resists = contacts, contacts.raceway.chain.resists
+        self.contacts = contacts
+        self.resists = contacts.raceway.chain.resists
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
-        contacts, film = self.contacts, _film_speed(rolling)
+        contacts = self.contacts
+        film = _film_speed(rolling)
         friction = contacts.friction(film[contacts.owner], sliding[contacts.owner])
         traction = contacts.per_roller(friction * contacts.force)
         if not self.resists:
@@ -108,7 +127,9 @@ class Effective:
         self._curve = curve
         self._force = contacts.contacts.per_roller(contacts.contacts.force)
         free = np.full_like(self._force, rolling)
-        self._resistance = contacts(free, np.zeros_like(free))[1] if contacts.resists else 0.0 * free
+        self._resistance = (
+            contacts(free, np.zeros_like(free))[1] if contacts.resists else 0.0 * free
+        )
 
     @property
     def ring(self) -> "Curved":
@@ -148,7 +169,9 @@ class Motion:
     sure: bool
     error: float = 0.0  # what it leaves of the torque, relative, where it is of first order only
     linked: bool = True  # whether it goes on from the motion at the slip below
-    brakes: Array | None = None  # moments by which neighbours brake the spin, without a cage [N m], (K,)
+    brakes: Array | None = (
+        None  # moments by which neighbours brake the spin, without a cage [N m], (K,)
+    )
     #: What an orbit leaves of a disturbance of the spin: the rollers hold the motion if it is below 1 in size.
     multiplier: float = 0.0
 
@@ -179,10 +202,14 @@ class Spins:
         # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
-        k, tables = kinematics, {} if tables is None else tables
+        k = kinematics
+        tables = {} if tables is None else tables
         self._contacts = tuple(one for one in contacts if isinstance(one, LoadedContacts))
         self._gathered = [one.gathered(tables.get(one.raceway)) for one in self._contacts]
-        tables.update((one.raceway, made[:2]) for one, made in zip(self._contacts, self._gathered, strict=True))
+        tables.update(
+            (one.raceway, made[:2])
+            for one, made in zip(self._contacts, self._gathered, strict=True)
+        )
         self._told = (0, 0)
         curved = [one for one in contacts if not isinstance(one, LoadedContacts)]
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
@@ -192,12 +219,15 @@ class Spins:
 
     def ended(self, how: str) -> None:
         """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused."""
-        count, before, self._told = self.kernel.evaluated, self._told, self.kernel.evaluated
+        count = self.kernel.evaluated
+        before = self._told
+        self._told = self.kernel.evaluated
         for k, contacts in enumerate(self._contacts):
             contacts.raceway.chain.kernel.evaluated += count[k] - before[k]
         if how in RINGS:
             k = RINGS.index(how)
-            chain, (stage, table, _) = self._contacts[k].raceway.chain, self._gathered[k]
+            chain = self._contacts[k].raceway.chain
+            (stage, table, _) = self._gathered[k]
             refusal = chain.kernel.refusal(stage)
             assert refusal is not None
             raise chain.error(refusal, table)
@@ -220,8 +250,13 @@ class Motions:
         # Others of the same bearing, or one nearly alike, which know what its rollers slip without slip of the cage.
         beside: "Motions | None" = None,
     ) -> None:
-        self.assembly, self.instants, self.effective, self.inertia = assembly, instants, effective, inertia
-        self.pocket, self.rubbing, self._few = pocket, rubbing, 0 if assembly.inner.chain.placed else few
+        self.assembly = assembly
+        self.instants = instants
+        self.effective = effective
+        self.inertia = inertia
+        self.pocket = pocket
+        self.rubbing = rubbing
+        self._few = 0 if assembly.inner.chain.placed else few
         k = assembly.kinematics
         self.positions = assembly.scene.bearing.rollers * instants
         #: 1 or -1: that in which the kinematics let the rollers go round
@@ -240,7 +275,8 @@ class Motions:
         angle = self._orbit[1]
         #: torque of the body force on a roller along the orbit, in its sense [N m], (K,)
         self._pull = self.sense * k.orbit_radius * (across * np.cos(angle) - along * np.sin(angle))
-        self._rollers, self._lever = self.sense * assembly.scene.bearing.rollers, 1.0 + k.outer_radius / k.roller_radius
+        self._rollers = self.sense * assembly.scene.bearing.rollers
+        self._lever = 1.0 + k.outer_radius / k.roller_radius
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle = self._most = 0.0
         self._last: tuple[bytes, list[LoadedContacts]] = b"", []
@@ -250,10 +286,14 @@ class Motions:
             weight = _EVEN * (inner + outer).mean() + (1.0 - _EVEN) * (inner + outer)
         self._weight = weight / (weight.sum() or 1.0) / (1.0 - self._on_inner)
         if beside is not None:
-            self._idle, self._most = beside._idle, beside._most
+            self._idle = beside._idle
+            self._most = beside._most
         elif self.resists:  # what rollers slip without slip of the cage
             rest = self._came_to(np.zeros(1), np.zeros((1, 2)))[0][0, 0]
-            self._idle, self._most = max(float(np.abs(rest).mean()), _LEAST), float(np.abs(rest).max())
+            self._idle, self._most = (
+                max(float(np.abs(rest).mean()), _LEAST),
+                float(np.abs(rest).max()),
+            )
 
     def like(self, *, instants: int, few: int) -> "Motions":
         """Return those at other instants, by other loads of a roller."""
@@ -268,7 +308,11 @@ class Motions:
         order, _ = self._orbit
 
         def rows(of: Array) -> Array:
-            return of if of.ndim == 1 else of.reshape(slips.size, order.size, -1)[:, order].reshape(-1, of.shape[-1])
+            return (
+                of
+                if of.ndim == 1
+                else of.reshape(slips.size, order.size, -1)[:, order].reshape(-1, of.shape[-1])
+            )
 
         inner, outer = orbit_loads(self.assembly, self.instants, speeds, self._few)
         return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
@@ -286,7 +330,9 @@ class Motions:
 
     def _lag(self, slips: Array) -> Array:
         k = self.assembly.kinematics
-        return np.asarray(k.roller_slip_outer_rolling(slips)) if slips.any() else np.zeros_like(slips)
+        return (
+            np.asarray(k.roller_slip_outer_rolling(slips)) if slips.any() else np.zeros_like(slips)
+        )
 
     def apart(self, one: Array, two: Array) -> float:
         """Mean difference of shares, by load, relative to that of rolling on either ring."""
@@ -296,31 +342,41 @@ class Motions:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
         key = slips.tobytes()
         if self._last[0] != key:
-            a, angle = self.assembly, np.tile(self._orbit[1], slips.size)
+            a = self.assembly
+            angle = np.tile(self._orbit[1], slips.size)
             self._last = (
                 key,
                 [
-                    LoadedContacts(a.inner, *own, 1.0, places=a.places(ring, angle))  # every roller is at each of them
+                    LoadedContacts(
+                        a.inner, *own, 1.0, places=a.places(ring, angle)
+                    )  # every roller is at each of them
                     for ring, own in zip(RINGS, self.loads(slips), strict=True)
                 ],
             )
         made = self._last[1]
         if few is not None and few != self._few:  # the rule of a rule is that of what it stands for
             made = [of.fewer(few) for of in made]
-        inner, outer = (Conventional(of.on(own)) for of, own in zip(made, self.assembly.raceways, strict=True))
+        inner, outer = (
+            Conventional(of.on(own)) for of, own in zip(made, self.assembly.raceways, strict=True)
+        )
         return inner, outer
 
-    def frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple["Conventional | Effective", ...]:
+    def frictions(
+        self, contacts: tuple[Conventional, Conventional]
+    ) -> tuple["Conventional | Effective", ...]:
         """Friction of both rings: that of the contacts, or the effective one of their forces."""
         if self.effective is None:
             return contacts
         k = self.assembly.kinematics
         free = k.roller_radius * k.epicyclic_roller_speed
-        return tuple(Effective(curve, of, free) for curve, of in zip(self.effective, contacts, strict=True))
+        return tuple(
+            Effective(curve, of, free) for curve, of in zip(self.effective, contacts, strict=True)
+        )
 
     def spins(self, slips: Array, few: int | None = None, brakes: Array | None = None) -> Spins:
         """Compiled torques of rows of positions, one for each cage slip, under what neighbours brake, (n, K)."""
-        k, frictions = self.assembly.kinematics, self.frictions(self.contacts(slips, few))
+        k = self.assembly.kinematics
+        frictions = self.frictions(self.contacts(slips, few))
         given = [one.ring if isinstance(one, Effective) else one.contacts for one in frictions]
         spins = Spins(
             k, self.positions * slips.size, given, slow=SLOW, pocket=self.pocket, tables=self._tables[few is None],
@@ -367,23 +423,41 @@ class Motions:
         k = self.assembly.kinematics
         train = Train.of(k, self.assembly.scene.bearing.rollers, self.rubbing)
         few = _ROUGH if self._inertia else None
-        brakes, left, driven = np.zeros((slips.size, self.positions)), np.zeros(slips.size), []
-        least, stalled = np.full(slips.size, np.inf), np.zeros(slips.size)
-        rows, friction = np.arange(slips.size), train.coefficient * train.radius
-        now, spins = brakes[rows], None
+        brakes = np.zeros((slips.size, self.positions))
+        left = np.zeros(slips.size)
+        driven = []
+        least = np.full(slips.size, np.inf)
+        stalled = np.zeros(slips.size)
+        rows = np.arange(slips.size)
+        friction = train.coefficient * train.radius
+        now = brakes[rows]
+        spins = None
         for _ in range(_TURNS):
             shape = rows.size, self.positions
             # compiled code reads ``now`` itself
             spins = self.spins(slips[rows], few, now) if spins is None else spins
-            at = self._came_to(slips[rows], None if starts is None else starts[rows], spins)[0][:, 0].ravel()
-            (spin, torque), (spin_there, torque_there) = self._torques(spins, at), self._torques(spins, at + NUDGED)
+            at = self._came_to(slips[rows], None if starts is None else starts[rows], spins)[0][
+                :, 0
+            ].ravel()
+            (spin, torque) = self._torques(spins, at)
+            (spin_there, torque_there) = self._torques(spins, at + NUDGED)
             # a spin stays in balance, so a moment on it takes traction, which leaves less for the train
             rises = np.maximum(spin_there - spin, 0.0)
-            taken = np.divide(rises - torque_there + torque, rises, out=np.zeros_like(rises), where=rises > 0.0)
+            taken = np.divide(
+                rises - torque_there + torque, rises, out=np.zeros_like(rises), where=rises > 0.0
+            )
             turns = k.roller_radius * k.epicyclic_roller_speed * (1.0 - at)
-            falls = np.clip(taken, 0.0, k.outer_radius / k.roller_radius) * turns / np.hypot(turns, SLIDES)
-            torque, falls = self.sense * torque.reshape(shape), falls.reshape(shape)
-            step = friction * sum(train.pushes(torque + self._pull + falls * now, falls * friction)) - now
+            falls = (
+                np.clip(taken, 0.0, k.outer_radius / k.roller_radius)
+                * turns
+                / np.hypot(turns, SLIDES)
+            )
+            torque = self.sense * torque.reshape(shape)
+            falls = falls.reshape(shape)
+            step = (
+                friction * sum(train.pushes(torque + self._pull + falls * now, falls * friction))
+                - now
+            )
             size = np.abs(step).max(axis=1)
             stalled[rows] += size > _SLOWLY * least[rows]
             least[rows] = np.minimum(size, least[rows])
@@ -396,15 +470,22 @@ class Motions:
             if np.all(done := exact | (stalled[rows] >= _MEAN)):
                 break
             if done.any():
-                rows, spins = rows[~done], None
+                rows = rows[~done]
+                spins = None
                 now = brakes[rows]
         return brakes, left
 
     def _came_to(
-        self, slips: Array, starts: Array | None, spins: Spins | None = None, brakes: Array | None = None
+        self,
+        slips: Array,
+        starts: Array | None,
+        spins: Spins | None = None,
+        brakes: Array | None = None,
     ) -> tuple[Array, Found, Array]:
         """Roller slips (n, 2, K) that rollers come to from two starts, whether both are one, and what is left."""
-        spins = self.spins(slips, _ROUGH if self._inertia else None, brakes) if spins is None else spins
+        spins = (
+            self.spins(slips, _ROUGH if self._inertia else None, brakes) if spins is None else spins
+        )
         starts = self._ends(spins, slips) if starts is None else starts
         exact = _EXACT if self._inertia else _EXACTLY
         found, met, left, how = spins.kernel.sent_round(
@@ -417,7 +498,9 @@ class Motions:
         return found, met, left
 
     def _wide(self, slips: Array) -> Array:
-        return (self.unit(slips) + _AT_REST * (self.resists and not self._idle)) * (1.0 - self._on_inner)
+        return (self.unit(slips) + _AT_REST * (self.resists and not self._idle)) * (
+            1.0 - self._on_inner
+        )
 
     def at(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
         """Motions at cage slips, one or the two between which all others lie: of rollers sent round from both ends.
@@ -433,9 +516,11 @@ class Motions:
             row
             for row in np.flatnonzero(~met).tolist()
             if starts is None
-            and self.apart(shares[row, 0], shares[row, 1]) >= (TWO if left[row].max() < _REPEATS else 0.0)
+            and self.apart(shares[row, 0], shares[row, 1])
+            >= (TWO if left[row].max() < _REPEATS else 0.0)
         ]
-        rows, which = np.array([*range(slips.size), *two]), np.array([0] * slips.size + [1] * len(two))
+        rows = np.array([*range(slips.size), *two])
+        which = np.array([0] * slips.size + [1] * len(two))
         motions = self._settled(slips, rows, found[rows, which], left[rows, which], brakes)
         if missed is not None:
             motions = [
@@ -450,42 +535,76 @@ class Motions:
                 out[row].append(motion)
         return out
 
-    def _settled(self, slips: Array, rows: Rows, came: Array, left: Array, brakes: Array | None) -> list[Motion]:
+    def _settled(
+        self, slips: Array, rows: Rows, came: Array, left: Array, brakes: Array | None
+    ) -> list[Motion]:
         """Motions of second order beside those that rollers came to, which are of first."""
-        unit, c, K, Z = self.unit(slips), self._inertia * np.abs(1.0 - slips), self.positions, self._rollers
+        unit = self.unit(slips)
+        c = self._inertia * np.abs(1.0 - slips)
+        K = self.positions
+        Z = self._rollers
         spins = self.spins(slips, brakes=brakes)
-        kernel, weight = spins.kernel, self._weight
+        kernel = spins.kernel
+        weight = self._weight
         braked: list[Array | None] = [None] * slips.size if brakes is None else list(brakes)
 
         def driven(which: Rows, at: Array) -> tuple[Array, Array]:
-            _, left, on_cage, _, how = kernel.settled(which, K, c[which], at, unit[which], as_guessed=True)
+            _, left, on_cage, _, how = kernel.settled(
+                which, K, c[which], at, unit[which], as_guessed=True
+            )
             spins.ended(how)
             return np.asarray(Z * on_cage), left
 
         if not self._inertia:
             of_rows = zip(rows.tolist(), driven(rows, came)[0].tolist(), came, strict=True)
             return [
-                Motion(float(slips[r]), T, at / unit[r], float(unit[r]), sure=True, brakes=braked[r])
+                Motion(
+                    float(slips[r]), T, at / unit[r], float(unit[r]), sure=True, brakes=braked[r]
+                )
                 for r, T, at in of_rows
             ]
-        at, multiplier, torque, held, how = kernel.settled(rows, K, c[rows], came, unit[rows], _SETTLED)
+        at, multiplier, torque, held, how = kernel.settled(
+            rows, K, c[rows], came, unit[rows], _SETTLED
+        )
         spins.ended(how)
-        torque, error = Z * torque, np.zeros(rows.size)
+        torque = Z * torque
+        error = np.zeros(rows.size)
         moved = np.abs(at - came) @ weight / unit[rows]
         sure = held & (np.abs(multiplier) < 1.0) & ~((left < _REPEATS) & (moved > GOES_ON))
         todo = np.flatnonzero(~sure)
-        if todo.size:  # Newton's method has failed: differences of second order, in order, as rollers go
+        if (
+            todo.size
+        ):  # Newton's method has failed: differences of second order, in order, as rollers go
             which = rows[todo]
-            known, begin = np.repeat(came[todo][:, None], 2, axis=1), np.repeat(came[todo][:, :1], 2, axis=1)
+            known = np.repeat(came[todo][:, None], 2, axis=1)
+            begin = np.repeat(came[todo][:, :1], 2, axis=1)
             exactly, _, rest, how = kernel.sent_round(
-                which, K, c[which], self._bracket(slips)[which], self._wide(slips)[which], begin, _LONG, _SETTLED, known
+                which,
+                K,
+                c[which],
+                self._bracket(slips)[which],
+                self._wide(slips)[which],
+                begin,
+                _LONG,
+                _SETTLED,
+                known,
             )
             spins.ended(how)
             repeats = rest[:, 0] <= 100.0 * _SETTLED
             at[todo] = np.where(repeats[:, None], exactly[:, 0], came[todo])
             torque[todo], multiplier[todo] = driven(which, at[todo])
-            bend = 0.5 * came[todo] - np.roll(came[todo], 1, axis=1) + 0.5 * np.roll(came[todo], 2, axis=1)
-            missed = Z * self._lever * c[which] * np.abs(bend).mean(axis=1) / np.maximum(np.abs(torque[todo]), 1e-300)
+            bend = (
+                0.5 * came[todo]
+                - np.roll(came[todo], 1, axis=1)
+                + 0.5 * np.roll(came[todo], 2, axis=1)
+            )
+            missed = (
+                Z
+                * self._lever
+                * c[which]
+                * np.abs(bend).mean(axis=1)
+                / np.maximum(np.abs(torque[todo]), 1e-300)
+            )
             error[todo] = np.where(repeats, 0.0, missed)
             sure[todo] = error[todo] < _WRONG
         return [
@@ -524,7 +643,9 @@ def orbit_loads(
     def whole(part: Array) -> tuple[Array, Array]:
         if not few:
             return over_pitch(part, instants), assembly.widths
-        rule = row_rules(np.ascontiguousarray(part).reshape(-1, assembly.slices), assembly.widths, few)
+        rule = row_rules(
+            np.ascontiguousarray(part).reshape(-1, assembly.slices), assembly.widths, few
+        )
         load, width = (over_pitch(of.reshape(*part.shape[:3], few), instants) for of in rule)
         return load, width
 
@@ -549,7 +670,9 @@ def check_repeats(assembly: Assembly, without: str = "without skidding") -> None
             raise SceneError([where.says(f"{told}; {remedy}")])
 
 
-def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats) -> tuple[Floats, Floats]:
+def solve_orbits(
+    case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats
+) -> tuple[Floats, Floats]:
     """Loads of inner and outer ring [N/m] at several centrifugal forces [N], each from the one before.
 
     Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings do not mirror
@@ -557,7 +680,8 @@ def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifuga
     """
     instants, rollers = case.psi.shape
     solved = instants // 2 + 1 if case.mirrored else instants
-    psi, forces = np.repeat(case.psi[:solved], centrifugal.size, axis=0), np.tile(centrifugal, solved)
+    psi = np.repeat(case.psi[:solved], centrifugal.size, axis=0)
+    forces = np.tile(centrifugal, solved)
     solution = solve_equilibrium(attrs.evolve(case, psi=psi, centrifugal_force=forces), contacts)
     inner, outer = (
         load.reshape(solved, centrifugal.size, rollers, -1).swapaxes(0, 1)

@@ -112,7 +112,9 @@ class Trajectory:
             y=np.concatenate((self.y, later.y)),
             events=self.events + later.events,
             steps=self.steps + later.steps,
-            rejected=-1 if min(self.rejected, later.rejected) < 0 else self.rejected + later.rejected,
+            rejected=-1
+            if min(self.rejected, later.rejected) < 0
+            else self.rejected + later.rejected,
             evaluations=self.evaluations + later.evaluations,
             jacobians=self.jacobians + later.jacobians,
             wall_time=self.wall_time + later.wall_time,
@@ -195,7 +197,9 @@ def integrate(
     every : float
         Those seconds.
     """
-    run = _Run(problem, integrator, np.asarray(times, dtype=float), rtol, stop, first_step, keep, every)
+    run = _Run(
+        problem, integrator, np.asarray(times, dtype=float), rtol, stop, first_step, keep, every
+    )
     if state is not None:
         run.state = state
     return run.to_the_end()
@@ -215,16 +219,25 @@ class _Run:
         keep: Callable[[int, Trajectory], None] | None,
         every: float,
     ) -> None:
-        self.problem, self.integrator, self.times, self.rtol, self.stop = problem, integrator, times, rtol, stop
-        self.keep, self.every = keep, every
-        self.t, self.y, self.h = problem.t, np.array(problem.y, dtype=float), first_step
+        self.problem = problem
+        self.integrator = integrator
+        self.times = times
+        self.rtol = rtol
+        self.stop = stop
+        self.keep = keep
+        self.every = every
+        self.t = problem.t
+        self.y = np.array(problem.y, dtype=float)
+        self.h = first_step
         self.state: Floats = np.zeros(0)  # of a compiled solver at t
         self.told: Mapping[str, float] = {}
         self.stored = np.full((times.size, self.y.size), np.nan)
         self.count = 0  # instants stored
         self.events: list[Event] = []
         self.work: Counts = np.zeros(4, dtype=int)  # steps, rejected, evaluations, jacobians
-        self.extra: tuple[float, Floats] | None = None  # state at the event that stops, between the instants
+        self.extra: tuple[float, Floats] | None = (
+            None  # state at the event that stops, between the instants
+        )
         self.begin = self.clock = time.perf_counter()
         self.worked = self.looked = time.process_time()
         self.sides: Floats = np.zeros(0)  # of zero on which the watched values are
@@ -233,24 +246,30 @@ class _Run:
 
     def to_the_end(self) -> Trajectory:
         outcome: Outcome = "finished"
-        message, raised = "", None
+        message = ""
+        raised = None
         try:
             if self.problem.watch is not None:
                 self.sides = np.sign(np.nan_to_num(self.problem.watch(self.t, self.y)))
             self._store_reached()
             last = float(self.times[-1]) if self.times.size else self.t
             for end in sorted(b for b in {*self.problem.breaks, last} if self.t < b <= last):
-                message = self._stretch(end, end - _BEFORE * max(abs(end), end - self.t) if end < last else end)
+                message = self._stretch(
+                    end, end - _BEFORE * max(abs(end), end - self.t) if end < last else end
+                )
                 if message:
                     outcome = "stopped" if self.extra is not None else "failed"
                     break
         except KeyboardInterrupt:
-            outcome, message = "interrupted", f"interrupted at t = {self.t:.6g} s"
+            outcome = "interrupted"
+            message = f"interrupted at t = {self.t:.6g} s"
         except Exception as error:
-            outcome, raised = "failed", error
+            outcome = "failed"
+            raised = error
             message = f"{type(error).__name__} at t = {self.t:.6g} s: {error}"
         if outcome == "interrupted" and self.extra is not None:  # where it was to stop anyhow
-            outcome, message = "stopped", f"stopped at t = {self.t:.6g} s"
+            outcome = "stopped"
+            message = f"stopped at t = {self.t:.6g} s"
         steps, rejected, evaluations, _ = self.work
         _log.debug(
             "%s %s at t = %g s: %d steps, %d rejected, %d evaluations of the rates",
@@ -261,11 +280,19 @@ class _Run:
         return self._since(0, 0, np.zeros(4, dtype=int), outcome, message, raised)
 
     def _since(
-        self, count: int, events: int, work: Counts, outcome: Outcome, message: str, raised: BaseException | None
+        self,
+        count: int,
+        events: int,
+        work: Counts,
+        outcome: Outcome,
+        message: str,
+        raised: BaseException | None,
     ) -> Trajectory:
-        t, y = self.times[count : self.count], self.stored[count : self.count]
+        t = self.times[count : self.count]
+        y = self.stored[count : self.count]
         if self.extra is not None and not (t.size and t[-1] == self.extra[0]):
-            t, y = np.append(t, self.extra[0]), np.vstack((y, self.extra[1]))
+            t = np.append(t, self.extra[0])
+            y = np.vstack((y, self.extra[1]))
         work = self.work - work
         return Trajectory(
             t=t,
@@ -295,7 +322,8 @@ class _Run:
         if self.problem.at_rest is not None and self.problem.at_rest(self.t, end, self.y):
             upto = int(np.searchsorted(self.times, end, side="right"))
             self.stored[self.count : upto] = self.y
-            self.t, self.count = end, upto
+            self.t = end
+            self.count = upto
             return ""
         options: dict[str, Any] = {"rtol": self.rtol, "atol": self.problem.atol}
         if 0.0 < self.h < bound - self.t:
@@ -307,9 +335,12 @@ class _Run:
             solver = compiled(self.problem.rates.capsule, self.t, self.y, bound, **options)
             state = solver.state
             if state.shape == self.state.shape and self.state[0] == self.t:
-                state, self.sides = self.state, self.state[4 : 4 + self.sides.size].copy()
+                state = self.state
+                self.sides = self.state[4 : 4 + self.sides.size].copy()
             else:
-                state[4 : 4 + self.sides.size] = self.sides  # which it may have left just before a break
+                state[4 : 4 + self.sides.size] = (
+                    self.sides
+                )  # which it may have left just before a break
             solver.state = state
             message = self._advanced(solver, bound)
         else:
@@ -326,18 +357,27 @@ class _Run:
     # Many steps at once -----------------------------------------------------------------------------------------------
 
     def _advanced(self, solver: Any, end: float) -> str:
-        before, many = self.work, _MANY
+        before = self.work
+        many = _MANY
         while True:
             begin = time.perf_counter()
-            upto, reason = int(np.searchsorted(self.times, end, side="right")), "raised"
+            upto = int(np.searchsorted(self.times, end, side="right"))
+            reason = "raised"
             try:
                 reason, _ = solver.advance(
-                    end, self.times[self.count : upto], self.stored[self.count : upto], max_steps=many
+                    end,
+                    self.times[self.count : upto],
+                    self.stored[self.count : upto],
+                    max_steps=many,
                 )
             finally:  # a model may have raised, or an interrupt have come before its results were taken
                 self._store_until(solver.t, solver.y, solver.interpolate)
-                self.t, self.y, self.h = float(solver.t), solver.y, float(solver.h)
-                self.work = before + np.array([solver.steps, solver.rejected, solver.evaluations, solver.jacobians])
+                self.t = float(solver.t)
+                self.y = solver.y
+                self.h = float(solver.h)
+                self.work = before + np.array(
+                    [solver.steps, solver.rejected, solver.evaluations, solver.jacobians]
+                )
                 self.state, self.told = solver.state, getattr(solver, "told", {})
                 passed = self._changed_sides(self.state[4 : 4 + self.sides.size])
                 self.events += [Event(self.t, k, rising) for k, rising in passed]
@@ -357,18 +397,28 @@ class _Run:
     # Step by step -----------------------------------------------------------------------------------------------------
 
     def _stepped(self, solver: Any, rates: "_Rates") -> str:
-        before, still, steps = self.work, 0, 0
+        before = self.work
+        still = 0
+        steps = 0
         while solver.status == "running":
             try:
                 message = solver.step()
             finally:
                 steps += 1
-                self.work = np.array([before[0] + steps, -1, before[2] + solver.nfev, before[3] + solver.njev])
+                self.work = np.array(
+                    [before[0] + steps, -1, before[2] + solver.nfev, before[3] + solver.njev]
+                )
             if rates.raised is not None:
                 raise rates.raised
             if solver.status == "failed":
-                return f"the solver gave up at t = {self.t:.6g} s: {message or 'it does not say why'}"
-            still = still + 1 if solver.t - self.t <= 1e-12 * max(abs(self.t), solver.t_bound - solver.t) else 0
+                return (
+                    f"the solver gave up at t = {self.t:.6g} s: {message or 'it does not say why'}"
+                )
+            still = (
+                still + 1
+                if solver.t - self.t <= 1e-12 * max(abs(self.t), solver.t_bound - solver.t)
+                else 0
+            )
             if still > _STILL:
                 return f"the solver stands still at t = {self.t:.6g} s: its steps are lost in the rounding of time"
             if not np.all(np.isfinite(solver.y)):
@@ -380,15 +430,20 @@ class _Run:
 
     def _stopped_in_step(self, solver: Any) -> bool:
         """Take the last step of a solver, up to the first event that ends the run, and tell whether there is one."""
-        watch, dense = self.problem.watch, solver.dense_output()
+        watch = self.problem.watch
+        dense = solver.dense_output()
         passed = [] if watch is None else self._changed_sides(watch(solver.t, solver.y))
         events = [Event(self._locate(dense, solver, k, rising), k, rising) for k, rising in passed]
         events.sort(key=lambda event: event.time)
-        final = next((event for event in events if event.rising and event.watched in self.stop), None)
+        final = next(
+            (event for event in events if event.rising and event.watched in self.stop), None
+        )
         t = float(solver.t) if final is None else final.time
         y = np.array(solver.y if final is None else dense(t))
         self._store_until(t, y, dense)
-        self.t, self.y, self.h = t, y, float(solver.step_size or 0.0)
+        self.t = t
+        self.y = y
+        self.h = float(solver.step_size or 0.0)
         self.events += [event for event in events if event.time <= t]
         if final is not None:
             self.extra = t, y
@@ -398,7 +453,9 @@ class _Run:
         """Time at which a watched value changed sides in the last step of a solver."""
         from scipy.optimize import brentq
 
-        watch, start, end = self.problem.watch, self.t, float(solver.t)
+        watch = self.problem.watch
+        start = self.t
+        end = float(solver.t)
         assert watch is not None
 
         def beyond(t: float) -> float:
@@ -437,8 +494,10 @@ class _Run:
     def _pause(self) -> None:
         if self.keep is not None and time.perf_counter() - self.clock > self.every:
             self.keep(self.parts, self._since(*self.kept, "interrupted", "", None))
-            self.parts, self.kept = self.parts + 1, (self.count, len(self.events), self.work)
-            self.clock, self.looked = time.perf_counter(), time.process_time()
+            self.parts = self.parts + 1
+            self.kept = (self.count, len(self.events), self.work)
+            self.clock = time.perf_counter()
+            self.looked = time.process_time()
 
 
 class _Rates:
@@ -448,7 +507,8 @@ class _Rates:
     """
 
     def __init__(self, rates: Callable[[float, Floats], Floats]) -> None:
-        self.rates, self.without = rates, 0
+        self.rates = rates
+        self.without = 0
         self.raised: BaseException | None = None
 
     def __call__(self, t: float, y: Floats) -> Floats:

@@ -32,14 +32,24 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import DRIVEN
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import effective_table
-from rollslip_studies.motion.spins import Conventional, EffectiveCurve, Motion, Motions, place_of, slip_of
+from rollslip_studies.motion.spins import (
+    Conventional,
+    EffectiveCurve,
+    Motion,
+    Motions,
+    place_of,
+    slip_of,
+)
 from rollslip_studies.motion.way_up import WayUp, way_up
 
 #: Loads that stand for the slices of a roller on the way up.
 _FEW: Final = 8
 #: Slips at which its time is measured, the place of the first, and how many times as long all of it takes, with maxima;
 #: and without a cage, of which 5 bearings took 5 to 34 times that.
-_SOME, _LOW, _ALL, _RUBBED = 6, -9.0, 10.0, 14.0
+_SOME = 6
+_LOW = -9.0
+_ALL = 10.0
+_RUBBED = 14.0
 #: Range at which no law has a value.
 _NOWHERE: Final = 1e-3
 #: Positions of an orbit, at least and at most, on which rollers are followed.
@@ -54,7 +64,9 @@ _STANDS: Final = 0.94
 RANGE: Final = 0.95
 #: How statuses begin: of a cage that nothing holds, and of reserves.
 NOWHERE: Final = "the cage runs at no slip"
-FOUND, AT_LEAST, SKIDS = "found", "at least", "the cage skids"
+FOUND = "found"
+AT_LEAST = "at least"
+SKIDS = "the cage skids"
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -71,7 +83,9 @@ class Orbit:
     traction: Array
     #: What an orbit leaves of a disturbance of the spin: the rollers hold this motion if it is below 1 in size.
     multiplier: float
-    brakes: Array | None = None  # moments by which neighbours brake its spin, without a cage [N m], (K,)
+    brakes: Array | None = (
+        None  # moments by which neighbours brake its spin, without a cage [N m], (K,)
+    )
 
 
 class TorqueBalance:
@@ -92,8 +106,12 @@ class TorqueBalance:
         # That of a bearing nearly alike, whose rollers slip about as much without slip of the cage.
         beside: "TorqueBalance | None" = None,
     ) -> None:
-        self.assembly, self.drags, self.instants, self._beside = assembly, drags, instants, beside
-        self.effective, self.inertia = effective, inertia
+        self.assembly = assembly
+        self.drags = drags
+        self.instants = instants
+        self._beside = beside
+        self.effective = effective
+        self.inertia = inertia
         self._known: dict[float, Orbit] = {}
         self._ways: dict[tuple[float, int], WayUp] = {}
         friction = drags.pocket_friction
@@ -126,12 +144,23 @@ class TorqueBalance:
         few = self._few
         loaded = time.process_time()
         try:
-            few.at(np.array([slip_of(place) for place in np.linspace(_LOW, place_of(largest), _SOME).tolist()]))
+            few.at(
+                np.array(
+                    [
+                        slip_of(place)
+                        for place in np.linspace(_LOW, place_of(largest), _SOME).tolist()
+                    ]
+                )
+            )
         except DomainError:  # at the end of the range a law has no value
             if largest < _NOWHERE:
                 raise
             return self.seconds(0.5 * largest)
-        return loaded - begin + _ALL * (_RUBBED if self._rubbing else 1.0) * (time.process_time() - loaded)
+        return (
+            loaded
+            - begin
+            + _ALL * (_RUBBED if self._rubbing else 1.0) * (time.process_time() - loaded)
+        )
 
     def has_several(self, slip: float) -> bool:
         """Whether rollers have several motions at a cage slip, or none that settles, and the way up has to be known."""
@@ -147,7 +176,11 @@ class TorqueBalance:
     def with_inertia(self, inertia: bool) -> "TorqueBalance":
         """Return the same balance of rollers with or without inertia of their spin."""
         return TorqueBalance(
-            self.assembly, self.drags, instants=self.instants, effective=self.effective, inertia=inertia
+            self.assembly,
+            self.drags,
+            instants=self.instants,
+            effective=self.effective,
+            inertia=inertia,
         )
 
     def cage_speed(self, cage_slip: float) -> float:
@@ -157,7 +190,9 @@ class TorqueBalance:
     def drag(self, cage_slip: float) -> float:
         """Torque of all drags on the cage [N m], negative where it resists the orbit."""
         k = self.assembly.kinematics
-        torque = self.drags.torque(k.direction * self.cage_speed(cage_slip), k.inner_speed, k.outer_speed)
+        torque = self.drags.torque(
+            k.direction * self.cage_speed(cage_slip), k.inner_speed, k.outer_speed
+        )
         return self.motions.sense * k.direction * torque
 
     def torque(self, cage_slip: float) -> float:
@@ -180,7 +215,9 @@ class TorqueBalance:
         By few loads of a roller it is as exact as the way up is while it is searched.
         """
         motions = self._few if few else self.motions
-        out, order, below = np.empty(cage_slips.size), np.argsort(cage_slips), None
+        out = np.empty(cage_slips.size)
+        order = np.argsort(cage_slips)
+        below = None
         found = motions.at(cage_slips[order])
         for k, here in zip(order.tolist(), found, strict=True):
             if not _settled(here):
@@ -197,7 +234,11 @@ class TorqueBalance:
     def _on_way(self, slip: float) -> Motion:
         """The motion of the way up at a slip."""
         here = self.motions.at(np.array([slip]))[0]
-        return here[0] if _settled(here) else self.motions.at(np.array([slip]), self._below(slip).share[:1])[0][0]
+        return (
+            here[0]
+            if _settled(here)
+            else self.motions.at(np.array([slip]), self._below(slip).share[:1])[0][0]
+        )
 
     def orbit_of(self, motion: Motion) -> Orbit:
         """Return a motion on all slices, such as that of a steady slip, with the forces in it."""
@@ -230,7 +271,9 @@ class TorqueBalance:
 
         They have the signs of the kinematics, whatever the sense of the orbit.
         """
-        tractions, resistances = self._forces(orbit.cage_slip, orbit.roller_slip, self.contacts(orbit.cage_slip))
+        tractions, resistances = self._forces(
+            orbit.cage_slip, orbit.roller_slip, self.contacts(orbit.cage_slip)
+        )
         kernel = self.motions.spins(np.array([orbit.cage_slip]), brakes=orbit.brakes).kernel
         return tractions, resistances, kernel.on_cage(orbit.roller_slip, tractions, resistances)
 
@@ -262,10 +305,16 @@ def rollers(
 
     What positions leave of a maximum is looked at by more of them; means over a pitch may need more of its instants.
     """
-    assembly, drags = assembly.with_resistance(), assembly.cage.drags
-    instants = min(max(instants, fewest_instants(assembly)), -(-_POSITIONS[1] // assembly.scene.bearing.rollers))
+    drags = assembly.cage.drags
+    assembly = assembly.with_resistance()
+    instants = min(
+        max(instants, fewest_instants(assembly)),
+        -(-_POSITIONS[1] // assembly.scene.bearing.rollers),
+    )
     curves = effective_curves(assembly, instants) if effective else None
-    return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia, beside=beside)
+    return TorqueBalance(
+        assembly, drags, instants=instants, effective=curves, inertia=inertia, beside=beside
+    )
 
 
 def look_along(assembly: Assembly, end: float, *, inertia: bool = True) -> None:
@@ -335,7 +384,8 @@ def nowhere(way: WayUp, allow: str) -> str:
     where = "where" if slip == way.end else f"and at {slip:.3g}"
     carried = format_quantity(torque, "N m", 3)
     return (
-        f"no skidding up to a slip of {way.end:.4g}, {where} the rollers carry the largest drag, {carried}; {further}"
+        f"no skidding up to a slip of {way.end:.4g}, {where} the rollers carry the "
+        f"largest drag, {carried}; {further}"
     )
 
 
@@ -354,7 +404,9 @@ def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
     if steady is not None:
         return Running(steady.slip, steady.torque, "found")
     if way.at_rest + balance.drag(0.0) > 0.0:
-        return Running(math.nan, math.nan, f"{DRIVEN}: it runs at more than twice its epicyclic speed")
+        return Running(
+            math.nan, math.nan, f"{DRIVEN}: it runs at more than twice its epicyclic speed"
+        )
     slip, torque = way.largest
     drag, carried = (format_quantity(one, "N m", 3) for one in (-balance.drag(slip), torque))
     return Running(
@@ -376,7 +428,9 @@ class Reserve:
     status: str
 
 
-def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float = RANGE) -> Reserve:
+def reserve(
+    balance: TorqueBalance, away: Runaway, runs: Running, largest: float = RANGE
+) -> Reserve:
     """Return the reserve of drag: the drag with which the cage runs away over that of the scene where it runs.
 
     Where nothing runs away up to the end of the range, the most that the rollers carry is carried at least, and over
@@ -389,7 +443,10 @@ def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float
     if runs.status == FOUND and not runs.slip > away.slip:  # NaN where there is no fold
         drag = -balance.drag(0.0) if runs.slip < 0.0 else runs.drag
         if not drag > 0.0:
-            return Reserve(math.inf, f"{AT_LEAST}: no torque drags the cage{' without slip' * (runs.slip < 0.0)}")
+            return Reserve(
+                math.inf,
+                f"{AT_LEAST}: no torque drags the cage{' without slip' * (runs.slip < 0.0)}",
+            )
         if not math.isnan(away.slip):
             return Reserve(away.drag / drag, FOUND)
         if math.isnan(away.most):
@@ -403,7 +460,9 @@ def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float
     slips, torques = balance.way(largest).curve
     shares = [torque / -balance.drag(slip) for slip, torque in zip(slips, torques, strict=True)
               if torque > 0.0 and balance.drag(slip) < 0.0]  # fmt: skip
-    return Reserve(min(max(shares, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry")
+    return Reserve(
+        min(max(shares, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry"
+    )
 
 
 def near_running_away(assembly: Assembly, slip: float) -> str:
@@ -435,10 +494,13 @@ def near_running_away(assembly: Assembly, slip: float) -> str:
 
 def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:
     """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
-    loads, tolerance = assembly.load_distribution(instants), assembly.resolution.table_tolerance
+    loads = assembly.load_distribution(instants)
+    tolerance = assembly.resolution.table_tolerance
 
     def of(raceway: Raceway, load: Array) -> EffectiveCurve:
-        table = effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False)
+        table = effective_table(
+            assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False
+        )
         return EffectiveCurve(table.nodes, table.limits, table.sliding_scale)
 
     return of(assembly.inner, loads.inner_load), of(assembly.outer, loads.outer_load)

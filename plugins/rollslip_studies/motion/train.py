@@ -54,7 +54,8 @@ class Train:
         shape = torque.shape[0], self.rollers, torque.shape[1] // self.rollers
         given = torque.reshape(shape)
         falls = np.zeros(shape) if falls is None else falls.reshape(shape)
-        kept, share = (self.lever - falls) / (self.lever + falls), 1.0 / (self.lever + falls)
+        kept = (self.lever - falls) / (self.lever + falls)
+        share = 1.0 / (self.lever + falls)
         # a = kept b + share (Y - D), round the train: what stands behind each roller with none behind the first one and
         # D = 0, what one newton behind the first one adds, and what D = 1 takes
         pushed, added, taken = (np.zeros((shape[0], self.rollers + 1, shape[2])) for _ in range(3))
@@ -64,7 +65,8 @@ class Train:
             added[:, k + 1] = kept[:, k] * added[:, k]
             taken[:, k + 1] = kept[:, k] * taken[:, k] + share[:, k]
         whole = taken / taken[:, -1:]  # D is such that the last one pushes the first one
-        pushed, added = pushed - whole * pushed[:, -1:], added - whole * (added[:, -1:] - 1.0)
+        pushed = pushed - whole * pushed[:, -1:]
+        added = added - whole * (added[:, -1:] - 1.0)
         behind = (pushed + added * np.max(-pushed / added, axis=1, keepdims=True))[:, :-1]
         return behind.reshape(torque.shape), np.roll(behind, -1, axis=1).reshape(torque.shape)
 

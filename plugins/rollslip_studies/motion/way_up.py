@@ -28,28 +28,39 @@ from rollslip.search import bracketed, secants, vertex
 from rollslip_studies.motion.spins import TWO, Motion, Motions, place_of, slip_of
 
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
-_SMALLEST, _STEP = 1e-4, 0.25
+_SMALLEST = 1e-4
+_STEP = 0.25
 _CORNER: Final = _STEP / 512.0
 #: Share of a maximum that counts as the same drag, exactness of its height, margin for what lies between slips, and how
 #: often these are halved; slips among which a maximum is told.
-_CLOSE, _FOUND, _SAFETY, _ROUNDS, _MOST = 1e-3, 1e-6, 2.0, 14, 9
+_CLOSE = 1e-3
+_FOUND = 1e-6
+_SAFETY = 2.0
+_ROUNDS = 14
+_MOST = 9
 #: Share by which the torque has to fall behind a maximum.
 _FALL: Final = 2.0 * _CLOSE
 #: Fall that positions may make, which is looked at by more of them.
 _SHALLOW: Final = 0.02
 #: How many times the positions a maximum is looked at, and loads of a roller there.
-_FINER, _FEW = 4, 8
+_FINER = 4
+_FEW = 8
 #: Least and largest half width of that look, in places; slips between which a corner is looked for, and how often.
 _SAME = 1e-7  # distance of places at which torques are alike but for rounding
-_NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
+_NARROW = 2e-3
+_WIDE = 0.1
+_BETWEEN = 9
+_LOOKS = 2
 #: How often a look goes on, twice as far, where the torque still rises at its end.
 _FURTHER: Final = 5
 #: Exactness of the place that carries a drag again.
 _AGAIN: Final = 1e-3
 #: Exactness of a steady slip, relative to it and to its torque, and the first step below no slip.
-_STEADY, _FASTER = 1e-10, 1e-5
+_STEADY = 1e-10
+_FASTER = 1e-5
 #: What is left where there is no balance, relative, and up to how many times an end one is looked for beside it.
-_LEFT, _FARTHEST = 1e-6, 1.25
+_LEFT = 1e-6
+_FARTHEST = 1.25
 #: Step of a slip, relative to it, by which the excess torque is differentiated.
 _NUDGE: Final = 1e-4
 
@@ -137,7 +148,8 @@ class WayUp:
     @cached_property
     def curve(self) -> tuple[Array, Array]:
         """Slips from none on and torques there [N m], (n,) each."""
-        slips, torques = ([0.0], [self.at_rest])
+        slips = [0.0]
+        torques = [self.at_rest]
         for motion in self.path:
             slips.append(motion.slip)
             torques.append(motion.torque)
@@ -157,7 +169,11 @@ class WayUp:
             right = motion.torque + drag(motion.slip)
             if (left < 0.0) != (right < 0.0) and (k == 0 or motion.linked):
                 known = [motion] if k == 0 else [self.path[k - 1], motion]
-                found.append(self._between(known, 0.0 if k == 0 else known[0].slip, motion.slip, drag, left, right))
+                found.append(
+                    self._between(
+                        known, 0.0 if k == 0 else known[0].slip, motion.slip, drag, left, right
+                    )
+                )
             left = right
         return found
 
@@ -172,17 +188,26 @@ class WayUp:
 
     def _driven(self, drag: Callable[[float], float], over: float) -> list[Steady]:
         """The balance of a cage that is faster than its epicyclic speed; none up to twice that."""
-        high, low = 0.0, -_FASTER
+        high = 0.0
+        low = -_FASTER
         while high > -1.0:
             motion = self.exact.at(np.array([low]))[0][0]
             below = motion.torque + drag(low)
             if below < 0.0:
                 return [self._between([motion], low, high, drag, below, over)]
-            high, low, over = low, max(2.0 * low, -1.0), below
+            high = low
+            low = max(2.0 * low, -1.0)
+            over = below
         return []
 
     def _between(
-        self, known: list[Motion], low: float, high: float, drag: Callable[[float], float], below: float, over: float
+        self,
+        known: list[Motion],
+        low: float,
+        high: float,
+        drag: Callable[[float], float],
+        below: float,
+        over: float,
     ) -> Steady:
         """The balance between two slips, beside motions that are known, on all slices."""
         motion = known[0]
@@ -197,7 +222,9 @@ class WayUp:
         def rise() -> float:
             beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
             left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))
-            return (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (right.slip - left.slip)
+            return (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (
+                right.slip - left.slip
+            )
 
         at = bracketed(excess, low, high, below, over, relative=_STEADY)
         near = min(abs(at - low), abs(high - at)) <= _LEFT * abs(at)
@@ -205,7 +232,10 @@ class WayUp:
             # few loads of a roller tell a sign at that end that all slices do not: it lies beside it
             first, last = sorted((at / _FARTHEST, at * _FARTHEST))
             slope = (over - below) / (high - low)
-            if secants(excess, at, slope, tolerance=_STEADY * abs(at), within=(first, last)) is None:
+            if (
+                secants(excess, at, slope, tolerance=_STEADY * abs(at), within=(first, last))
+                is None
+            ):
                 excess(at)
         return Steady(motion.slip, -drag(motion.slip), motion, rise)
 
@@ -214,24 +244,35 @@ class _Search:
     """The way up, and what is largest on it."""
 
     def __init__(self, motions: Motions, exact: Motions) -> None:
-        self.motions, self.exact = motions, exact
+        self.motions = motions
+        self.exact = exact
 
     def ways(self, slips: Sequence[float]) -> tuple[list[Motion], list[Motion]]:
         """The way up through slips, and motions beside it: all lie between those that either end leads to."""
-        motions, n = self.motions, len(slips)
+        motions = self.motions
+        n = len(slips)
         pairs = motions.at(np.array(slips))
         others = [motion for pair in pairs if len(pair) > 1 for motion in pair if motion.sure]
         while True:
             way = [pairs[0][0]]
             for k in range(1, n):
-                below, pair = way[-1], pairs[k]
-                if below.sure and not any(one.sure for one in pair):  # neither end settles, what is between them may
+                below = way[-1]
+                pair = pairs[k]
+                if below.sure and not any(
+                    one.sure for one in pair
+                ):  # neither end settles, what is between them may
                     pair = motions.at(np.array(slips[k : k + 1]), below.share[:1])[0]
-                way.append(motions.link(below, min(pair, key=lambda one: motions.apart(one.share, below.share))))
+                way.append(
+                    motions.link(
+                        below, min(pair, key=lambda one: motions.apart(one.share, below.share))
+                    )
+                )
             two = [k for k in range(1, n) if len(pairs[k]) > 1]
             wrong = None
             if two:
-                again = motions.at(np.array([slips[k] for k in two]), np.array([way[k - 1].share[0] for k in two]))
+                again = motions.at(
+                    np.array([slips[k] for k in two]), np.array([way[k - 1].share[0] for k in two])
+                )
                 off = (
                     (k, one[0])
                     for k, one in zip(two, again, strict=True)
@@ -240,21 +281,28 @@ class _Search:
                 wrong = next(off, None)
             if wrong is None:
                 own = {motion.slip: motion.share for motion in way}
-                return way, [one for one in others if motions.apart(one.share, own[one.slip]) >= TWO]
+                return way, [
+                    one for one in others if motions.apart(one.share, own[one.slip]) >= TWO
+                ]
             pairs[wrong[0]] = [wrong[1]]  # and what follows is chosen anew
 
     def refined(self, way: list[Motion]) -> list[Motion]:
         """Halve intervals beside peaks, and those in which a motion ends, where they may hold more than all below."""
         least = min(0.0, way[0].torque)
         for _ in range(_ROUNDS):
-            most, todo = np.maximum.accumulate([motion.torque for motion in way]), []
+            most = np.maximum.accumulate([motion.torque for motion in way])
+            todo = []
             for k, (a, b) in enumerate(itertools.pairwise(way)):
-                wide, over = b.place - a.place, 0.0
+                wide = b.place - a.place
+                over = 0.0
                 if not b.linked:  # along a motion the torque grows at most with the slip, from what brakes at none
                     over = a.torque + (a.torque - least) * math.expm1(wide)
                     over = max(over, b.torque + (b.torque - least) * 0.5 * wide)
                 elif any(_is_peak(way, j) and way[j].torque == most[j] for j in (k, k + 1)):
-                    over = max(a.torque, b.torque) + _SAFETY * max(_bend(way, k), _bend(way, k + 1)) * wide**2 / 8.0
+                    over = (
+                        max(a.torque, b.torque)
+                        + _SAFETY * max(_bend(way, k), _bend(way, k + 1)) * wide**2 / 8.0
+                    )
                 if wide > _CORNER and over > max((1.0 + _CLOSE) * most[k + 1], 0.0):
                     todo.append(k)
             if not todo:
@@ -264,12 +312,17 @@ class _Search:
             for k, (motion, *_) in sorted(zip(todo, found, strict=True), key=lambda one: -one[0]):
                 if not motion.sure:  # it only halves the interval
                     motion = attrs.evolve(motion, torque=min(way[k].torque, way[k + 1].torque))
-                way[k + 1 : k + 2] = [self.motions.link(way[k], motion), self.motions.link(motion, way[k + 1])]
+                way[k + 1 : k + 2] = [
+                    self.motions.link(way[k], motion),
+                    self.motions.link(motion, way[k + 1]),
+                ]
         return way
 
     def jump(self, way: list[Motion], k: int) -> Jump | None:
         """The peak at motion k: a vertex of a polynomial, or a corner; None if more positions know no fall behind."""
-        place, drag, beside = way[k].place, way[k].torque, way[max(k - 1, 0) : k + 2]
+        place = way[k].place
+        drag = way[k].torque
+        beside = way[max(k - 1, 0) : k + 2]
         corner = len(beside) < 3 or not (way[k].linked and way[k + 1].linked)
         error = 1.0 if not corner else _beside(way, k) / drag
         if not corner:
@@ -280,13 +333,18 @@ class _Search:
         low, high = (place_of(slip) for slip in _around(way[:on], k, few, place, _CLOSE))
         error = max(error, way[k].error)
         dip = min(way[k + 1 : on], key=lambda motion: motion.torque)
-        finer = self._corner(way, k) if corner else self._finer(way[k], place, 0.5 * (high - low), dip.place)
+        finer = (
+            self._corner(way, k)
+            if corner
+            else self._finer(way[k], place, 0.5 * (high - low), dip.place)
+        )
         if finer is None:
             error = math.inf
         else:
             at, torque, more = finer
             error = max(error, more) + abs(torque / drag - 1.0)
-            place, drag = at, torque
+            place = at
+            drag = torque
         # positions alone may have bent it down: a little, or by more where the finer torque rises on to the dip itself
         if dip.torque > (1.0 - _SHALLOW) * drag or place > dip.place - _CORNER:
             bottom = self._at_finer(dip)
@@ -312,7 +370,8 @@ class _Search:
 
     def _climbed(self, motions: Motions, around: list[Motion]) -> tuple[float, float, float]:
         """Place and height of a maximum between motions, by vertices of polynomials, and by how much these miss it."""
-        known, error = {motion.place: motion for motion in around}, math.inf
+        known = {motion.place: motion for motion in around}
+        error = math.inf
         while len(known) < _MOST and error > _FOUND:
             at, height = vertex(sorted(known), [known[x].torque for x in sorted(known)])
             near = min(known.values(), key=lambda motion: abs(motion.place - at))
@@ -321,13 +380,21 @@ class _Search:
             new = motions.at(np.array([slip_of(at)]), near.share[:1])[0][0]
             if not new.sure:
                 break
-            known[at], error = new, abs(new.torque / height - 1.0)
+            known[at] = new
+            error = abs(new.torque / height - 1.0)
         best = max(known.values(), key=lambda motion: motion.torque)
-        return best.place, best.torque, min(error, _rise(sorted(known), [known[x].torque for x in sorted(known)]))
+        return (
+            best.place,
+            best.torque,
+            min(error, _rise(sorted(known), [known[x].torque for x in sorted(known)])),
+        )
 
-    def _finer(self, near: Motion, place: float, half: float, end: float) -> tuple[float, float, float] | None:
+    def _finer(
+        self, near: Motion, place: float, half: float, end: float
+    ) -> tuple[float, float, float] | None:
         """The same by four times the positions, up to where it has fallen; None if they do not tell it."""
-        half, found = min(max(half, _NARROW), _WIDE), dict[float, Motion]()
+        half = min(max(half, _NARROW), _WIDE)
+        found = dict[float, Motion]()
         places: tuple[float, ...] = (place - half, place, min(place + half, end))
         for _ in range(_FURTHER):
             slips = np.array([slip_of(x) for x in places])
@@ -335,7 +402,8 @@ class _Search:
             found |= {x: one[0] for x, one in zip(places, new, strict=True) if one[0].sure}
             if len(found) < 2 or max(one.torque for one in found.values()) == 0.0:
                 return None
-            x, half = sorted(found), 2.0 * half
+            x = sorted(found)
+            half = 2.0 * half
             top = max(x, key=lambda at: found[at].torque)
             if x[0] < top < x[-1] or top == end:
                 break
@@ -356,37 +424,62 @@ class _Search:
 
     def _corner(self, way: list[Motion], k: int) -> tuple[float, float, float] | None:
         """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
-        low, high, start = way[k].place - _WIDE, way[k].place + _WIDE, way[k].share[0]
+        low = way[k].place - _WIDE
+        high = way[k].place + _WIDE
+        start = way[k].share[0]
         best: tuple[float, float, float] | None = None
         for _ in range(_LOOKS):
             places = np.linspace(low, high, _BETWEEN).tolist()
-            found = [one[0] for one in self._fine.at(np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start))]
+            found = [
+                one[0]
+                for one in self._fine.at(
+                    np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start)
+                )
+            ]
             torques = [one.torque if one.sure else -math.inf for one in found]
             top = int(np.argmax(torques))
             if not 0 < top < _BETWEEN - 1 or torques[top] == 0.0:
                 return best
-            low, high = places[top - 1], places[top + 1]
-            best = places[top], torques[top], abs(max(torques[top - 1 : top + 2 : 2]) / torques[top] - 1.0)
+            low = places[top - 1]
+            high = places[top + 1]
+            best = (
+                places[top],
+                torques[top],
+                abs(max(torques[top - 1 : top + 2 : 2]) / torques[top] - 1.0),
+            )
         return best
 
 
 def _is_peak(way: list[Motion], k: int) -> bool:
     beside = (*way[max(k - 1, 0) : k], *way[k + 1 : k + 2])
-    return way[k].torque >= max((motion.torque for motion in beside), default=0.0) and way[k].torque > 0.0
+    return (
+        way[k].torque >= max((motion.torque for motion in beside), default=0.0)
+        and way[k].torque > 0.0
+    )
 
 
-def _around(way: list[Motion], k: int, peak: tuple[float, float], known: float, share: float) -> list[float]:
+def _around(
+    way: list[Motion], k: int, peak: tuple[float, float], known: float, share: float
+) -> list[float]:
     """Slips up to which the torque is within a share of a peak beside motion k, whose place is known to be another."""
-    (place, drag), most, ends = peak, math.sqrt(share), list[float]()
+    (place, drag) = peak
+    most = math.sqrt(share)
+    ends = list[float]()
     for step in (-1, 1):
-        end, below, j = place, 0.0, k if (way[k].place - place) * step > 0.0 else k + step
+        end = place
+        below = 0.0
+        j = k if (way[k].place - place) * step > 0.0 else k + step
         while 0 <= j < len(way):
-            lower = math.sqrt(max(1.0 - way[j].torque / drag, 0.0))  # straight over places on a parabola
+            lower = math.sqrt(
+                max(1.0 - way[j].torque / drag, 0.0)
+            )  # straight over places on a parabola
             if lower > most:
                 if j == k or way[max(j, j - step)].linked:
                     end += (most - below) / (lower - below) * (way[j].place - end)
                 break
-            end, below, j = way[j].place, lower, j + step
+            end = way[j].place
+            below = lower
+            j = j + step
         ends.append(slip_of(end + known - place))
     return ends
 
@@ -420,10 +513,15 @@ def _rise(x: list[float], y: list[float]) -> float:
 
 def _peaks(way: list[Motion]) -> list[int]:
     """Numbers of motions from which the torque falls before it gets larger."""
-    out, k, torques = list[int](), 0, [motion.torque for motion in way]
+    out = list[int]()
+    k = 0
+    torques = [motion.torque for motion in way]
     while k < len(way):
         on = next((j for j in range(k + 1, len(way)) if torques[j] > torques[k]), len(way))
-        if torques[k] > 0.0 and min(torques[k + 1 : on], default=math.inf) < (1.0 - _FALL) * torques[k]:
+        if (
+            torques[k] > 0.0
+            and min(torques[k + 1 : on], default=math.inf) < (1.0 - _FALL) * torques[k]
+        ):
             out.append(k)
         k = on
     return out
@@ -438,9 +536,14 @@ def _trusted(way: list[Motion]) -> list[Motion]:
 
 def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) -> WayUp:
     """Return the way up of a bearing over the cage slips up to the largest."""
-    begin, end, refusal = place_of(min(_SMALLEST, 0.5 * largest)), place_of(largest), ""
+    begin = place_of(min(_SMALLEST, 0.5 * largest))
+    end = place_of(largest)
+    refusal = ""
     count = max(math.ceil((end - begin) / _STEP), steps)
-    slips = [*(slip_of(place) for place in np.linspace(begin, end, count + 1)[:-1].tolist()), largest]
+    slips = [
+        *(slip_of(place) for place in np.linspace(begin, end, count + 1)[:-1].tolist()),
+        largest,
+    ]
     search = _Search(motions, exact)
     while True:
         try:
@@ -448,8 +551,12 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) 
             way = _trusted(way)
             way = _trusted(search.refined(way)) if way else way
             break
-        except (DomainError, ConvergenceError) as error:  # at the end of the range a law has no value, or a roller none
-            slips, refusal = slips[:-1], str(error)
+        except (
+            DomainError,
+            ConvergenceError,
+        ) as error:  # at the end of the range a law has no value, or a roller none
+            slips = slips[:-1]
+            refusal = str(error)
             if not slips:
                 raise
     if not way:

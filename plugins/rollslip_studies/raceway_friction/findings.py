@@ -17,7 +17,11 @@ _SPANS = {"rolling_speed": "m/s", "cage_ratio": "1", "slide_roll": "1"}
 class RacewayFrictionAccount(Account):
     """How friction of both raceways over a grid of speeds is told: what it goes over, and its largest value."""
 
-    units: ClassVar[Mapping[str, str]] = {"largest_friction": "1", "ring_force": "N", "ring_resistance": "N"} | _SPANS
+    units: ClassVar[Mapping[str, str]] = {
+        "largest_friction": "1",
+        "ring_force": "N",
+        "ring_resistance": "N",
+    } | _SPANS
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
@@ -35,7 +39,10 @@ class RacewayFrictionAccount(Account):
             spans.append(f"{name.replace('_', ' ')} {' to '.join(ends)}")
         found = {"speeds": [f"over {', '.join(spans)}"]}
         for ring, most in _largest(dataset).items():
-            forces = (float(dataset[name].sel(ring=ring).max()) for name in ("ring_force", "ring_resistance"))
+            forces = (
+                float(dataset[name].sel(ring=ring).max())
+                for name in ("ring_force", "ring_resistance")
+            )
             force, resists = (format_quantity(one, "N", 4) for one in forces)
             found[ring] = [
                 f"{ring} ring: largest effective friction {most:.4g}, forces up to {force}, resistance up to {resists}"
@@ -55,7 +62,10 @@ def _ends(dataset: "xr.Dataset", name: str) -> tuple[float, float]:
 
 
 def _largest(dataset: "xr.Dataset") -> dict[str, float]:
-    return {str(ring): float(dataset["largest_friction"].sel(ring=ring).max()) for ring in dataset["ring"].values}
+    return {
+        str(ring): float(dataset["largest_friction"].sel(ring=ring).max())
+        for ring in dataset["ring"].values
+    }
 
 
 ACCOUNT: Final = RacewayFrictionAccount("raceway-friction")

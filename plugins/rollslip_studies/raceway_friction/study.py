@@ -38,13 +38,18 @@ if TYPE_CHECKING:
 __all__ = ["REACH", "ROLLING", "SMALL", "RacewayFriction", "at_rolling_speed"]
 
 #: a of asinh(V/(a u)), and V/u up to which friction is tabulated; a cage at rest beside a ring that turns has 2.
-SMALL, REACH = 3e-3, 4.0
+SMALL = 3e-3
+REACH = 4.0
 #: Nodes of rho where it varies, of rolling and of sliding speed, each one more than a multiple of a power of two.
-_RATIOS, ROLLING, _SLIDING = 9, 49, 65
+_RATIOS = 9
+ROLLING = 49
+_SLIDING = 65
 #: Rolling speeds over the epicyclic one, where none are named.
 _SPEEDS: Final = (0.1, 2.0)
 #: Instants of a pitch where none are chosen, error that few loads may leave of friction, and loads of resistances.
-_INSTANTS, _FEW_LOADS, _LOADS = 4, 1e-5, 48
+_INSTANTS = 4
+_FEW_LOADS = 1e-5
+_LOADS = 48
 
 #: What goes with the supply of oil.
 _SUPPLIED: Final = frozenset({"starvation", "oil_fraction"})
@@ -60,10 +65,16 @@ class RacewayFriction(Study):
     outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
         {
             "mean_friction": Output(f"{_GRID} sliding_node", "1", "effective friction coefficient"),
-            "largest_friction": Output(_GRID, "1", "largest effective friction coefficient", default=True),
+            "largest_friction": Output(
+                _GRID, "1", "largest effective friction coefficient", default=True
+            ),
             "ring_force": Output(_GRID, "N", "normal forces of all rollers, mean over the orbit"),
-            "ring_resistance": Output(_GRID, "N", "rolling resistances of all rollers on either surface, likewise"),
-            "cage_ratio": Output("cage_node", "1", "R_o w/u, cage speed over that of an outer ring at rest"),
+            "ring_resistance": Output(
+                _GRID, "N", "rolling resistances of all rollers on either surface, likewise"
+            ),
+            "cage_ratio": Output(
+                "cage_node", "1", "R_o w/u, cage speed over that of an outer ring at rest"
+            ),
             "rolling_speed": Output("rolling_node", "m/s", "rolling speed"),
             "slide_roll": Output("sliding_node", "1", "sliding over rolling speed"),
         }
@@ -71,7 +82,9 @@ class RacewayFriction(Study):
     judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "mean_friction"})
     acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
     with_cage: ClassVar[bool] = True
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "loads over the orbit, and friction on the grid"})
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"run": "loads over the orbit, and friction on the grid"}
+    )
 
     slowest: float | None = parameter(
         default=None,
@@ -101,12 +114,22 @@ class RacewayFriction(Study):
     def __attrs_post_init__(self) -> None:
         if self.most_ratio < self.least_ratio:
             raise FieldError("least_ratio", f"{self.least_ratio:g} is above the largest ratio")
-        if self.slowest is not None and self.fastest is not None and not self.slowest < self.fastest:
-            raise FieldError("slowest", f"{self.slowest:g} m/s is not below the largest rolling speed")
+        if (
+            self.slowest is not None
+            and self.fastest is not None
+            and not self.slowest < self.fastest
+        ):
+            raise FieldError(
+                "slowest", f"{self.slowest:g} m/s is not below the largest rolling speed"
+            )
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the resistances to rolling."""
-        return tuple(("drag", drag) for drag in assembly.cage.drags if drag not in assembly.cage.drags.torques)
+        return tuple(
+            ("drag", drag)
+            for drag in assembly.cage.drags
+            if drag not in assembly.cage.drags.torques
+        )
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return force, friction and resistance on the grid.
@@ -134,11 +157,15 @@ class RacewayFriction(Study):
         loads, _ = zip(*orbit_loads(assembly, instants, speeds.ravel()), strict=True)
         supplied = [at_rolling_speed(assembly, one).raceways for one in u.tolist()]
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING))
-        force, resistance = np.zeros(friction.shape[:3]), np.zeros(friction.shape[:3])
+        force = np.zeros(friction.shape[:3])
+        resistance = np.zeros(friction.shape[:3])
         for ring in range(len(RINGS)):
             for k, (i, j) in enumerate(np.ndindex(speeds.shape)):
                 contacts = LoadedContacts(
-                    supplied[j][ring], loads[ring][k].reshape(-1, assembly.slices), assembly.widths, 1.0
+                    supplied[j][ring],
+                    loads[ring][k].reshape(-1, assembly.slices),
+                    assembly.widths,
+                    1.0,
                 )
                 force[ring, i, j] = contacts.total / instants
                 if contacts.total > 0.0:
@@ -161,12 +188,15 @@ class RacewayFriction(Study):
 
 def at_rolling_speed(assembly: Assembly, u: float) -> Assembly:
     """Return the bearing with the supply of oil of rings between which it rolls at a speed [m/s] without slip."""
-    k, models = assembly.kinematics, (*assembly.models.values(), *assembly.cage.named)
+    k = assembly.kinematics
+    models = (*assembly.models.values(), *assembly.cage.named)
     if not any(_SUPPLIED & taken_from_scene(model) for model in models):
         return assembly
     speed = assembly.scene.operation.outer_speed + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
     scene = evolve(assembly.scene, {"operation.inner_speed": speed})
-    made = assemble(scene, assembly.resolution, like=assembly).with_bounds(*assembly.inner.chain.bounds)
+    made = assemble(scene, assembly.resolution, like=assembly).with_bounds(
+        *assembly.inner.chain.bounds
+    )
     return made.with_resistance() if assembly.inner.chain.resists else made
 
 
@@ -177,7 +207,12 @@ def _friction(contacts: LoadedContacts, u: float, sliding: Array) -> Array:
         slices = contacts.raceway.evaluate(np.tile(rule[:, 0], V.size), u, np.repeat(V, len(rule)))
         return np.asarray((slices.friction.reshape(V.size, -1) * rule[:, 1]).sum(axis=1))
 
-    few = load_rule(contacts.load, contacts.force, partial(mean, V=sliding[:: sliding.size // PROBES]), _FEW_LOADS)
+    few = load_rule(
+        contacts.load,
+        contacts.force,
+        partial(mean, V=sliding[:: sliding.size // PROBES]),
+        _FEW_LOADS,
+    )
     return mean(few, sliding)
 
 

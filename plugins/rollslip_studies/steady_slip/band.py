@@ -48,13 +48,17 @@ __all__ = ["ENDS", "Band", "bands", "with_bands"]
 #: Shares of each distribution at which a quantity is put.
 ENDS: Final = (0.05, 0.95)
 #: Slices and positions of a pitch, and the largest slip that is looked at.
-_SLICES, _INSTANTS, _LAST = 12, 1, 0.95
+_SLICES = 12
+_INSTANTS = 1
+_LAST = 0.95
 #: Accuracy of a logarithm, and longest step of secants.
-_FOUND, _LONGEST = 0.03, 1.0
+_FOUND = 0.03
+_LONGEST = 1.0
 #: Step of a logarithm from which secants begin.
 _FIRST: Final = 0.05
 #: Slip that counts as none, and one from which on it is looked first whether there is more.
-_NONE, _LITTLE = 1e-5, 1e-3
+_NONE = 1e-5
+_LITTLE = 1e-3
 
 
 @attrs.frozen
@@ -85,17 +89,22 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     is in. A slip below 1e-5, as of a cage that is driven, counts as that.
     """
     slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
-    if not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0 or slips[0] < -_LITTLE:  # without drag, or driven
+    if (
+        not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0 or slips[0] < -_LITTLE
+    ):  # without drag, or driven
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "least_load" in dataset else None
     values = {"steady_slip": max(float(slips[0]), _NONE)}
     if acceptable is not None and dataset["least_load_status"].item() == "found":
         values["least_load"] = float(dataset["least_load"])
-    found = bands(scene, values["steady_slip"], float(acceptable) if "least_load" in values else None)  # type: ignore[arg-type]
+    found = bands(
+        scene, values["steady_slip"], float(acceptable) if "least_load" in values else None
+    )  # type: ignore[arg-type]
     told = {
         name: {
             "low": min(
-                values[name] * one.low, float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0])
+                values[name] * one.low,
+                float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0]),
             ),
             "high": _end(name, values[name] * one.high),
             "most": one.most,
@@ -109,7 +118,9 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     }
     plain = attrs.evolve(scene, sweep=None, uncertainty=None)
     left = consequences(plain, _few(plain), dataset, values["steady_slip"])
-    return dataset.assign_attrs({"band": json.dumps(told)} if told else {}, consequences=json.dumps(left))
+    return dataset.assign_attrs(
+        {"band": json.dumps(told)} if told else {}, consequences=json.dumps(left)
+    )
 
 
 def _end(name: str, value: float) -> float | None:
@@ -131,7 +142,11 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
     ends = {key: one.quantile(np.array(ENDS)).tolist() for key, one in table.distributions.items()}
     if problems or not ends:
         return {}
-    moved = {(key, k): _few(evolve(scene, {key: end}), nominal) for key, of in ends.items() for k, end in enumerate(of)}
+    moved = {
+        (key, k): _few(evolve(scene, {key: end}), nominal)
+        for key, of in ends.items()
+        for k, end in enumerate(of)
+    }
     found = {"steady_slip": _band(_slips(nominal, moved, slip), ends, known)}
     if acceptable is not None:
         found["least_load"] = _band(_loads(nominal, moved, acceptable), ends, known)
@@ -142,7 +157,9 @@ def _few(scene: Scene, like: Assembly | None = None) -> Assembly:
     if like is not None:
         return assemble(scene, like.resolution, like=like)
     made = assemble(scene)
-    return made.at(attrs.evolve(made.resolution, slices=min(_SLICES, made.slices), quadrature="equal"))
+    return made.at(
+        attrs.evolve(made.resolution, slices=min(_SLICES, made.slices), quadrature="equal")
+    )
 
 
 _Moved = Mapping[tuple[str, int], Assembly]
@@ -163,7 +180,9 @@ def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
         return found
 
     begin = of(nominal, math.log(slip))
-    return begin, {which: of(one, begin) for which, one in moved.items()} if math.isfinite(begin) else {}
+    return begin, {which: of(one, begin) for which, one in moved.items()} if math.isfinite(
+        begin
+    ) else {}
 
 
 def steady_near(balance: TorqueBalance, slip: float) -> float:
@@ -175,7 +194,9 @@ def _steady(balance: TorqueBalance, near: float, slope: float | None) -> tuple[f
     """Logarithm of a steady slip near another, and the slope of the excess there if secants led to it."""
     if near < math.log(_LITTLE) and balance.excess(_NONE) >= 0.0:
         return math.log(_NONE), None
-    found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST), slope)
+    found, rises = _root(
+        lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST), slope
+    )
     if rises > 0.0:
         return found, rises
     way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
@@ -194,7 +215,9 @@ def _loads(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
 
     def of(assembly: Assembly) -> Callable[[float], float]:
         def excess(log: float) -> float:
-            return rollers(assembly.at_load(math.exp(log)), _INSTANTS, inertia=False, beside=beside).excess(slip)
+            return rollers(
+                assembly.at_load(math.exp(log)), _INSTANTS, inertia=False, beside=beside
+            ).excess(slip)
 
         return excess
 
@@ -205,7 +228,9 @@ def _loads(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
         return at if rises > 0.0 else math.nan
 
     begin = found(nominal, math.log(nominal.scene.operation.radial_load))
-    return begin, {which: found(one, begin) for which, one in moved.items()} if math.isfinite(begin) else {}
+    return begin, {which: found(one, begin) for which, one in moved.items()} if math.isfinite(
+        begin
+    ) else {}
 
 
 def _root(
@@ -217,23 +242,31 @@ def _root(
     """
     try:
         slope = slope or (excess(begin) - excess(begin - _FIRST)) / _FIRST
-        found = secants(excess, begin, slope, tolerance=_FOUND, within=(-math.inf, last), longest=_LONGEST)
+        found = secants(
+            excess, begin, slope, tolerance=_FOUND, within=(-math.inf, last), longest=_LONGEST
+        )
     except (DomainError, ConvergenceError, OverflowError):
         return math.nan, 0.0
     return found or (math.nan, 0.0)
 
 
-def _band(logs: _Logs, ends: Mapping[str, list[float]], known: Mapping[str, Quantity]) -> Band | None:
+def _band(
+    logs: _Logs, ends: Mapping[str, list[float]], known: Mapping[str, Quantity]
+) -> Band | None:
     """Add what each quantity changes, in squares, up and down apart; None where one of it is not known."""
     begin, moved = logs
     changes = {key: [moved[key, k] - begin for k in range(len(ENDS))] for key, _ in moved}
     if not changes or any(math.isnan(one) for both in changes.values() for one in both):
         return None
     down, up = (
-        math.sqrt(sum(max(*(sign * one for one in both), 0.0) ** 2 for both in changes.values())) for sign in (-1, 1)
+        math.sqrt(sum(max(*(sign * one for one in both), 0.0) ** 2 for both in changes.values()))
+        for sign in (-1, 1)
     )
     order = sorted(changes, key=lambda key: -max(map(abs, changes[key])))
-    alone = (Moved(key, known[key].unit or "", tuple(ends[key]), tuple(map(math.exp, changes[key]))) for key in order)
+    alone = (
+        Moved(key, known[key].unit or "", tuple(ends[key]), tuple(map(math.exp, changes[key])))
+        for key in order
+    )
     return Band(math.exp(-down), math.exp(up), order[0], tuple(alone))
 
 
@@ -242,7 +275,9 @@ def _band(logs: _Logs, ends: Mapping[str, list[float]], known: Mapping[str, Quan
 #: Shares of the force of a ring at whose slices a law without compiled form is evaluated.
 _AT: Final = (0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
 #: Names of what is looked at.
-SLIP, RESERVE, TORQUE = "slip", "reserve to slipping", "friction torque"
+SLIP = "slip"
+RESERVE = "reserve to slipping"
+TORQUE = "friction torque"
 
 
 @attrs.frozen(eq=False)
@@ -262,7 +297,9 @@ class _Factor(SliceModel):
             slices.friction[...] *= np.interp(slices.load, *known)
 
 
-def consequences(scene: Scene, few: Assembly, dataset: "xr.Dataset", slip: float) -> list[dict[str, Any]]:
+def consequences(
+    scene: Scene, few: Assembly, dataset: "xr.Dataset", slip: float
+) -> list[dict[str, Any]]:
     """Return what each bound that a result left does to it, as plain values; ``few`` is the bearing of few slices.
 
     Of each its ``code``, the other law as ``instead``, and under ``moved`` by what is looked at its value and the one
@@ -289,7 +326,9 @@ def consequences(scene: Scene, few: Assembly, dataset: "xr.Dataset", slip: float
                 other = _replaced(scene, few, key, model, instead)
                 if (law := other.models.get(key.split(".")[1])) is not None and _runs_python(law):
                     other = _corrected(few, other, balance, begin[SLIP])
-                end = _values(rollers(other, 1, inertia=False, beside=balance), begin[SLIP], acceptable)
+                end = _values(
+                    rollers(other, 1, inertia=False, beside=balance), begin[SLIP], acceptable
+                )
             except RollslipError as refusal:
                 row["refused"] = str(refusal)
                 continue
@@ -302,7 +341,8 @@ def consequences(scene: Scene, few: Assembly, dataset: "xr.Dataset", slip: float
 
 def _values(balance: TorqueBalance, near: float, acceptable: float) -> dict[str, float]:
     """Return the steady slip near one, the reserve to the acceptable one, and the friction torque; infinite, NaN."""
-    slip, o = steady_near(balance, near), balance.assembly.scene.operation
+    slip = steady_near(balance, near)
+    o = balance.assembly.scene.operation
     found = {SLIP: slip, RESERVE: math.nan, TORQUE: math.nan}
     if not math.isnan(acceptable):
         found[RESERVE] = acceptable_reserve(balance, acceptable)[0]
@@ -314,7 +354,9 @@ def _values(balance: TorqueBalance, near: float, acceptable: float) -> dict[str,
 
 def _left(assembly: Assembly, code: str, reference: str) -> Iterator[tuple[str, SliceModel, str]]:
     """Yield the key, the model and the other law of what has a bound of a code."""
-    laws = [one for kind, model in assembly.models.items() for one in _laws(f"models.{kind}", model)]
+    laws = [
+        one for kind, model in assembly.models.items() for one in _laws(f"models.{kind}", model)
+    ]
     laws += [("lubricant.pressure_viscosity_law", assembly.lubricant.pressure_viscosity_law)]
     for key, model in laws:
         if code == APPROXIMATION and getattr(model, "solved_by", None) == reference:
@@ -341,7 +383,9 @@ def _replaced(scene: Scene, few: Assembly, key: str, model: SliceModel, instead:
     if inner:
         own = {inner: {"model": model.name} | own}
     elif kind in few.models:
-        own = {one: own[one] for one in own.keys() & attrs.fields_dict(get_class(kind, name)).keys()}
+        own = {
+            one: own[one] for one in own.keys() & attrs.fields_dict(get_class(kind, name)).keys()
+        }
     return assemble(evolve(scene, {key: {"model": name, **own} if own else name}), few.resolution)
 
 
@@ -359,11 +403,16 @@ def _corrected(few: Assembly, other: Assembly, balance: TorqueBalance, slip: flo
         at = order[np.unique(np.searchsorted(below, np.array(_AT) * below[-1]))]
         speeds = [np.broadcast_to(part, one.load.shape)[at] for part in (one.rolling, one.sliding)]
         places = {name: of[at] for name, of in one.places.items()}
-        frictions = [np.abs(r.evaluate(one.load[at], *speeds, **places).friction) for r in (its, own)]
+        frictions = [
+            np.abs(r.evaluate(one.load[at], *speeds, **places).friction) for r in (its, own)
+        ]
         with np.errstate(all="ignore"):
             factor = np.nan_to_num(frictions[0] / frictions[1], nan=1.0, posinf=1.0)
         rings[own.conditions.radius] = one.load[at], factor
     chain = Chain(*few.inner.chain.models, _Factor(rings), compiled=few.resolution.compiled)
     return attrs.evolve(
-        few, inner=attrs.evolve(few.inner, chain=chain), outer=attrs.evolve(few.outer, chain=chain), known_maps={}
+        few,
+        inner=attrs.evolve(few.inner, chain=chain),
+        outer=attrs.evolve(few.outer, chain=chain),
+        known_maps={},
     )

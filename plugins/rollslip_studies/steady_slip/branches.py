@@ -16,7 +16,9 @@ from rollslip.errors import ConvergenceError
 from rollslip.search import secants
 
 #: Steps along a branch in shares of the box: the first one, the largest, and the smallest before giving up.
-_FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.01, 0.05, 1e-6
+_FIRST_STEP = 0.01
+_LARGEST_STEP = 0.05
+_SMALLEST_STEP = 1e-6
 #: Cosine of the largest turn of a branch in one step.
 _TURN = 0.95
 _MOST_STEPS = 600
@@ -39,9 +41,12 @@ class Branch:
 
     def passes(self, slip: float, parameter: float) -> bool:
         """Whether the branch goes through a point, to a hundredth of its size."""
-        before, after = self.parameter[:-1], self.parameter[1:]
+        before = self.parameter[:-1]
+        after = self.parameter[1:]
         crosses = np.flatnonzero((before - parameter) * (after - parameter) <= 0.0)
-        share = (parameter - before[crosses]) / np.where(after == before, 1.0, after - before)[crosses]
+        share = (parameter - before[crosses]) / np.where(after == before, 1.0, after - before)[
+            crosses
+        ]
         slips = self.slip[crosses] + share * (self.slip[crosses + 1] - self.slip[crosses])
         return bool(np.any(np.abs(slips - slip) <= 0.01 * np.ptp(self.slip)))
 
@@ -56,7 +61,10 @@ class Branch:
 
 
 def follow(
-    excess: Callable[[float, float], float], start: tuple[float, float], limits: tuple[float, float], largest: float
+    excess: Callable[[float, float], float],
+    start: tuple[float, float],
+    limits: tuple[float, float],
+    largest: float,
 ) -> Branch:
     """Follow a steady slip both ways through the box of slips up to the largest and of parameters within limits.
 
@@ -80,15 +88,19 @@ def follow(
     begin = np.array([start[0] / largest, (start[1] - limits[0]) / (limits[1] - limits[0])])
     gradient = path.gradient(begin)
     along = np.array([-gradient[1], gradient[0]]) / np.hypot(*gradient)
-    back, there = (path.walk(begin, sign * along, -sign * float(np.hypot(*gradient))) for sign in (-1.0, 1.0))
+    back, there = (
+        path.walk(begin, sign * along, -sign * float(np.hypot(*gradient))) for sign in (-1.0, 1.0)
+    )
     z = np.array([*back[::-1], begin, *there])
-    first, folds = len(back), list[int]()
+    first = len(back)
+    folds = list[int]()
     for k in range(z.shape[0] - 2, 0, -1):
         if (z[k, 1] - z[k - 1, 1]) * (z[k + 1, 1] - z[k, 1]) < 0.0:
             fold = path.fold(z[k - 1], z[k + 1], z[k])
             at = k + int((fold - z[k]) @ (z[k + 1] - z[k - 1]) > 0.0)
             z = np.insert(z, at, fold, axis=0)
-            folds, first = [at, *(number + 1 for number in folds)], first + int(at <= first)
+            folds = [at, *(number + 1 for number in folds)]
+            first = first + int(at <= first)
     # on the way of the first tangent the parameter rises where more slip leaves more torque
     rising = np.sign(np.diff(z[:, 1]))
     stable = np.append(rising, rising[-1]) > 0.0
@@ -100,8 +112,12 @@ def follow(
 class _Path:
     """A branch in the unit box of slip and parameter."""
 
-    def __init__(self, excess: Callable[[float, float], float], limits: tuple[float, float], largest: float) -> None:
-        self._excess, self._limits, self._largest = excess, limits, largest
+    def __init__(
+        self, excess: Callable[[float, float], float], limits: tuple[float, float], largest: float
+    ) -> None:
+        self._excess = excess
+        self._limits = limits
+        self._largest = largest
 
     def value(self, z: Array) -> float:
         low, high = self._limits
@@ -109,7 +125,8 @@ class _Path:
 
     def gradient(self, z: Array) -> Array:
         """Slopes of the excess torque, towards the inside of the box."""
-        here, out = self.value(z), []
+        here = self.value(z)
+        out = []
         for axis in range(2):
             moved = z.copy()
             moved[axis] += _NUDGE if z[axis] < 0.5 else -_NUDGE
@@ -141,29 +158,37 @@ class _Path:
                     if ends:
                         return points
                     near = np.hypot(*(corrected - predicted)) < 0.1 * step
-                    z, step = corrected, min(step * (1.5 if near else 1.0), _LARGEST_STEP)
+                    z = corrected
+                    step = min(step * (1.5 if near else 1.0), _LARGEST_STEP)
                     continue
             step *= 0.5
             if step < _SMALLEST_STEP:
                 break
-        slip, parameter = z[0] * self._largest, self._limits[0] + z[1] * (self._limits[1] - self._limits[0])
+        slip = z[0] * self._largest
+        parameter = self._limits[0] + z[1] * (self._limits[1] - self._limits[0])
         raise ConvergenceError(
             f"the steady slip cannot be followed beyond a cage slip of {slip:.4g} at {parameter:.6g}: it turns within "
             f"{step:.0e} of the range, where rollers change their motion at once"
         )
 
-    def _across(self, z: Array, across: Array, slope: float, reach: float) -> tuple[Array, float] | None:
+    def _across(
+        self, z: Array, across: Array, slope: float, reach: float
+    ) -> tuple[Array, float] | None:
         """Nearest balance on a line within reach, by the secant method, and the slope there; None if there is none."""
         within = -min(reach, _to_edge(z, -across)), min(reach, _to_edge(z, across))
-        found = secants(lambda at: self.value(z + at * across), 0.0, slope, tolerance=_PRECISE, within=within)
+        found = secants(
+            lambda at: self.value(z + at * across), 0.0, slope, tolerance=_PRECISE, within=within
+        )
         return None if found is None else (z + found[0] * across, found[1])
 
     def fold(self, left: Array, right: Array, middle: Array) -> Array:
         """Place between two points where the parameter is least, or largest, as at the one in the middle."""
         from scipy.optimize import minimize_scalar
 
-        upwards, sign = np.array([0.0, 1.0]), 1.0 if middle[1] < left[1] else -1.0
-        best, slope = middle, self.gradient(middle)[1]
+        upwards = np.array([0.0, 1.0])
+        sign = 1.0 if middle[1] < left[1] else -1.0
+        best = middle
+        slope = self.gradient(middle)[1]
 
         def parameter(slip: float) -> float:
             nonlocal best, slope
@@ -177,7 +202,9 @@ class _Path:
             return sign * float(best[1])
 
         low, high = sorted((float(left[0]), float(right[0])))
-        place = minimize_scalar(parameter, bounds=(low, high), method="bounded", options={"xatol": 1e-3 * (high - low)})
+        place = minimize_scalar(
+            parameter, bounds=(low, high), method="bounded", options={"xatol": 1e-3 * (high - low)}
+        )
         parameter(float(place.x))
         return best
 
@@ -185,4 +212,8 @@ class _Path:
 def _to_edge(z: Array, tangent: Array) -> float:
     """Length along a direction to the edge of the unit box."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return float(np.where(tangent > 0.0, (1.0 - z) / tangent, np.where(tangent < 0.0, -z / tangent, np.inf)).min())
+        return float(
+            np.where(
+                tangent > 0.0, (1.0 - z) / tangent, np.where(tangent < 0.0, -z / tangent, np.inf)
+            ).min()
+        )

@@ -41,12 +41,25 @@ def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> lis
     for orbit in orbits:
         for ring, contacts in zip(RINGS, balance.evaluated(orbit), strict=True):
             s = contacts.slices
-            found.append(Evaluated(0, ring, s.load, s.rolling_speed, s.sliding_speed, contacts.force, contacts.places))
+            found.append(
+                Evaluated(
+                    0,
+                    ring,
+                    s.load,
+                    s.rolling_speed,
+                    s.sliding_speed,
+                    contacts.force,
+                    contacts.places,
+                )
+            )
     return found
 
 
 def by_secant(
-    balance: "TorqueBalance", slip: float, of: "Callable[[Orbit], Array]", share: float | None = None
+    balance: "TorqueBalance",
+    slip: float,
+    of: "Callable[[Orbit], Array]",
+    share: float | None = None,
 ) -> tuple[float, Array]:
     """Return by how much a steady slip is off that of another balance, relative, and what goes with the slip there.
 
@@ -56,7 +69,9 @@ def by_secant(
     if share is None:
         orbits = [balance.orbit(one) for one in slips.tolist()]
     else:
-        orbits = [balance.orbit_of(each[0]) for each in balance.motions.at(slips, np.full(2, share))]
+        orbits = [
+            balance.orbit_of(each[0]) for each in balance.motions.at(slips, np.full(2, share))
+        ]
     over, more = (orbit.torque + balance.drag(orbit.cage_slip) for orbit in orbits)
     steps = over / (over - more) if more != over else math.inf
     here, beside = (of(orbit) for orbit in orbits)
@@ -70,15 +85,21 @@ def loaded(assembly: "Assembly") -> "Assembly":
     return assembly
 
 
-def films(study: Study, balance: "TorqueBalance", states: "list[Orbit]", *, steady: bool) -> dict[str, Any]:
+def films(
+    study: Study, balance: "TorqueBalance", states: "list[Orbit]", *, steady: bool
+) -> dict[str, Any]:
     """Film regimes of the contacts over the orbits, and their smallest film parameter."""
     n = len(states)
-    share, light, largest, thinnest = np.zeros((2, 4)), np.zeros(2), np.zeros(2), np.full((2, n), np.nan)
+    share = np.zeros((2, 4))
+    light = np.zeros(2)
+    largest = np.zeros(2)
+    thinnest = np.full((2, n), np.nan)
     for k, state in enumerate(states):
         for i, contacts in enumerate(balance.evaluated(state)):
             if contacts.total == 0.0:
                 continue
-            slices, force = contacts.slices, contacts.force / contacts.total
+            slices = contacts.slices
+            force = contacts.force / contacts.total
             thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
             code = film_by_regime(*groups(slices))[1].astype(int)
             share[i] += np.bincount(code, weights=force, minlength=4) / n

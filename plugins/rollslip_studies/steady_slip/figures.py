@@ -40,10 +40,19 @@ __all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
 
 Array = NDArray[np.float64]
 
-_SYMBOLS: Final = {"inner_speed": r"$n_\mathrm{i}$", "temperature": r"$\vartheta$", "radial_load": r"$F_\mathrm{r}$"}
+_SYMBOLS: Final = {
+    "inner_speed": r"$n_\mathrm{i}$",
+    "temperature": r"$\vartheta$",
+    "radial_load": r"$F_\mathrm{r}$",
+}
 #: A limit that somebody chose.
 _LIMIT: Final[dict[str, Any]] = {"color": "0.35", "linewidth": 0.8, "linestyle": DASHES[2]}
-_OPEN: dict[str, Any] = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 0.9}
+_OPEN: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 4,
+    "markerfacecolor": "white",
+    "markeredgewidth": 0.9,
+}
 
 
 def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -59,12 +68,21 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         yield "steady-slip-orbit", caption, _orbit(dataset)
         yield from ring_figure(dataset)
         # one bar would say no more than the sentences do
-        if dataset.sizes["steady"] > 1 and "loss" in dataset and float(np.abs(dataset["loss"]).max()) > 0.0:
-            yield "steady-slip-losses", "Power lost to friction at the steady cage slips, by source.", _losses(dataset)
+        if (
+            dataset.sizes["steady"] > 1
+            and "loss" in dataset
+            and float(np.abs(dataset["loss"]).max()) > 0.0
+        ):
+            yield (
+                "steady-slip-losses",
+                "Power lost to friction at the steady cage slips, by source.",
+                _losses(dataset),
+            )
     for name in varied(dataset):
         if name in dataset:
             caption = (
-                f"Steady cage slip against {name.replace('_', ' ')}, {which}; dashed is what the cage does not hold."
+                f"Steady cage slip against {name.replace('_', ' ')}, {which}; dashed "
+                "is what the cage does not hold."
             )
             yield f"steady-slip-{name.replace('_', '-')}", caption, _branches(dataset, name)
 
@@ -74,18 +92,24 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
 
     sheet = Sheet()
     axes = sheet.axes
-    slip, driving = dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
+    slip = dataset["cage_slip"].to_numpy()
+    driving = dataset["driving_torque"].to_numpy()
     fine = np.linspace(0.0, slip[-1], 400)
     drag = dataset["drag_torque"].to_numpy()
     curve = PchipInterpolator(slip, driving)(fine)
     sheet.line(100 * fine, curve, "driving torque of the rollers", color=MODEL_COLOURS[0])
-    sheet.line(100 * slip, drag, "drag torque", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3])
+    sheet.line(
+        100 * slip, drag, "drag torque", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3]
+    )
     rows = {row.key: row for row in account_of(dataset).answer(dataset).rows}
     largest = float(dataset["largest_drag"])
     if not np.isnan(largest):
         place = 100 * float(dataset["largest_drag_slip"]), largest
         sheet.mark(*place, f"limit drag torque, {two(largest)} N m", marker="^", markersize=4)
-    for stable, style, words in ((1, MARKER, "steady slip"), (0, _OPEN, "steady slip that is not held")):
+    for stable, style, words in (
+        (1, MARKER, "steady slip"),
+        (0, _OPEN, "steady slip that is not held"),
+    ):
         if has_steady(dataset) and (chosen := dataset["stable"].to_numpy() == stable).any():
             at = 100 * dataset["steady_slip"].to_numpy()[chosen]
             torque = dataset["torque"].to_numpy()[chosen]
@@ -93,25 +117,42 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
             if stable and (band := rows["cage_slip"].band):
                 said += f"; where data scatter {span(*band)}"
                 ends = 100 * np.minimum(band, 10.0)  # an end beyond the axis has no tick
-                axes.plot(ends, [torque[0]] * 2, color="black", linewidth=0.9, marker="|", markersize=5, zorder=3)
+                axes.plot(
+                    ends,
+                    [torque[0]] * 2,
+                    color="black",
+                    linewidth=0.9,
+                    marker="|",
+                    markersize=5,
+                    zorder=3,
+                )
             sheet.mark(at, torque, said, zorder=4, clip_on=False, **style)
     if "minimum_load" in rows:
-        acceptable, least = 100 * float(dataset.attrs["acceptable_slip"]), rows["minimum_load"]
+        acceptable = 100 * float(dataset.attrs["acceptable_slip"])
+        least = rows["minimum_load"]
         axes.axvline(acceptable, **_LIMIT)
         said = f"minimum load {least.text}, {least.note}"
-        sheet.key(said if np.isfinite(least.value) else f"acceptable slip, {acceptable:.3g} %; {said}", **_LIMIT)
+        sheet.key(
+            said if np.isfinite(least.value) else f"acceptable slip, {acceptable:.3g} %; {said}",
+            **_LIMIT,
+        )
     every = np.concatenate([curve, drag, [0.0]])
-    low, high = every.min(), every.max()
+    low = every.min()
+    high = every.max()
     axes.set_xlim(0.0, 100 * slip[-1])
     axes.set_ylim(low, high + 0.08 * (high - low))
-    return sheet.done(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"), "Torque on the cage [N m]")
+    return sheet.done(
+        axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"), "Torque on the cage [N m]"
+    )
 
 
 def _losses(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet(TWO_COLUMNS)
     axes = sheet.axes
-    power, sources = dataset["loss"].to_numpy(), [str(source) for source in dataset["source"].to_numpy()]
-    place, begin = np.arange(power.shape[1]), np.zeros(power.shape[1])
+    power = dataset["loss"].to_numpy()
+    sources = [str(source) for source in dataset["source"].to_numpy()]
+    place = np.arange(power.shape[1])
+    begin = np.zeros(power.shape[1])
     tints = light_to_dark()(np.linspace(1.0, 0.0, len(sources)))
     for source, tint, lost in zip(sources, tints, power, strict=True):
         bars = axes.barh(
@@ -121,11 +162,18 @@ def _losses(dataset: "xr.Dataset") -> "Figure":
         sheet.handles.append(bars[0])
         bars[0].set_label(bars.get_label())
         begin = begin + lost
-    slips, held = dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy()
-    states = [f"{100 * slip:.3g} %, {'held' if kept else 'not held'}" for slip, kept in zip(slips, held, strict=True)]
+    slips = dataset["steady_slip"].to_numpy()
+    held = dataset["stable"].to_numpy()
+    states = [
+        f"{100 * slip:.3g} %, {'held' if kept else 'not held'}"
+        for slip, kept in zip(slips, held, strict=True)
+    ]
     axes.set_yticks(place, states)
     axes.invert_yaxis()
-    words = axis_label(dataset["loss"], "$P$", "W"), axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%")
+    words = (
+        axis_label(dataset["loss"], "$P$", "W"),
+        axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%"),
+    )
     return sheet.done(*words, columns=2, height=0.5 * TWO_COLUMNS[1] + 2 * ROW * power.shape[1])
 
 
@@ -141,7 +189,8 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         for ring in one["ring"].to_numpy():
             force = one["normal_force"].sel(ring=ring).to_numpy()[centred]
             forces.plot(shown, force, color=RING_COLOURS[str(ring)], **style)
-        roller, cage = 100 * one["roller_slip"].to_numpy()[centred], 100 * float(one["steady_slip"])
+        roller = 100 * one["roller_slip"].to_numpy()[centred]
+        cage = 100 * float(one["steady_slip"])
         slips.plot(shown, roller, color="black", **style)
         words = f"cage slip {cage:.3g} %, {str(one['stability'].item()).partition(':')[0]}"
         sheet.key(words, color="black", **style)
@@ -161,12 +210,25 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
     sheet = Sheet()
     axes = sheet.axes
     value, unit, symbol = _for_people(dataset, name)
-    slip, branch = 100 * dataset[f"{name}_slip"].to_numpy(), dataset[f"{name}_branch"].to_numpy()
-    stable, fold = dataset[f"{name}_stable"].to_numpy() == 1, dataset[f"{name}_fold"].to_numpy() == 1
+    slip = 100 * dataset[f"{name}_slip"].to_numpy()
+    branch = dataset[f"{name}_branch"].to_numpy()
+    stable = dataset[f"{name}_stable"].to_numpy() == 1
+    fold = dataset[f"{name}_fold"].to_numpy() == 1
     for number in np.unique(branch):
-        for kind, style in ((stable | fold, "solid"), (~stable, "dashed")):  # a fold belongs to both
-            axes.plot(value, np.where(kind & (branch == number), slip, np.nan), color=MODEL_COLOURS[0], linestyle=style)
-    kinds: Any = (("steady slip", "solid", stable), ("steady slip that is not held", "dashed", ~stable))
+        for kind, style in (
+            (stable | fold, "solid"),
+            (~stable, "dashed"),
+        ):  # a fold belongs to both
+            axes.plot(
+                value,
+                np.where(kind & (branch == number), slip, np.nan),
+                color=MODEL_COLOURS[0],
+                linestyle=style,
+            )
+    kinds: Any = (
+        ("steady slip", "solid", stable),
+        ("steady slip that is not held", "dashed", ~stable),
+    )
     for words, style, of_kind in kinds:
         if of_kind.any():
             sheet.key(words, color=MODEL_COLOURS[0], linestyle=style)
@@ -178,7 +240,10 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
         acceptable = 100 * float(dataset.attrs["acceptable_slip"])
         axes.axhline(acceptable, **_LIMIT)
         sheet.key(f"acceptable slip, {acceptable:.3g} %", **_LIMIT)
-        row = next((row for row in account_of(dataset).answer(dataset).rows if row.key == "minimum_load"), None)
+        row = next(
+            (row for row in account_of(dataset).answer(dataset).rows if row.key == "minimum_load"),
+            None,
+        )
         if row is not None and np.isfinite(row.value):
             ends = ""
             if row.band:
@@ -188,7 +253,8 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
             mark_loads(sheet, {f"minimum load{ends}": row.value}, unit, color="black")
         mark_loads(sheet, catalogue_loads(dataset), unit)
     return sheet.done(
-        axis_label(dataset[name], symbol, unit), axis_label(dataset[f"{name}_slip"], r"$S_\mathrm{c}$", "%")
+        axis_label(dataset[name], symbol, unit),
+        axis_label(dataset[f"{name}_slip"], r"$S_\mathrm{c}$", "%"),
     )
 
 
@@ -201,7 +267,9 @@ def catalogue_loads(dataset: "xr.Dataset") -> dict[str, float]:
         loads, _ = asked_by_makers(from_raw(json.loads(dataset.attrs["scene_resolved"]), ""))
     except (KeyError, RollslipError):  # a result of before
         return {}
-    pairs = sorted((float(load), maker) for maker, load in zip(RULES, loads, strict=True) if load > 0.0)
+    pairs = sorted(
+        (float(load), maker) for maker, load in zip(RULES, loads, strict=True) if load > 0.0
+    )
     return {f"catalogue minimum load, {maker}": load for load, maker in pairs}
 
 
@@ -210,7 +278,12 @@ def mark_loads(sheet: Sheet, loads: Mapping[str, float], unit: str, **style: Any
     low, high = sheet.axes.get_xlim()
     for k, (label, load) in enumerate(loads.items(), 1):
         at = float(converted(load, "N", unit))
-        look: dict[str, Any] = {"color": "0.45", "linewidth": 0.8, "linestyle": DASHES[k % len(DASHES)], **style}
+        look: dict[str, Any] = {
+            "color": "0.45",
+            "linewidth": 0.8,
+            "linestyle": DASHES[k % len(DASHES)],
+            **style,
+        }
         if inside := low <= at <= high:
             sheet.axes.axvline(at, **look)
         words = f"{label} {two(at)} {unit}{'' if inside else ', beyond the axis'}"
@@ -220,6 +293,7 @@ def mark_loads(sheet: Sheet, loads: Mapping[str, float], unit: str, **style: Any
 
 def _for_people(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
     """Values of what was varied in the unit that people use, the unit, and the symbol."""
-    values, unit = dataset[name].to_numpy(), str(dataset[name].attrs["units"])
+    values = dataset[name].to_numpy()
+    unit = str(dataset[name].attrs["units"])
     shown = shown_unit(float(np.nanmax(np.abs(values))), unit)
     return converted(values, unit, shown), unit_label(shown), _SYMBOLS[name]

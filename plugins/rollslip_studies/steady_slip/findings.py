@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 _RPM = 30.0 / math.pi
 #: From which factor on a friction torque is far from makers' formulas, and n d_m [m/s] below which none is judged.
-_FAR, _JUDGED_FROM = 2.0, 5.0
+_FAR = 2.0
+_JUDGED_FROM = 5.0
 #: Sources of loss that a sentence names.
 _MOST_SOURCES = 4
 #: Commands that help, by verdict; those of a load where one is known that may.
@@ -59,14 +60,22 @@ _KNOWN: Final = 2
 def next_of_others(dataset: "xr.Dataset") -> dict[str, tuple[str, ...]]:
     """Return commands by verdict where the steady slip is not known: none where a form turns, so that there is none."""
     scene: dict[str, Any] = json.loads(dataset.attrs.get("scene_resolved", "{}"))
-    b, o = scene.get("bearing", {}), scene.get("operation", {})
-    turns = any(o.get(f"{ring}_speed") and (b.get(f"{ring}_raceway") or {}).get("form") for ring in ("inner", "outer"))
+    b = scene.get("bearing", {})
+    o = scene.get("operation", {})
+    turns = any(
+        o.get(f"{ring}_speed") and (b.get(f"{ring}_raceway") or {}).get("form")
+        for ring in ("inner", "outer")
+    )
     return {} if turns else dict.fromkeys(NEXT, ("rollslip run {scene} --study steady-slip",))
 
 
 def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, ...]]:
     """Return commands by verdict: of the minimum load, or where that is carried, of the high end of its band."""
-    load = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("operation", {}).get("radial_load", math.nan)
+    load = (
+        json.loads(dataset.attrs.get("scene_resolved", "{}"))
+        .get("operation", {})
+        .get("radial_load", math.nan)
+    )
     least = next((row for row in rows if row.key == "minimum_load"), None)
     ends = () if least is None else (least.value, (least.band or (math.nan,))[-1])
     if more := [end for end in ends if load < end < math.inf]:
@@ -79,7 +88,8 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
     one = dataset.isel(steady=int(lasting[0]) if lasting.size else 0)
     scene: dict[str, Any] = json.loads(dataset.attrs.get("scene_resolved", "{}"))
-    load, bearing = scene.get("operation", {}).get("radial_load", math.nan), scene.get("bearing", {})
+    load = scene.get("operation", {}).get("radial_load", math.nan)
+    bearing = scene.get("bearing", {})
     found = float(one["steady_slip"]) if has_steady(dataset) else math.nan
     status = str(dataset["status"].item())
     yield slip_row(dataset, found, status, known=_KNOWN, within=0.02)
@@ -89,7 +99,9 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             yield Row(key="minimum_load", label="minimum load", unit="N", text="not found", known=_KNOWN,
                       note="it is for a cage that lags")  # fmt: skip
         else:
-            yield _minimum_load(dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0)
+            yield _minimum_load(
+                dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0
+            )
         yield None if preload and not float(dataset["least_load"]) > 0.0 else _makers(dataset, load)
         yield _to_acceptable(dataset, acceptable)
     if "drag_reserve" in dataset:
@@ -97,7 +109,9 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
         yield reserve_row(*reserve, known=_KNOWN, within=0.02, slip=found)
     if "loss" in one and math.isfinite(torque := float(one["friction_torque"])):
         size, unit = (1e3 * torque, "mN m") if torque < 0.1 else (torque, "N m")
-        heat = "; ".join(filter(None, [f"{power(float(one['loss'].sum()))} of heat", doubted(dataset)]))
+        heat = "; ".join(
+            filter(None, [f"{power(float(one['loss'].sum()))} of heat", doubted(dataset)])
+        )
         yield Row(key="friction_torque", label="friction torque", value=torque, unit="N m", text=f"{two(size)} {unit}",
                   note=heat, known=_KNOWN)  # fmt: skip
     yield _film(dataset, one)
@@ -111,10 +125,13 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
     """Return the row of the cage slip, with its band where the result has one."""
     if math.isnan(slip):
         return Row(key="cage_slip", label="cage slip", text="not found", note=status, known=known)
-    band, one = None, json.loads(dataset.attrs.get("band", "{}")).get("steady_slip")
+    band = None
+    one = json.loads(dataset.attrs.get("band", "{}")).get("steady_slip")
     if one is not None:
         band = one["low"], math.inf if one["high"] is None else one["high"]
-    note = span(*band) if band else "driven: it runs ahead of pure rolling" if slip < -_AHEAD else ""
+    note = (
+        span(*band) if band else "driven: it runs ahead of pure rolling" if slip < -_AHEAD else ""
+    )
     return Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip), band=band, note=note, known=known,
                within=within)  # fmt: skip
 
@@ -135,14 +152,19 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
         return Row(**row, text="not found", note=status)
     least = status.startswith("at least")
     if math.isinf(reserve):
-        note = _BRAKED if slip > _AHEAD else f"no drag brakes the cage{' without slip' * (slip < -_AHEAD)}"
+        note = (
+            _BRAKED
+            if slip > _AHEAD
+            else f"no drag brakes the cage{' without slip' * (slip < -_AHEAD)}"
+        )
         return Row(**row, text="no limit", note=note)
     band = (reserve, math.inf) if least else (reserve, reserve)
     return Row(**row, text=_times(reserve, least), band=band)
 
 
 def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload: float) -> Row:
-    least, status = float(dataset["least_load"]), str(dataset["least_load_status"].item())
+    least = float(dataset["least_load"])
+    status = str(dataset["least_load_status"].item())
     row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
     below = f"for a slip below {plain(100.0 * acceptable)} %"
     if preload > 0.0 and status.startswith(ANY_LOAD):
@@ -159,11 +181,15 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
         return Row(**row, text="none" if none else "not found", note=why)
     if least < (weight := float(dataset.attrs.get("rollers_weight", 0.0))):
         said = f"{below}; rollers weigh as much, which is left out"
-        return Row(**row, value=least, text=f"below {force(weight, weight)}", note=said, band=(0.0, weight))
+        return Row(
+            **row, value=least, text=f"below {force(weight, weight)}", note=said, band=(0.0, weight)
+        )
     below += "; with less it skids" if WITH_LESS in status else ""
     one = json.loads(dataset.attrs.get("band", "{}")).get("least_load")
     low = least if one is None else one["low"]
-    load = load if low >= _READABLE * load else low  # in the unit of the load, if that leaves digits to read
+    load = (
+        load if low >= _READABLE * load else low
+    )  # in the unit of the load, if that leaves digits to read
     if one is None or one["high"] is None:
         return Row(**row, value=least, text=force(least, load), note=below)
     band = one["low"], one["high"]
@@ -179,7 +205,9 @@ def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
     """Return what makers ask for, the least first, and whether the load is that."""
     given = zip(dataset["maker"].to_numpy(), dataset["makers_least_load"].to_numpy(),
                 dataset["makers_status"].to_numpy(), strict=True)  # fmt: skip
-    asked = sorted((float(least), str(maker), str(status)) for maker, least, status in given if least > 0.0)
+    asked = sorted(
+        (float(least), str(maker), str(status)) for maker, least, status in given if least > 0.0
+    )
     if not asked:
         return None
     met = [load >= least for least, *_ in asked]
@@ -189,7 +217,14 @@ def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
         for least, maker, status in asked
     )
     named += f" {force_unit(load)[0]}"
-    return Row(key="makers_minimum_load", label="makers' minimum", value=asked[0][0], unit="N", text=text, note=named)
+    return Row(
+        key="makers_minimum_load",
+        label="makers' minimum",
+        value=asked[0][0],
+        unit="N",
+        text=text,
+        note=named,
+    )
 
 
 def _to_acceptable(dataset: "xr.Dataset", acceptable: float) -> Row | None:
@@ -198,8 +233,20 @@ def _to_acceptable(dataset: "xr.Dataset", acceptable: float) -> Row | None:
         return None
     note = f"to a slip of {plain(100.0 * acceptable)} %"
     if reserve <= 0.0:
-        return Row(key="acceptable_reserve", label="reserve to slipping", value=reserve, text="none", note=note)
-    return Row(key="acceptable_reserve", label="reserve to slipping", value=reserve, text=_times(reserve), note=note)
+        return Row(
+            key="acceptable_reserve",
+            label="reserve to slipping",
+            value=reserve,
+            text="none",
+            note=note,
+        )
+    return Row(
+        key="acceptable_reserve",
+        label="reserve to slipping",
+        value=reserve,
+        text=_times(reserve),
+        note=note,
+    )
 
 
 def _film(dataset: "xr.Dataset", one: "xr.Dataset") -> Row | None:
@@ -214,13 +261,21 @@ def _film(dataset: "xr.Dataset", one: "xr.Dataset") -> Row | None:
         regime = "full film" if thinnest >= limits["mixed"] else "mixed friction"
         words.append("boundary friction" if thinnest <= limits.get("boundary", 0.0) else regime)
     return Row(
-        key="film_parameter", label="oil film", value=thinnest, text=f"Lambda {two(thinnest)}", note=", ".join(words)
+        key="film_parameter",
+        label="oil film",
+        value=thinnest,
+        text=f"Lambda {two(thinnest)}",
+        note=", ".join(words),
     )
 
 
 def varied(dataset: "xr.Dataset") -> list[str]:
     """Return the names of the quantities against which steady slips were followed."""
-    return [str(name).removesuffix("_limit_status") for name in dataset if str(name).endswith("_limit_status")]
+    return [
+        str(name).removesuffix("_limit_status")
+        for name in dataset
+        if str(name).endswith("_limit_status")
+    ]
 
 
 def has_steady(dataset: "xr.Dataset") -> bool:
@@ -242,18 +297,25 @@ def _band(dataset: "xr.Dataset", name: str) -> str:
     if one is None:
         return ""
     low, high = (one[end] if one[end] is not None else math.inf for end in ("low", "high"))
-    what, ends = "load", f"{format_quantity(low, 'N', 3)} to {format_quantity(high, 'N', 3)}"
+    what = "load"
+    ends = f"{format_quantity(low, 'N', 3)} to {format_quantity(high, 'N', 3)}"
     if name == "steady_slip":
-        what, ends = "slip", f"{_percent(low)} to {_percent(high) if high < 1.0 else 'skidding'}"
-    return f" [where data scatter the {what} is about {ends} (5 to 95 %), most of it by {one['most']}]"
+        what = "slip"
+        ends = f"{_percent(low)} to {_percent(high) if high < 1.0 else 'skidding'}"
+    return (
+        f" [where data scatter the {what} is about {ends} (5 to 95 %), most of it by {one['most']}]"
+    )
 
 
 def _inertia(dataset: "xr.Dataset") -> str:
-    effect, inert = float(dataset.attrs["inertia_effect"]), bool(dataset.attrs["inertia"])
+    effect = float(dataset.attrs["inertia_effect"])
+    inert = bool(dataset.attrs["inertia"])
     way = "without" if inert else "with"
     if math.isnan(effect):
         return f"what inertia of their spin does is not known: {way} it no steady motion of the rollers was found"
-    what = "inertia of their spin the rollers would drive the cage with a torque that differs by up to"
+    what = (
+        "inertia of their spin the rollers would drive the cage with a torque that differs by up to"
+    )
     return f"{way} {what} {_percent(effect)}"
 
 
@@ -304,7 +366,9 @@ def _losses(dataset: "xr.Dataset") -> list[str]:
             continue
         order = np.argsort(-losses, kind="stable")[:_MOST_SOURCES]
         shares = ", ".join(
-            f"{_percent(losses[n] / total)} {one['source'].to_numpy()[n]}" for n in order if losses[n] > 0
+            f"{_percent(losses[n] / total)} {one['source'].to_numpy()[n]}"
+            for n in order
+            if losses[n] > 0
         )
         said.append(
             f"at a cage slip of {_percent(float(one['steady_slip']))} the bearing turns "
@@ -332,8 +396,14 @@ def _beside(dataset: "xr.Dataset", one: "xr.Dataset") -> str:
     if math.isnan(ratio := _over_formulas(dataset, one)):
         return ""
     named = zip(dataset["formula"].to_numpy(), dataset["formula_torque"].to_numpy(), strict=True)
-    given = ", ".join(f"{name} {format_quantity(float(value), 'N m', 3)}" for name, value in named if value > 0.0)
-    far = "" if _slow(dataset) or 1.0 / _FAR <= ratio <= _FAR else f", beyond a factor of {_FAR:g} from them"
+    given = ", ".join(
+        f"{name} {format_quantity(float(value), 'N m', 3)}" for name, value in named if value > 0.0
+    )
+    far = (
+        ""
+        if _slow(dataset) or 1.0 / _FAR <= ratio <= _FAR
+        else f", beyond a factor of {_FAR:g} from them"
+    )
     return f", {ratio:.2g} times what makers' formulas give ({given}){far}"
 
 
@@ -380,7 +450,9 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
     """Say what each formula that the scene names gives, by its terms, or what it lacks."""
     if "formula_torque" not in dataset:
         return []
-    terms = dict(zip(dataset["formula_part"].to_numpy(), dataset["formula_term"].to_numpy(), strict=True))
+    terms = dict(
+        zip(dataset["formula_part"].to_numpy(), dataset["formula_term"].to_numpy(), strict=True)
+    )
     said = []
     for name, torque, status in zip(
         dataset["formula"].to_numpy(), dataset["formula_torque"].to_numpy(), dataset["formula_status"].to_numpy(),
@@ -389,8 +461,14 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
         if math.isnan(torque):
             said.append(f"no friction torque by formula {str(name)!r}: it {status}")
             continue
-        own = {part.partition(": ")[2]: value for part, value in terms.items() if part.partition(": ")[0] == name}
-        shares = ", ".join(f"{_percent(value / torque if torque else 0.0)} {term}" for term, value in own.items())
+        own = {
+            part.partition(": ")[2]: value
+            for part, value in terms.items()
+            if part.partition(": ")[0] == name
+        }
+        shares = ", ".join(
+            f"{_percent(value / torque if torque else 0.0)} {term}" for term, value in own.items()
+        )
         said.append(
             f"by formula {str(name)!r} the friction torque is {format_quantity(float(torque), 'N m', 3)}: {shares}; it "
             f"knows no slip, and no drag but its own terms"
@@ -402,7 +480,8 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
 
 
 def _largest(dataset: "xr.Dataset") -> str:
-    largest, slip = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
+    largest = float(dataset["largest_drag"])
+    slip = float(dataset["largest_drag_slip"])
     if math.isnan(largest):
         if "most_torque" in dataset:
             return f"{dataset['largest_drag_status'].item()}{_first(dataset)}"
@@ -418,11 +497,17 @@ def _jump(dataset: "xr.Dataset") -> str:
     """Say how surely the largest drag is known, where a larger one takes the cage, and what it may carry there."""
     if "jump_slip" not in dataset:
         return ""
-    low, high, to = (float(dataset[name]) for name in ("largest_drag_low", "largest_drag_high", "jump_slip"))
+    low, high, to = (
+        float(dataset[name]) for name in ("largest_drag_low", "largest_drag_high", "jump_slip")
+    )
     error = float(dataset["largest_drag_error"])
-    close = _percent(float(dataset["largest_drag_low"].attrs.get("within", 1e-3)))  # results of before: a thousandth
+    close = _percent(
+        float(dataset["largest_drag_low"].attrs.get("within", 1e-3))
+    )  # results of before: a thousandth
     said = f", or anywhere between {_percent(low)} and {_percent(high)}, where it is within {close} of that"
-    said += f" (right to {_percent(error)})" if math.isfinite(error) else " (how exactly is not known)"
+    said += (
+        f" (right to {_percent(error)})" if math.isfinite(error) else " (how exactly is not known)"
+    )
     if math.isnan(to):
         return f"{said}; nothing in the range carries more"
     most, at = (float(dataset[name]) for name in ("most_torque", "most_torque_slip"))
@@ -432,14 +517,21 @@ def _jump(dataset: "xr.Dataset") -> str:
 
 def _least_load(dataset: "xr.Dataset") -> str:
     """Say which load a slip takes, beside what makers ask for, and what the rules of others still need."""
-    slip, load = _percent(float(dataset.attrs["acceptable_slip"])), float(dataset["least_load"])
+    slip = _percent(float(dataset.attrs["acceptable_slip"]))
+    load = float(dataset["least_load"])
     if math.isnan(load):
         said = f"no minimum load for a cage slip of {slip}: {dataset['least_load_status'].item()}"
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
-        said += str(dataset["least_load_status"].item()).removeprefix("found") + _band(dataset, "least_load")
+        said += str(dataset["least_load_status"].item()).removeprefix("found") + _band(
+            dataset, "least_load"
+        )
     makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_least_load"))
-    told = dataset["makers_status"].to_numpy() if "makers_status" in dataset else np.full(makers.shape, "")
+    told = (
+        dataset["makers_status"].to_numpy()
+        if "makers_status" in dataset
+        else np.full(makers.shape, "")
+    )
     asked = ", ".join(
         f"{format_quantity(float(load), 'N', 3)} ({maker}{f' {AT_REST}' if status.startswith(AT_REST) else ''})"
         for maker, load, status in zip(makers, loads, told, strict=True)
@@ -447,14 +539,17 @@ def _least_load(dataset: "xr.Dataset") -> str:
     )
     said += f"; catalogue minimum loads, for any oil and cage: {asked}"
     missing = zip(makers, told, strict=True)
-    return said + "".join(f"; {maker}'s rule {status}" for maker, status in missing if status not in ("", "found"))
+    return said + "".join(
+        f"; {maker}'s rule {status}" for maker, status in missing if status not in ("", "found")
+    )
 
 
 def _first(dataset: "xr.Dataset") -> str:
     """Say where the torque of the rollers falls with slip before it is largest; nothing where it does not."""
     if "first_maximum_slip" not in dataset or math.isnan(float(dataset["first_maximum_slip"])):
         return ""
-    slip, largest = float(dataset["first_maximum_slip"]), float(dataset["largest_drag_slip"])
+    slip = float(dataset["first_maximum_slip"])
+    largest = float(dataset["largest_drag_slip"])
     if not slip < (math.inf if math.isnan(largest) else largest):
         return ""
     torque = format_quantity(float(dataset["first_maximum_torque"]), "N m", 3)
@@ -468,7 +563,8 @@ def _limit(dataset: "xr.Dataset", name: str) -> str:
     limit = float(dataset[f"{name}_limit"])
     if math.isnan(limit):
         return str(dataset[f"{name}_limit_status"].item())
-    values, branch = dataset[name].to_numpy(), dataset[f"{name}_branch"].to_numpy()
+    values = dataset[name].to_numpy()
+    branch = dataset[f"{name}_branch"].to_numpy()
     on = values[branch == branch[np.argmin(np.abs(values - limit))]]
     beside = on[max(int(np.argmin(np.abs(on - limit))) - 1, 0)]
     which = "least" if beside > limit else "largest"
@@ -497,7 +593,12 @@ class SteadySlipAccount(Account):
         """Return what has to be known first of steady slips: slip, loads, reserve, torque, film and clearance."""
         acceptable = float(dataset.attrs.get("acceptable_slip", ACCEPTABLE))
         rows = tuple(row for row in _rows(dataset, acceptable) if row is not None)
-        return Answer(rows=rows, acceptable=acceptable, assumed=assumed_of(dataset), commands=_next(dataset, rows))
+        return Answer(
+            rows=rows,
+            acceptable=acceptable,
+            assumed=assumed_of(dataset),
+            commands=_next(dataset, rows),
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -507,7 +608,10 @@ class SteadySlipAccount(Account):
             "limit drag torque": [_largest(dataset)],
             **({"losses": _losses(dataset)} if "loss" in dataset and has_steady(dataset) else {}),
             **({"minimum load": [_least_load(dataset)]} if "least_load" in dataset else {}),
-            **{f"limit of the {_what(dataset, name)}": [_limit(dataset, name)] for name in varied(dataset)},
+            **{
+                f"limit of the {_what(dataset, name)}": [_limit(dataset, name)]
+                for name in varied(dataset)
+            },
             "inertia of the rollers": [_inertia(dataset)],
         }
 
@@ -515,7 +619,9 @@ class SteadySlipAccount(Account):
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values; what has no value is None."""
         numbers = ["largest_drag", "largest_drag_slip"]
-        numbers += [name for name in ("first_maximum_torque", "first_maximum_slip") if name in dataset]
+        numbers += [
+            name for name in ("first_maximum_torque", "first_maximum_slip") if name in dataset
+        ]
         numbers += [name for name in ("least_load",) if name in dataset]
         numbers += [f"{name}_limit{of}" for name in varied(dataset) for of in ("", "_slip")]
         texts = [

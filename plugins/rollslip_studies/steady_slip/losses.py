@@ -26,19 +26,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Slip and reserve that an answer shows no digits of.
-_SMALL, _PLENTY = 1e-3, 1e3
+_SMALL = 1e-3
+_PLENTY = 1e3
 #: What rollers that jump carry falls with the first order.
 _OF_JUMPS: Final = 2.0 * (1.0 - 2.0**-AT_ONCE)
 
 
-def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+def losses(
+    balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the losses at some states as variables, and their coordinates; NaN where none is steady.
 
     Beside them stand the friction torques by the formulas that the scene names, which know no slip.
     """
     balances = [power_balance(balance, state) for state in (states if steady else states[:1])]
     power = np.array([[loss.power for loss in one.losses] for one in balances]).T
-    turns = abs(balance.assembly.scene.operation.inner_speed - balance.assembly.scene.operation.outer_speed)
+    turns = abs(
+        balance.assembly.scene.operation.inner_speed - balance.assembly.scene.operation.outer_speed
+    )
     found = {
         "loss": power,
         "ring_power": np.array([one.rings for one in balances]).T.reshape(len(RINGS), -1),
@@ -53,7 +58,10 @@ def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> 
     formulas, named = by_formula(balance.assembly)
     for name, value in zip(RATIO, viscosity_ratio(balance.assembly), strict=True):
         variables[name] = RATIO[name].variable(value)
-    return variables | formulas, {"source": ("source", sources, about("1", "what loses power")), **named}
+    return variables | formulas, {
+        "source": ("source", sources, about("1", "what loses power")),
+        **named,
+    }
 
 
 def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
@@ -63,7 +71,8 @@ def viscosity_ratio(assembly: Assembly) -> tuple[float, str]:
     speed n [1/min] and the pitch diameter d_m [mm], after ISO 281:2007.
     """
     duty = Duty.of(assembly)
-    n, d_m = duty.revolutions, 1e3 * duty.pitch_diameter
+    n = duty.revolutions
+    d_m = 1e3 * duty.pitch_diameter
     try:
         nu = 1e6 * duty.kinematic_viscosity
     except DomainError as error:
@@ -127,20 +136,27 @@ def _off(
     load = float(dataset["least_load"])
     if load > dataset.attrs.get("rollers_weight", 0.0):
         by = np.atleast_1d(dataset["least_load"].attrs["slips"]).tolist()
-        over, more = (most_left_over(at_load(one), by, acceptable)[1] for one in (load, (1.0 + STEP) * load))
+        over, more = (
+            most_left_over(at_load(one), by, acceptable)[1] for one in (load, (1.0 + STEP) * load)
+        )
         yield "minimum load", STEP * abs(over / (more - over)) if more != over else math.inf
 
 
 def _steady(balance: TorqueBalance, one: "xr.Dataset") -> Iterator[tuple[str, float]]:
     """What is off at a steady slip: the slip by one secant, friction torque and thinnest film where that leads."""
-    slip, o = float(one["steady_slip"]), balance.assembly.scene.operation
+    slip = float(one["steady_slip"])
+    o = balance.assembly.scene.operation
     start = float(one["roller_slip"][0] / balance.motions.unit(np.array([slip]))[0])
     times = 1.0
 
     def of(orbit: Orbit) -> Array:
         nonlocal times
-        film, times = min(_thinnest(contacts) for contacts in balance.evaluated(orbit) if contacts.total)
-        return np.array([power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), film])
+        film, times = min(
+            _thinnest(contacts) for contacts in balance.evaluated(orbit) if contacts.total
+        )
+        return np.array(
+            [power_balance(balance, orbit).total / abs(o.inner_speed - o.outer_speed), film]
+        )
 
     off, (torque, film) = by_secant(balance, slip, of, start)
     yield "friction torque", _apart(float(one["friction_torque"]), torque)
@@ -162,7 +178,9 @@ def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[st
 
     It is the vertex of a parabola through both ends of that range and the slip between; at an end there is none.
     """
-    low, slip, high = slips = np.array([float(dataset[f"largest_drag_{one}"]) for one in ("low", "slip", "high")])
+    low, slip, high = slips = np.array(
+        [float(dataset[f"largest_drag_{one}"]) for one in ("low", "slip", "high")]
+    )
     torques = balance.torques(slips)
     yield "largest drag", _OF_JUMPS * _apart(float(dataset["largest_drag"]), torques[1])
     if not low < slip < high:

@@ -27,7 +27,15 @@ from rollslip.search import bracketed, secants, vertex
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 
-__all__ = ["RULES", "Rule", "asked_by_makers", "least_load", "most_left_over", "rollers_weight", "static_rating"]
+__all__ = [
+    "RULES",
+    "Rule",
+    "asked_by_makers",
+    "least_load",
+    "most_left_over",
+    "rollers_weight",
+    "static_rating",
+]
 
 #: By which factor loads are left and right of that of the scene at most, and by which the search widens.
 _FARTHEST: Final = 1e6
@@ -38,10 +46,16 @@ _FOUND: Final = 1e-4
 _ANY: Final = 1.0
 #: Slips at which a maximum is looked for, up to how many times the slip, how far apart their logarithms are, and from
 #: which share of the drag on: between two of them the torque may rise as they do.
-_LOOKED, _BESIDE, _APART, _CLEAR = 25, 1.3, 0.25, 0.7
+_LOOKED = 25
+_BESIDE = 1.3
+_APART = 0.25
+_CLEAR = 0.7
 #: From which share on those of the way up count, which is of few loads of a roller; logarithms of slips around one by
 #: which it is told on all slices, and how near these may be to others; how often it is looked for anew.
-_RIVAL, _AROUND, _NEAR, _ROUNDS = 0.9, (-0.2, -0.1, 0.0, 0.1, 0.2), 0.03, 4
+_RIVAL = 0.9
+_AROUND = (-0.2, -0.1, 0.0, 0.1, 0.2)
+_NEAR = 0.03
+_ROUNDS = 4
 
 
 Balances = Callable[[float], TorqueBalance]
@@ -74,8 +88,10 @@ def least_load(
     if balance(load).rolls_freely:
         return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}", ()
     try:
-        found, at = load or _ANY, slip
-        over, drag = excess(math.log(found)), -balance(found).drag(slip)
+        found = load or _ANY
+        at = slip
+        over = excess(math.log(found))
+        drag = -balance(found).drag(slip)
         for _ in range(_ROUNDS):
             begin = math.log(found)
             found = _near(excess, begin, over, drag)
@@ -89,13 +105,17 @@ def least_load(
             at, over = most_left_over(balance(found), slips, slip)
             if abs(over) <= 4.0 * _FOUND * abs(drag):
                 break
-        balance(found).orbit(at)  # what the search asks is compiled: here what a plan left out is watched
+        balance(found).orbit(
+            at
+        )  # what the search asks is compiled: here what a plan left out is watched
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}", ()
     return found, "found" if at == slip else f"found; {WITH_LESS} {at:.2g} on", slips
 
 
-def most_left_over(balance: TorqueBalance, slips: Sequence[float], slip: float) -> tuple[float, float]:
+def most_left_over(
+    balance: TorqueBalance, slips: Sequence[float], slip: float
+) -> tuple[float, float]:
     """Return the slip up to a given one at which most torque is left over to speed the cage up, and that [N m].
 
     Some slips tell it: that one, and some around maxima, between which it is the vertex of a parabola.
@@ -118,8 +138,14 @@ def _around_maxima(balance: TorqueBalance, slip: float) -> Iterator[float]:
     slips = slips[slips <= most]
     if not any(_maxima(balance, slips, balance.torques(slips, few=True), _CLEAR)):
         return
-    path, known = [one for one in balance.way(most).path if one.slip <= _BESIDE * slip], [slip]
-    for peak in _maxima(balance, np.array([one.slip for one in path]), np.array([one.torque for one in path]), _RIVAL):
+    path = [one for one in balance.way(most).path if one.slip <= _BESIDE * slip]
+    known = [slip]
+    for peak in _maxima(
+        balance,
+        np.array([one.slip for one in path]),
+        np.array([one.torque for one in path]),
+        _RIVAL,
+    ):
         for one in (peak * math.exp(step) for step in _AROUND):
             if one <= most and min(abs(math.log(one / other)) for other in known) > _NEAR:
                 known.append(one)
@@ -130,7 +156,9 @@ def _maxima(balance: TorqueBalance, slips: Array, torques: Array, share: float) 
     """Slips at which more torque is left over than at both next to them, and at least a share of the drag is there."""
     drags = -np.array([balance.drag(one) for one in slips.tolist()])
     over = torques - drags
-    inside = (over[1:-1] > over[:-2]) & (over[1:-1] >= over[2:]) & (torques[1:-1] > share * drags[1:-1])
+    inside = (
+        (over[1:-1] > over[:-2]) & (over[1:-1] >= over[2:]) & (torques[1:-1] > share * drags[1:-1])
+    )
     yield from slips[1:-1][inside].tolist()
 
 
@@ -142,7 +170,8 @@ def rollers_weight(assembly: Assembly) -> float:
 
 def _near(excess: Callable[[float], float], begin: float, over: float, drag: float) -> float:
     """The load to which secants over its square lead, with which that drives rollers which resists; NaN if nowhere."""
-    torque, steps = over + drag, math.log(_WIDER)
+    torque = over + drag
+    steps = math.log(_WIDER)
     guess = -0.5 * math.log(torque / drag) if torque > 0.0 < drag else math.copysign(steps, -over)
     guess = min(max(guess, -steps), steps) or _FOUND
 
@@ -162,18 +191,24 @@ def _near(excess: Callable[[float], float], begin: float, over: float, drag: flo
     return math.exp(begin) * math.sqrt(found[0]) if found and found[1] > 0.0 else math.nan
 
 
-def _searched(excess: Callable[[float], float], begin: float, over: float, slip: float) -> tuple[float, str]:
+def _searched(
+    excess: Callable[[float], float], begin: float, over: float, slip: float
+) -> tuple[float, str]:
     """The load at which an excess over its logarithm passes zero, or NaN and why there is none."""
     at = before = begin
     value = last = over
     step = -math.log(_WIDER) if over > 0.0 else math.log(_WIDER)
     while (value > 0.0) == (over > 0.0):
         if abs(at - begin) > math.log(_FARTHEST):
-            ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in sorted((begin, at)))
+            ends = " and ".join(
+                format_quantity(math.exp(end), "N", 3) for end in sorted((begin, at))
+            )
             way = "less" if over > 0.0 else "more"
             serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD
             return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
-        before, last, at = at, value, at + step
+        before = at
+        last = value
+        at = at + step
         value = excess(at)
     return math.exp(bracketed(excess, before, at, last, value, tolerance=_FOUND)), ""
 
@@ -209,7 +244,9 @@ class Rule:
         if missing:
             return math.nan, f"needs {' and '.join(missing)} of the maker's catalogue"
         if self.grows_with and getattr(given, self.grows_with) is None:
-            return self.load(bearing, speed), f"{AT_REST}; with speed it grows by bearing.catalogue.{self.grows_with}"
+            return self.load(
+                bearing, speed
+            ), f"{AT_REST}; with speed it grows by bearing.catalogue.{self.grows_with}"
         return self.load(bearing, speed), "found"
 
 
@@ -225,7 +262,9 @@ RULES: Final[Mapping[str, Rule]] = {
         "0.040 C0r for roller bearings, catalogue 2203/E, section 8.4",
         "A",
     ),
-    "Schaeffler": Rule(lambda bearing, speed: static_rating(bearing) / 60.0, "C0r/60, recalled, not read", "C"),
+    "Schaeffler": Rule(
+        lambda bearing, speed: static_rating(bearing) / 60.0, "C0r/60, recalled, not read", "C"
+    ),
     "SKF": Rule(
         skf_least_load,
         "k_r (6 + 4 n/n_r) (d_m/100)^2 kN for one row with a cage, catalogue 17000, page 509",
@@ -233,12 +272,19 @@ RULES: Final[Mapping[str, Rule]] = {
         ("minimum_load_factor",),
         "reference_speed",
     ),
-    "NKE": Rule(_nke, "0.02 C for a cylindrical roller bearing with a cage, catalogue", "A", ("dynamic_rating",)),
+    "NKE": Rule(
+        _nke,
+        "0.02 C for a cylindrical roller bearing with a cage, catalogue",
+        "A",
+        ("dynamic_rating",),
+    ),
 }
 
 
 def asked_by_makers(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
     """Return the least load of each of the `RULES` [N], and "found" or what the scene has to give."""
     speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
-    loads, statuses = zip(*(rule.asked(scene.bearing, speed) for rule in RULES.values()), strict=True)
+    loads, statuses = zip(
+        *(rule.asked(scene.bearing, speed) for rule in RULES.values()), strict=True
+    )
     return np.array(loads), np.array(statuses)

@@ -22,17 +22,25 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
         "loss": Output("source steady", "W", "power lost to friction", status="status"),
         "ring_power": Output("ring steady", "W", "power that a ring puts in", status="status"),
         "stored_power": Output(
-            "steady", "W", "power of the rings that no loss takes: of the root and of the positions", status="status"
+            "steady",
+            "W",
+            "power of the rings that no loss takes: of the root and of the positions",
+            status="status",
         ),
         "friction_torque": Output(
-            "steady", "N m", "friction torque of the bearing, all losses over the relative speed", status="status"
+            "steady",
+            "N m",
+            "friction torque of the bearing, all losses over the relative speed",
+            status="status",
         ),
     }
 )
 #: Viscosity ratio kappa.
 RATIO: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "viscosity_ratio": Output("", "1", "viscosity ratio kappa, ISO 281", status="viscosity_ratio_status"),
+        "viscosity_ratio": Output(
+            "", "1", "viscosity ratio kappa, ISO 281", status="viscosity_ratio_status"
+        ),
         "viscosity_ratio_status": Output("", "1", "what was found of kappa"),
     }
 )
@@ -49,7 +57,10 @@ def followed_outputs(name: str) -> dict[str, Output]:
         f"{name}_fold": Output(points, "1", "whether stable and unstable slips meet"),
         f"{name}_branch": Output(points, "1", "number of the branch"),
         f"{name}_limit": Output(
-            "", unit, f"{what} at which stable and unstable slips meet", status=f"{name}_limit_status"
+            "",
+            unit,
+            f"{what} at which stable and unstable slips meet",
+            status=f"{name}_limit_status",
         ),
         f"{name}_limit_slip": Output("", "1", "cage slip there"),
         f"{name}_limit_status": Output("", "1", "what was found of the limit"),
@@ -76,12 +87,22 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             also=("limit_drag_torque", "runaway_drag"),
         ),
         "largest_drag_slip": Output(
-            "", "1", "cage slip at which skidding begins", status="largest_drag_status", also=("runaway_slip",)
+            "",
+            "1",
+            "cage slip at which skidding begins",
+            status="largest_drag_status",
+            also=("runaway_slip",),
         ),
         "largest_drag_status": Output("", "1", "what was found of the limit drag torque"),
-        "largest_drag_error": Output("", "1", "relative error left of it", status="largest_drag_status"),
-        "largest_drag_low": Output("", "1", "least slip within the tolerance of it", status="largest_drag_status"),
-        "largest_drag_high": Output("", "1", "largest slip within the tolerance of it", status="largest_drag_status"),
+        "largest_drag_error": Output(
+            "", "1", "relative error left of it", status="largest_drag_status"
+        ),
+        "largest_drag_low": Output(
+            "", "1", "least slip within the tolerance of it", status="largest_drag_status"
+        ),
+        "largest_drag_high": Output(
+            "", "1", "largest slip within the tolerance of it", status="largest_drag_status"
+        ),
         "jump_slip": Output(
             "",
             "1",
@@ -89,23 +110,39 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             status="jump_slip_status",
         ),
         "jump_slip_status": Output("", "1", "what was found of the slip to which it jumps"),
-        "drag_reserve": Output("", "1", "limit drag torque over the drag of the scene", status="reserve_status"),
-        "reserve_status": Output("", "1", "what was found of the reserve: found, at least, or why there is none"),
-        "most_torque": Output("", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"),
+        "drag_reserve": Output(
+            "", "1", "limit drag torque over the drag of the scene", status="reserve_status"
+        ),
+        "reserve_status": Output(
+            "", "1", "what was found of the reserve: found, at least, or why there is none"
+        ),
+        "most_torque": Output(
+            "", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"
+        ),
         "most_torque_slip": Output("", "1", "cage slip there"),
         "most_torque_error": Output("", "1", "relative error left of it"),
         "first_maximum_torque": Output(
-            "", "N m", "driving torque from which it first falls with slip", status="largest_drag_status"
+            "",
+            "N m",
+            "driving torque from which it first falls with slip",
+            status="largest_drag_status",
         ),
         "first_maximum_slip": Output("", "1", "cage slip there", status="largest_drag_status"),
         "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
-        "torque": Output("steady", "N m", "drag torque that is carried", status="status", also=("steady_drag",)),
+        "torque": Output(
+            "steady", "N m", "drag torque that is carried", status="status", also=("steady_drag",)
+        ),
         "stable": Output("steady", "1", "held"),
         "stability": Output("steady", "1", "stability in words"),
         "multiplier": Output(
-            "steady", "1", "what an orbit leaves of a disturbance of the rollers' spin", status="status"
+            "steady",
+            "1",
+            "what an orbit leaves of a disturbance of the rollers' spin",
+            status="status",
         ),
-        "effective_friction": Output("ring steady", "1", "effective friction coefficient, mean over the orbit"),
+        "effective_friction": Output(
+            "ring steady", "1", "effective friction coefficient, mean over the orbit"
+        ),
         "film_parameter": Output("ring steady", "1", "smallest film parameter Lambda"),
         "roller_slip": Output("steady angle", "1", "roller slip"),
         "normal_force": Output("ring steady angle", "N", "normal force"),
@@ -117,16 +154,24 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             also=("minimum_load",),
         ),
         "least_load_status": Output("", "1", "what was found of the minimum load"),
-        "makers_least_load": Output("maker", "N", "catalogue minimum load of a maker", status="makers_status"),
-        "makers_status": Output("maker", "1", "what the rule of a maker takes that the scene does not give"),
+        "makers_least_load": Output(
+            "maker", "N", "catalogue minimum load of a maker", status="makers_status"
+        ),
+        "makers_status": Output(
+            "maker", "1", "what the rule of a maker takes that the scene does not give"
+        ),
         "acceptable_reserve": Output(
             "",
             "1",
             "torque of the rollers over drag torque, at the acceptable slip: below 1 the cage slips more",
             status="acceptable_reserve_status",
         ),
-        "acceptable_reserve_status": Output("", "1", "what was found of the reserve at the acceptable slip"),
-        "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
+        "acceptable_reserve_status": Output(
+            "", "1", "what was found of the reserve at the acceptable slip"
+        ),
+        "driving_torque": Output(
+            "cage_slip", "N m", "torque with which the rollers drive the cage"
+        ),
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
         **LOSSES,
@@ -139,7 +184,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
     {
         "cage-slip": Measurable(variable="steady_slip", beyond=True, below=FASTER, lasting=0),
-        "largest-cage-slip": Measurable(variable="steady_slip", beyond=True, below=FASTER, lasting=-1),
+        "largest-cage-slip": Measurable(
+            variable="steady_slip", beyond=True, below=FASTER, lasting=-1
+        ),
         "cage-speed": Measurable(variable="cage_speed", lasting=0),
         "friction-torque": Measurable(variable="friction_torque", lasting=0),
         "least-load": Measurable(variable="least_load"),

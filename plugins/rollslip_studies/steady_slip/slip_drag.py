@@ -23,7 +23,8 @@ def slip_drag(
     balance: TorqueBalance, way: WayUp, slips: list[float], range_: float, points: int, table: str
 ) -> tuple[dict[str, Any], dict[str, Any], float]:
     """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave."""
-    away, first = way.runs_away, next(iter(way.jumps), None)
+    away = way.runs_away
+    first = next(iter(way.jumps), None)
     inside = max(slips or [math.inf]) <= range_ or (away is not None and away.slip <= range_)
     slip, torque = _curve(way, min(range_, way.end) if inside else way.end, points)
     most_slip, most = way.largest
@@ -54,7 +55,10 @@ def slip_drag(
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
     }
     known = ~np.isnan(torque)
-    error = float(_left_out(slip[known], torque[known]).max() / (np.nanmax(np.abs(torque)) or 1.0)) / _EXACTER
+    error = (
+        float(_left_out(slip[known], torque[known]).max() / (np.nanmax(np.abs(torque)) or 1.0))
+        / _EXACTER
+    )
     variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
     variables["largest_drag_low"][2]["within"] = variables["largest_drag_high"][2]["within"] = share
     return variables, coords, error
@@ -65,10 +69,15 @@ def _curve(way: WayUp, end: float, points: int) -> tuple[Array, Array]:
     slip, torque = way.curve
     own = slip[slip <= end]
     begin = place_of(own[1]) if own.size > 1 else place_of(0.5 * end)
-    more = [slip_of(place) for place in np.linspace(begin, place_of(end), points)] if own.size < points else [end]
+    more = (
+        [slip_of(place) for place in np.linspace(begin, place_of(end), points)]
+        if own.size < points
+        else [end]
+    )
     if new := [one for one in more if one not in own]:
         found = [_or_unknown(partial(_torque, way, one)) for one in new]
-        slip, torque = np.append(slip, new), np.append(torque, found)
+        slip = np.append(slip, new)
+        torque = np.append(torque, found)
     order = np.argsort(slip)
     inside = order[slip[order] <= end]
     return slip[inside], torque[inside]
@@ -92,7 +101,8 @@ def _left_out(slip: Array, values: Array) -> Array:
     first = np.clip(inner - 2, 0, slip.size - 5)
     others = first[:, None] + np.arange(5)
     others = others[others != inner[:, None]].reshape(-1, 4)
-    x, y = slip[others], values[others]
+    x = slip[others]
+    y = values[others]
     weights = np.ones_like(x)
     for i in range(4):
         for j in range(4):

@@ -13,7 +13,8 @@ from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import FASTER, VARIED
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
-RUNS_AWAY, LEAVES = "the cage skids", "slip leaves the range"
+RUNS_AWAY = "the cage skids"
+LEAVES = "slip leaves the range"
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL: Final = 1e-3
 #: What a branch may miss of a range that it goes through, relative.
@@ -44,7 +45,9 @@ def stability_of(way: WayUp, state: Orbit, steady: Steady) -> str:
         return "a fold: a stable and an unstable slip meet"
     if steady.slope < 0.0:
         return "unstable: with more slip the rollers drive the cage less than the drag asks for"
-    return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
+    return (
+        "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
+    )
 
 
 def no_fold(
@@ -69,10 +72,14 @@ def no_fold(
         return f"no limit of the {what}: {SWITCHED_OFF}"
     unknown = f"no limit of the {what} is known"
     if not branches:
-        return f"{unknown}: no steady slip at {low} and none at {high}; none was sought between them"
-    slip, value = branches[0].slip, branches[0].parameter
+        return (
+            f"{unknown}: no steady slip at {low} and none at {high}; none was sought between them"
+        )
+    slip = branches[0].slip
+    value = branches[0].parameter
     if np.isclose(slip[[0, -1]], most).any():
-        at, key = format_quantity(float(value[np.argmax(slip)]), unit, 4), f"{table}.max_cage_slip"
+        at = format_quantity(float(value[np.argmax(slip)]), unit, 4)
+        key = f"{table}.max_cage_slip"
         further = look_further(key, most, MOST_CAGE_SLIP)
         return f"{unknown}: at {at} the steady slip leaves the range, {most:g}{further}"
     if np.ptp(value) < (1.0 - _THROUGH) * (limits[1] - limits[0]):

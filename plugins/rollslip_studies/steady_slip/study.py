@@ -48,7 +48,12 @@ from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
 from rollslip_studies.steady_slip.evaluated import evaluated_slices, films, loaded
 from rollslip_studies.steady_slip.losses import acceptable_reserve, losses, numbers_off
-from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load, rollers_weight
+from rollslip_studies.steady_slip.minimum_load import (
+    RULES,
+    asked_by_makers,
+    least_load,
+    rollers_weight,
+)
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip_studies.steady_slip.slip_drag import slip_drag
 from rollslip_studies.steady_slip.statuses import no_fold, stability_of, status_of
@@ -66,7 +71,10 @@ _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 _SHARE: Final = 0.5
 #: Ways up that a run finds while it doubles instants, slips of one, motions of the rollers of a followed branch, and
 #: ways up of a search for a least load at a slip where rollers have several motions.
-_WAYS, _SLIPS, _BRANCH, _LOADS = 2, 25, 350, 9
+_WAYS = 2
+_SLIPS = 25
+_BRANCH = 350
+_LOADS = 9
 #: What an acceptable slip gives.
 _LEAST_LOAD: Final = frozenset(
     f"{name}{of}" for name in ("least_load", "acceptable_reserve") for of in ("", "_status")
@@ -76,7 +84,9 @@ _LEAST_LOAD: Final = frozenset(
 def _range(name: str) -> Any:
     unit, what = VARIED[name]
     return parameter(
-        default=(), unit=unit, doc=f"least and largest {what} against which the slips are followed; empty for not"
+        default=(),
+        unit=unit,
+        doc=f"least and largest {what} against which the slips are followed; empty for not",
     )
 
 
@@ -104,9 +114,13 @@ class SteadySlip(Study):
         validator=in_range(0.0, 1.0, open=True),
     )
     points: int = parameter(
-        default=25, doc="slips of the slip-drag curve, at least; the way up has its own", validator=at_least(6)
+        default=25,
+        doc="slips of the slip-drag curve, at least; the way up has its own",
+        validator=at_least(6),
     )
-    inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
+    inertia: bool = parameter(
+        default=True, doc="whether the spin of a roller has inertia along the orbit"
+    )
     acceptable_slip: float | None = parameter(
         default=0.05,
         unit="1",
@@ -121,7 +135,9 @@ class SteadySlip(Study):
         for name in VARIED:
             limits = getattr(self, name)
             if limits and not (len(limits) == 2 and limits[0] < limits[1]):
-                raise FieldError(name, f"must be two values that ascend, or empty, not {list(limits)}")
+                raise FieldError(
+                    name, f"must be two values that ascend, or empty, not {list(limits)}"
+                )
 
     @property
     def libraries(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -168,22 +184,29 @@ class SteadySlip(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the motions of the rollers, from a few of them."""
-        bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
-        balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
+        bearing = assembly.with_resistance()
+        instants = assembly.resolution.instants or 2
+        balance = TorqueBalance(
+            bearing, bearing.cage.drags, instants=instants, inertia=self.inertia
+        )
         followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * _SLIPS)
         ways = self.acceptable_slip is not None and balance.has_several(self.acceptable_slip)
         return {"orbits": balance.seconds() * (_WAYS + followed + ways * _LOADS)}
 
     def without(self, outputs: frozenset[str]) -> "SteadySlip":
         """Return a study that does not follow the slips against what nobody asked for."""
-        dropped: dict[str, object] = {name: () for name in VARIED if outputs >= followed_outputs(name).keys()}
+        dropped: dict[str, object] = {
+            name: () for name in VARIED if outputs >= followed_outputs(name).keys()
+        }
         if outputs >= _LEAST_LOAD:
             dropped["acceptable_slip"] = None
         return self.evolved(**dropped) if dropped else self
 
     def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
         """Return the least steady slip that the cage holds."""
-        stable = dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
+        stable = (
+            dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
+        )
         slip = float(dataset["steady_slip"].to_numpy()[stable][0]) if stable.any() else np.nan
         return {"steady cage slip": Compared([[slip]], str(dataset["status"].item()))}
 
@@ -204,9 +227,13 @@ class SteadySlip(Study):
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices at the steady slips, or where there is none at that of the largest drag."""
-        slips = np.atleast_1d(dataset["steady_slip" if "steady_slip" in dataset else "largest_drag_slip"].to_numpy())
+        slips = np.atleast_1d(
+            dataset["steady_slip" if "steady_slip" in dataset else "largest_drag_slip"].to_numpy()
+        )
         balance = self._balance(assembly, int(dataset.attrs["instants"]))
-        return evaluated_slices(balance, (balance.orbit(float(slip)) for slip in slips if np.isfinite(slip)))
+        return evaluated_slices(
+            balance, (balance.orbit(float(slip)) for slip in slips if np.isfinite(slip))
+        )
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags.
@@ -251,14 +278,23 @@ class SteadySlip(Study):
         if not states:
             end = min(self.max_cage_slip, way.end)
             states = [balance.orbit(slip) for slip in slips or [share * end for share in _JUDGED]]
-        variables, coords, error = slip_drag(balance, way, slips, self.max_cage_slip, self.points, self.table)
+        variables, coords, error = slip_drag(
+            balance, way, slips, self.max_cage_slip, self.points, self.table
+        )
         positions = states[0].roller_slip.size
-        variables |= self._steady(balance, way, states, steady) if slips else self._unsteady(positions)
+        variables |= (
+            self._steady(balance, way, states, steady) if slips else self._unsteady(positions)
+        )
         angle = 2.0 * np.pi * np.arange(positions) / positions
-        coords["angle"] = "angle", angle, about("rad", "position from the line of load, in the sense of the orbit")
+        coords["angle"] = (
+            "angle",
+            angle,
+            about("rad", "position from the line of load, in the sense of the orbit"),
+        )
         variables |= films(self, balance, states, steady=bool(slips))
         lost, source = losses(balance, states, steady=bool(slips))
-        variables, coords = variables | lost, coords | source
+        variables = variables | lost
+        coords = coords | source
         variables |= self.variables(status=status_of(balance, way, slips)) | self._reserve(balance)
         for name in VARIED:
             if limits := getattr(self, name):
@@ -267,7 +303,14 @@ class SteadySlip(Study):
                     name,
                     limits,
                     found,
-                    no_fold(name, limits, found, self.table, self.max_cage_slip, free=balance.rolls_freely),
+                    no_fold(
+                        name,
+                        limits,
+                        found,
+                        self.table,
+                        self.max_cage_slip,
+                        free=balance.rolls_freely,
+                    ),
                 )
         if self.acceptable_slip is not None:
             variables |= self._least_load(assembly, instants, self.acceptable_slip)
@@ -290,14 +333,20 @@ class SteadySlip(Study):
                 "rollers_weight": rollers_weight(assembly),
                 **errors,
                 **_by_play(assembly, states),
-                **({} if self.acceptable_slip is None else {"acceptable_slip": self.acceptable_slip}),
+                **(
+                    {}
+                    if self.acceptable_slip is None
+                    else {"acceptable_slip": self.acceptable_slip}
+                ),
             },
         )
 
     def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
         """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
         if outputs <= {"least_load", "least_load_status"} and self.acceptable_slip is not None:
-            return self._least_load(assembly, self.balance(assembly).instants, self.acceptable_slip), {}
+            return self._least_load(
+                assembly, self.balance(assembly).instants, self.acceptable_slip
+            ), {}
         if not outputs <= {"steady_slip", "status"}:
             return None
         _, steady, status = self.steady(assembly)
@@ -312,7 +361,11 @@ class SteadySlip(Study):
         A cage that nothing drags has slip 0, which nothing needs to hold.
         """
         assembly = loaded(assembly).with_resistance()
-        balance = self._doubled(assembly)[0] if assembly.resolution.instants is None else self.balance(assembly)
+        balance = (
+            self._doubled(assembly)[0]
+            if assembly.resolution.instants is None
+            else self.balance(assembly)
+        )
         way = self._way(balance)
         if balance.rolls_freely:
             found = [Steady(0.0, 0.0, balance.motions.at(np.zeros(1))[0][0], lambda: np.inf)]
@@ -322,7 +375,9 @@ class SteadySlip(Study):
 
     def balance(self, assembly: Assembly) -> TorqueBalance:
         """Return the balance of torques of a bearing at its instants, with resistance to rolling if it has some."""
-        return self._balance(assembly, max(assembly.resolution.instants or 0, fewest_instants(assembly)))
+        return self._balance(
+            assembly, max(assembly.resolution.instants or 0, fewest_instants(assembly))
+        )
 
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
         return TorqueBalance(assembly, assembly.cage.drags, instants=instants, inertia=self.inertia)
@@ -333,7 +388,8 @@ class SteadySlip(Study):
 
     def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
         largest = max(RANGE, self.max_cage_slip)
-        away, runs = runaway(balance, largest, f"{self.table}.max_cage_slip"), running(balance, largest)
+        away = runaway(balance, largest, f"{self.table}.max_cage_slip")
+        runs = running(balance, largest)
         kept = reserve(balance, away, runs, largest)
         return self.variables(drag_reserve=kept.factor, reserve_status=kept.status)
 
@@ -349,8 +405,10 @@ class SteadySlip(Study):
 
         So long as there are not too many, also until the drag of running away is told to within it.
         """
-        tolerance, before = assembly.scene.accuracy.tolerance, None
-        instants, moved = fewest_instants(assembly), np.inf
+        tolerance = assembly.scene.accuracy.tolerance
+        before = None
+        instants = fewest_instants(assembly)
+        moved = np.inf
         while instants <= _MOST_INSTANTS:
             balance = self._balance(assembly, instants)
             torque = self._judged(balance)
@@ -360,7 +418,8 @@ class SteadySlip(Study):
                 told = away is None or away.error <= tolerance or instants > _MOST_OF_A_JUMP
                 if moved <= tolerance and told:
                     return balance, moved
-            before, instants = torque, 2 * instants
+            before = torque
+            instants = 2 * instants
         raise ConvergenceError(
             f"the driving torque still moves by {moved:.1e} (relative) from {instants // 4} to {instants // 2} "
             f"roller positions within a pitch; raise accuracy.tolerance, which is {tolerance:g}"
@@ -371,7 +430,10 @@ class SteadySlip(Study):
         while True:
             try:
                 return balance.torques(slips)
-            except (DomainError, ConvergenceError):  # at the end of the range, which the least slip does not need
+            except (
+                DomainError,
+                ConvergenceError,
+            ):  # at the end of the range, which the least slip does not need
                 slips = slips[:-1]
                 if not slips.size:
                     raise
@@ -384,16 +446,26 @@ class SteadySlip(Study):
         scale = np.abs(inert)
         return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
 
-    def _steady(self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]) -> dict[str, Any]:
-        kinds = [stability_of(way, *one) for one in zip(states, steady, strict=True)] if steady else ["stable"]
+    def _steady(
+        self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]
+    ) -> dict[str, Any]:
+        kinds = (
+            [stability_of(way, *one) for one in zip(states, steady, strict=True)]
+            if steady
+            else ["stable"]
+        )
         force = np.stack([state.force for state in states], axis=1)
         traction = np.stack([state.traction for state in states], axis=1)
         total = force.sum(axis=2)
-        friction = np.divide(traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0)
+        friction = np.divide(
+            traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0
+        )
         direction = balance.assembly.kinematics.direction
         return self.variables(
             steady_slip=np.array([s.cage_slip for s in states]),
-            cage_speed=np.array([direction * balance.cage_speed(state.cage_slip) for state in states]),
+            cage_speed=np.array(
+                [direction * balance.cage_speed(state.cage_slip) for state in states]
+            ),
             torque=np.array([0.0 - balance.drag(state.cage_slip) for state in states]),
             stable=np.array([kind == "stable" for kind in kinds]).astype(np.int8),
             stability=np.array(kinds),
@@ -419,13 +491,19 @@ class SteadySlip(Study):
             normal_force=np.full((len(RINGS), 1, positions), np.nan),
         )
 
-    def _balances(self, assembly: Assembly, instants: int, name: str) -> Callable[[float], TorqueBalance]:
+    def _balances(
+        self, assembly: Assembly, instants: int, name: str
+    ) -> Callable[[float], TorqueBalance]:
         """Balances of the bearing by the value of a quantity of the operation; the last one is kept."""
 
         @lru_cache(maxsize=1)
         def balance(value: float) -> TorqueBalance:
-            there = assemble(evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution)
-            return self._balance(there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants)
+            there = assemble(
+                evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution
+            )
+            return self._balance(
+                there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants
+            )
 
         return balance
 
@@ -437,11 +515,15 @@ class SteadySlip(Study):
         def balance(load: float) -> TorqueBalance:
             return self._balance(bearing.at_load(load), instants)
 
-        begin, weight = assembly.scene.operation.radial_load, rollers_weight(assembly)
+        begin = assembly.scene.operation.radial_load
+        weight = rollers_weight(assembly)
         load, status, slips = least_load(balance, begin, slip, weight)
         makers, statuses = asked_by_makers(assembly.scene)
         found = self.variables(
-            least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
+            least_load=load,
+            least_load_status=status,
+            makers_least_load=makers,
+            makers_status=statuses,
         )
         found["least_load"][2]["floor"] = weight
         if slips:  # a file gives one value back as that
@@ -477,7 +559,9 @@ class SteadySlip(Study):
         for slip, value in starts:
             if not any(branch.passes(slip, value) for branch in found):
                 try:
-                    branch = follow(lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip)
+                    branch = follow(
+                        lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip
+                    )
                 except ConvergenceError as error:
                     of = f"followed against {VARIED[name][1]} [{VARIED[name][0]}]"
                     raise ConvergenceError(f"{of}: {error}; narrow {self.table}.{name}") from error
@@ -489,7 +573,8 @@ def _by_play(assembly: Assembly, states: list[Orbit]) -> dict[str, float]:
     """How much slower play makes a train of rollers without a cage; nothing with one."""
     if assembly.scene.models.neighbour_friction is None:
         return {}
-    play, orbit = train_play(assembly.scene.bearing), assembly.kinematics.orbit_radius
+    play = train_play(assembly.scene.bearing)
+    orbit = assembly.kinematics.orbit_radius
     return {"train_play": play, "slower_by_play": slower_by_play(play, states[0].force[0], orbit)}
 
 
@@ -498,12 +583,17 @@ def _moved(before: Array, after: Array) -> float:
     return float(np.abs(after - before).max() / (np.abs(after).max() or 1.0))
 
 
-def _branches(name: str, limits: tuple[float, float], branches: list[Branch], no_fold: str) -> dict[str, Any]:
+def _branches(
+    name: str, limits: tuple[float, float], branches: list[Branch], no_fold: str
+) -> dict[str, Any]:
     limit = branches[0].nearest_fold() if branches else None
-    value, slip, status = np.nan, np.nan, no_fold
+    value = np.nan
+    slip = np.nan
+    status = no_fold
     if limit is not None:
         status = "found"
-        value, slip = float(branches[0].parameter[limit]), float(branches[0].slip[limit])
+        value = float(branches[0].parameter[limit])
+        slip = float(branches[0].slip[limit])
     along: dict[str, list[Any]] = {
         name: [b.parameter for b in branches],
         f"{name}_slip": [b.slip for b in branches],
@@ -511,6 +601,8 @@ def _branches(name: str, limits: tuple[float, float], branches: list[Branch], no
         f"{name}_fold": [b.at_fold.astype(np.int8) for b in branches],
         f"{name}_branch": [np.full(b.slip.size, k) for k, b in enumerate(branches)],
     }
-    values: dict[str, Any] = {key: np.concatenate(each) for key, each in along.items()} if branches else {}
+    values: dict[str, Any] = (
+        {key: np.concatenate(each) for key, each in along.items()} if branches else {}
+    )
     values |= {f"{name}_limit": value, f"{name}_limit_slip": slip, f"{name}_limit_status": status}
     return SteadySlip.variables(**values)

@@ -25,7 +25,11 @@ def damage_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     known = [one for one in measures(dataset) if np.isfinite(one["worst"]).any()]
     if known:
         slip = f"at a cage slip of {100.0 * float(dataset['slip']):.3g} %"
-        yield "damage-along", f"Worst value on a roller over its orbit {slip}; dashed are limits.", _along(known)
+        yield (
+            "damage-along",
+            f"Worst value on a roller over its orbit {slip}; dashed are limits.",
+            _along(known),
+        )
     if inside := [one for one in known if np.isfinite(one["across"]).any()]:
         caption = "Values across the contacts where they are worst, from the inlet at -1 to the outlet at 1."
         yield "damage-across", caption, _across(inside)
@@ -56,9 +60,13 @@ def over_time(dataset: "xr.Dataset") -> "Figure":
     return figure
 
 
-def _with_limit(axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> None:
+def _with_limit(
+    axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]"
+) -> None:
     drawn = _drawn(axes, one, x, rows)
-    if np.isfinite(limit := float(one["limit"])) and (beyond(one) or abs(limit) < 3.0 * np.nanmax(np.abs(rows))):
+    if np.isfinite(limit := float(one["limit"])) and (
+        beyond(one) or abs(limit) < 3.0 * np.nanmax(np.abs(rows))
+    ):
         axes.axhline(drawn(limit), color="black", linewidth=0.8, linestyle="dashed")
 
 
@@ -71,10 +79,13 @@ def _across(known: "list[xr.Dataset]") -> "Figure":
     return figure
 
 
-def _drawn(axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> Any:
+def _drawn(
+    axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]"
+) -> Any:
     """Draw a row for each ring in the unit that people use; return what converts to that."""
     unit = str(one["unit"].item())
-    rise, largest = unit not in ("1", "K") and unit.startswith("K"), one["sense"].item() == "largest"
+    rise = unit not in ("1", "K") and unit.startswith("K")
+    largest = one["sense"].item() == "largest"
     shown = "K" if rise else shown_unit(float(np.nanmax(np.abs(rows))), unit)
 
     def read(values: Any) -> Any:
@@ -83,17 +94,23 @@ def _drawn(axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np
     extreme = np.nanmax if largest else np.nanmin
     for ring, row in zip(map(str, one["ring"].to_numpy()), rows, strict=True):
         if np.isfinite(row).any():
-            words = f"{ring} ring, {told(float(extreme(row)), unit)}".replace("degC", "°C").replace("m2", "m²")
+            words = f"{ring} ring, {told(float(extreme(row)), unit)}".replace("degC", "°C").replace(
+                "m2", "m²"
+            )
             dashes = DASHES[0 if ring == "inner" else 1]
             axes.plot(x, read(row), color=RING_COLOURS[ring], linestyle=dashes, label=words)
     if not largest:  # large values, of contacts that hardly touch, would hide the worst
         axes.set_ylim(0.0, _MOST * read(float(np.nanmax(np.nanmin(rows, axis=1)))))
     meaning = str(one["meaning"].item())
     axes.set_ylabel(f"{meaning[:1].upper()}{meaning[1:]}\n[{unit_label(shown) if shown else '–'}]")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=1.0)  # above a power of ten at the axis
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=1.0
+    )  # above a power of ten at the axis
     return read
 
 
 def _panels(known: "list[xr.Dataset]") -> "tuple[Figure, list[Axes]]":
     sheet = Sheet(ONE_COLUMN, len(known), 1, sharex=True, squeeze=False)
-    return sheet.done(height=len(known) * (0.75 * ONE_COLUMN[1] + 2 * ROW) + ROW), list(sheet.axes[:, 0])
+    return sheet.done(height=len(known) * (0.75 * ONE_COLUMN[1] + 2 * ROW) + ROW), list(
+        sheet.axes[:, 0]
+    )

@@ -36,8 +36,13 @@ def from_load_line(angle: float) -> float:
 
 def beyond(one: "xr.Dataset") -> list[str]:
     """Return the rings on which a measure is beyond its limit."""
-    limit, sign = float(one["limit"]), 1.0 if one["sense"].item() == "largest" else -1.0
-    return [str(ring) for ring in one["ring"].to_numpy() if sign * float(one["worst"].sel(ring=ring)) > sign * limit]
+    limit = float(one["limit"])
+    sign = 1.0 if one["sense"].item() == "largest" else -1.0
+    return [
+        str(ring)
+        for ring in one["ring"].to_numpy()
+        if sign * float(one["worst"].sel(ring=ring)) > sign * limit
+    ]
 
 
 def over_motion(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -47,11 +52,15 @@ def over_motion(dataset: "xr.Dataset") -> dict[str, list[str]]:
     told = [str(status).partition(";")[0] for status in dataset["worst_status"].to_numpy().ravel()]
     seen = sorted({status for status in told if "found at" in status})
     more = [f"the worst values were {one}; between instants they may be worse" for one in seen[:1]]
-    return {"damage": more} | {str(one["meaning"].item()): _measure(one) for one in measures(dataset)}
+    return {"damage": more} | {
+        str(one["meaning"].item()): _measure(one) for one in measures(dataset)
+    }
 
 
 def _measure(one: "xr.Dataset") -> list[str]:
-    unit, known, missing = str(one["unit"].item()), [], []
+    unit = str(one["unit"].item())
+    known = []
+    missing = []
     most = "at most" if one["sense"].item() == "largest" else "down to"
     for ring in one["ring"].to_numpy():
         on = one.sel(ring=ring)
@@ -60,13 +69,25 @@ def _measure(one: "xr.Dataset") -> list[str]:
         else:
             at = f"{from_load_line(float(on['worst_angle'])):.3g} degrees from the line of load"
             beside = abs(float(on["worst_place"]))
-            at += f" and {format_quantity(beside, 'm', 2)} from the middle of the roller" if beside > 0.0 else ""
+            at += (
+                f" and {format_quantity(beside, 'm', 2)} from the middle of the roller"
+                if beside > 0.0
+                else ""
+            )
             at += f", at t = {float(on['worst_time']):.3g} s" if "worst_time" in on else ""
-            at += on["worst_status"].item().partition("found at")[2].partition(";")[2]  # what is missing
+            at += (
+                on["worst_status"].item().partition("found at")[2].partition(";")[2]
+            )  # what is missing
             known.append(f"{told(value, unit)} on the {ring} ring, {at}")
     meaning = one["meaning"].item()
-    when = f"at a cage slip of {100.0 * float(one['slip']):.3g} %" if "slip" in one else "along the motion"
-    said = [f"{when} the {meaning} is {most} {', and '.join(known)}; {_limit(one)}"] if known else []
+    when = (
+        f"at a cage slip of {100.0 * float(one['slip']):.3g} %"
+        if "slip" in one
+        else "along the motion"
+    )
+    said = (
+        [f"{when} the {meaning} is {most} {', and '.join(known)}; {_limit(one)}"] if known else []
+    )
     return [
         *said,
         *(f"the {meaning}: {text}" for text in missing),
@@ -75,7 +96,8 @@ def _measure(one: "xr.Dataset") -> list[str]:
 
 
 def _limit(one: "xr.Dataset") -> str:
-    limit, source = float(one["limit"]), one["limit_source"].item()
+    limit = float(one["limit"])
+    source = one["limit_source"].item()
     if math.isnan(limit):
         return str(source)
     value = told(limit, str(one["unit"].item()))
@@ -93,10 +115,20 @@ def _row(one: "xr.Dataset") -> Row:
     key, label, unit = (str(one[name].item()) for name in ("measure", "meaning", "unit"))
     known = one["worst"].to_numpy()[np.isfinite(one["worst"].to_numpy())]
     if not known.size:
-        return Row(key=key, label=label, unit=unit, text="not found", note=str(one["worst_status"].to_numpy()[0]))
+        return Row(
+            key=key,
+            label=label,
+            unit=unit,
+            text="not found",
+            note=str(one["worst_status"].to_numpy()[0]),
+        )
     worst = float(known.max() if one["sense"].item() == "largest" else known.min())
     limit = float(one["limit"])
-    state = f"beyond its limit on the {' and '.join(beyond(one))} ring," if beyond(one) else "within its limit,"
+    state = (
+        f"beyond its limit on the {' and '.join(beyond(one))} ring,"
+        if beyond(one)
+        else "within its limit,"
+    )
     note = "no limit is known" if math.isnan(limit) else f"{state} {told(limit, unit)}"
     return Row(key=key, label=label, value=worst, unit=unit, text=told(worst, unit), note=note,
                alarm=bool(beyond(one)))  # fmt: skip
@@ -114,12 +146,19 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
 
     if "measure" not in dataset.dims:
         return {}
-    steady = {"slip": number(dataset["slip"]), "status": str(dataset["status"].item())} if "slip" in dataset else {}
+    steady = (
+        {"slip": number(dataset["slip"]), "status": str(dataset["status"].item())}
+        if "slip" in dataset
+        else {}
+    )
     names = [*_WORST, *(["worst_time"] if "worst_time" in dataset else [])]
     return steady | {
         "measures": {
             str(one["measure"].item()): {
-                **{name: str(one[name].item()) for name in ("meaning", "unit", "sense", "limit_source", "scope")},
+                **{
+                    name: str(one[name].item())
+                    for name in ("meaning", "unit", "sense", "limit_source", "scope")
+                },
                 "limit": number(one["limit"]),
                 **{name: by_ring(one, name) for name in names},
             }

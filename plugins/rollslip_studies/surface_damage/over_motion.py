@@ -46,17 +46,27 @@ Numbers = NDArray[np.int_]
 __all__ = ["OVER_MOTION", "over_motion"]
 
 #: Stored instants of even steps that are measured at most, and how many times as many laminae the worst contacts have.
-_INSTANTS, _FINER = 101, 4
+_INSTANTS = 101
+_FINER = 4
 #: What is known of damage along a motion.
 OVER_MOTION: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "worst": Output("measure ring", OWN, "worst value of a measure of damage", status="worst_status"),
+        "worst": Output(
+            "measure ring", OWN, "worst value of a measure of damage", status="worst_status"
+        ),
         "worst_time": Output("measure ring", "s", "when it was", status="worst_status"),
-        "worst_angle": Output("measure ring", "rad", "position of the roller then", status="worst_status"),
-        "worst_place": Output("measure ring", "m", "place along the roller then", status="worst_status"),
+        "worst_angle": Output(
+            "measure ring", "rad", "position of the roller then", status="worst_status"
+        ),
+        "worst_place": Output(
+            "measure ring", "m", "place along the roller then", status="worst_status"
+        ),
         "worst_status": Output("measure ring", "1", "what was found of the measure"),
         "worst_over_time": Output(
-            "measure ring measured_time", OWN, "worst value of all contacts at some instants", status="worst_status"
+            "measure ring measured_time",
+            OWN,
+            "worst value of all contacts at some instants",
+            status="worst_status",
         ),
         **DESCRIBED,
     }
@@ -75,11 +85,14 @@ def over_motion(
     if stored > instants.size:
         instants = np.union1d(instants, _suspects(assembly, dataset))
     shape = len(measures), len(RINGS)
-    over, said = np.full((*shape, instants.size), np.nan), np.full(shape, "", dtype=object)
+    over = np.full((*shape, instants.size), np.nan)
+    said = np.full(shape, "", dtype=object)
     found = np.full((4, *shape), np.nan)
-    times, angles = dataset["time"].to_numpy(), dataset["orbit_angle"].to_numpy()
+    times = dataset["time"].to_numpy()
+    angles = dataset["orbit_angle"].to_numpy()
     for n, instant in enumerate(instants.tolist()):
-        at, now = there(instant), dataset.isel(time=instant)
+        at = there(instant)
+        now = dataset.isel(time=instant)
         try:
             tilted = _tilted(at, now)
         except RollslipError as error:
@@ -104,15 +117,26 @@ def over_motion(
                 over[k, i, n] = values[worst]
                 if not harm(model, values[worst]) <= harm(model, found[0, k, i]):
                     place = at.position[column[worst]]
-                    found[:, k, i] = values[worst], times[instant], angles[instant, owner[worst]], place
-    seen = f"{instants.size} of {stored} stored instants" if instants.size < stored else "all stored instants"
+                    found[:, k, i] = (
+                        values[worst],
+                        times[instant],
+                        angles[instant, owner[worst]],
+                        place,
+                    )
+    seen = (
+        f"{instants.size} of {stored} stored instants"
+        if instants.size < stored
+        else "all stored instants"
+    )
     for k, i in np.ndindex(*shape):
         if not np.isfinite(over[k, i]).any():
             said[k, i] = said[k, i] or f"no roller is loaded on the {RINGS[i]} ring at {seen}"
             continue
         told = [f"found at {seen}", *([f"at some: {said[k, i]}"] if said[k, i] else [])]
         instant = int(np.searchsorted(times, found[1, k, i]))
-        off = _by_laminae(there(instant), dataset.isel(time=instant), i, measures[k], found[0, k, i])
+        off = _by_laminae(
+            there(instant), dataset.isel(time=instant), i, measures[k], found[0, k, i]
+        )
         if off > assembly.scene.accuracy.tolerance:
             told.append(f"its laminae leave about {100.0 * off:.2g} %")
         said[k, i] = "; ".join(told)
@@ -131,20 +155,32 @@ def _suspects(assembly: Assembly, dataset: "xr.Dataset") -> list[int]:
     found = list[int]()
     for i in range(len(RINGS)):
         ring = dataset.isel(ring=i)
-        force, sliding, traction = (ring[n].to_numpy() for n in ("normal_force", "sliding_speed", "traction_force"))
+        force, sliding, traction = (
+            ring[n].to_numpy() for n in ("normal_force", "sliding_speed", "traction_force")
+        )
         rolling = _rolling(assembly, ring, i)
         carries = (force > 0.0) & (rolling > 0.0) & np.isfinite(sliding)
-        power, slower = np.abs(traction * sliding), np.abs(np.abs(rolling) - 0.5 * np.abs(sliding))
+        power = np.abs(traction * sliding)
+        slower = np.abs(np.abs(rolling) - 0.5 * np.abs(sliding))
         with np.errstate(divide="ignore", invalid="ignore"):
             width = np.sqrt(force)
-            worse = power / width, power / slower, power / np.sqrt(slower * width), force**0.1 / rolling**0.7
+            worse = (
+                power / width,
+                power / slower,
+                power / np.sqrt(slower * width),
+                force**0.1 / rolling**0.7,
+            )
         for measure in worse:
             if carries.any():
-                found.append(int(np.nanargmax(np.where(carries, measure, -np.inf))) // force.shape[1])
+                found.append(
+                    int(np.nanargmax(np.where(carries, measure, -np.inf))) // force.shape[1]
+                )
     return found
 
 
-def _by_laminae(assembly: Assembly, now: "xr.Dataset", i: int, model: DamageModel, worst: float) -> float:
+def _by_laminae(
+    assembly: Assembly, now: "xr.Dataset", i: int, model: DamageModel, worst: float
+) -> float:
     """How far the worst value of a measure on a ring is off that with more laminae, relative to that."""
     slices = _FINER * assembly.slices if assembly.slices > 1 else 1
     fine_bearing = assembly.at(attrs.evolve(assembly.resolution, slices=slices))
@@ -156,17 +192,29 @@ def _by_laminae(assembly: Assembly, now: "xr.Dataset", i: int, model: DamageMode
 
 def _rolling(assembly: Assembly, of: "xr.Dataset", i: int) -> NDArray[np.float64]:
     """Entrainment: the spin of a roller r w and sliding V give r w + V/2 on the inner, r w - V/2 on the outer ring."""
-    spin = assembly.kinematics.direction * assembly.kinematics.roller_radius * of["roller_speed"].to_numpy()
+    spin = (
+        assembly.kinematics.direction
+        * assembly.kinematics.roller_radius
+        * of["roller_speed"].to_numpy()
+    )
     return np.asarray(spin + (0.5 - i) * of["sliding_speed"].to_numpy())
 
 
 def _tilted(assembly: Assembly, now: "xr.Dataset") -> NDArray[np.float64] | None:
     """Loads per length [N/m] on both rings in equilibrium at an instant, (2, Z, n); None where no roller tilts."""
     drop = assembly.drop
-    if assembly.scene.operation.misalignment == 0.0 and np.allclose(drop, drop[::-1], rtol=1e-9, atol=1e-15):
+    if assembly.scene.operation.misalignment == 0.0 and np.allclose(
+        drop, drop[::-1], rtol=1e-9, atol=1e-15
+    ):
         return None
-    turned = assembly.kinematics.direction * float(now["load_direction"]) if "load_direction" in now else 0.0
-    given: dict[str, Any] = {name: float(now[name]) for name in ("radial_load", "radial_clearance") if name in now}
+    turned = (
+        assembly.kinematics.direction * float(now["load_direction"])
+        if "load_direction" in now
+        else 0.0
+    )
+    given: dict[str, Any] = {
+        name: float(now[name]) for name in ("radial_load", "radial_clearance") if name in now
+    }
     case = attrs.evolve(
         assembly.load_case(1, assembly.centrifugal_force_at(float(now["cage_speed"]))),
         psi=now["orbit_angle"].to_numpy()[None] - turned,
@@ -176,7 +224,9 @@ def _tilted(assembly: Assembly, now: "xr.Dataset") -> NDArray[np.float64] | None
     return np.stack((held.inner_load[0], held.outer_load[0]))
 
 
-def _spread(assembly: Assembly, i: int, force: float, as_in: NDArray[np.float64] | None) -> NDArray[np.float64]:
+def _spread(
+    assembly: Assembly, i: int, force: float, as_in: NDArray[np.float64] | None
+) -> NDArray[np.float64]:
     """Load per length [N/m] along a roller under a force [N], in proportion to a load or as along an aligned one."""
     held = 0.0 if as_in is None else float(as_in @ assembly.widths)
     if as_in is None or not held > 0.0:
@@ -188,17 +238,17 @@ def _contacts(
     assembly: Assembly, now: "xr.Dataset", i: int, tilted: NDArray[np.float64] | None = None
 ) -> tuple[Contacts, NDArray[np.int_], NDArray[np.int_]] | None:
     """Evaluated slices of the loaded rollers on a ring, with the roller and the place of each; None without any."""
-    force, sliding, rolling = (
-        now["normal_force"].to_numpy(),
-        now["sliding_speed"].to_numpy(),
-        _rolling(assembly, now, i),
-    )
+    force = now["normal_force"].to_numpy()
+    sliding = now["sliding_speed"].to_numpy()
+    rolling = _rolling(assembly, now, i)
     carries = np.flatnonzero((force > 0.0) & (rolling > 0.0) & np.isfinite(sliding))
     if not carries.size:
         return None
     raceway = assembly.raceways[i]
     along = [None if tilted is None else tilted[i, j] for j in carries]
-    load = np.array([_spread(assembly, i, float(force[j]), of) for j, of in zip(carries, along, strict=True)])
+    load = np.array(
+        [_spread(assembly, i, float(force[j]), of) for j, of in zip(carries, along, strict=True)]
+    )
     row, column = np.nonzero(load > 0.0)
     owner = carries[row]
     slices = raceway.evaluate(load[row, column], rolling[owner], sliding[owner])

@@ -42,7 +42,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Share of the largest slip at which a motion is timed, and how many of them a steady slip takes.
-_TRIED, _ORBITS = 0.3, 30
+_TRIED = 0.3
+_ORBITS = 30
 #: Parts of a resolution that change films and widths of contacts.
 _OF_CONTACTS: Final = ("inlet_heating", "light_contacts")
 #: What was found where everything was.
@@ -56,13 +57,27 @@ class SurfaceDamage(Study):
     name: ClassVar[str] = "surface-damage"
     outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
         {
-            "worst": Output("measure ring", OWN, "worst value of all contacts", status="worst_status", default=True),
-            "worst_angle": Output("measure ring", "rad", "position of the roller there", status="worst_status"),
-            "worst_place": Output("measure ring", "m", "place along the roller there", status="worst_status"),
+            "worst": Output(
+                "measure ring",
+                OWN,
+                "worst value of all contacts",
+                status="worst_status",
+                default=True,
+            ),
+            "worst_angle": Output(
+                "measure ring", "rad", "position of the roller there", status="worst_status"
+            ),
+            "worst_place": Output(
+                "measure ring", "m", "place along the roller there", status="worst_status"
+            ),
             "worst_status": Output("measure ring", "1", "what was found of the measure"),
             **DESCRIBED,
-            "along": Output("measure ring angle", OWN, "worst value on a roller", status="worst_status"),
-            "across": Output("measure ring place", OWN, "value across the worst contact", status="worst_status"),
+            "along": Output(
+                "measure ring angle", OWN, "worst value on a roller", status="worst_status"
+            ),
+            "across": Output(
+                "measure ring place", OWN, "value across the worst contact", status="worst_status"
+            ),
             "slip": Output("", "1", "cage slip at which all this is so", status="status"),
             "status": Output("", "1", "what was found"),
         }
@@ -70,7 +85,9 @@ class SurfaceDamage(Study):
     acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
     with_cage: ClassVar[bool] = True
     with_damage: ClassVar[bool] = True
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "the steady slip, and the measures there"})
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"run": "the steady slip, and the measures there"}
+    )
 
     cage_slip: float | None = parameter(
         default=None,
@@ -78,11 +95,15 @@ class SurfaceDamage(Study):
         doc="cage slip at which damage is measured; by default the least steady one",
         validator=attrs.validators.optional(in_range(0.0, 1.0, open=True)),
     )
-    places: int = parameter(default=81, doc="places across the worst contact that are kept", validator=at_least(3))
+    places: int = parameter(
+        default=81, doc="places across the worst contact that are kept", validator=at_least(3)
+    )
     max_cage_slip: float = parameter(
         default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
     )
-    inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
+    inertia: bool = parameter(
+        default=True, doc="whether the spin of a roller has inertia along the orbit"
+    )
 
     @property
     def _steady(self) -> SteadySlip:
@@ -97,7 +118,9 @@ class SurfaceDamage(Study):
             return Estimated(resolution=assembly.resolution)
         found = estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
         whole = attrs.evolve(found.resolution, inlet_heating=True, light_contacts=True)
-        if assembly.scene.accuracy.slices is None:  # which go closer to the end of a roller, where the worst often is
+        if (
+            assembly.scene.accuracy.slices is None
+        ):  # which go closer to the end of a roller, where the worst often is
             whole = attrs.evolve(whole, quadrature="gauss")
         left = tuple(bound for bound in found.left_out if bound.taken_back(whole) != whole)
         errors = {part: some for part, some in found.errors.items() if part not in _OF_CONTACTS}
@@ -106,17 +129,24 @@ class SurfaceDamage(Study):
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the damage models; none where nothing is measured."""
         measures = damage_of(assembly)
-        return (*self._steady.models(assembly), *(("damage", model) for model in measures)) if measures else ()
+        return (
+            (*self._steady.models(assembly), *(("damage", model) for model in measures))
+            if measures
+            else ()
+        )
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] from that of one motion of the rollers; measures take next to none."""
         if not assembly.scene.models.damage:
             return {"run": 0.0}
-        there, slip = assembly.with_resistance(), self.cage_slip or _TRIED * self.max_cage_slip
+        there = assembly.with_resistance()
+        slip = self.cage_slip or _TRIED * self.max_cage_slip
         one = timed(lambda: self._steady.balance(there).orbit(slip), 1)
         return {"run": one * (_ORBITS if self.cage_slip is None else 1)}
 
-    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+    def more_parts(
+        self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]
+    ) -> list[Part]:
         """Return what is measured."""
         return parts(assembly.scene)
 
@@ -124,7 +154,8 @@ class SurfaceDamage(Study):
         """Return the worst value of each measure on each ring."""
         return {
             f"worst {one['meaning'].item()}, {ring} ring": Compared(
-                [[float(one["worst"].sel(ring=ring))]], str(one["worst_status"].sel(ring=ring).item())
+                [[float(one["worst"].sel(ring=ring))]],
+                str(one["worst_status"].sel(ring=ring).item()),
             )
             for one in (dataset.isel(measure=k) for k in range(dataset.sizes["measure"]))
             for ring in RINGS
@@ -132,7 +163,8 @@ class SurfaceDamage(Study):
 
     def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much the steady slip and the worst value of each measure are off."""
-        slip, measures = float(dataset["slip"]), damage_of(finer)
+        slip = float(dataset["slip"])
+        measures = damage_of(finer)
         if not np.isfinite(slip):
             return {}
         balance = self._steady.balance(finer.with_resistance())
@@ -143,10 +175,13 @@ class SurfaceDamage(Study):
                 contacts = Contacts.of(finer, ring, loaded.slices)
                 for k, model in enumerate(measures):
                     if loaded.total and dataset["worst_status"].values[k, i] == _FOUND:
-                        found[k, i] = _worst_between(model, values_of(model, contacts), loaded, finer.position)
+                        found[k, i] = _worst_between(
+                            model, values_of(model, contacts), loaded, finer.position
+                        )
             return found
 
-        off, at = dict[str, float](), None
+        off = dict[str, float]()
+        at = None
         try:
             if self.cage_slip is None and not balance.rolls_freely:
                 off["cage slip"], at = by_secant(balance, slip, worst)
@@ -156,15 +191,21 @@ class SurfaceDamage(Study):
             return {f"worst {model.measure}": np.inf for model in measures}
         with np.errstate(all="ignore"):
             apart = np.where(at == dataset["worst"], 0.0, np.abs(dataset["worst"] / at - 1.0))
-        for model, errors, known in zip(measures, apart, np.isfinite(dataset["worst"].values), strict=True):
+        for model, errors, known in zip(
+            measures, apart, np.isfinite(dataset["worst"].values), strict=True
+        ):
             if known.any():
-                off[f"worst {model.measure}"] = float(np.nan_to_num(errors[known], nan=np.inf).max())
+                off[f"worst {model.measure}"] = float(
+                    np.nan_to_num(errors[known], nan=np.inf).max()
+                )
         return off
 
     @property
     def judged_at(self) -> str:
         """What state `judged_slices` are at."""
-        return "at the steady slip" if self.cage_slip is None else "at study.surface-damage.cage_slip"
+        return (
+            "at the steady slip" if self.cage_slip is None else "at study.surface-damage.cage_slip"
+        )
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices that were measured."""
@@ -222,8 +263,10 @@ class SurfaceDamage(Study):
         places = np.linspace(-1.0, 1.0, self.places)
         positions = 0 if evaluated is None else evaluated[0].rollers
         angle = 2.0 * np.pi * np.arange(positions) / positions if positions else np.zeros(0)
-        (worst, where, beside), said = np.full((3, *shape), np.nan), np.full(shape, status, dtype=object)
-        along, across = np.full((*shape, positions), np.nan), np.full((*shape, self.places), np.nan)
+        (worst, where, beside) = np.full((3, *shape), np.nan)
+        said = np.full(shape, status, dtype=object)
+        along = np.full((*shape, positions), np.nan)
+        across = np.full((*shape, self.places), np.nan)
         for k, model in enumerate(measures):
             for i, (ring, loaded) in enumerate(zip(RINGS, evaluated or (), strict=False)):
                 if loaded.total == 0.0:
@@ -231,11 +274,14 @@ class SurfaceDamage(Study):
                     continue
                 contacts = Contacts.of(assembly, ring, loaded.slices)
                 try:
-                    along[k, i], worst[k, i], at, across[k, i] = _measured(model, contacts, loaded, places)
+                    along[k, i], worst[k, i], at, across[k, i] = _measured(
+                        model, contacts, loaded, places
+                    )
                 except DomainError as error:  # of one measure; the others have values
                     said[k, i] = str(error)
                     continue
-                where[k, i], beside[k, i] = angle[loaded.owner[at]], assembly.position[loaded.column[at]]
+                where[k, i] = angle[loaded.owner[at]]
+                beside[k, i] = assembly.position[loaded.column[at]]
         variables = self.variables(
             worst=worst,
             worst_angle=where,
@@ -250,8 +296,16 @@ class SurfaceDamage(Study):
         coords = {
             "measure": named(measures),
             "ring": ("ring", np.array(RINGS), about("1", "ring")),
-            "angle": ("angle", angle, about("rad", "position from the line of load, in the sense of the orbit")),
-            "place": ("place", places, about("1", "place in half widths, from the inlet to the outlet")),
+            "angle": (
+                "angle",
+                angle,
+                about("rad", "position from the line of load, in the sense of the orbit"),
+            ),
+            "place": (
+                "place",
+                places,
+                about("1", "place in half widths, from the inlet to the outlet"),
+            ),
         }
         return xr.Dataset(variables, coords, attrs=self.attributes)
 
@@ -269,11 +323,18 @@ def _measured(
     return harm(model, along), float(values[at]), at, across
 
 
-def _worst_between(model: DamageModel, values: Array, loaded: LoadedContacts, position: Array) -> float:
+def _worst_between(
+    model: DamageModel, values: Array, loaded: LoadedContacts, position: Array
+) -> float:
     """Return the worst value, at the vertex of a parabola through its slice and the neighbours on the roller."""
     at = int(np.nanargmax(harm(model, values)))
     near = np.array([at - 1, at, at + 1])
-    if near[0] < 0 or near[2] >= values.size or np.ptp(loaded.owner[near]) or np.isnan(values[near]).any():
+    if (
+        near[0] < 0
+        or near[2] >= values.size
+        or np.ptp(loaded.owner[near])
+        or np.isnan(values[near]).any()
+    ):
         return float(values[at])  # at an end
     x = position[loaded.column[near]] - position[loaded.column[at]]
     curvature, slope, _ = np.polyfit(x / np.ptp(x), harm(model, values[near] - values[at]), 2)

@@ -38,7 +38,9 @@ _POWELL: Final[Any] = {"xtol": 1e-6, "maxfev": 40}
 #: How near the temperatures of a state have to be [K] whose slip is where the next one is sought, to what a slip is
 #: found from there, relative to it, how much it may move, and steps towards it.
 _BESIDE: Final = 3.0
-_FOUND, _MOVED, _FAR = 1e-7, 0.2, 0.5
+_FOUND = 1e-7
+_MOVED = 0.2
+_FAR = 0.5
 #: Step of temperature by which flows are differentiated [K].
 _STEP: Final = 0.02
 #: Relative accuracy of a steady slip, where flows are differentiated.
@@ -64,7 +66,9 @@ class State:
     refusal: str = ""  # why there is no slip or no film, in words; empty if there are
     by_film: bool = False  # whether it is the cage that runs away, and not an oil beyond its data
     lost: bool = False  # whether a search came to no end, which says nothing of the bearing
-    slope: float = np.nan  # how the excess torque rises with the slip there [N m]; NaN where it was not needed
+    slope: float = (
+        np.nan
+    )  # how the excess torque rises with the slip there [N m]; NaN where it was not needed
 
     @property
     def loss(self) -> float:
@@ -122,7 +126,9 @@ class Heated:
     """
 
     def __init__(self, assembly: Assembly, model: ThermalModel, study: SteadySlip) -> None:
-        self.assembly, self.model, self._study = assembly, model, study
+        self.assembly = assembly
+        self.model = model
+        self._study = study
         self.scene = assembly.scene
         self._known = dict[tuple[float, ...], State]()
         #: temperatures of states whose least slip was sought over the whole range, by what the model changes
@@ -161,7 +167,9 @@ class Heated:
             held = next((one for one in steady if one.slope > 0.0), None)
             if held is None:
                 return State(np.nan, refusal="no slip is held" if steady else status, by_film=True)
-            state = State(held.slip, power_balance(balance, balance.orbit_of(held.motion)), slope=held.slope)
+            state = State(
+                held.slip, power_balance(balance, balance.orbit_of(held.motion)), slope=held.slope
+            )
             self._sought.append((changes, state))
             return state
         except (SceneError, DomainError) as error:  # of temperatures that nobody wrote into a scene
@@ -181,7 +189,9 @@ class Heated:
         """
         changes = {} if temperatures is None else self.model.changes(temperatures, self.scene)
         balance = self._study.balance(self._bearing(changes))
-        off, own = by_secant(balance, slip, lambda orbit: np.array(power_balance(balance, orbit).total))
+        off, own = by_secant(
+            balance, slip, lambda orbit: np.array(power_balance(balance, orbit).total)
+        )
         return off, abs(loss / float(own) - 1.0)
 
     def _beside(self, there: Assembly, changes: Mapping[str, float]) -> State | None:
@@ -192,7 +202,8 @@ class Heated:
         )  # fmt: skip
         if near > _BESIDE or not (start := self._sought[of][1].slip) > 0.0:
             return None
-        balance, known = self._study.balance(there), self._sought[of][1]
+        balance = self._study.balance(there)
+        known = self._sought[of][1]
         exact = _PRECISE if self.sharp else _FOUND
         within = (1.0 - _FAR) * start, min((1.0 + _FAR) * start, self._study.max_cage_slip)
         found = secants(balance.excess, start, known.slope, tolerance=exact * start, within=within)
@@ -224,10 +235,12 @@ class Heated:
                 return T + moved, state.heat
             mixed = moved
             if before is not None:  # Anderson's acceleration with one step behind
-                change, step = moved - before[1], T - before[0]
+                change = moved - before[1]
+                step = T - before[0]
                 if (size := float(change @ change)) > 0.0:
                     mixed = moved - float(moved @ change) / size * (step + change)
-            before, T = (T, moved), T + mixed
+            before = (T, moved)
+            T = T + mixed
         T = self._by_powell(leading, guess)
         return T, self.at(T).heat
 
@@ -239,14 +252,17 @@ class Heated:
             return self.inflows(np.concatenate(([leading], following)))[1:]
 
         found = root(left, guess[1:], method="hybr", options=_POWELL)
-        if not float(np.abs(found.fun).max()) <= _LEFT * self._lost(T := np.concatenate(([leading], found.x))):
+        if not float(np.abs(found.fun).max()) <= _LEFT * self._lost(
+            T := np.concatenate(([leading], found.x))
+        ):
             said = f"beside {leading - 273.15:.4g} degC the other parts find no temperatures: losses jump with them"
             raise _Refused(State(np.nan, refusal=said, lost=True))
         return T
 
     def _cooled(self, temperatures: Array, heat: Mapping[str, float]) -> Array:
         """Temperatures of the nodes that follow, with these losses, by Newton's method on the thermal model alone."""
-        T, n = temperatures.copy(), temperatures.size
+        T = temperatures.copy()
+        n = temperatures.size
         for _ in range(_MOST):
             flow = self.model.inflows(T, heat)[1:]
             if n == 1 or float(np.abs(flow).max()) == 0.0:
@@ -271,7 +287,8 @@ class Heated:
         The range goes on to colder ones where more is carried away than is lost already at its lowest. ``first`` ends
         it where the curve first falls past zero, so that its beginning is the same.
         """
-        grid, guess = list(np.linspace(lowest, highest, points)), self.model.start(self.scene)
+        grid = list(np.linspace(lowest, highest, points))
+        guess = self.model.start(self.scene)
         known: dict[float, float] = {}
         places: dict[float, Array] = {}
         refused: dict[float, State] = {}
@@ -280,12 +297,18 @@ class Heated:
             try:
                 known[x], places[x] = self.excess(x, near)
             except _Refused as refusal:
-                known[x], refused[x] = np.nan, refusal.state
+                known[x] = np.nan
+                refused[x] = refusal.state
             return x not in refused
 
         for k, x in enumerate(grid):
             look(x, _foreseen(x, places) if places else guess)
-            if first and k and known[x] < 0.0 and (known[grid[k - 1]] > 0.0 or known[grid[0]] < 0.0):
+            if (
+                first
+                and k
+                and known[x] < 0.0
+                and (known[grid[k - 1]] > 0.0 or known[grid[0]] < 0.0)
+            ):
                 grid = grid[: k + 1]
                 break
         while known[grid[0]] < 0.0 and (colder := grid[0] - (grid[1] - grid[0])) >= _COLDEST:
@@ -302,7 +325,9 @@ class Heated:
                 good, bad = (b, a) if a in refused else (a, b)
                 for _ in range(_HALVINGS):
                     middle = 0.5 * (good + bad)
-                    good, bad = (middle, bad) if look(middle, _foreseen(middle, places)) else (good, middle)
+                    good, bad = (
+                        (middle, bad) if look(middle, _foreseen(middle, places)) else (good, middle)
+                    )
         order = sorted(known)
         states = tuple(refused.get(x, State(0.0)) for x in order)
         return Curve(np.array(order), np.array([known[x] for x in order]), states), places
@@ -311,7 +336,8 @@ class Heated:
         """Return every temperature of the leading node at which the curve is zero."""
         from scipy.optimize import brentq, minimize_scalar
 
-        x, values = list(curve.temperature), list(curve.excess)
+        x = list(curve.temperature)
+        values = list(curve.excess)
 
         def excess(at: float) -> float:
             value, places[at] = self.excess(at, _foreseen(at, places))
@@ -319,13 +345,19 @@ class Heated:
 
         for k in range(len(x) - 2, 0, -1):
             left, here, right = values[k - 1 : k + 2]
-            if not np.isfinite([left, here, right]).all() or (here > 0.0) != (left > 0.0) or (here > 0) != (right > 0):
+            if (
+                not np.isfinite([left, here, right]).all()
+                or (here > 0.0) != (left > 0.0)
+                or (here > 0) != (right > 0)
+            ):
                 continue
             if abs(here) > min(abs(left), abs(right)):
                 continue
             sign = 1.0 if here > 0.0 else -1.0
             try:
-                best = minimize_scalar(lambda at, s=sign: s * excess(at), bounds=(x[k - 1], x[k + 1]), method="bounded")
+                best = minimize_scalar(
+                    lambda at, s=sign: s * excess(at), bounds=(x[k - 1], x[k + 1]), method="bounded"
+                )
             except _Refused:
                 continue
             if best.fun < 0.0:
@@ -340,7 +372,9 @@ class Heated:
                     self.jumps.append((a, b))
         return found
 
-    def least(self, curve: Curve, places: dict[float, Array], begin: float) -> tuple[float, float, State | None]:
+    def least(
+        self, curve: Curve, places: dict[float, Array], begin: float
+    ) -> tuple[float, float, State | None]:
         """Return where the curve is least from a balance on, its value there [W], and what ends it if that is its end.
 
         The balance is lost when so much heat is added. A curve that falls to the end of the range has no fold in it.
@@ -361,12 +395,15 @@ class Heated:
         k = int(np.argmin([value for _, value in whole]))
         if k == len(whole) - 1:
             return *whole[k], ends
-        low, high = whole[max(k - 1, 0)][0], whole[k + 1][0]
+        low = whole[max(k - 1, 0)][0]
+        high = whole[k + 1][0]
 
         def excess(at: float) -> float:
             return self.excess(at, _foreseen(at, places))[0]
 
-        best = minimize_scalar(excess, bounds=(max(low, begin), high), method="bounded", options={"xatol": 0.05})
+        best = minimize_scalar(
+            excess, bounds=(max(low, begin), high), method="bounded", options={"xatol": 0.05}
+        )
         return float(best.x), float(best.fun), None
 
     # Balances -------------------------------------------------------------------------------------------------------
@@ -388,7 +425,8 @@ class Heated:
         return found
 
     def _balance(self, temperatures: Array) -> Balance:
-        T, self.sharp = temperatures.copy(), True
+        T = temperatures.copy()
+        self.sharp = True
         flow = self.inflows(T)
         jacobian = self._jacobian(T)
         for _ in range(_MOST):
@@ -401,7 +439,9 @@ class Heated:
             if float(np.abs(flow).max()) >= float(np.abs(best[1]).max()):
                 T, flow = best  # rounding is reached
                 break
-        growth = float(np.linalg.eigvals(self._jacobian(T) / self.model.capacities()[:, None]).real.max())
+        growth = float(
+            np.linalg.eigvals(self._jacobian(T) / self.model.capacities()[:, None]).real.max()
+        )
         carried = sum(self.model.carried_away(T).values())
         return Balance(T, self.at(T), growth, abs(carried - self._lost(T)) / self._lost(T))
 
@@ -429,12 +469,23 @@ class Heated:
         solver : type
             A class of ``scipy.integrate.OdeSolver``.
         """
-        capacities, start = self.model.capacities(), self.model.start(self.scene)
-        wanted = duration * np.linspace(0.0, 1.0, points) ** 3  # oil and rollers warm long before the rings
-        times, rows, ended = [0.0], [start], ""
+        capacities = self.model.capacities()
+        start = self.model.start(self.scene)
+        wanted = (
+            duration * np.linspace(0.0, 1.0, points) ** 3
+        )  # oil and rollers warm long before the rings
+        times = [0.0]
+        rows = [start]
+        ended = ""
         try:
             run = solver(
-                lambda _, T: self.inflows(T) / capacities, 0.0, start, duration, rtol=1e-5, atol=1e-4, vectorized=False
+                lambda _, T: self.inflows(T) / capacities,
+                0.0,
+                start,
+                duration,
+                rtol=1e-5,
+                atol=1e-4,
+                vectorized=False,
             )
             while run.status == "running":
                 run.step()
@@ -453,5 +504,6 @@ def _foreseen(at: float, places: Mapping[float, Array]) -> Array:
     near = sorted(places, key=lambda known: abs(known - at))[:2]
     if len(near) < 2:
         return places[near[0]]
-    (a, b), (here, there) = near, (places[one] for one in near)
+    (a, b) = near
+    (here, there) = (places[one] for one in near)
     return np.asarray(here + (at - a) / (b - a) * (there - here))

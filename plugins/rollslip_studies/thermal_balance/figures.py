@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 
 __all__ = ["course", "thermal_figures"]
 
-_OPEN: dict[str, Any] = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 0.9}
+_OPEN: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 4,
+    "markerfacecolor": "white",
+    "markeredgewidth": 0.9,
+}
 _ZERO = 273.15  # K
 #: Longest time that is shown in seconds.
 _SECONDS = 120.0
@@ -30,25 +35,41 @@ def thermal_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]
             _excess(dataset),
         )
     if "course_temperature" in dataset:
-        yield "thermal-course", "Bulk temperatures over time, from those of the scene.", course(dataset)
+        yield (
+            "thermal-course",
+            "Bulk temperatures over time, from those of the scene.",
+            course(dataset),
+        )
 
 
 def _excess(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet()
     axes = sheet.axes
     node = str(dataset["node"].to_numpy()[0])
-    at, heat = dataset["leading_temperature"].to_numpy() - _ZERO, dataset["excess_heat"].to_numpy()
+    at = dataset["leading_temperature"].to_numpy() - _ZERO
+    heat = dataset["excess_heat"].to_numpy()
     sheet.line(at, heat, "losses less what is carried away", color=MODEL_COLOURS[0])
     axes.axhline(0.0, color="black", linewidth=0.6)
-    for stable, style, words in ((1, MARKER, "balance that lasts"), (0, _OPEN, "balance that does not last")):
-        chosen = (dataset["stable"].to_numpy() == stable) & np.isfinite(dataset["steady_slip"].to_numpy())
+    for stable, style, words in (
+        (1, MARKER, "balance that lasts"),
+        (0, _OPEN, "balance that does not last"),
+    ):
+        chosen = (dataset["stable"].to_numpy() == stable) & np.isfinite(
+            dataset["steady_slip"].to_numpy()
+        )
         if chosen.any():
             place = dataset["temperature"].to_numpy()[0][chosen] - _ZERO
             of = ", ".join(f"{value:.3g} °C" for value in place)
             sheet.mark(place, 0.0 * place, f"{words}, {of}", zorder=4, **style)
     limit = float(dataset["limit_temperature"]) - _ZERO
     if np.isfinite(limit):
-        sheet.mark(limit, -float(dataset["heat_margin"]), f"limit, {limit:.3g} °C", marker="v", markersize=4)
+        sheet.mark(
+            limit,
+            -float(dataset["heat_margin"]),
+            f"limit, {limit:.3g} °C",
+            marker="v",
+            markersize=4,
+        )
     return sheet.done(f"Temperature of the {node} [°C]", "Excess heat [W]")
 
 
@@ -60,7 +81,10 @@ def course(dataset: "xr.Dataset") -> "Figure":
     time = time / second
     for k, node in enumerate(dataset["node"].to_numpy()):
         values = dataset["course_temperature"].to_numpy()[:, k] - _ZERO
-        style: dict[str, Any] = {"color": MODEL_COLOURS[k % len(MODEL_COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
+        style: dict[str, Any] = {
+            "color": MODEL_COLOURS[k % len(MODEL_COLOURS)],
+            "linestyle": DASHES[k % len(DASHES)],
+        }
         sheet.line(time, values, f"{node}, {values[-1]:.3g} °C at the end", **style)
     sheet.axes.set_xlim(0.0, time[-1] or 1.0)
     return sheet.done(f"Time [{unit}]", "Temperature [°C]")

@@ -41,7 +41,9 @@ def celsius(kelvin: float) -> str:
 
 
 def _temperatures(names: Any, values: Any) -> str:
-    return ", ".join(f"{name} {celsius(float(value))}" for name, value in zip(names, values, strict=True))
+    return ", ".join(
+        f"{name} {celsius(float(value))}" for name, value in zip(names, values, strict=True)
+    )
 
 
 def _watt(power: float) -> str:
@@ -61,20 +63,34 @@ class ThermalBalanceAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return temperatures and slip in balance, or the heat that has to be carried away to hold those given."""
-        commands = next_of_others(dataset)  # of the slip at the temperatures of the scene another study knows
+        commands = next_of_others(
+            dataset
+        )  # of the slip at the temperatures of the scene another study knows
         if not solved(dataset):
             loss = float(dataset["given_loss"])
-            text, note = power(loss), "at the temperatures of the scene"
+            text = power(loss)
+            note = "at the temperatures of the scene"
             if math.isnan(loss):
-                text, note = "not found", str(dataset["given_status"].item())
-            row = Row(key="given_loss", label="heat to carry away", value=loss, unit="W", text=text, note=note)
+                text = "not found"
+                note = str(dataset["given_status"].item())
+            row = Row(
+                key="given_loss",
+                label="heat to carry away",
+                value=loss,
+                unit="W",
+                text=text,
+                note=note,
+            )
             return Answer(rows=(row,), commands=commands)
         if not (balances := lasting(dataset)):
             note = str(dataset["status"].item())
-            row = Row(key="temperature", label="bulk temperature", unit="K", text="no balance", note=note)
+            row = Row(
+                key="temperature", label="bulk temperature", unit="K", text="no balance", note=note
+            )
             return Answer(rows=(row,), commands=commands)
         one = balances[0]
-        names, values = one["node"].to_numpy(), one["temperature"].to_numpy()
+        names = one["node"].to_numpy()
+        values = one["temperature"].to_numpy()
         slip = float(one["steady_slip"])
         shown = [f"{value - 273.15:.0f} °C" for value in values]
         rows = (
@@ -82,7 +98,9 @@ class ThermalBalanceAccount(Account):
                 note=", ".join(f"{name} {text}" for name, text in zip(names[1:], shown[1:], strict=True))),
             Row(key="cage_slip_in_balance", label="cage slip there", value=slip, text=percent(slip)),
         )  # fmt: skip
-        return Answer(rows=rows, assumed=tuple(filter(None, [estimated(dataset)])), commands=commands)
+        return Answer(
+            rows=rows, assumed=tuple(filter(None, [estimated(dataset)])), commands=commands
+        )
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -105,20 +123,32 @@ class ThermalBalanceAccount(Account):
         balances = [
             {
                 "temperatures": dict(
-                    zip(map(str, one["node"].to_numpy()), one["temperature"].to_numpy().tolist(), strict=True)
+                    zip(
+                        map(str, one["node"].to_numpy()),
+                        one["temperature"].to_numpy().tolist(),
+                        strict=True,
+                    )
                 ),
                 "stable": bool(one["stable"]),
                 "stability": str(one["stability"].item()),
                 "steady_slip": float(one["steady_slip"]),
                 "loss": float(one["loss"].sum()),
                 "carried_away": dict(
-                    zip(map(str, one["sink"].to_numpy()), one["carried_away"].to_numpy().tolist(), strict=True)
+                    zip(
+                        map(str, one["sink"].to_numpy()),
+                        one["carried_away"].to_numpy().tolist(),
+                        strict=True,
+                    )
                 ),
             }
             for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"]))
             if math.isfinite(float(one["steady_slip"]))
         ]
-        texts = [name for name in ("status", "given_status", "limit_status", "course_status") if name in dataset]
+        texts = [
+            name
+            for name in ("status", "given_status", "limit_status", "course_status")
+            if name in dataset
+        ]
         return (
             {"balances": balances}
             | {name: None if math.isnan(value) else value for name, value in values.items()}
@@ -139,13 +169,22 @@ def _given(dataset: "xr.Dataset") -> str:
 def _balances(dataset: "xr.Dataset") -> list[str]:
     if str(dataset["status"].item()) != "found":
         return [str(dataset["status"].item())]
-    said, slip = [], float(dataset["given_slip"])
+    said = []
+    slip = float(dataset["given_slip"])
     for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"])):
         made = float(one["loss"].sum())
-        heats = list(zip(one["sink"].to_numpy(), one["carried_away"].to_numpy().tolist(), strict=True))
+        heats = list(
+            zip(one["sink"].to_numpy(), one["carried_away"].to_numpy().tolist(), strict=True)
+        )
         away = " and ".join(f"{_watt(heat)} leave by {sink}" for sink, heat in heats if heat > 0.0)
-        brought = "".join(f", {_watt(-heat)} come in with {sink}" for sink, heat in heats if heat < 0.0)
-        given = "" if math.isnan(slip) else f", against {100.0 * slip:.3g} % at the temperatures of the scene"
+        brought = "".join(
+            f", {_watt(-heat)} come in with {sink}" for sink, heat in heats if heat < 0.0
+        )
+        given = (
+            ""
+            if math.isnan(slip)
+            else f", against {100.0 * slip:.3g} % at the temperatures of the scene"
+        )
         said.append(
             f"heat is in balance at {_temperatures(one['node'].to_numpy(), one['temperature'].to_numpy())} "
             f"({one['stability'].item()}): {_watt(made)} are lost{brought}, {away}; the cage slip is "
@@ -163,10 +202,12 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
 
 
 def _limit(dataset: "xr.Dataset") -> str:
-    at, status = float(dataset["limit_temperature"]), str(dataset["limit_status"].item())
+    at = float(dataset["limit_temperature"])
+    status = str(dataset["limit_status"].item())
     if math.isnan(at):
         return status
-    inlet, node = float(dataset["inlet_limit"]), str(dataset["node"].to_numpy()[0])
+    inlet = float(dataset["inlet_limit"])
+    node = str(dataset["node"].to_numpy()[0])
     margin = _watt(float(dataset["heat_margin"]))
     beyond = (
         f"with {margin} more, or the {node} at its inlet above {celsius(inlet)},"
@@ -182,7 +223,11 @@ def _taken(dataset: "xr.Dataset") -> str:
         taken = {name: value for name, value in taken.items() if not value.endswith("J/K")}
     said = ", ".join(f"{name} {value}" for name, value in taken.items())
     how = f"'rollslip models {dataset.attrs['thermal']}' says how, and how good that is"
-    return f"models.thermal does not give {said}: they are taken from the scene or estimated, {how}" if taken else ""
+    return (
+        f"models.thermal does not give {said}: they are taken from the scene or estimated, {how}"
+        if taken
+        else ""
+    )
 
 
 def _course(dataset: "xr.Dataset") -> str:
@@ -198,7 +243,11 @@ def _course(dataset: "xr.Dataset") -> str:
 def _settings(dataset: "xr.Dataset") -> str:
     one = lasting(dataset)[0]
     known = dict(zip(one["node"].to_numpy(), one["temperature"].to_numpy(), strict=True))
-    keys = [f"--set '{key}={value - 273.15:.6g} degC'" for part, key in _KEYS.items() if (value := known.get(part))]
+    keys = [
+        f"--set '{key}={value - 273.15:.6g} degC'"
+        for part, key in _KEYS.items()
+        if (value := known.get(part))
+    ]
     return f"other studies take the temperatures of the scene; these are {' '.join(keys)}"
 
 

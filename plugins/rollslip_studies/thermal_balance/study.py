@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 #: Step of temperature [K] to a steady slip whose time is measured; slips for a temperature of the curve where nodes
 #: follow, and for a course in time.
 _NEARBY: Final = 0.3
-_FOLLOWING, _COURSE = 4, 200
+_FOLLOWING = 4
+_COURSE = 200
 #: Slip below which an answer shows no digits of it.
 _SHOWN: Final = 1e-3
 #: What is known of a bearing that has settled before anything of warmer balances is.
@@ -48,34 +49,69 @@ class ThermalBalance(Study):
             "temperature": Output("node balance", "K", "bulk temperature", status="status"),
             "stable": Output("balance", "1", "whether a disturbance of the temperatures fades"),
             "stability": Output("balance", "1", "stability in words"),
-            "growth": Output("balance", "1/s", "fastest growth of a disturbance of the temperatures", status="status"),
+            "growth": Output(
+                "balance",
+                "1/s",
+                "fastest growth of a disturbance of the temperatures",
+                status="status",
+            ),
             "steady_slip": Output("balance", "1", "steady cage slip", status="status"),
             "loss": Output("source balance", "W", "power lost to friction", status="status"),
-            "carried_away": Output("sink balance", "W", "heat that leaves the bearing", status="status"),
-            "balance_error": Output("balance", "1", "heat made less heat carried away, relative", status="status"),
+            "carried_away": Output(
+                "sink balance", "W", "heat that leaves the bearing", status="status"
+            ),
+            "balance_error": Output(
+                "balance", "1", "heat made less heat carried away, relative", status="status"
+            ),
             "status": Output("", "1", "what was found"),
             "settled_temperature": Output(
-                "node", "K", "bulk temperature that a cold bearing settles at", status="settled_status", default=True
+                "node",
+                "K",
+                "bulk temperature that a cold bearing settles at",
+                status="settled_status",
+                default=True,
             ),
             "settled_slip": Output(
-                "", "1", "steady cage slip of a bearing that has settled", status="settled_status", default=True
+                "",
+                "1",
+                "steady cage slip of a bearing that has settled",
+                status="settled_status",
+                default=True,
             ),
             "settled_status": Output("", "1", "what was found of the coldest balance that lasts"),
-            "given_slip": Output("", "1", "steady cage slip at the temperatures of the scene", status="given_status"),
-            "given_loss": Output("", "W", "losses at the temperatures of the scene", status="given_status"),
+            "given_slip": Output(
+                "", "1", "steady cage slip at the temperatures of the scene", status="given_status"
+            ),
+            "given_loss": Output(
+                "", "W", "losses at the temperatures of the scene", status="given_status"
+            ),
             "given_temperature": Output("part", "K", "bulk temperature as the scene gives it"),
             "given_status": Output("", "1", "what was found at the temperatures of the scene"),
             "leading_temperature": Output("point", "K", "temperature of the leading node"),
-            "excess_heat": Output("point", "W", "heat that the leading node gains while the others follow"),
+            "excess_heat": Output(
+                "point", "W", "heat that the leading node gains while the others follow"
+            ),
             "jumps": Output("", "1", "where losses jump past what is carried away"),
             "heat_margin": Output(
-                "", "W", "heat that may be added before no balance is left", status="limit_status", default=True
+                "",
+                "W",
+                "heat that may be added before no balance is left",
+                status="limit_status",
+                default=True,
             ),
-            "limit_temperature": Output("", "K", "temperature of the leading node there", status="limit_status"),
-            "inlet_limit": Output("", "K", "inlet temperature at which no balance is left", status="limit_status"),
+            "limit_temperature": Output(
+                "", "K", "temperature of the leading node there", status="limit_status"
+            ),
+            "inlet_limit": Output(
+                "", "K", "inlet temperature at which no balance is left", status="limit_status"
+            ),
             "limit_status": Output("", "1", "what was found of the limit"),
-            "course_temperature": Output("time node", "K", "bulk temperature over time", status="course_status"),
-            "course_slip": Output("time", "1", "steady cage slip over time", status="course_status"),
+            "course_temperature": Output(
+                "time node", "K", "bulk temperature over time", status="course_status"
+            ),
+            "course_slip": Output(
+                "time", "1", "steady cage slip over time", status="course_status"
+            ),
             "course_status": Output("", "1", "how the course of the temperatures ended"),
         }
     )
@@ -83,7 +119,9 @@ class ThermalBalance(Study):
     with_cage: ClassVar[bool] = True
     libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
     with_heat: ClassVar[bool] = True
-    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "steady slips at many temperatures"})
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"run": "steady slips at many temperatures"}
+    )
 
     highest_temperature: float = parameter(
         default=473.15,
@@ -93,7 +131,9 @@ class ThermalBalance(Study):
         usual=(293.15, 673.15),
         possible=(123.15, 1273.15),
     )
-    points: int = parameter(default=33, doc="first temperatures of the curve of excess heat", validator=at_least(8))
+    points: int = parameter(
+        default=33, doc="first temperatures of the curve of excess heat", validator=at_least(8)
+    )
     duration: float = parameter(
         default=0.0,
         unit="s",
@@ -102,12 +142,16 @@ class ThermalBalance(Study):
         usual=(0, 1e6),
         possible=(0, 1e10),
     )
-    instants: int = parameter(default=61, doc="instants of that course that are kept", validator=at_least(2))
+    instants: int = parameter(
+        default=61, doc="instants of that course that are kept", validator=at_least(2)
+    )
     integrator: str = parameter(default="bdf", doc="integrator of that course, one of SciPy's kind")
     max_cage_slip: float = parameter(
         default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
     )
-    inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
+    inertia: bool = parameter(
+        default=True, doc="whether the spin of a roller has inertia along the orbit"
+    )
 
     @property
     def _steady(self) -> SteadySlip:
@@ -137,7 +181,8 @@ class ThermalBalance(Study):
         if not model.nodes:
             return {"run": first}
         again = timed(Heated(assembly, model, self._steady).given, 1)
-        start, n = model.start(assembly.scene), len(model.nodes)
+        start = model.start(assembly.scene)
+        n = len(model.nodes)
         seconds = []
         for share in (0.0, 0.5):
             T = start + share * (self.highest_temperature - start[0])
@@ -155,7 +200,9 @@ class ThermalBalance(Study):
         """Return a study without the course in time, or without all but the coldest balance that lasts."""
         if outputs >= self.outputs.keys() - _OF_SETTLED:
             return _Settled(**attrs.asdict(self) | {"duration": 0.0})
-        return self.evolved(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
+        return (
+            self.evolved(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
+        )
 
     def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return by how much slip and losses of a bearing that has settled are off, at the temperatures of that.
@@ -168,7 +215,9 @@ class ThermalBalance(Study):
         model = self._model(finer)
         temperatures = dataset["settled_temperature"].to_numpy() if model.nodes else None
         try:
-            off, of_loss = Heated(finer, model, self._steady).off(temperatures, slip, settled.attrs["loss"])
+            off, of_loss = Heated(finer, model, self._steady).off(
+                temperatures, slip, settled.attrs["loss"]
+            )
         except (SceneError, DomainError):
             return {"power loss": np.inf}
         return {"power loss": of_loss} | ({"cage slip": off} if slip >= _SHOWN else {})
@@ -198,7 +247,9 @@ class ThermalBalance(Study):
         given = heated.given()
         operation = assembly.scene.operation
         temperatures = [getattr(operation, key.partition(".")[2]) for key in ROLES]
-        coords: dict[str, Any] = {"part": ("part", list(ROLES.values()), about("1", "part of the bearing"))}
+        coords: dict[str, Any] = {
+            "part": ("part", list(ROLES.values()), about("1", "part of the bearing"))
+        }
         variables = self.variables(
             given_slip=given.slip,
             given_loss=given.loss,
@@ -219,7 +270,9 @@ class ThermalBalance(Study):
         }
         return xr.Dataset(variables | some, coords | at, attrs=self.attributes | attributes)
 
-    def _held(self, given: State, temperatures: "np.ndarray[Any, Any]") -> tuple[dict[str, Any], dict[str, Any]]:
+    def _held(
+        self, given: State, temperatures: "np.ndarray[Any, Any]"
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Temperatures as they are given: one state, whose heat something outside carries away."""
         losses = () if given.power is None else given.power.losses
         variables = self.variables(
@@ -238,21 +291,28 @@ class ThermalBalance(Study):
 
     def _settled(self, temperatures: Any, state: State, status: str) -> dict[str, Any]:
         """Return what a cold bearing settles at; with the slip the loss [W], by which that is judged."""
-        found = self.variables(settled_temperature=temperatures, settled_slip=state.slip, settled_status=status)
+        found = self.variables(
+            settled_temperature=temperatures, settled_slip=state.slip, settled_status=status
+        )
         found["settled_slip"][-1]["loss"] = state.loss
         return found
 
-    def _sought(self, heated: Heated, *, first: bool = False) -> tuple[Curve, dict[float, Any], list[Balance]]:
+    def _sought(
+        self, heated: Heated, *, first: bool = False
+    ) -> tuple[Curve, dict[float, Any], list[Balance]]:
         """Return the curve of excess heat, temperatures of all nodes along it, and its balances."""
         model = heated.model
-        lowest = float(min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])]))
+        lowest = float(
+            min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])])
+        )
         highest = max(self.highest_temperature, lowest + 1.0)
         curve, places = heated.curve(lowest, highest, self.points, first=first)
         found = (heated.balance(places[x]) for x in heated.zeros(curve, places))
         return curve, places, [one for one in found if one is not None]
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
-        model, scene = heated.model, heated.scene
+        model = heated.model
+        scene = heated.scene
         start = model.start(scene)
         curve, places, balances = self._sought(heated)
         sinks = list(model.carried_away(start))
@@ -267,10 +327,12 @@ class ThermalBalance(Study):
             stability=np.array([_stability(one) for one in balances] or ["no balance"]),
             growth=np.array([one.growth for one in shown]),
             steady_slip=np.array([one.state.slip for one in shown]),
-            loss=np.array([[loss.power for loss in power.losses] for power in powers if power]).T.reshape(
-                len(sources), len(shown)
-            ),
-            carried_away=np.array([list(model.carried_away(one.temperatures).values()) for one in balances]).T
+            loss=np.array(
+                [[loss.power for loss in power.losses] for power in powers if power]
+            ).T.reshape(len(sources), len(shown)),
+            carried_away=np.array(
+                [list(model.carried_away(one.temperatures).values()) for one in balances]
+            ).T
             if balances
             else np.full((len(sinks), 1), np.nan),
             balance_error=np.array([one.error for one in shown]),
@@ -290,7 +352,9 @@ class ThermalBalance(Study):
             solver = get_model("integrator", self.integrator).solver()
             times, rows, slips, ended = heated.course(self.duration, self.instants, solver)
             variables |= self.variables(
-                course_temperature=rows, course_slip=slips, course_status=ended or "the time is over"
+                course_temperature=rows,
+                course_slip=slips,
+                course_status=ended or "the time is over",
             )
             coords["time"] = "time", times, about("s", "time")
         return variables, coords
@@ -307,7 +371,11 @@ class ThermalBalance(Study):
             return f"no balance: {'' if ends.by_film else said}{ends.refusal}"
         first, last = (int(np.flatnonzero(known)[k]) for k in (0, -1))
         if curve.excess[first] < 0.0:
-            reason = f", where the data of the scene end: {curve.refusals[first - 1].refusal}" if first else ""
+            reason = (
+                f", where the data of the scene end: {curve.refusals[first - 1].refusal}"
+                if first
+                else ""
+            )
             return (
                 f"no balance down to {curve.temperature[first] - 273.15:.4g} degC of the {node}: there "
                 f"{-curve.excess[first]:.3g} W more are carried away than are lost{reason}; check the temperatures and "
@@ -320,26 +388,39 @@ class ThermalBalance(Study):
                 f"more, and the {node} heats on: a runaway of the bulk"
             )
         ends = curve.refusals[last + 1]
-        how = "a runaway of the film before one of the bulk" if ends.by_film else "the data of the scene end"
+        how = (
+            "a runaway of the film before one of the bulk"
+            if ends.by_film
+            else "the data of the scene end"
+        )
         return f"no balance up to {at} of the {node}, where {how}: {ends.refusal}"
 
-    def _limit(self, heated: Heated, curve: Curve, places: dict[float, Any], balances: list[Balance]) -> dict[str, Any]:
+    def _limit(
+        self, heated: Heated, curve: Curve, places: dict[float, Any], balances: list[Balance]
+    ) -> dict[str, Any]:
         """Return how much heat, or how warm an inlet, the coldest balance that lasts bears."""
         model = heated.model
         first = next((one for one in balances if one.stable), None)
         if first is None:
             return self.variables(
-                heat_margin=np.nan, limit_temperature=np.nan, inlet_limit=np.nan, limit_status="no balance lasts"
+                heat_margin=np.nan,
+                limit_temperature=np.nan,
+                inlet_limit=np.nan,
+                limit_status="no balance lasts",
             )
         begin = float(first.temperatures[0])
-        later = [float(one.temperatures[0]) for one in balances if float(one.temperatures[0]) > begin]
+        later = [
+            float(one.temperatures[0]) for one in balances if float(one.temperatures[0]) > begin
+        ]
         upto = Curve(curve.temperature, np.where(curve.temperature > min(later, default=np.inf), np.nan, curve.excess),
                      curve.refusals)  # fmt: skip
         at, value, ends = heated.least(upto if later else curve, places, begin)
         inlet = np.nan if model.inlet is None else model.inlet[0] - value / model.inlet[1]
         last = float(curve.temperature[-1])
         if at >= last - 1e-6:
-            at, value, inlet = np.nan, np.nan, np.nan
+            at = np.nan
+            value = np.nan
+            inlet = np.nan
             status = (
                 f"no limit up to {last - 273.15:.4g} degC: there more is carried away than is lost, look further with "
                 f"--set {self.table}.highest_temperature"
@@ -348,10 +429,14 @@ class ThermalBalance(Study):
             status = f"the film: {ends.refusal}"
         elif ends is not None and ends.refusal:
             status = f"no limit is known beyond {at - 273.15:.4g} degC: {ends.refusal}"
-            at, value, inlet = np.nan, np.nan, np.nan
+            at = np.nan
+            value = np.nan
+            inlet = np.nan
         else:
             status = "the bulk: warmer than that losses rise faster than what is carried away"
-        return self.variables(heat_margin=-value, limit_temperature=at, inlet_limit=inlet, limit_status=status)
+        return self.variables(
+            heat_margin=-value, limit_temperature=at, inlet_limit=inlet, limit_status=status
+        )
 
 
 @attrs.frozen(kw_only=True)
@@ -362,19 +447,26 @@ class _Settled(ThermalBalance):
         settled = next((one for one in self._sought(heated, first=True)[-1] if one.stable), None)
         if settled is None:
             return super()._balances(heated)
-        return self._settled(settled.temperatures, settled.state, "found"), _coordinates(heated.model.nodes, [], [])
+        return self._settled(settled.temperatures, settled.state, "found"), _coordinates(
+            heated.model.nodes, [], []
+        )
 
 
 def _jumps(heated: Heated) -> str:
     """Say where the excess heat jumps past zero."""
-    node, unknown = heated.model.nodes[0], ", ".join(f"{x - 273.15:.4g}" for x in heated.unknown)
+    node = heated.model.nodes[0]
+    unknown = ", ".join(f"{x - 273.15:.4g}" for x in heated.unknown)
     passed = (
-        f"at {unknown} degC of the {node} no steady state was found, and the curve passes over it" if unknown else ""
+        f"at {unknown} degC of the {node} no steady state was found, and the curve passes over it"
+        if unknown
+        else ""
     )
     if not heated.jumps:
         return passed or "none"
     places = " and ".join(
-        f"from {low - 273.15:.4g} to {high - 273.15:.4g} degC" if high - low > 0.1 else f"at {low - 273.15:.4g} degC"
+        f"from {low - 273.15:.4g} to {high - 273.15:.4g} degC"
+        if high - low > 0.1
+        else f"at {low - 273.15:.4g} degC"
         for low, high in heated.jumps
     )
     said = f"{places} of the {node} losses jump past what is carried away, with the steady slip: no balance is there"

@@ -40,7 +40,9 @@ def own_unit(doc: str) -> Any:
 class Distribution(abc.ABC):
     """How probable the values of an uncertain quantity are."""
 
-    at_least: Any = own_unit("values below do not occur: the distribution is cut off there and scaled up")
+    at_least: Any = own_unit(
+        "values below do not occur: the distribution is cut off there and scaled up"
+    )
     at_most: Any = own_unit("values above do not occur")
 
     def __attrs_post_init__(self) -> None:
@@ -54,12 +56,26 @@ class Distribution(abc.ABC):
     def quantile(self, probability: Array) -> Array:
         """Return the values below which shares of the distribution lie; both ends of a truncation are included."""
         p = np.asarray(probability, dtype=float)
-        low = 0.0 if self.at_least is None else float(self._share(np.asarray(self.at_least, dtype=float)))
-        high = 1.0 if self.at_most is None else float(self._share(np.asarray(self.at_most, dtype=float)))
+        low = (
+            0.0
+            if self.at_least is None
+            else float(self._share(np.asarray(self.at_least, dtype=float)))
+        )
+        high = (
+            1.0
+            if self.at_most is None
+            else float(self._share(np.asarray(self.at_most, dtype=float)))
+        )
         if not high > low:
-            raise FieldError("at_least", "leaves nothing of the distribution; move at_least or at_most")
+            raise FieldError(
+                "at_least", "leaves nothing of the distribution; move at_least or at_most"
+            )
         values = self._quantile(low + p * (high - low))
-        return np.clip(values, self.at_least, self.at_most) if {self.at_least, self.at_most} != {None} else values
+        return (
+            np.clip(values, self.at_least, self.at_most)
+            if {self.at_least, self.at_most} != {None}
+            else values
+        )
 
     @abc.abstractmethod
     def _quantile(self, probability: Array) -> Array:
@@ -85,7 +101,9 @@ def _scores(probability: Array) -> Array:
     """Return quantiles of the normal distribution; of a few without SciPy, which takes longer to import than a run."""
     if probability.size <= _FEW and bool(((probability > 0.0) & (probability < 1.0)).all()):
         of = NormalDist().inv_cdf
-        return np.array([of(one) for one in probability.ravel().tolist()]).reshape(probability.shape)
+        return np.array([of(one) for one in probability.ravel().tolist()]).reshape(
+            probability.shape
+        )
     from scipy.special import ndtri
 
     return np.asarray(ndtri(probability))
@@ -94,7 +112,9 @@ def _scores(probability: Array) -> Array:
 def _below(score: Array) -> Array:
     """Return the normal distribution at scores; of a few likewise."""
     if score.size <= _FEW:
-        return np.array([0.5 * math.erfc(-one / 2.0**0.5) for one in score.ravel().tolist()]).reshape(score.shape)
+        return np.array(
+            [0.5 * math.erfc(-one / 2.0**0.5) for one in score.ravel().tolist()]
+        ).reshape(score.shape)
     from scipy.special import ndtr
 
     return np.asarray(ndtr(score))
@@ -107,7 +127,10 @@ class Normal(Distribution):
     mean: Any = own_unit("mean; by default the value of the scene")
     deviation: Any = own_unit("standard deviation")
     scatter: float | None = parameter(
-        default=None, unit="1", doc="standard deviation over mean, in place of deviation", validator=_optional
+        default=None,
+        unit="1",
+        doc="standard deviation over mean, in place of deviation",
+        validator=_optional,
     )
 
     def centred(self, nominal: float | None) -> "Normal":
@@ -116,7 +139,9 @@ class Normal(Distribution):
         mean = _needed(self.mean, "mean", nominal)
         deviation = self.deviation if self.scatter is None else self.scatter * abs(mean)
         if not deviation > 0.0:
-            raise FieldError("deviation", "must be above 0; of a mean of 0 a relative scatter says nothing")
+            raise FieldError(
+                "deviation", "must be above 0; of a mean of 0 a relative scatter says nothing"
+            )
         return attrs.evolve(self, mean=mean, deviation=deviation, scatter=None)
 
     def _quantile(self, probability: Array) -> Array:
@@ -131,9 +156,14 @@ class LogNormal(Distribution):
     """ln x = ln median + s z, with z normal and scatter^2 = exp(s^2) - 1; s is given itself as deviation_of_ln."""
 
     median: Any = own_unit("median; by default the value of the scene")
-    scatter: float | None = parameter(default=None, unit="1", doc="standard deviation over mean", validator=_optional)
+    scatter: float | None = parameter(
+        default=None, unit="1", doc="standard deviation over mean", validator=_optional
+    )
     deviation_of_ln: float | None = parameter(
-        default=None, unit="1", doc="standard deviation s of the logarithm, in place of scatter", validator=_optional
+        default=None,
+        unit="1",
+        doc="standard deviation s of the logarithm, in place of scatter",
+        validator=_optional,
     )
 
     def centred(self, nominal: float | None) -> "LogNormal":
@@ -142,7 +172,9 @@ class LogNormal(Distribution):
         if not median > 0.0:
             raise FieldError("median", "must be above 0")
         if self.scatter is None and self.deviation_of_ln is None:
-            raise FieldError("scatter", "missing, but required (standard deviation over mean); such as 0.1")
+            raise FieldError(
+                "scatter", "missing, but required (standard deviation over mean); such as 0.1"
+            )
         _one_of_two(self.scatter, self.deviation_of_ln, ("scatter", "deviation_of_ln"))
         return attrs.evolve(self, median=median)
 
@@ -178,7 +210,9 @@ class Uniform(Distribution):
         if self.scatter is not None and self.low is None and self.high is None:
             middle = _needed(None, "low", nominal)
             half = abs(middle) * self.scatter
-            return attrs.evolve(self, low=middle - half, high=middle + half, scatter=None).centred(None)
+            return attrs.evolve(self, low=middle - half, high=middle + half, scatter=None).centred(
+                None
+            )
         if self.scatter is not None or self.low is None or self.high is None:
             raise FieldError("low", "give low and high, or scatter alone")
         if not self.low < self.high:
@@ -201,7 +235,8 @@ class LogUniform(Distribution):
 
     def centred(self, nominal: float | None) -> "LogUniform":
         """Return it, checked."""
-        low, high = _needed(self.low, "low", None), _needed(self.high, "high", None)
+        low = _needed(self.low, "low", None)
+        high = _needed(self.high, "high", None)
         if not 0.0 < low < high:
             raise FieldError("high", "must be above low, and low above 0")
         return self
@@ -210,7 +245,9 @@ class LogUniform(Distribution):
         return np.asarray(self.low * np.exp(probability * math.log(self.high / self.low)))
 
     def _share(self, value: Array) -> Array:
-        return np.asarray(np.log(np.clip(value, self.low, self.high) / self.low) / math.log(self.high / self.low))
+        return np.asarray(
+            np.log(np.clip(value, self.low, self.high) / self.low) / math.log(self.high / self.low)
+        )
 
 
 @attrs.frozen(kw_only=True)
@@ -223,20 +260,26 @@ class Triangular(Distribution):
 
     def centred(self, nominal: float | None) -> "Triangular":
         """Return it with its mode."""
-        low, high = _needed(self.low, "low", None), _needed(self.high, "high", None)
+        low = _needed(self.low, "low", None)
+        high = _needed(self.high, "high", None)
         mode = _needed(self.mode, "mode", nominal)
         if not (low <= mode <= high and low < high):
-            raise FieldError("mode", f"low, mode and high must ascend, not {low:g}, {mode:g}, {high:g}")
+            raise FieldError(
+                "mode", f"low, mode and high must ascend, not {low:g}, {mode:g}, {high:g}"
+            )
         return attrs.evolve(self, mode=mode)
 
     def _quantile(self, probability: Array) -> Array:
-        width, rise = self.high - self.low, self.mode - self.low
+        width = self.high - self.low
+        rise = self.mode - self.low
         below = self.low + np.sqrt(probability * width * rise)
         above = self.high - np.sqrt((1.0 - probability) * width * (width - rise))
         return np.asarray(np.where(probability * width <= rise, below, above))
 
     def _share(self, value: Array) -> Array:
-        width, rise, v = self.high - self.low, self.mode - self.low, np.clip(value, self.low, self.high)
+        width = self.high - self.low
+        rise = self.mode - self.low
+        v = np.clip(value, self.low, self.high)
         with np.errstate(divide="ignore", invalid="ignore"):
             below = (v - self.low) ** 2 / (width * rise)
             above = 1.0 - (self.high - v) ** 2 / (width * (width - rise))
@@ -285,7 +328,10 @@ class Uncertainty:
             # sums in a fixed order: a product of matrices may round differently for one sample and for many
             scores = ndtri(p[:, mixed])
             p[:, mixed] = ndtr(sum(scores[:, [k]] * factor[:, k] for k in range(len(mixed))))
-        columns = [distribution.quantile(p[:, k]) for k, distribution in enumerate(self.distributions.values())]
+        columns = [
+            distribution.quantile(p[:, k])
+            for k, distribution in enumerate(self.distributions.values())
+        ]
         return np.column_stack(columns) if columns else np.empty((p.shape[0], 0))
 
 
@@ -294,15 +340,24 @@ def read_uncertainty(
 ) -> Uncertainty:
     """Return what a scene's table ``[uncertainty]`` states; every fault of it is noted."""
     distributions: dict[str, Distribution] = {}
-    for key, table, place in _leaves({k: v for k, v in raw.items() if k != "correlation"}, "", where):
+    for key, table, place in _leaves(
+        {k: v for k, v in raw.items() if k != "correlation"}, "", where
+    ):
         if not isinstance(table, Mapping):
-            problems.append(place.says(f"a table with distribution = 'NAME' is expected, not {as_written(table)}"))
+            problems.append(
+                place.says(
+                    f"a table with distribution = 'NAME' is expected, not {as_written(table)}"
+                )
+            )
         elif key not in known:
             problems.append(place.says(unknown(key, known)))
         elif (distribution := _distribution(table, known[key], place, problems)) is not None:
             distributions[known[key].key] = distribution
     return Uncertainty(
-        distributions, _correlations(raw.get("correlation", ()), where.at("correlation"), list(distributions), problems)
+        distributions,
+        _correlations(
+            raw.get("correlation", ()), where.at("correlation"), list(distributions), problems
+        ),
     )
 
 
@@ -320,20 +375,29 @@ def _distribution(
     table: Mapping[str, object], of: Quantity, where: Location, problems: list[str]
 ) -> Distribution | None:
     if of.unit is None:
-        problems.append(where.says("is no number with a unit, and only these can be uncertain; sweep it instead"))
+        problems.append(
+            where.says(
+                "is no number with a unit, and only these can be uncertain; sweep it instead"
+            )
+        )
         return None
     name = table.get("distribution")
     if not isinstance(name, str) or name not in DISTRIBUTIONS:
         near = nearest(name, DISTRIBUTIONS, count=1) if isinstance(name, str) else []
         hint = did_you_mean(near, f"there are: {', '.join(DISTRIBUTIONS)}")
-        problems.append(where.at("distribution").says(f"no distribution is called {as_written(name)}; {hint}"))
+        problems.append(
+            where.at("distribution").says(f"no distribution is called {as_written(name)}; {hint}")
+        )
         return None
     faults: list[str] = []
-    cls, values = DISTRIBUTIONS[name], {key: value for key, value in table.items() if key != "distribution"}
+    cls = DISTRIBUTIONS[name]
+    values = {key: value for key, value in table.items() if key != "distribution"}
     for attribute in attrs.fields(cls):
         if attribute.metadata.get("own_unit") and attribute.name in values:
             try:
-                values[attribute.name] = _in_unit(values[attribute.name], of.unit, attribute.name == "deviation")
+                values[attribute.name] = _in_unit(
+                    values[attribute.name], of.unit, attribute.name == "deviation"
+                )
             except UnitError as error:
                 faults.append(where.at(attribute.name).says(str(error)))
                 del values[attribute.name]
@@ -359,19 +423,28 @@ def _in_unit(raw: object, unit: str, difference: bool) -> float:
 
 
 def _correlations(raw: object, where: Location, names: Sequence[str], problems: list[str]) -> Array:
-    matrix, before = np.eye(len(names)), len(problems)
+    matrix = np.eye(len(names))
+    before = len(problems)
     for k, table in enumerate(raw if isinstance(raw, list | tuple) else [raw]):
         correlation = structure(Correlation, table, where.at(k), problems)
         if correlation is None:
             continue
         absent = [key for key in correlation.between if key not in names]
         for key in absent:
-            hint = did_you_mean(nearest(key, names, count=1), f"there are: {', '.join(names) or 'none'}")
-            problems.append(where.at(k).at("between").says(f"{key!r} has no distribution here; {hint}"))
+            hint = did_you_mean(
+                nearest(key, names, count=1), f"there are: {', '.join(names) or 'none'}"
+            )
+            problems.append(
+                where.at(k).at("between").says(f"{key!r} has no distribution here; {hint}")
+            )
         if not absent:
             i, j = (names.index(key) for key in correlation.between)
             if matrix[i, j] != 0.0:
-                problems.append(where.at(k).at("between").says("these two have a correlation already; state it once"))
+                problems.append(
+                    where.at(k)
+                    .at("between")
+                    .says("these two have a correlation already; state it once")
+                )
             matrix[i, j] = matrix[j, i] = correlation.coefficient
     if len(problems) == before and names and np.linalg.eigvalsh(matrix)[0] < 1e-12:
         problems.append(
@@ -391,6 +464,12 @@ def shown(distribution: Distribution, unit: str) -> str:
         if value is not None:
             difference = attribute.name == "deviation" and unit == "K"
             own = attribute.metadata.get("own_unit") and not difference
-            text = f"{value:g} K" if difference else format_quantity(value, unit) if own else f"{value:g}"
+            text = (
+                f"{value:g} K"
+                if difference
+                else format_quantity(value, unit)
+                if own
+                else f"{value:g}"
+            )
             parts.append(f"{attribute.name.replace('_', ' ')} {text}")
     return ", ".join((name, *parts))

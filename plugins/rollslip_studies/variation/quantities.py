@@ -28,25 +28,34 @@ __all__ = ["quantities"]
 def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> Known:
     """Return what can be varied of a scene, by key."""
     scene = assembly.scene
-    found = [*_named(scene), *(one for table in _tables(scene) for one in _of(getattr(scene, table), table))]
+    found = [
+        *_named(scene),
+        *(one for table in _tables(scene) for one in _of(getattr(scene, table), table)),
+    ]
     found += _of_supply(assembly)
     found += _of_oil(assembly)
     for attribute in attrs.fields(type(scene.models)):
-        kind, choice = attribute.name, getattr(scene.models, attribute.name)
+        kind = attribute.name
+        choice = getattr(scene.models, attribute.name)
         if isinstance(choice, ModelChoice) and (of := model_kind(kind)) != kind:
             found.append(_choice(f"models.{kind}", attribute, choice.name, of))
-            made = structure_model(of, {"model": choice.name, **choice.parameters}, Location({}), [])
+            made = structure_model(
+                of, {"model": choice.name, **choice.parameters}, Location({}), []
+            )
             found += _of(made, f"models.{kind}")
         elif isinstance(choice, ModelChoice):
             found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
             found += _of(assembly.models.get(kind) or _thermal(scene), f"models.{kind}")
         elif isinstance(choice, Separator):
-            key, field = f"models.{kind}.coefficient", attrs.fields(Separator).coefficient
+            key = f"models.{kind}.coefficient"
+            field = attrs.fields(Separator).coefficient
             found.append(_choice(f"models.{kind}", attribute, choice.name, ""))
             found += _single(key, float, field, scene.models.neighbour_friction)
         elif isinstance(choice, tuple):  # of several each is told by its name
             for one in choice:
-                made = structure_model(kind, {"model": one.name, **one.parameters}, Location({}), [])
+                made = structure_model(
+                    kind, {"model": one.name, **one.parameters}, Location({}), []
+                )
                 found += _of(made, f"models.{kind}.{one.name}")
     with contextlib.suppress(RollslipError):  # the study that needs a cage says so
         found += _of(assembly.cage, "cage")
@@ -62,13 +71,17 @@ def _named(scene: Scene) -> Iterator[Quantity]:
     table = None if scene.raw is None else scene.raw.get("bearing")
     if isinstance(table, Mapping) and isinstance(name := table.get("name"), str):
         attribute = attrs.fields_dict(LubricantTable)["name"]
-        yield Quantity("bearing.name", None, "name of a bearing that a plugin ships", name, False, attribute)
+        yield Quantity(
+            "bearing.name", None, "name of a bearing that a plugin ships", name, False, attribute
+        )
 
 
 def _tables(scene: Scene) -> list[str]:
     """Tables of a scene that are values themselves; oil and models name what has them."""
     tables = [a.name for a in attrs.fields(Scene) if attrs.has(type(getattr(scene, a.name)))]
-    return [name for name in tables if name not in ("lubricant", "lubrication", "models", "plugins")]
+    return [
+        name for name in tables if name not in ("lubricant", "lubrication", "models", "plugins")
+    ]
 
 
 def _thermal(scene: Scene) -> Any:
@@ -83,7 +96,8 @@ def _of(instance: Any, prefix: str) -> Iterator[Quantity]:
     for name, attribute in fields_of(type(instance)):
         if attribute.metadata.get("rest"):
             continue
-        key, value = f"{prefix}.{name}", getattr(instance, attribute.name)
+        key = f"{prefix}.{name}"
+        value = getattr(instance, attribute.name)
         if model := attribute.metadata.get("kind"):
             yield _choice(key, attribute, value.name, model)
             yield from _of(value, key)
@@ -102,9 +116,11 @@ def _of_supply(assembly: Assembly) -> Iterator[Quantity]:
 
 def _of_oil(assembly: Assembly) -> Iterator[Quantity]:
     """Values of the oil: as the scene gives them, else those of the shipped oil that are single numbers."""
-    kinds, written = get_type_hints(OilTable), dict(assembly.scene.lubricant.data)
+    kinds = get_type_hints(OilTable)
+    written = dict(assembly.scene.lubricant.data)
     for attribute in attrs.fields(OilTable):
-        name, unit = attribute.name, attribute.metadata.get("unit")
+        name = attribute.name
+        unit = attribute.metadata.get("unit")
         value: Any = assembly.scene.lubricant.name if name == "name" else written.get(name)
         if unit is not None:
             value = getattr(assembly.lubricant, name, None) if value is None else value
@@ -120,7 +136,9 @@ def _of_oil(assembly: Assembly) -> Iterator[Quantity]:
             yield from _single(f"lubricant.{name}", kinds[name], attribute, value)
 
 
-def _single(key: str, kind: Any, attribute: "attrs.Attribute[Any]", value: object) -> Iterator[Quantity]:
+def _single(
+    key: str, kind: Any, attribute: "attrs.Attribute[Any]", value: object
+) -> Iterator[Quantity]:
     if get_origin(kind) in (Union, types.UnionType):
         kind = next((one for one in get_args(kind) if one is not types.NoneType), kind)
     if kind in (float, int, str, bool) or (kind is Any and not isinstance(value, tuple)):

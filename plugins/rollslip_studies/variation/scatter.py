@@ -35,14 +35,20 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
     """Return what scatters of a bearing by default, by key, with the value that it has."""
     scene = assembly.scene
     raw: dict[str, object] = dict(scene.raw or resolved(scene))
-    known, oil = quantities(assembly, {}), assembly.lubricant
+    known = quantities(assembly, {})
+    oil = assembly.lubricant
     offered = {f"lubricant.{one.quantity}": one for one in oil.scatter}
     if not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature)):
-        for name in ("pressure_viscosity_factor", "pressure_exponent_factor"):  # the law has constants of its own
+        for name in (
+            "pressure_viscosity_factor",
+            "pressure_exponent_factor",
+        ):  # the law has constants of its own
             offered.pop(f"lubricant.{name}", None)
     for offer in named_data(raw):
         if offer.kind != "lubricant":
-            offered |= {f"{offer.kind}.{one.quantity}": one for one in getattr(load(offer), "scatter", ())}
+            offered |= {
+                f"{offer.kind}.{one.quantity}": one for one in getattr(load(offer), "scatter", ())
+            }
     offered |= {f"bearing.{one.quantity}": one for one in clearance_scatter(scene.bearing)}
     for key, quantity in known.items():
         if (declared := quantity.attribute.metadata.get("scatter")) is not None:
@@ -59,13 +65,20 @@ def _is_known(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
     table, _, name = key.rpartition(".")
     if table == "lubricant" and {"low", "high"} <= scatter.parameters.keys():
         return False
-    return any(_states(raw, stated) for stated in (key, *(f"{table}.{other}" for other in _MEASURED.get(name, ()))))
+    return any(
+        _states(raw, stated)
+        for stated in (key, *(f"{table}.{other}" for other in _MEASURED.get(name, ())))
+    )
 
 
 def _of_nothing(scatter: Scatter, quantity: Quantity) -> bool:
     """Whether a value is zero, or is not there, of which a share scatters."""
     shares = {"scatter", "deviation_of_ln"} & scatter.parameters.keys()
-    return bool(shares) and scatter.parameters.keys() <= {*shares, "at_least", "at_most"} and not quantity.value
+    return (
+        bool(shares)
+        and scatter.parameters.keys() <= {*shares, "at_least", "at_most"}
+        and not quantity.value
+    )
 
 
 def _states(raw: Mapping[str, object], key: str) -> bool:
@@ -73,7 +86,9 @@ def _states(raw: Mapping[str, object], key: str) -> bool:
     at: object = raw
     for part in key.split("."):
         if isinstance(at, list | tuple):
-            at = next((one for one in at if isinstance(one, Mapping) and one.get("model") == part), None)
+            at = next(
+                (one for one in at if isinstance(one, Mapping) and one.get("model") == part), None
+            )
         elif isinstance(at, Mapping) and part in at:
             at = at[part]
         else:
@@ -95,7 +110,9 @@ def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
                 "pressure_viscosity_factor = { distribution = 'uniform', scatter = 0.25 }"
             ]
         )
-    table = {key: {"distribution": one.distribution, **one.parameters} for key, (one, _) in used.items()}
+    table = {
+        key: {"distribution": one.distribution, **one.parameters} for key, (one, _) in used.items()
+    }
     raw = {**dict(scene.raw or resolved(scene)), "uncertainty": table}
     said = tuple(f"{key} {one.grade}: {one.source}" for key, (one, _) in used.items())
     return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable(raw)), said

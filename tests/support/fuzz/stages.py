@@ -22,7 +22,9 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 
 #: 5P4E after Ehret, Dowson and Taylor (1998); the other laws have no constants.
-YASUTOMI = Yasutomi(glass_temperature=244.95, a1=134.2, a2=1.929e-9, b1=4.815, b2=0.160e-9, c1=16.01, c2=20.69)
+YASUTOMI = Yasutomi(
+    glass_temperature=244.95, a1=134.2, a2=1.929e-9, b1=4.815, b2=0.160e-9, c1=16.01, c2=20.69
+)
 LAWS = [Barus(), Roelands(), YASUTOMI]
 
 
@@ -80,10 +82,35 @@ def call_apart(capsule, slices):
 
 # Fuzzing -------------------------------------------------------------------------------------------------------------
 
-_HEAD, _DOUBLE = 4, 8
+_HEAD = 4
+_DOUBLE = 8
 _ODD = [
-    *(0.0, -0.0, 1.0, -1.0, 5e-324, -5e-324, 2.2250738585072014e-308, 1.7976931348623157e308, -1.7976931348623157e308),
-    *(math.inf, -math.inf, math.nan, -math.nan, 1e-300, 1e300, -1e300, 1e-160, 1e160, 1e-30, 1e30, 2.0**53, 2.0**63),
+    *(
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        5e-324,
+        -5e-324,
+        2.2250738585072014e-308,
+        1.7976931348623157e308,
+        -1.7976931348623157e308,
+    ),
+    *(
+        math.inf,
+        -math.inf,
+        math.nan,
+        -math.nan,
+        1e-300,
+        1e300,
+        -1e300,
+        1e-160,
+        1e160,
+        1e-30,
+        1e30,
+        2.0**53,
+        2.0**63,
+    ),
 ]
 
 
@@ -104,7 +131,8 @@ def run(data):
     """A table of any bits: finite results in the columns that are the stages' own, or a refusal."""
     if len(data) < _HEAD + _DOUBLE * (len(CONDITIONS) + len(COLUMNS)):
         return
-    slices, given = table(data), table(data)
+    slices = table(data)
+    given = table(data)
     chain = _chain(*data[:_HEAD])
     for model in chain.models:
         status = call_apart(stage(model), slices)
@@ -120,13 +148,19 @@ def run(data):
     else:
         assert any(model.name in refusal for model in chain.models), refusal
     for name in COLUMNS.keys() - written:
-        assert getattr(slices, name).tobytes() == getattr(given, name).tobytes(), f"{name} was overwritten"
+        assert getattr(slices, name).tobytes() == getattr(given, name).tobytes(), (
+            f"{name} was overwritten"
+        )
 
 
 def _changed(random, value):
     kind = random.randrange(6)
     if kind < 3:
-        return value * 10.0 ** random.gauss(0.0, (0.5, 5.0, 60.0)[kind]) if random.random() < 0.9 else -value
+        return (
+            value * 10.0 ** random.gauss(0.0, (0.5, 5.0, 60.0)[kind])
+            if random.random() < 0.9
+            else -value
+        )
     if kind < 5:
         return random.choice(_ODD)
     return struct.unpack("<d", random.randbytes(8))[0]

@@ -70,7 +70,9 @@ def refused(*kinds, place=""):
     assert problems, "an error without a word"
     for problem in problems:
         assert str(place) in problem, f"no place in {problem!r}"
-        assert len(problem) < 4000 or isinstance(error, PluginError), f"a message of {len(problem)} characters"
+        assert len(problem) < 4000 or isinstance(error, PluginError), (
+            f"a message of {len(problem)} characters"
+        )
 
 
 # Text ---------------------------------------------------------------------------------------------------------------
@@ -123,7 +125,9 @@ def unit(data):
         assert math.isfinite(value)
         with refused(UnitError):  # beyond the largest float in a smaller unit
             back = quantity(format_quantity(value, expected, 17), expected)
-            assert math.isclose(back, value, rel_tol=1e-12, abs_tol=1e-9 if expected == "K" else 0.0), (back, value)
+            assert math.isclose(
+                back, value, rel_tol=1e-12, abs_tol=1e-9 if expected == "K" else 0.0
+            ), (back, value)
 
 
 def rig(data):
@@ -159,30 +163,189 @@ def result(data):
 
 
 _NUMBERS = [
-    *("0", "-0", "1", "-1", "3", "17", "1e-3", "0.5", "-0.0", "1e308", "-1e308", "1e309", "5e-324", "1e-300", "nan"),
-    *("-nan", "inf", "-inf", "0x7fff", "0o17", "0b11", "1_000", "9223372036854775808", "9" * 400, "9" * 5000),
-    *("0x" + "f" * 5000, "0.1e1", "1e400", "1e-400", "1.7976931348623157e308", "6371", "1000000000", "1e-5"),
+    *(
+        "0",
+        "-0",
+        "1",
+        "-1",
+        "3",
+        "17",
+        "1e-3",
+        "0.5",
+        "-0.0",
+        "1e308",
+        "-1e308",
+        "1e309",
+        "5e-324",
+        "1e-300",
+        "nan",
+    ),
+    *(
+        "-nan",
+        "inf",
+        "-inf",
+        "0x7fff",
+        "0o17",
+        "0b11",
+        "1_000",
+        "9223372036854775808",
+        "9" * 400,
+        "9" * 5000,
+    ),
+    *(
+        "0x" + "f" * 5000,
+        "0.1e1",
+        "1e400",
+        "1e-400",
+        "1.7976931348623157e308",
+        "6371",
+        "1000000000",
+        "1e-5",
+    ),
 ]
 _UNITS = [
-    *("", "mm", "m", "um", "rpm", "rad/s", "degC", "K", "N", "kN", "MPa", "GPa", "1/GPa", "Pa s", "mPa s", "%"),
-    *("kg/m3", "J/(kg K)", "J/kg K", "W/(m K)", "W/(m K", "mrad", "°C", "µm", "m²", "m^2", "m m4", "1/(GPa K)", "m5"),
-    *("furlong", "m/", "/", "m//s", "(m)", "K K", "degC/s", "1 1", "\xa0mm", "m\u0661", "mm " * 5000),
+    *(
+        "",
+        "mm",
+        "m",
+        "um",
+        "rpm",
+        "rad/s",
+        "degC",
+        "K",
+        "N",
+        "kN",
+        "MPa",
+        "GPa",
+        "1/GPa",
+        "Pa s",
+        "mPa s",
+        "%",
+    ),
+    *(
+        "kg/m3",
+        "J/(kg K)",
+        "J/kg K",
+        "W/(m K)",
+        "W/(m K",
+        "mrad",
+        "°C",
+        "µm",
+        "m²",
+        "m^2",
+        "m m4",
+        "1/(GPa K)",
+        "m5",
+    ),
+    *(
+        "furlong",
+        "m/",
+        "/",
+        "m//s",
+        "(m)",
+        "K K",
+        "degC/s",
+        "1 1",
+        "\xa0mm",
+        "m\u0661",
+        "mm " * 5000,
+    ),
     f"m{' ' * 5000}mm",
 ]
 _TEXTS = [
-    *("none", "table", "circular", "iso16281", "moes", "lambda-blend", "muraki", "kragelsky", "palmgren", "lundberg"),
-    *("mil-prf-7808", "1032930", "walther", "vogel", "barus", "roelands", "yasutomi", "inner", "outer", "epicyclic"),
-    *("", " ", "1,5 mm", "1.000,5 N", "\u0661\u0665 mm", "\uff11\uff15 mm", "a" * 5000, "\U0001f600", "\u202e"),
-    *("\ufeff", "e\u0301", "\u2028", "rollslip>=0.1", "no-such>=1", ">=", "a;b", "[x]", "../x", "%s{}{0}", "'", "\\"),
+    *(
+        "none",
+        "table",
+        "circular",
+        "iso16281",
+        "moes",
+        "lambda-blend",
+        "muraki",
+        "kragelsky",
+        "palmgren",
+        "lundberg",
+    ),
+    *(
+        "mil-prf-7808",
+        "1032930",
+        "walther",
+        "vogel",
+        "barus",
+        "roelands",
+        "yasutomi",
+        "inner",
+        "outer",
+        "epicyclic",
+    ),
+    *(
+        "",
+        " ",
+        "1,5 mm",
+        "1.000,5 N",
+        "\u0661\u0665 mm",
+        "\uff11\uff15 mm",
+        "a" * 5000,
+        "\U0001f600",
+        "\u202e",
+    ),
+    *(
+        "\ufeff",
+        "e\u0301",
+        "\u2028",
+        "rollslip>=0.1",
+        "no-such>=1",
+        ">=",
+        "a;b",
+        "[x]",
+        "../x",
+        "%s{}{0}",
+        "'",
+        "\\",
+    ),
 ]
 _TOKENS = [
-    *("1979-05-27", "1979-05-27T07:32:00Z", "07:32:00", "true", "false", "[]", "{}", "[[]]", "[1, 'a', {}]", "''''''"),
-    *("{ model = 'muraki' }", "{ model = 'lambda-blend', hydrodynamic = { model = 'eyring' } }", "{ model = 1 }"),
+    *(
+        "1979-05-27",
+        "1979-05-27T07:32:00Z",
+        "07:32:00",
+        "true",
+        "false",
+        "[]",
+        "{}",
+        "[[]]",
+        "[1, 'a', {}]",
+        "''''''",
+    ),
+    *(
+        "{ model = 'muraki' }",
+        "{ model = 'lambda-blend', hydrodynamic = { model = 'eyring' } }",
+        "{ model = 1 }",
+    ),
     "{ shape = 'table', position = [-7.5e-3, 0, 7.5e-3], drop = [1e-5, 0, 1e-5] }",
     "{ shape = 'circular', radius = 5 }",
     "[{ temperature = '40 degC', viscosity = '12 mPa s' }, { temperature = '70 degC', viscosity = '5 mPa s' }]",
-    *("[" * 50 + "]" * 50, "[" * 2000 + "]" * 2000, "{a=" * 50 + "1" + "}" * 50, "{a=" * 400 + "1" + "}" * 400),
-    *("'a", '"\\x"', '"\\u0000"', '"\\ud800"', '"\\U00110000"', "1 2", "=", "#", "1__0", "00", "+1", "1.", ".5", "1e"),
+    *(
+        "[" * 50 + "]" * 50,
+        "[" * 2000 + "]" * 2000,
+        "{a=" * 50 + "1" + "}" * 50,
+        "{a=" * 400 + "1" + "}" * 400,
+    ),
+    *(
+        "'a",
+        '"\\x"',
+        '"\\u0000"',
+        '"\\ud800"',
+        '"\\U00110000"',
+        "1 2",
+        "=",
+        "#",
+        "1__0",
+        "00",
+        "+1",
+        "1.",
+        ".5",
+        "1e",
+    ),
 ]
 _JSON = [
     "null",
@@ -198,14 +361,49 @@ _JSON = [
 ]
 _KEYS = [row.key.replace("*", "x") for row in schema()]
 _KEYS += [
-    f"lubricant.{key}" for key in ("viscosity_law", "points", "density", "pressure_viscosity_law", "viscosity_factor")
+    f"lubricant.{key}"
+    for key in ("viscosity_law", "points", "density", "pressure_viscosity_law", "viscosity_factor")
 ]
-_KEYS += ["x", '""', '"a.b"', "'\u00e4'", '"\\n"', "1", "1.2", "a.b.c.d.e", ".".join("a" * 1000), "study.x" + ".a" * 60]
-_MARKS = ['"', "'", '"""', "'''", "[", "]", "{", "}", ".", ",", "=", "#", "\n", "\r", "\t", "\x00", "\ufeff", "\ud7ff"]
+_KEYS += [
+    "x",
+    '""',
+    '"a.b"',
+    "'\u00e4'",
+    '"\\n"',
+    "1",
+    "1.2",
+    "a.b.c.d.e",
+    ".".join("a" * 1000),
+    "study.x" + ".a" * 60,
+]
+_MARKS = [
+    '"',
+    "'",
+    '"""',
+    "'''",
+    "[",
+    "]",
+    "{",
+    "}",
+    ".",
+    ",",
+    "=",
+    "#",
+    "\n",
+    "\r",
+    "\t",
+    "\x00",
+    "\ufeff",
+    "\ud7ff",
+]
 
 
 def _number(random):
-    return random.choice(_NUMBERS) if random.random() < 0.5 else f"{random.gauss(0, 1) * 10 ** random.gauss(0, 6):g}"
+    return (
+        random.choice(_NUMBERS)
+        if random.random() < 0.5
+        else f"{random.gauss(0, 1) * 10 ** random.gauss(0, 6):g}"
+    )
 
 
 def _quantity(random):
@@ -227,7 +425,9 @@ def _value(random):
 
 
 def _changed_number(random, text):
-    return _number(random) if random.random() < 0.2 else f"{float(text) * 10 ** random.gauss(0, 3):g}"
+    return (
+        _number(random) if random.random() < 0.2 else f"{float(text) * 10 ** random.gauss(0, 3):g}"
+    )
 
 
 def changed_toml(random, data):
@@ -239,7 +439,9 @@ def changed_toml(random, data):
         key, equals, value = lines[at].partition("=")
         kind = random.randrange(10)
         if kind < 5 and equals:
-            changed = re.sub(r"\d+\.?\d*(e-?\d+)?", lambda found: _changed_number(random, found[0]), value)
+            changed = re.sub(
+                r"\d+\.?\d*(e-?\d+)?", lambda found: _changed_number(random, found[0]), value
+            )
             lines[at] = f"{key}={changed if kind < 2 else ' ' + _value(random)}"
         elif kind < 6:
             del lines[at]
@@ -250,10 +452,14 @@ def changed_toml(random, data):
             lines.insert(at, f"[{table}]" if random.random() < 0.8 else f"[[{table}]]")
         elif kind < 9:
             key = random.choice(_KEYS)
-            lines.insert(at, f"{key if random.random() < 0.5 else key.rpartition('.')[2]} = {_value(random)}")
+            lines.insert(
+                at, f"{key if random.random() < 0.5 else key.rpartition('.')[2]} = {_value(random)}"
+            )
         else:
             place = random.randrange(len(lines[at]) + 1)
-            lines[at] = lines[at][:place] + random.choice(_MARKS) + lines[at][place + random.randrange(3) :]
+            lines[at] = (
+                lines[at][:place] + random.choice(_MARKS) + lines[at][place + random.randrange(3) :]
+            )
         text = "\n".join(lines)
     data = text.encode(errors="replace")
     return changed_bytes(random, data) if random.random() < 0.1 else data
@@ -272,7 +478,8 @@ def changed_unit(random, data):
 def changed_bytes(random, data):
     """Return the bytes with a few of them changed, taken out or put in, or cut off."""
     for _ in range(random.choice((1, 1, 2, 8))):
-        place, count = random.randrange(len(data) + 1), random.randrange(4)
+        place = random.randrange(len(data) + 1)
+        count = random.randrange(4)
         out = count if random.random() < 0.8 else random.randrange(4)  # else what lies behind moves
         data = data[:place] + random.randbytes(count) + data[place + out :]
     return data[: random.randrange(len(data) + 1)] if random.random() < 0.2 else data
@@ -283,7 +490,8 @@ def changed_json(random, data):
     text = data.decode()
     for _ in range(random.choice((1, 1, 2, 4))):
         tokens = [*re.finditer(r'"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:e-?\d+)?', text)]
-        at, kind = random.choice(tokens), random.randrange(4)
+        at = random.choice(tokens)
+        kind = random.randrange(4)
         if kind == 3:
             place = random.randrange(len(text))
             text = text[:place] + random.choice(_MARKS) + text[place + random.randrange(2) :]
@@ -302,7 +510,11 @@ def changed_csv(random, data):
         which = random.randrange(len(cells))
         kind = random.randrange(6)
         if kind < 2:
-            cells[which] = _number(random) if at else cells[which].partition("[")[0] + f"[{random.choice(_UNITS)}]"
+            cells[which] = (
+                _number(random)
+                if at
+                else cells[which].partition("[")[0] + f"[{random.choice(_UNITS)}]"
+            )
         elif kind < 3:
             cells[which] += random.choice([*_MARKS, *_TEXTS])
         elif kind < 4:
@@ -402,16 +614,30 @@ slide_roll_ratio [1], friction [1], rolling_speed [m/s], max_pressure [GPa], tem
 0.05, 0.045, 2, 1.1, 40
 0.1, 0.05, 2, 1.1, 40
 """
-SCENES = [path.read_bytes() for path in sorted((ROOT / "plugins" / "rollslip_plugins" / "scenes").glob("*.toml"))]
-SCENES += [path.read_bytes() for path in sorted((ROOT / "docs" / "examples").glob("*.toml"))] + [OWN]
+SCENES = [
+    path.read_bytes()
+    for path in sorted((ROOT / "plugins" / "rollslip_plugins" / "scenes").glob("*.toml"))
+]
+SCENES += [path.read_bytes() for path in sorted((ROOT / "docs" / "examples").glob("*.toml"))] + [
+    OWN
+]
 
 
 def _result():
     """Return a small file of results."""
     slip = xr.Variable("slip", np.linspace(0.0, 1.0, 11), {"units": "1", "long_name": "slip"})
-    friction = xr.Variable(("ring", "slip"), np.ones((2, 11)), {"units": "1", "long_name": "friction"})
-    attributes = {"study": "friction-curve", "scene_hash": 64 * "0", "models": json.dumps([{"name": "moes"}])}
-    save(xr.Dataset({"friction": friction}, {"slip": slip, "ring": ["inner", "outer"]}, attributes), FOLDER / "seed.nc")
+    friction = xr.Variable(
+        ("ring", "slip"), np.ones((2, 11)), {"units": "1", "long_name": "friction"}
+    )
+    attributes = {
+        "study": "friction-curve",
+        "scene_hash": 64 * "0",
+        "models": json.dumps([{"name": "moes"}]),
+    }
+    save(
+        xr.Dataset({"friction": friction}, {"slip": slip, "ring": ["inner", "outer"]}, attributes),
+        FOLDER / "seed.nc",
+    )
     return (FOLDER / "seed.nc").read_bytes()
 
 
@@ -421,7 +647,9 @@ TARGETS = {
     "setting": Target(setting, [b"operation.radial_load=500 N"], changed_setting),
     "unit": Target(unit, [b"\x0015 mm"], changed_unit),
     "rig": Target(rig, [EXAMPLE.encode()], changed_toml),
-    "parameters": Target(parameters, [json.dumps(to_parameters(load_scene("gearbox"))).encode()], changed_json),
+    "parameters": Target(
+        parameters, [json.dumps(to_parameters(load_scene("gearbox"))).encode()], changed_json
+    ),
     "measurements": Target(measurements, [CSV], changed_csv),
     "result": Target(result, [_result()], changed_bytes),
     "stages": Target(stages.run, stages.SEEDS, stages.changed),

@@ -9,7 +9,9 @@ from rollslip.testing import Conformance
 
 from rollslip_circular.traction import Circular
 
-PRESSURE, FILM, VISCOSITY = 6e8, 4e-7, 180.0
+PRESSURE = 6e8
+FILM = 4e-7
+VISCOSITY = 180.0
 
 
 class TestCircular(Conformance):

@@ -29,8 +29,10 @@ def test_it_follows_its_laws(celsius: float) -> None:
     state = EXAMPLE_OIL.at(celsius + 273.15)
     with mpmath.workdps(40):
         T = mpmath.mpf(celsius + 273.15)
-        eta, alpha = viscosity(T), coefficient(T)
-        beta, gamma = -mpmath.diff(viscosity, T) / eta, -mpmath.diff(coefficient, T)
+        eta = viscosity(T)
+        alpha = coefficient(T)
+        beta = -mpmath.diff(viscosity, T) / eta
+        gamma = -mpmath.diff(coefficient, T)
     assert state.viscosity == pytest.approx(float(eta), rel=1e-11)
     assert state.pressure_viscosity == pytest.approx(float(alpha), rel=1e-12)
     assert state.thermoviscosity == pytest.approx(float(beta), rel=1e-11)

@@ -67,7 +67,8 @@ SPEEDS = np.array([0.0, 1e-6, 1e-2, -0.3, 3.0, 20.0])
 
 
 def test_without_the_cut_it_is_muraki_of_the_box() -> None:
-    ours, theirs = slices(SPEEDS), slices(SPEEDS)
+    ours = slices(SPEEDS)
+    theirs = slices(SPEEDS)
     Chain(Barus(), Klebanov(growth="asinh"))(ours)
     Chain(Barus(), get_model("traction", "muraki"))(theirs)
     np.testing.assert_allclose(ours.friction, theirs.friction, rtol=1e-12)
@@ -75,7 +76,8 @@ def test_without_the_cut_it_is_muraki_of_the_box() -> None:
 
 def test_at_the_largest_pressure_the_oil_is_thicker() -> None:
     """As with the mean pressure if that were 4/pi times as high, but for the stress over it."""
-    ours, raised = slices(SPEEDS), slices(SPEEDS)
+    ours = slices(SPEEDS)
+    raised = slices(SPEEDS)
     Chain(Barus(), Klebanov(viscosity_at="maximum", law=Barus()))(ours)
     raised.pressure[:] *= 4.0 / math.pi
     Chain(Barus(), Klebanov(law=Barus()))(raised)

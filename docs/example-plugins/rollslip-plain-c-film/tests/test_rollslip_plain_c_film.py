@@ -8,7 +8,8 @@ from rollslip.testing import Conformance
 
 from rollslip_plain_c_film.film import ErtelGrubin
 
-RADIUS, MODULUS = 0.007, 2.28e11
+RADIUS = 0.007
+MODULUS = 2.28e11
 
 
 class TestErtelGrubin(Conformance):

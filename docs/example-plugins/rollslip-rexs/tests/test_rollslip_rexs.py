@@ -68,7 +68,8 @@ def put(folder: Path, text: str) -> tuple[Scene, tuple[str, ...]]:
 
 def test_a_file_is_read_to_the_number(tmp_path: Path) -> None:
     scene, notes = put(tmp_path, FILE)
-    bearing, operation = scene.bearing, scene.operation
+    bearing = scene.bearing
+    operation = scene.operation
     assert scene.title == "NU 210 of Gear Program"
     assert (bearing.rollers, bearing.roller_diameter, bearing.roller_length) == (16, 0.011, 0.012)
     # (50 + 90) / 2 = 70 mm, less and more the roller
@@ -147,7 +148,8 @@ def test_any_file_is_read_or_refused_in_words(tmp_path: Path) -> None:
     ids = ["3", "4", "5", "6", "7", "", "-1", "bearing_type", "inner_diameter"]
     read = 0
     for seed in range(200):
-        text, random = FILE, Random(seed)
+        text = FILE
+        random = Random(seed)
         for _ in range(random.choice((1, 2, 4))):
             before, after, choices = random.choice(
                 [

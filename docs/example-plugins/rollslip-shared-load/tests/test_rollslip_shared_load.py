@@ -27,7 +27,8 @@ def filled(model: SharedLoad, roughness: float = 0.4e-6, pressure: float = 5e8) 
 
 
 def test_the_shares_are_those_of_a_search_slice_by_slice() -> None:
-    model, film = SharedLoad(roughness_parameter=0.2), get_model("film", "moes")
+    model = SharedLoad(roughness_parameter=0.2)
+    film = get_model("film", "moes")
     made = filled(model)
     for k, speed in enumerate(SPEEDS):
 

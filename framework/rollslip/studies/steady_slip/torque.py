@@ -39,8 +39,12 @@ BY_FORMULA: Final[Mapping[str, Output]] = MappingProxyType(
         "formula_term": Output("formula_part", "N m", "term of a friction torque by formula"),
         "formula_status": Output("formula", "1", "what was found by a formula"),
         "formula_basis": Output("formula", "1", "what a formula rests on"),
-        "formula_estimated": Output("", "1", "what of the bearing's boundary dimensions is estimated for the formulas"),
-        "formula_speed": Output("", "m/s", "mean diameter times revolutions in a unit of time, n d_m"),
+        "formula_estimated": Output(
+            "", "1", "what of the bearing's boundary dimensions is estimated for the formulas"
+        ),
+        "formula_speed": Output(
+            "", "m/s", "mean diameter times revolutions in a unit of time, n d_m"
+        ),
     }
 )
 
@@ -60,7 +64,9 @@ class Duty:
     pitch_diameter: float  #: Diameter of the pitch circle d_m [m].
     radial_load: float  #: F_r [N].
     speed: float  #: Relative speed of the rings [rad/s], not negative.
-    viscosity: float  #: Dynamic viscosity of the oil at its temperature and ambient pressure [Pa s].
+    viscosity: (
+        float  #: Dynamic viscosity of the oil at its temperature and ambient pressure [Pa s].
+    )
     density: float | None = None  #: Density of the oil [kg/m3], None if the scene does not know it.
     width: float | None = None
     #: Dimension series as designations have it, such as "22"; empty if the bearing has no designation.
@@ -75,8 +81,11 @@ class Duty:
     @classmethod
     def of(cls, assembly: Assembly) -> "Duty":
         """Return that of a scene."""
-        b, operation, oil = assembly.scene.bearing, assembly.scene.operation, assembly.lubricant
-        T, listed = operation.temperature, b.catalogue or Catalogue()
+        b = assembly.scene.bearing
+        operation = assembly.scene.operation
+        oil = assembly.lubricant
+        T = operation.temperature
+        listed = b.catalogue or Catalogue()
         likely: dict[str, Any] = {
             "bore": b.boundaries[0],
             "outside_diameter": b.boundaries[1],
@@ -101,7 +110,9 @@ class Duty:
     def kinematic_viscosity(self) -> float:
         """Kinematic viscosity of the oil [m2/s]; a `DomainError` where its density is not known."""
         if self.density is None:
-            raise DomainError("needs the oil's kinematic viscosity: give lubricant.density, such as '870 kg/m3'")
+            raise DomainError(
+                "needs the oil's kinematic viscosity: give lubricant.density, such as '870 kg/m3'"
+            )
         return self.viscosity / self.density
 
     @property
@@ -145,7 +156,10 @@ def by_formula(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
     formulas = torque_formulas(assembly.scene)
     if not formulas:
         return {}, {}
-    duty, totals, parts, status = Duty.of(assembly), [], dict[str, float](), []
+    duty = Duty.of(assembly)
+    totals = []
+    parts = dict[str, float]()
+    status = []
     for formula in formulas:
         try:
             terms = formula.terms(duty)
@@ -164,8 +178,16 @@ def by_formula(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
         "formula_speed": duty.mean_diameter * duty.speed / (2.0 * math.pi),
     }
     return {name: BY_FORMULA[name].variable(one) for name, one in values.items()}, {
-        "formula": ("formula", [formula.name for formula in formulas], about("1", "formula of the friction torque")),
-        "formula_part": ("formula_part", np.array(list(parts), dtype=np.str_), about("1", "formula and its term")),
+        "formula": (
+            "formula",
+            [formula.name for formula in formulas],
+            about("1", "formula of the friction torque"),
+        ),
+        "formula_part": (
+            "formula_part",
+            np.array(list(parts), dtype=np.str_),
+            about("1", "formula and its term"),
+        ),
     }
 
 

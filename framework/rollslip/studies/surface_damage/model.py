@@ -62,7 +62,9 @@ class Contacts:
     roller_temperature: float
     material: Material  #: Of the raceway.
     #: Of the rollers.
-    roller_material: Material = attrs.field(default=attrs.Factory(lambda own: own.material, takes_self=True))
+    roller_material: Material = attrs.field(
+        default=attrs.Factory(lambda own: own.material, takes_self=True)
+    )
 
     @classmethod
     def of(cls, assembly: "Assembly", ring: "Ring", slices: Slices) -> "Contacts":
@@ -71,7 +73,9 @@ class Contacts:
         return cls(
             slices=slices,
             ring=ring,
-            ring_temperature=operation.inner_ring_temperature if ring == "inner" else operation.outer_ring_temperature,
+            ring_temperature=operation.inner_ring_temperature
+            if ring == "inner"
+            else operation.outer_ring_temperature,
             roller_temperature=operation.roller_temperature,
             material=assembly.scene.bearing.material_of(ring),
             roller_material=assembly.scene.bearing.material,
@@ -84,7 +88,8 @@ class Contacts:
         The surface that pushes the roller forward is the faster one: the ring on the inner side, the roller on the
         outer. A surface that turns back in its contact has the speed of its size.
         """
-        u, V = self.slices.rolling_speed, self.slices.sliding_speed
+        u = self.slices.rolling_speed
+        V = self.slices.sliding_speed
         ahead = 0.5 * V if self.ring == "inner" else -0.5 * V
         return np.abs(u + ahead), np.abs(u - ahead)
 
@@ -170,7 +175,9 @@ def values_of(model: DamageModel, contacts: Contacts) -> Array:
     """Return a measure of every slice, (n,)."""
     values = np.asarray(model.evaluate(contacts), dtype=float)
     if not np.isfinite(values).all():
-        raise DomainError(f"{model.name} has no value for {np.count_nonzero(~np.isfinite(values))} slices")
+        raise DomainError(
+            f"{model.name} has no value for {np.count_nonzero(~np.isfinite(values))} slices"
+        )
     return values
 
 
@@ -205,7 +212,12 @@ def _unit(model: DamageModel) -> str:
 def parts(scene: Scene) -> list[Part]:
     """Return the lines of a plan about what is measured."""
     return [
-        Part(part="damage", choice=model.name, resolution=model.equation, reason="models.damage names it")
+        Part(
+            part="damage",
+            choice=model.name,
+            resolution=model.equation,
+            reason="models.damage names it",
+        )
         for model in named_damage(scene)
     ]
 

@@ -92,11 +92,14 @@ class ThermalModel(abc.ABC):
 
 def thermal_model(scene: Scene) -> ThermalModel | None:
     """Return the model that a scene names under ``models.thermal``; None where temperatures are as they are given."""
-    choice, problems = scene.models.thermal, list[str]()
+    choice = scene.models.thermal
+    problems = list[str]()
     if choice is None:
         return None
     where = Location(scene.origins, ("models", "thermal"))
-    model: Any = structure_model("thermal", {"model": choice.name, **choice.parameters}, where, problems)
+    model: Any = structure_model(
+        "thermal", {"model": choice.name, **choice.parameters}, where, problems
+    )
     if problems:
         raise SceneError(problems)
     return model  # type: ignore[no-any-return]
@@ -104,13 +107,15 @@ def thermal_model(scene: Scene) -> ThermalModel | None:
 
 def from_bearing(scene: Scene, model: ThermalModel) -> dict[str, str]:
     """Return the parameters that a scene does not give and its model took from the bearing, as people read them."""
-    given, kinds = thermal_model(scene), cast("Any", type(model))
+    given = thermal_model(scene)
+    kinds = cast("Any", type(model))
     if given is None:
         return {}
     return {
         field.name: format_quantity(value, field.metadata.get("unit", "1"), 3)
         for field in attrs.fields(kinds)
-        if getattr(given, field.name) is None and isinstance(value := getattr(model, field.name), float)
+        if getattr(given, field.name) is None
+        and isinstance(value := getattr(model, field.name), float)
     }
 
 

@@ -25,7 +25,8 @@ _SHOWN: Final[dict[str, tuple[str, float, float]]] = {
     "outer_ring_temperature": ("Outer ring\n[°C]", 1.0, -273.15),
 }
 #: Room on the axis above the largest slip, and how far it goes at most for a slip of running away beyond.
-_ROOM, _FAR = 1.3, 4.0
+_ROOM = 1.3
+_FAR = 4.0
 #: Times that are written along the way through the phase picture, evenly over its length.
 _MARKS: Final = 12
 
@@ -34,11 +35,19 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     """Draw slip over time with critical slip and slip of running away, above what the operation does."""
     given = json.loads(dataset.attrs["history"])
     size = TWO_COLUMNS[0], (52 + 26 * len(given)) * MM
-    sheet = Sheet(size, 1 + len(given), 1, squeeze=False, sharex=True, height_ratios=(2.2, *[1.0] * len(given)))
+    sheet = Sheet(
+        size,
+        1 + len(given),
+        1,
+        squeeze=False,
+        sharex=True,
+        height_ratios=(2.2, *[1.0] * len(given)),
+    )
     axes, *below = sheet.axes[:, 0]
     t = dataset["time"].to_numpy()
     slip, away, critical = (
-        100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along", "critical_slip_along")
+        100.0 * dataset[name].to_numpy()
+        for name in ("cage_slip", "runaway_slip_along", "critical_slip_along")
     )
     top = _ROOM * float(np.nanmax(slip)) if np.isfinite(slip).any() else 100.0
     limit = 100.0 * nearest(dataset)[2]  # where the cage comes nearest to it
@@ -49,9 +58,23 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     if (away < top).any():
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
         sheet.handles.append(axes.fill_between(t, away, max(top, 105.0), label="skids", **tint))
-        sheet.line(t, away, "slip at which skidding begins", axes, color=MODEL_COLOURS[1], linestyle=DASHES[1])
+        sheet.line(
+            t,
+            away,
+            "slip at which skidding begins",
+            axes,
+            color=MODEL_COLOURS[1],
+            linestyle=DASHES[1],
+        )
     if (critical < top).any():
-        sheet.line(t, critical, "slip at largest traction, inner ring", axes, color="0.35", linestyle="dotted")
+        sheet.line(
+            t,
+            critical,
+            "slip at largest traction, inner ring",
+            axes,
+            color="0.35",
+            linestyle="dotted",
+        )
     low = float(np.nanmin(slip)) if np.isfinite(slip).any() else 0.0
     axes.set_ylim(min(0.0, 1.1 * low), top)
     axes.set_ylabel("Cage slip [%]")
@@ -68,7 +91,8 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
 def phase(dataset: "xr.Dataset") -> "Figure":
     """Draw the way of slip through the plane of slip and slip of running away."""
     sheet = Sheet((ONE_COLUMN[0], ONE_COLUMN[0]))
-    figure, axes = sheet.figure, sheet.axes
+    figure = sheet.figure
+    axes = sheet.axes
     t = dataset["time"].to_numpy()
     slip, away = (100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along"))
     known = np.isfinite(slip) & np.isfinite(away)
@@ -79,7 +103,8 @@ def phase(dataset: "xr.Dataset") -> "Figure":
         axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", va="center", color="0.25")
         return figure
     (left, right), (low, high) = (_with_room(values[known]) for values in (away, slip))
-    low, high = min(low, 0.0), max(high, 1.2 * left)
+    low = min(low, 0.0)
+    high = max(high, 1.2 * left)
     ends = np.array([left, right])
     tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
     axes.fill_between(ends, ends, max(high, right), **tint)
@@ -93,11 +118,14 @@ def phase(dataset: "xr.Dataset") -> "Figure":
     marks = np.searchsorted(way, np.linspace(0.0, way[-1], _MARKS))
     for k in np.flatnonzero(known)[np.unique(np.minimum(marks, way.size - 1))]:
         axes.plot(away[k], slip[k], color=MODEL_COLOURS[0], **MARKER)
-        axes.annotate(f"{t[k]:.2g}", (away[k], slip[k]), (4, 2), textcoords="offset points", fontsize=6)
+        axes.annotate(
+            f"{t[k]:.2g}", (away[k], slip[k]), (4, 2), textcoords="offset points", fontsize=6
+        )
     return figure
 
 
 def _with_room(values: Any) -> tuple[float, float]:
-    least, most = float(values.min()), float(values.max())
+    least = float(values.min())
+    most = float(values.max())
     room = max(0.08 * (most - least), 0.02 * abs(most), 0.1)
     return least - room, most + room

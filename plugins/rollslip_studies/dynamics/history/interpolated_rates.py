@@ -58,7 +58,14 @@ _HARDLY: Final = 1e-9
 #: parts between them the rates have a kink, at which a cubic errs two to three times as much.
 _SHARE: Final = 0.4
 #: Entries of the ledger that rates are compared by, beside the spins of the rollers.
-_COMPARED: Final = ("impulse_inner", "impulse_outer", "impulse_rings", "impulse_drag", "lost_rolling", "lost_land")
+_COMPARED: Final = (
+    "impulse_inner",
+    "impulse_outer",
+    "impulse_rings",
+    "impulse_drag",
+    "lost_rolling",
+    "lost_land",
+)
 
 Place = tuple[float, ...]
 
@@ -81,7 +88,13 @@ class Axis:
     @property
     def unit(self) -> str:
         """SI unit of the value."""
-        return "N" if self.name == "radial_load" else "K" if self.name.endswith("temperature") else "rad/s"
+        return (
+            "N"
+            if self.name == "radial_load"
+            else "K"
+            if self.name.endswith("temperature")
+            else "rad/s"
+        )
 
     def value(self, place: float) -> float:
         """Return the value of the operation at a place [N, K, rad/s]."""
@@ -108,13 +121,19 @@ class Stations:
     """Bearings in motion by their place on the axes."""
 
     assembly: Assembly  # the bearing as the scene states it
-    speeds: tuple[float, float]  # speeds of inner and outer ring where they turn fastest against each other [rad/s]
-    top_speeds: tuple[float, float]  # largest speeds of inner and outer ring [rad/s]; loads are worked out up to either
+    speeds: tuple[
+        float, float
+    ]  # speeds of inner and outer ring where they turn fastest against each other [rad/s]
+    top_speeds: tuple[
+        float, float
+    ]  # largest speeds of inner and outer ring [rad/s]; loads are worked out up to either
     axes: tuple[Axis, ...]  # what varies
     friction: FrictionSettings  # friction of the raceways
     level: str  # level of the motion
     planar: PlanarSettings | None  # what level planar needs
-    tolerance: float  # largest error of the rates between nodes, over all axes, relative to their largest
+    tolerance: (
+        float  # largest error of the rates between nodes, over all axes, relative to their largest
+    )
     speeds_vary: bool  # whether the rings turn slower at times
     _made: dict[Place, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
     #: Errors of the intervals that were looked at, by axis and ends: shared by all motions of the bearing through this
@@ -123,10 +142,20 @@ class Stations:
 
     def __attrs_post_init__(self) -> None:
         f = self.friction
-        of = self.speeds, self.top_speeds, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
+        of = (
+            self.speeds,
+            self.top_speeds,
+            self.axes,
+            self.level,
+            self.planar,
+            self.tolerance,
+            self.speeds_vary,
+        )
         of_friction = f.name, f.effective_over, f.coefficient, f.transition, f.tolerance
         key = of_bearing(self.assembly), *of, of_friction
-        object.__setattr__(self, "_errors", self.assembly.kept("errors between stations", key, dict))
+        object.__setattr__(
+            self, "_errors", self.assembly.kept("errors between stations", key, dict)
+        )
 
     @property
     def error(self) -> float:
@@ -186,8 +215,12 @@ class Stations:
         for share in _CHECKED:
             true = there(_between(low, high, share))
             at_nodes = [self._rates(there(node), true) for node in _nodes(low, high)]
-            cubic = sum(weight * rates for weight, rates in zip(_weights(share), at_nodes, strict=True))
-            error = off(np.asarray(cubic), self._rates(true, true), _LEAST * self._largest, self._rollers)
+            cubic = sum(
+                weight * rates for weight, rates in zip(_weights(share), at_nodes, strict=True)
+            )
+            error = off(
+                np.asarray(cubic), self._rates(true, true), _LEAST * self._largest, self._rollers
+            )
             found = max(found, error)
         return found
 
@@ -203,7 +236,9 @@ class Stations:
     @property
     def _least_force(self) -> float:
         """Mean force of a roller [N] that errors of loads are relative to at least, as those of rates are."""
-        load = max((axis.value(axis.high) for axis in self.axes if axis.name == "radial_load"), default=0.0)
+        load = max(
+            (axis.value(axis.high) for axis in self.axes if axis.name == "radial_load"), default=0.0
+        )
         return _LEAST * load / self._rollers
 
     @property
@@ -218,7 +253,9 @@ class Stations:
 
     @property
     def _bearings(self) -> dict[Place, Assembly]:
-        return self.assembly.kept("stations", (of_bearing(self.assembly), self.axes, self.speeds), dict)
+        return self.assembly.kept(
+            "stations", (of_bearing(self.assembly), self.axes, self.speeds), dict
+        )
 
     @property
     def bearings(self) -> int:
@@ -244,7 +281,11 @@ class Stations:
         key = (
             *(value for axis, value in zip(self.axes, place, strict=True) if axis.unit != "K"),
             bearing.scene.bearing.radial_clearance,  # which rings of other temperatures change
-            *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
+            *(
+                getattr(raceway.conditions, name)
+                for raceway in bearing.raceways
+                for name in sorted(read)
+            ),
         )
         tolerance = self.friction.table_tolerance(bearing)
         of = of_bearing(self.assembly), self.axes, self.speeds, self.top_speeds, tolerance
@@ -263,12 +304,17 @@ def _nodes(low: int, high: int) -> list[int]:
 
 def _weights(sixths: int) -> list[float]:
     """Weights of the nodes of an interval at a place in it (Lagrange)."""
-    return [math.prod((sixths - other) / (own - other) for other in _SIXTHS if other != own) for own in _SIXTHS]
+    return [
+        math.prod((sixths - other) / (own - other) for other in _SIXTHS if other != own)
+        for own in _SIXTHS
+    ]
 
 
 def of_bearing(assembly: Assembly) -> Resolution:
     """Return the resolution of a bearing without what its motions alone have of it, so that they share stations."""
-    return attrs.evolve(assembly.resolution, friction=None, level=None, integrator=None, integrator_tolerance=None)
+    return attrs.evolve(
+        assembly.resolution, friction=None, level=None, integrator=None, integrator_tolerance=None
+    )
 
 
 def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
@@ -277,15 +323,20 @@ def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     return changed(assembly, {f"operation.{name}": value for name, value in values.items()})
 
 
-def rates_of(motion: MovingBearing, like: MovingBearing, speed_shares: Sequence[float] = _SPEEDS[:1]) -> Array:
+def rates_of(
+    motion: MovingBearing, like: MovingBearing, speed_shares: Sequence[float] = _SPEEDS[:1]
+) -> Array:
     """Rates of a bearing at the speeds of another, some slips of its cage and places: (slips, places, rates).
 
     The rates are those of the spins of its rollers and of the ledger. Friction that is tabulated at one speed is looked
     at there only.
     """
-    k, rollers = like.assembly.kinematics, like.assembly.scene.bearing.rollers
-    speeds, rows = motion.system.owner.operation[:2], list[list[Array]]()
-    before, compared = speeds.copy(), _compared(like)
+    k = like.assembly.kinematics
+    rollers = like.assembly.scene.bearing.rollers
+    speeds = motion.system.owner.operation[:2]
+    rows = list[list[Array]]()
+    before = speeds.copy()
+    compared = _compared(like)
     shares = speed_shares if motion.friction.settings.name == "conventional" else (1.0,)
     for share, slip in itertools.product(shares, _slips(like.assembly)):
         speeds[:] = share * k.direction * np.array([k.inner_speed, k.outer_speed])
@@ -305,7 +356,11 @@ def rates_of(motion: MovingBearing, like: MovingBearing, speed_shares: Sequence[
 
 def _slips(assembly: Assembly) -> Iterable[float]:
     k = assembly.kinematics
-    return _SLIPS if abs(k.epicyclic_cage_speed) > 1e-9 * abs(k.inner_speed - k.outer_speed) else (0.0,)
+    return (
+        _SLIPS
+        if abs(k.epicyclic_cage_speed) > 1e-9 * abs(k.inner_speed - k.outer_speed)
+        else (0.0,)
+    )
 
 
 def _compared(motion: MovingBearing) -> list[str]:
@@ -320,7 +375,8 @@ def sizes_of(rates: Array, rollers: int) -> Array:
 
 def off(rates: Array, true: Array, least: Array, rollers: int) -> float:
     """Largest error of rates, relative to the largest of their sort, or to the least that counts if that is more."""
-    error, size = sizes_of(rates - true, rollers), np.maximum(sizes_of(true, rollers), least)
+    error = sizes_of(rates - true, rollers)
+    size = np.maximum(sizes_of(true, rollers), least)
     return float(np.divide(error, size, out=np.zeros(size.size), where=size > 0.0).max())
 
 

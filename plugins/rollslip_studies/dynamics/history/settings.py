@@ -67,9 +67,13 @@ def _values(of: str, validator: Any = None) -> Any:
 
 _AMPLITUDE: Final = "amplitude of a sine"
 #: What to do where a value would fall below 0.
-_BACK: Final = {"radial_load": "; a load that turns back has a load_direction of 180 deg from there on"}
-_FROM, _TO = "value before the change", "value after the change"
-_OF_SPEEDS, _OF_DIRECTION = dict.fromkeys(OF_SPEEDS, "speeds"), dict.fromkeys(OF_DIRECTION, "the direction of the load")
+_BACK: Final = {
+    "radial_load": "; a load that turns back has a load_direction of 180 deg from there on"
+}
+_FROM = "value before the change"
+_TO = "value after the change"
+_OF_SPEEDS = dict.fromkeys(OF_SPEEDS, "speeds")
+_OF_DIRECTION = dict.fromkeys(OF_DIRECTION, "the direction of the load")
 _MEAN: Final = "mean of a sine, by default that of [operation]"
 
 
@@ -79,8 +83,12 @@ class SpeedCourse(CourseSettings):
 
     others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_DIRECTION)
 
-    from_: float | None = _value("inner_speed", f"{_FROM}, by default that of [operation]; of a run-up 0", "from")
-    to: float | None = _value("inner_speed", f"{_TO}; by default 0, of a run-up that of [operation]")
+    from_: float | None = _value(
+        "inner_speed", f"{_FROM}, by default that of [operation]; of a run-up 0", "from"
+    )
+    to: float | None = _value(
+        "inner_speed", f"{_TO}; by default 0, of a run-up that of [operation]"
+    )
     mean: float | None = _value("inner_speed", _MEAN)
     amplitude: float | None = _value("inner_speed", _AMPLITUDE)
     value: tuple[float, ...] = _values("inner_speed")
@@ -92,7 +100,9 @@ class LoadCourse(CourseSettings):
 
     others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS | _OF_DIRECTION)
 
-    from_: float | None = _value("radial_load", f"{_FROM}, by default that of [operation]", "from", non_negative)
+    from_: float | None = _value(
+        "radial_load", f"{_FROM}, by default that of [operation]", "from", non_negative
+    )
     to: float | None = _value("radial_load", _TO, None, non_negative)
     mean: float | None = _value("radial_load", _MEAN, None, non_negative)
     amplitude: float | None = _value("radial_load", _AMPLITUDE, None, non_negative)
@@ -119,11 +129,16 @@ class TemperatureCourse(CourseSettings):
 
     others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS | _OF_DIRECTION)
 
-    from_: float | None = _value("temperature", f"{_FROM}, by default that of [operation]", "from", positive)
+    from_: float | None = _value(
+        "temperature", f"{_FROM}, by default that of [operation]", "from", positive
+    )
     to: float | None = _value("temperature", _TO, None, positive)
     mean: float | None = _value("temperature", _MEAN, None, positive)
     amplitude: float | None = field(
-        default=None, unit="K", doc=f"{_AMPLITUDE}, a difference: in K", validator=attrs.validators.optional(positive)
+        default=None,
+        unit="K",
+        doc=f"{_AMPLITUDE}, a difference: in K",
+        validator=attrs.validators.optional(positive),
     )
     value: tuple[float, ...] = _values("temperature", positive)
 
@@ -139,12 +154,20 @@ class _Row:
     time: float = field(unit="s", doc="time")
     inner_speed: float = field(default=None, doc="speed of the inner ring", **_like("inner_speed"))
     outer_speed: float = field(default=None, doc="speed of the outer ring", **_like("outer_speed"))
-    radial_load: float = field(default=None, doc="radial load", validator=non_negative, **_like("radial_load"))
-    load_direction: float = field(default=None, doc="direction of the load", **_like("load_direction"))
+    radial_load: float = field(
+        default=None, doc="radial load", validator=non_negative, **_like("radial_load")
+    )
+    load_direction: float = field(
+        default=None, doc="direction of the load", **_like("load_direction")
+    )
     temperature: float = _of_row("temperature", "temperature")
-    inner_ring_temperature: float = _of_row("inner_ring_temperature", "temperature of the inner ring")
+    inner_ring_temperature: float = _of_row(
+        "inner_ring_temperature", "temperature of the inner ring"
+    )
     roller_temperature: float = _of_row("roller_temperature", "temperature of the rollers")
-    outer_ring_temperature: float = _of_row("outer_ring_temperature", "temperature of the outer ring")
+    outer_ring_temperature: float = _of_row(
+        "outer_ring_temperature", "temperature of the outer ring"
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -163,7 +186,9 @@ class HistorySettings:
     inner_ring_temperature: TemperatureCourse | None = field(
         default=None, doc="temperature of the inner ring over time"
     )
-    roller_temperature: TemperatureCourse | None = field(default=None, doc="temperature of the rollers over time")
+    roller_temperature: TemperatureCourse | None = field(
+        default=None, doc="temperature of the rollers over time"
+    )
     outer_ring_temperature: TemperatureCourse | None = field(
         default=None, doc="temperature of the outer ring over time"
     )
@@ -176,7 +201,9 @@ class HistorySettings:
 
     def __attrs_post_init__(self) -> None:
         if not self.file and not any(getattr(self, name) for name in VARYING):
-            raise FieldError("file", f"nothing changes: give a table for one of {', '.join(VARYING)}, or a file")
+            raise FieldError(
+                "file", f"nothing changes: give a table for one of {', '.join(VARYING)}, or a file"
+            )
 
     def history(self, scene: Scene, duration: float, where: Location) -> "History":
         """Return the courses of a run of so many seconds.
@@ -190,19 +217,27 @@ class HistorySettings:
         where : Location
             Place of these settings, for messages.
         """
-        courses, faults, digest = dict[str, Course](), list[str](), ""
+        courses = dict[str, Course]()
+        faults = list[str]()
+        digest = ""
         if self.file:
             path = self._path(scene)
             try:
                 stat = path.stat()
                 columns, lines, digest = _read(path, self.file, stat.st_mtime_ns, stat.st_size)
             except OSError as error:
-                raise SceneError([where.at("file").says(f"{self.file}: cannot be read: {error.strerror}")]) from None
+                raise SceneError(
+                    [where.at("file").says(f"{self.file}: cannot be read: {error.strerror}")]
+                ) from None
             for name in columns.keys() - {"time"}:
                 if getattr(self, name) is not None:
-                    faults.append(where.at(name).says(f"{self.file} has it too; leave one of both out"))
+                    faults.append(
+                        where.at(name).says(f"{self.file} has it too; leave one of both out")
+                    )
                 courses[name] = table(columns["time"], columns[name])
-            faults += _uncovered(columns["time"], duration, f"{self.file}:{lines[0]}", f"{self.file}:{lines[-1]}")
+            faults += _uncovered(
+                columns["time"], duration, f"{self.file}:{lines[0]}", f"{self.file}:{lines[-1]}"
+            )
         for name in VARYING:
             one = getattr(self, name)
             if one is None or name in courses:
@@ -213,12 +248,18 @@ class HistorySettings:
                 faults.append(where.at(name).at(error.field).says(error.reason))
                 continue
             if one.shape == "table":
-                faults += _uncovered(np.array(one.time), duration, *2 * (where.at(name).at("time").says(""),))
+                faults += _uncovered(
+                    np.array(one.time), duration, *2 * (where.at(name).at("time").says(""),)
+                )
         for name in CONDITIONS:
             least, most = courses[name].span(duration) if name in courses else (0.0, 0.0)
             if least < -_ROUNDING * most:
                 goes = format_quantity(least, _like(name)["unit"])
-                faults.append(where.at(name).says(f"goes down to {goes}: it may not fall below 0{_BACK.get(name, '')}"))
+                faults.append(
+                    where.at(name).says(
+                        f"goes down to {goes}: it may not fall below 0{_BACK.get(name, '')}"
+                    )
+                )
         if faults:
             raise SceneError(faults)
         states = [name for name in VARYING if name in courses or name not in OF_PARTS]
@@ -228,7 +269,11 @@ class HistorySettings:
 
     def _path(self, scene: Scene) -> Path:
         beside = Path(scene.source)
-        return beside.parent / self.file if scene.source.endswith(".toml") and beside.exists() else Path(self.file)
+        return (
+            beside.parent / self.file
+            if scene.source.endswith(".toml") and beside.exists()
+            else Path(self.file)
+        )
 
 
 def _stated(scene: Scene, name: str) -> float:
@@ -239,7 +284,9 @@ def _stated(scene: Scene, name: str) -> float:
 def _uncovered(time: Array, duration: float, first: str, last: str) -> list[str]:
     said = []
     if time[0] > 0.0:
-        said.append(f"{first}: the history begins at {time[0]:g} s, the run at 0 s; say how it is from there on")
+        said.append(
+            f"{first}: the history begins at {time[0]:g} s, the run at 0 s; say how it is from there on"
+        )
     if time[-1] < duration:
         said.append(
             f"{last}: the history ends at {time[-1]:g} s, before the run does at {duration:g} s; add what comes, or "
@@ -249,16 +296,23 @@ def _uncovered(time: Array, duration: float, first: str, last: str) -> list[str]
 
 
 @lru_cache(maxsize=8)
-def _read(path: Path, source: str, changed: int, size: int) -> tuple[Mapping[str, Array], Array, str]:
+def _read(
+    path: Path, source: str, changed: int, size: int
+) -> tuple[Mapping[str, Array], Array, str]:
     """Columns of a file in SI units, the line of each row, and the hash of its content."""
     content = content_of(path)
-    text, digest = decoded(content, source), hashlib.sha256(content).hexdigest()
+    text = decoded(content, source)
+    digest = hashlib.sha256(content).hexdigest()
     quick = _quickly(text, source)
     if quick is None:
         faults = list[str]()
         columns, numbers = read_columns(text, source, _Row, faults, _something)
         if faults:
-            more = [f"{source}: and {len(faults) - _MOST_FAULTS} more faults"] if len(faults) > _MOST_FAULTS else []
+            more = (
+                [f"{source}: and {len(faults) - _MOST_FAULTS} more faults"]
+                if len(faults) > _MOST_FAULTS
+                else []
+            )
             raise SceneError([*faults[:_MOST_FAULTS], *more])
         quick = {name: np.array(values) for name, values in columns.items()}, np.array(numbers)
     arrays, lines = quick
@@ -268,13 +322,19 @@ def _read(path: Path, source: str, changed: int, size: int) -> tuple[Mapping[str
 
 
 def _something(names: Any) -> str:
-    return "" if {*names} & {*VARYING} else f"only a time: a column of {', '.join(VARYING)} is missing"
+    return (
+        "" if {*names} & {*VARYING} else f"only a time: a column of {', '.join(VARYING)} is missing"
+    )
 
 
 def _quickly(text: str, source: str) -> tuple[dict[str, Array], Array] | None:
     """What `read_columns` gives of a long file without faults, in a hundredth of the time; None where it has any."""
     rows = text.split("\n")
-    plain = [number for number, line in enumerate(rows) if (bare := line.strip()) and not bare.startswith("#")]
+    plain = [
+        number
+        for number, line in enumerate(rows)
+        if (bare := line.strip()) and not bare.startswith("#")
+    ]
     if len(plain) < 1000:
         return None
     faults = list[str]()
@@ -286,8 +346,12 @@ def _quickly(text: str, source: str) -> tuple[dict[str, Array], Array] | None:
         return None
     if faults or values.shape != (len(plain) - 1, len(names)) or not np.isfinite(values).all():
         return None
-    units = [cell.partition("[")[2].strip().removesuffix("]").strip() for cell in rows[plain[0]].split(",")]
-    columns, known = dict[str, Array](), attrs.fields_dict(_Row)
+    units = [
+        cell.partition("[")[2].strip().removesuffix("]").strip()
+        for cell in rows[plain[0]].split(",")
+    ]
+    columns = dict[str, Array]()
+    known = attrs.fields_dict(_Row)
     for name, unit, column in zip(names, units, values.T, strict=True):
         zero, one = (quantity(f"{size} {unit}", known[name].metadata["unit"]) for size in (0, 1))
         columns[name] = zero + (one - zero) * column
@@ -344,19 +408,25 @@ class History:
         for name in ("inner_speed", "outer_speed"):
             course = self.courses[name]
             first = max(int(np.searchsorted(course.begin, begin, side="right")) - 1, 0)
-            if course.powers[first : max(int(np.searchsorted(course.begin, end, side="left")), first + 1)].any():
+            if course.powers[
+                first : max(int(np.searchsorted(course.begin, end, side="left")), first + 1)
+            ].any():
                 return False
         return True
 
     def speeds_in_proportion(self) -> bool:
         """Whether the ratio of the rings' speeds is that of one instant all the time, or one ring stands still."""
-        inner, outer = self.courses["inner_speed"], self.courses["outer_speed"]
+        inner = self.courses["inner_speed"]
+        outer = self.courses["outer_speed"]
         if (0.0, 0.0) in (self.spans["inner_speed"], self.spans["outer_speed"]):
             return True
         if not {"inner_speed", "outer_speed"} & {*self.varies}:
             return True
         t = np.union1d(np.linspace(0.0, self.end, 1001), [*inner.breaks, *outer.breaks])
-        w_i, w_o = inner.at(t), outer.at(t)
+        w_i = inner.at(t)
+        w_o = outer.at(t)
         k = int(np.argmax(np.abs(w_i - w_o)))
         apart = np.abs(w_i * w_o[k] - w_o * w_i[k])
-        return bool(np.all(apart <= 1e-12 * max(np.abs(w_i).max(), np.abs(w_o).max()) ** 2)) and math.isfinite(w_i[k])
+        return bool(
+            np.all(apart <= 1e-12 * max(np.abs(w_i).max(), np.abs(w_o).max()) ** 2)
+        ) and math.isfinite(w_i[k])

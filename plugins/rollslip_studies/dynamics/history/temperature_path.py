@@ -31,7 +31,9 @@ class ThermalPath:
     #: What tells places of it apart: "temperature", the first of them, or "radial_clearance" where that changes too.
     name: str
     along: Course  # place on the line over time, from 0 to 1 and never back
-    courses: Mapping[str, Course]  # what changes, by its key in the scene: its course over time, in SI units
+    courses: Mapping[
+        str, Course
+    ]  # what changes, by its key in the scene: its course over time, in SI units
     error: float  # what the temperatures are known to [K]
 
     @classmethod
@@ -44,7 +46,11 @@ class ThermalPath:
         speed = np.hypot(fastest / far, 1.0 / times[-1])
         place = np.concatenate(([0.0], np.cumsum(0.5 * np.diff(times) * (speed[1:] + speed[:-1]))))
         courses = {key: through(times, value, rates[key]) for key, value in values.items()}
-        told = "radial_clearance" if CLEARANCE in values and np.ptp(values[CLEARANCE]) > 0.0 else "temperature"
+        told = (
+            "radial_clearance"
+            if CLEARANCE in values and np.ptp(values[CLEARANCE]) > 0.0
+            else "temperature"
+        )
         return cls(told, through(times, place / place[-1], speed / place[-1]), courses, error)
 
     @property
@@ -61,18 +67,23 @@ class ThermalPath:
         """Return the time at a place [s]."""
         from scipy.optimize import brentq
 
-        begin, ends = self.along.begin, self.along.powers[:, 0]
+        begin = self.along.begin
+        ends = self.along.powers[:, 0]
         if place >= ends[-1]:
             return float(begin[-1])
         k = max(int(np.searchsorted(ends, place, side="right")) - 1, 0)
-        return float(brentq(lambda t: float(self.along.at(t)) - place, begin[k], begin[k + 1], xtol=1e-300))
+        return float(
+            brentq(lambda t: float(self.along.at(t)) - place, begin[k], begin[k + 1], xtol=1e-300)
+        )
 
     def bearing(self, assembly: Assembly, place: float) -> Assembly:
         """Return a bearing at a place."""
 
         def made() -> Assembly:
             t = self.time(place)
-            return changed(assembly, {key: float(course.at(t)) for key, course in self.courses.items()})
+            return changed(
+                assembly, {key: float(course.at(t)) for key, course in self.courses.items()}
+            )
 
         return assembly.kept("bearing on a path", (self, place), made)
 

@@ -33,7 +33,9 @@ SHAPES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
 OF_SPEEDS: Final = ("run-up", "coast-down", "emergency-stop")
 OF_DIRECTION: Final = ("rotation",)
 #: Pieces of a period of a sine and of a time constant, and time constants after which nothing is left of a decay.
-_PER_PERIOD, _PER_CONSTANT, _CONSTANTS = 200, 32, 37
+_PER_PERIOD = 200
+_PER_CONSTANT = 32
+_CONSTANTS = 37
 #: Times at which an integrator starts anew, at most, but for jumps.
 _MOST_BREAKS: Final = 1000
 #: Periods of a sine that a run may have.
@@ -52,7 +54,8 @@ class Course:
         """Return the values at times [s], of any shape."""
         times = np.asarray(t, dtype=float)
         k = np.maximum(np.searchsorted(self.begin, times, side="right") - 1, 0)
-        x, p = np.maximum(times - self.begin[k], 0.0), self.powers[k]
+        x = np.maximum(times - self.begin[k], 0.0)
+        p = self.powers[k]
         return np.asarray(p[..., 0] + x * (p[..., 1] + x * (p[..., 2] + x * p[..., 3])))
 
     def scaled(self, factor: float) -> "Course":
@@ -62,7 +65,8 @@ class Course:
     def span(self, end: float) -> tuple[float, float]:
         """Return its least and largest value from 0 to an end [s]."""
         ends = np.append(self.begin[1:], np.inf)
-        low, high = np.clip(self.begin, 0.0, end), np.clip(ends, 0.0, end)
+        low = np.clip(self.begin, 0.0, end)
+        high = np.clip(ends, 0.0, end)
         low[0] = 0.0
         inside = high > low if end > 0.0 else high >= low
         inside |= (self.begin <= end) & (ends > end)
@@ -88,18 +92,22 @@ def constant(value: float) -> Course:
 
 def table(time: Array, value: Array) -> Course:
     """Return the course along straight lines between values, with a jump where two have the same time."""
-    powers, apart = np.zeros((time.size, 4)), np.diff(time)
+    powers = np.zeros((time.size, 4))
+    apart = np.diff(time)
     powers[:, 0] = value
     powers[:-1, 1] = np.divide(np.diff(value), apart, out=np.zeros(apart.size), where=apart > 0.0)
     jumps = time[1:][(apart == 0.0) & (np.diff(value) != 0.0)]
     bends = np.abs(np.diff(powers[:, 1], prepend=0.0))
     sharpest = np.argsort(bends, kind="stable")[::-1][:_MOST_BREAKS]
-    return Course(time, powers, tuple(np.union1d(jumps, time[sharpest[bends[sharpest] > 0.0]]).tolist()))
+    return Course(
+        time, powers, tuple(np.union1d(jumps, time[sharpest[bends[sharpest] > 0.0]]).tolist())
+    )
 
 
 def through(time: Array, value: Array, slope: Array) -> Course:
     """Return the smooth course through values with these slopes, which stays at the last."""
-    h, rise = np.diff(time), np.diff(value)
+    h = np.diff(time)
+    rise = np.diff(value)
     powers = np.zeros((time.size, 4))
     powers[:, 0] = value
     powers[:-1, 1] = slope[:-1]
@@ -141,7 +149,9 @@ class CourseSettings:
         validator=attrs.validators.optional(positive),
         possible=(1e-9, 1e9),
     )
-    phase: float | None = field(default=None, unit="rad", doc="phase of a sine at the start, by default 0")
+    phase: float | None = field(
+        default=None, unit="rad", doc="phase of a sine at the start, by default 0"
+    )
     time_constant: float | None = field(
         default=None,
         unit="s",
@@ -150,25 +160,37 @@ class CourseSettings:
         possible=(1e-9, 1e9),
     )
     time: tuple[float, ...] = field(
-        default=(), unit="s", doc="times of a table, ascending; the same time twice is a jump", possible=(-1e9, 1e9)
+        default=(),
+        unit="s",
+        doc="times of a table, ascending; the same time twice is a jump",
+        possible=(-1e9, 1e9),
     )
 
     def __attrs_post_init__(self) -> None:
         if self.shape in self.others:
             known = ", ".join(shape for shape in SHAPES if shape not in self.others)
-            raise FieldError("shape", f"{self.shape!r} is one of {self.others[self.shape]}; there are {known}")
+            raise FieldError(
+                "shape", f"{self.shape!r} is one of {self.others[self.shape]}; there are {known}"
+            )
         given = {key for key, value in self.parameters.items() if value not in (None, ())}
         needs, takes = SHAPES[self.shape]
         for key in needs:
             if key not in given:
-                raise FieldError(self._field(key), f"missing, but required for shape = {self.shape!r}")
+                raise FieldError(
+                    self._field(key), f"missing, but required for shape = {self.shape!r}"
+                )
         for key in sorted(given - {*needs, *takes}):
             known = ", ".join((*needs, *takes))
-            raise FieldError(self._field(key), f"is no parameter of shape = {self.shape!r}, which takes {known}")
+            raise FieldError(
+                self._field(key), f"is no parameter of shape = {self.shape!r}, which takes {known}"
+            )
         if self.shape == "table":
-            times, values = self.parameters["time"], self.parameters["value"]
+            times = self.parameters["time"]
+            values = self.parameters["value"]
             if len(times) != len(values):
-                raise FieldError("value", f"needs one value for each of {len(times)} times, not {len(values)}")
+                raise FieldError(
+                    "value", f"needs one value for each of {len(times)} times, not {len(values)}"
+                )
             if fault := unordered(np.array(times)):
                 raise FieldError("time", fault[1])
 
@@ -178,7 +200,11 @@ class CourseSettings:
     @property
     def parameters(self) -> dict[str, Any]:
         """Parameters of all shapes by key; None, or nothing, where they are not given."""
-        return {key: getattr(self, attribute.name) for key, attribute in fields_of(type(self)) if key != "shape"}
+        return {
+            key: getattr(self, attribute.name)
+            for key, attribute in fields_of(type(self))
+            if key != "shape"
+        }
 
     def course(self, now: float, end: float) -> Course:
         """Return the course up to an end [s], at least, of a value that the operation states to be ``now``.
@@ -193,13 +219,15 @@ class CourseSettings:
             mean = now if p["mean"] is None else p["mean"]
             return _sine(mean, p["amplitude"], p["period"], p["phase"] or 0.0, end)
         if self.shape == "rotation":
-            begin, left = p["from"] or 0.0, max(end - at, 0.0)
+            begin = p["from"] or 0.0
+            left = max(end - at, 0.0)
             turned = table(np.array([0.0, left]), begin + np.array([0.0, p["speed"] * left]))
             return _after(at, begin, turned, breaks=(at,))
         before, after = (now, 0.0) if self.shape in ("coast-down", "emergency-stop") else (0.0, now)
         if self.shape in ("ramp", "step"):
             before = now
-        start, end = before if p["from"] is None else p["from"], after if p["to"] is None else p["to"]
+        start = before if p["from"] is None else p["from"]
+        end = after if p["to"] is None else p["to"]
         if self.shape == "step":
             return table(np.array([0.0, at, at]), np.array([start, start, end]))
         if self.shape == "coast-down":
@@ -216,7 +244,8 @@ class CourseSettings:
 
 def _after(at: float, value: float, change: Course, breaks: tuple[float, ...]) -> Course:
     """A course that holds a value until its change begins."""
-    begin, powers = change.begin, change.powers
+    begin = change.begin
+    powers = change.powers
     if at > 0.0:
         begin = np.concatenate(([0.0], begin + at))
         powers = np.concatenate(([[value, 0.0, 0.0, 0.0]], powers))
@@ -225,11 +254,15 @@ def _after(at: float, value: float, change: Course, breaks: tuple[float, ...]) -
 
 def _sine(mean: float, amplitude: float, period: float, phase: float, end: float) -> Course:
     if not end / period <= _MOST_PERIODS:
-        raise FieldError("period", f"the run has {end / period:.3g} of them, more than {_MOST_PERIODS:,}")
+        raise FieldError(
+            "period", f"the run has {end / period:.3g} of them, more than {_MOST_PERIODS:,}"
+        )
     count = int(np.ceil(end / period * _PER_PERIOD)) + 2
     t = np.linspace(0.0, period / _PER_PERIOD * (count - 1), count)
     angle = 2.0 * np.pi / period * t + phase
-    return through(t, mean + amplitude * np.sin(angle), 2.0 * np.pi / period * amplitude * np.cos(angle))
+    return through(
+        t, mean + amplitude * np.sin(angle), 2.0 * np.pi / period * amplitude * np.cos(angle)
+    )
 
 
 def unordered(times: Array) -> tuple[int, str] | None:

@@ -17,7 +17,12 @@ from rollslip.rings import Rings
 from rollslip.structure import Location
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import MOST_AXES, Varying
-from rollslip_studies.dynamics.history.interpolated_rates import Axis, Stations, of_bearing, operated
+from rollslip_studies.dynamics.history.interpolated_rates import (
+    Axis,
+    Stations,
+    of_bearing,
+    operated,
+)
 from rollslip_studies.dynamics.history.settings import History
 from rollslip_studies.dynamics.history.temperature_path import ThermalPath
 from rollslip_studies.dynamics.history.time_functions import Course, constant
@@ -30,7 +35,8 @@ STILL: Final = 0.05
 #: Speeds over their typical ones below which a motion rests, at how many times it is looked for that, and the first of
 #: them in the time that the rings rest.
 _REST: Final = 1e-4
-_STOPS, _SOON = 25, 1e-3
+_STOPS = 25
+_SOON = 1e-3
 #: Evenly spread instants of a history at which it is looked how fast a motion moves, and at most as many breaks.
 _LOOKS: Final = 9
 #: Share of the tolerance that loads and tables of a station may take.
@@ -62,12 +68,15 @@ class PathStations(Stations):
 
     def bearing(self, place: tuple[float, ...]) -> Assembly:
         """Return the bearing at a place on the axes."""
-        known, axis = self._bearings, self.axes[-1]
+        known = self._bearings
+        axis = self.axes[-1]
         if place not in known:
             assert isinstance(axis, PathAxis)
             here = axis.path.bearing(self.assembly, place[-1])
             same = {of.name: getattr(self, of.name) for of in attrs.fields(Stations) if of.init}
-            known[place] = Stations(**(same | {"assembly": here, "axes": self.axes[:-1]})).bearing(place[:-1])
+            known[place] = Stations(**(same | {"assembly": here, "axes": self.axes[:-1]})).bearing(
+                place[:-1]
+            )
         return known[place]
 
 
@@ -87,7 +96,8 @@ class VaryingMotion(MovingBearing):
     @cached_property
     def breaks(self) -> tuple[float, ...]:
         """Times of jumps and kinks of the history, and those at which it is looked whether it came to rest [s]."""
-        known, end = self.history.breaks, self.history.end
+        known = self.history.breaks
+        end = self.history.end
         last = max(known, default=end)
         if not self.history.rings_rest(last, end):
             return known
@@ -101,7 +111,8 @@ class VaryingMotion(MovingBearing):
         """
         if self.stations.level != "cage-set" or not self.history.rings_rest(t, end):
             return False
-        now, scale = self.split(y), self.split(self.system.scale)
+        now = self.split(y)
+        scale = self.split(self.system.scale)
         spins = np.abs(now["roller_spin"]) <= _REST * scale["roller_spin"]
         if not (spins.any() and abs(now["cage_speed"]) <= _REST * scale["cage_speed"]):
             return False
@@ -147,14 +158,22 @@ class VaryingMotion(MovingBearing):
 
     def _state(self, t: float, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         now = {name: float(value) for name, value in self.history.at(t).items()}
-        cage, roller = (float(one[0]) for one in epicyclic(self.assembly, self.history, np.full(1, t)))
-        speed, spin = (1.0 - cage_slip) * cage, (1.0 - roller_slip) * roller
+        cage, roller = (
+            float(one[0]) for one in epicyclic(self.assembly, self.history, np.full(1, t))
+        )
+        speed = (1.0 - cage_slip) * cage
+        spin = (1.0 - roller_slip) * roller
         if (now["inner_speed"], now["outer_speed"]) == self.stations.speeds:
             speeds = self.base.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
-            speed, spin = float(speeds.cage_speed), float(speeds.roller_speed)
-        return self.base.state_at(speed, spin, now["radial_load"], self.direction * now["load_direction"])
+            speed = float(speeds.cage_speed)
+            spin = float(speeds.roller_speed)
+        return self.base.state_at(
+            speed, spin, now["radial_load"], self.direction * now["load_direction"]
+        )
 
-    def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float) -> Array:
+    def state_at(
+        self, cage_speed: float, roller_speed: float, load: float, direction: float
+    ) -> Array:
         """Return the state with these speeds [rad/s] under a load [N] in a direction [rad]."""
         return self.base.state_at(cage_speed, roller_speed, load, direction)
 
@@ -169,13 +188,17 @@ class VaryingMotion(MovingBearing):
     def error(self, refusal: Any) -> RollslipError:
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
         by = self.system.owner.refused_by
-        return next(motion for motion in self.stations.motions.values() if motion.system.owner is by).error(refusal)
+        return next(
+            motion for motion in self.stations.motions.values() if motion.system.owner is by
+        ).error(refusal)
 
 
 def epicyclic(assembly: Assembly, history: History, t: Array) -> tuple[Array, Array]:
     """Return the epicyclic speeds of cage and rollers at times [rad/s], in the sense in which rolling is positive."""
-    k, now = assembly.kinematics, history.at(t)
-    inner, outer = k.inner_radius, k.outer_radius
+    k = assembly.kinematics
+    now = history.at(t)
+    inner = k.inner_radius
+    outer = k.outer_radius
     cage = k.direction * (inner * now["inner_speed"] + outer * now["outer_speed"]) / (inner + outer)
     apart = k.direction * (now["inner_speed"] - now["outer_speed"])
     return cage, inner * outer / (inner + outer) * apart / k.roller_radius
@@ -198,7 +221,8 @@ def varying_motion(
     limit: Course | None = None,
 ) -> VaryingMotion:
     """Build the motion of a bearing along a history."""
-    k, spans = assembly.kinematics, history.spans
+    k = assembly.kinematics
+    spans = history.spans
     speeds = _fastest_speeds(assembly, history)
     if "load_direction" in history.given and (tilt := assembly.scene.operation.misalignment) != 0.0:
         raise DomainError(
@@ -207,7 +231,12 @@ def varying_motion(
         )
     top = max(map(abs, spans["inner_speed"])), max(map(abs, spans["outer_speed"]))
     _refuse_turning(assembly, top, planar is not None)
-    if "load_direction" in history.given and planar is None and assembly.rings is not None and _stands(assembly.rings):
+    if (
+        "load_direction" in history.given
+        and planar is None
+        and assembly.rings is not None
+        and _stands(assembly.rings)
+    ):
         raise DomainError(
             "the load turns, and rings or raceways that are not alike all round stand; choose level 'planar', or leave "
             "load_direction out"
@@ -240,7 +269,9 @@ def varying_motion(
     plain = attrs.evolve(friction, critical_slip=float("nan"))
     if axes:  # tables differ by their errors, of which interpolation can make nothing better
         plain = attrs.evolve(
-            plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked), between_nodes=_BETWEEN_NODES
+            plain,
+            tolerance=min(friction.table_tolerance(assembly), _TABLES * asked),
+            between_nodes=_BETWEEN_NODES,
         )
     if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
         plain = attrs.evolve(plain, like=_held(assembly, {"radial_load": spans["radial_load"][1]}))
@@ -256,13 +287,20 @@ def varying_motion(
         speeds_vary=bool({"inner_speed", "outer_speed"} & {*history.varies}),
     )
     base = stations.motion(tuple(axis.high for axis in axes))
-    stations.motion(tuple(axis.roots[0] for axis in axes))  # what cannot be put together is told before a run
-    courses = [history.courses[name].scaled(k.direction) for name in ("inner_speed", "outer_speed", "load_direction")]
+    stations.motion(
+        tuple(axis.roots[0] for axis in axes)
+    )  # what cannot be put together is told before a run
+    courses = [
+        history.courses[name].scaled(k.direction)
+        for name in ("inner_speed", "outer_speed", "load_direction")
+    ]
     courses.append(history.courses["radial_load"])
     courses.append(constant(float("nan")) if limit is None else limit)
     for axis in axes:
         of_axis = axis.path.along if isinstance(axis, PathAxis) else history.courses.get(axis.name)
-        courses.append(constant(0.0) if of_axis is None else of_axis)  # of a speed, which the rates know
+        courses.append(
+            constant(0.0) if of_axis is None else of_axis
+        )  # of a speed, which the rates know
     names = [axis.name for axis in axes]
     varying = Varying(
         [(course.begin, course.powers) for course in courses],
@@ -289,18 +327,22 @@ def varying_motion(
 def _stands(rings: Rings) -> bool:
     """Whether rings have a direction of their own, by a form, what pushes on them, stops or shapes of several waves."""
     return bool(rings.waves or rings.tables) or any(
-        ring.stops is not None or np.any(ring.pushes) or np.any(np.count_nonzero(ring.harmonics, axis=1) > 1)
+        ring.stops is not None
+        or np.any(ring.pushes)
+        or np.any(np.count_nonzero(ring.harmonics, axis=1) > 1)
         for ring in (rings.inner, rings.outer)
     )
 
 
 def _refuse_turning(assembly: Assembly, top_speeds: tuple[float, float], planar: bool) -> None:
     """Refuse what stands in the line of load and turns at some time."""
-    b, models = assembly.scene.bearing, assembly.scene.models
+    b = assembly.scene.bearing
+    models = assembly.scene.models
     for ring, speed in zip(RINGS, top_speeds, strict=True):
         if speed == 0.0:
             continue
-        raceway, choice = getattr(b, f"{ring}_raceway"), getattr(models, f"{ring}_ring")
+        raceway = getattr(b, f"{ring}_raceway")
+        choice = getattr(models, f"{ring}_ring")
         if raceway is not None and raceway.form and not planar:
             raise DomainError(
                 f"the {ring} ring turns along the history, with the form of its raceway; choose level 'planar', which "
@@ -309,22 +351,30 @@ def _refuse_turning(assembly: Assembly, top_speeds: tuple[float, float], planar:
         if choice is not None:
             at = Location(assembly.scene.origins, ("models", f"{ring}_ring"))
             try:
-                structure_model("ring", {"model": choice.name, **choice.parameters}, at, []).shapes(b, ring, True)
+                structure_model("ring", {"model": choice.name, **choice.parameters}, at, []).shapes(
+                    b, ring, True
+                )
             except FieldError as error:
                 raise SceneError([at.at(error.field).says(error.reason)]) from None
 
 
 def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     """The bearing at the values that stay the same, put together once."""
-    return assembly.kept("held", (of_bearing(assembly), *values.items()), lambda: operated(assembly, values))
+    return assembly.kept(
+        "held", (of_bearing(assembly), *values.items()), lambda: operated(assembly, values)
+    )
 
 
 def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]:
     """Speeds of the rings where they turn fastest against each other, in the direction of the scene."""
-    inner, outer = history.courses["inner_speed"], history.courses["outer_speed"]
-    times = np.unique(np.concatenate((np.linspace(0.0, history.end, 1001), inner.begin, outer.begin)))
+    inner = history.courses["inner_speed"]
+    outer = history.courses["outer_speed"]
+    times = np.unique(
+        np.concatenate((np.linspace(0.0, history.end, 1001), inner.begin, outer.begin))
+    )
     times = times[(times >= 0.0) & (times <= history.end)]
-    w_i, w_o = inner.at(times), outer.at(times)
+    w_i = inner.at(times)
+    w_o = outer.at(times)
     k = int(np.argmax(np.abs(w_i - w_o)))
     apart = float(w_i[k] - w_o[k])
     if apart == 0.0:

@@ -22,16 +22,23 @@ from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import DomainError
 from rollslip.rings import Rings, RingShapes
 
-_FASTEST: Final = 0.1  # of a natural frequency, that of the waves in which a turning ring passes through a shape
+_FASTEST: Final = (
+    0.1  # of a natural frequency, that of the waves in which a turning ring passes through a shape
+)
 #: Cells of a form for each lobe, by which a spline is right to 1e-7, for each row of a table, and least and most.
-_PER_LOBE, _PER_ROW, _LEAST, _MOST = 128, 8, 256, 65536
+_PER_LOBE = 128
+_PER_ROW = 8
+_LEAST = 256
+_MOST = 65536
 
 
 def turned(rings: Rings, by: float) -> Rings:
     """Return rings, with forms as they are at the start, seen from a line that is turned by an angle [rad]."""
 
     def seen(ring: RingShapes) -> RingShapes:
-        return attrs.evolve(ring, harmonics=ring.harmonics * np.exp(1j * by * np.arange(ring.harmonics.shape[1])))
+        return attrs.evolve(
+            ring, harmonics=ring.harmonics * np.exp(1j * by * np.arange(ring.harmonics.shape[1]))
+        )
 
     waves = tuple((lobes, amplitude, angle - by) for lobes, amplitude, angle in rings.waves)
     tables = tuple((angles - by, heights) for angles, heights in rings.tables)
@@ -44,7 +51,9 @@ class BentRings:
     """Rings of a bearing in plane motion that yield or are out of round, in the sense of positive speeds."""
 
     rings: Rings  # with forms as they are at the start
-    forms: tuple[Array | None, Array | None]  # of either raceway, cubic on equal cells of the angle, (cells, 4)
+    forms: tuple[
+        Array | None, Array | None
+    ]  # of either raceway, cubic on equal cells of the angle, (cells, 4)
     turns: tuple[bool, bool]  # whether that goes round with its ring
 
     @property
@@ -62,7 +71,9 @@ class BentRings:
         ]
         angles = [f"{ring}_form_angle" for ring in compress(RINGS, self.turns)]
         speeds = [f"{name}_speed" for name in shapes]
-        return dict.fromkeys(shapes, "m") | dict.fromkeys(speeds, "m/s") | dict.fromkeys(angles, "rad")
+        return (
+            dict.fromkeys(shapes, "m") | dict.fromkeys(speeds, "m/s") | dict.fromkeys(angles, "rad")
+        )
 
     @property
     def shapes(self) -> int:
@@ -73,7 +84,11 @@ class BentRings:
     def given(self) -> list[tuple[Any, Array | None, bool]]:
         """What the compiled system takes of both."""
         return [
-            ((ring.harmonics, _mass(ring), ring.stiffness, _damping(ring), ring.pushes), form, turns)
+            (
+                (ring.harmonics, _mass(ring), ring.stiffness, _damping(ring), ring.pushes),
+                form,
+                turns,
+            )
             for ring, form, turns in zip(self.of_both, self.forms, self.turns, strict=True)
         ]
 
@@ -86,8 +101,11 @@ class BentRings:
         """Return kinetic and elastic energy of the shapes less the work of what pushes on them [J], (...)."""
         found = np.zeros(np.shape(shapes)[:-1])
         for ring, at in zip(self.of_both, (0, self.rings.inner.stiffness.size), strict=True):
-            q, v = shapes[..., at : at + ring.stiffness.size], speeds[..., at : at + ring.stiffness.size]
-            found = found + 0.5 * ((v * v) @ _mass(ring) + (q * q) @ ring.stiffness) - q @ ring.pushes
+            q = shapes[..., at : at + ring.stiffness.size]
+            v = speeds[..., at : at + ring.stiffness.size]
+            found = (
+                found + 0.5 * ((v * v) @ _mass(ring) + (q * q) @ ring.stiffness) - q @ ring.pushes
+            )
         return found
 
     def square_frequency(self, contact: tuple[float, float], rollers: int) -> float:
@@ -96,10 +114,12 @@ class BentRings:
         The matrix of all stiffnesses over masses is positive, so that its largest eigenvalue is at most the sum of
         those of its blocks.
         """
-        psi, found = 2.0 * np.pi * np.arange(rollers) / rollers, 0.0
+        psi = 2.0 * np.pi * np.arange(rollers) / rollers
+        found = 0.0
         for ring, stiffness in zip(self.of_both, contact, strict=True):
             if ring.stiffness.size:
-                B, root = ring.at(psi), np.sqrt(_mass(ring))
+                B = ring.at(psi)
+                root = np.sqrt(_mass(ring))
                 K = stiffness * B.T @ B + np.diag(ring.stiffness)
                 found += float(np.linalg.eigvalsh(K / np.multiply.outer(root, root))[-1])
         return found
@@ -120,8 +140,13 @@ def bent_rings(a: Assembly, speeds: tuple[float, float] | None = None) -> BentRi
     _refuse(RINGS[0], a.rings.inner, abs(of_inner))
     _refuse(RINGS[1], a.rings.outer, abs(of_outer))
     rings = turned(a.rings, 0.0)
-    inner, outer = _spline(rings.formed(1)), _spline(rings.formed(2))
-    return BentRings(rings, (inner, outer), (inner is not None and of_inner != 0, outer is not None and of_outer != 0))
+    inner = _spline(rings.formed(1))
+    outer = _spline(rings.formed(2))
+    return BentRings(
+        rings,
+        (inner, outer),
+        (inner is not None and of_inner != 0, outer is not None and of_outer != 0),
+    )
 
 
 def _refuse(ring: str, shapes: RingShapes, speed: float) -> None:
@@ -150,7 +175,11 @@ def _refuse(ring: str, shapes: RingShapes, speed: float) -> None:
 def _called(row: Any, number: int) -> str:
     """A shape by its wave, cos_2 or sin_3, or by its number where it has several."""
     waves = np.flatnonzero(row)
-    if waves.size != 1 or row[waves[0]] not in (1.0, -1.0j, 1.0j):  # of the mirror image a sine has another sign
+    if waves.size != 1 or row[waves[0]] not in (
+        1.0,
+        -1.0j,
+        1.0j,
+    ):  # of the mirror image a sine has another sign
         return f"shape_{number}"
     return f"{'cos' if row[waves[0]] == 1.0 else 'sin'}_{waves[0]}"
 

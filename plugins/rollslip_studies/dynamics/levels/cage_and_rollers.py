@@ -19,7 +19,11 @@ from rollslip.units import format_quantity
 from rollslip_kernels.motion.carried import LEDGER, Carried
 from rollslip_kernels.motion.system import System
 from rollslip_studies.dynamics.levels.load_map import LoadMap, build_load_map, resistances
-from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact, ungoverned
+from rollslip_studies.dynamics.levels.moving_bearing import (
+    MovingBearing,
+    pocket_contact,
+    ungoverned,
+)
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 
 _BLOCKS: Final = {
@@ -63,7 +67,9 @@ class CarriedMotion(MovingBearing):
         speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
         return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed))
 
-    def state_at(self, cage_speed: float, roller_speed: float, load: float = 0.0, direction: float = 0.0) -> Array:
+    def state_at(
+        self, cage_speed: float, roller_speed: float, load: float = 0.0, direction: float = 0.0
+    ) -> Array:
         """Return the state with these speeds [rad/s], rollers in the middle of their pockets whatever the load."""
         block = [roller_speed - cage_speed, cage_speed, 0.0][: len(_BLOCKS[self.level])]
         moving = [0.0, cage_speed, *block * self.assembly.scene.bearing.rollers]
@@ -84,7 +90,9 @@ class CarriedMotion(MovingBearing):
         """Return the angular momentum of cage and rollers about the axis of the bearing [N m s], (...)."""
         u = self.split(y)
         orbital = u.get("orbital_speed", u["cage_speed"][..., None] + 0.0 * u["roller_spin"])
-        momentum = self.assembly.cage.inertia * u["cage_speed"] + self.orbital_inertia * orbital.sum(axis=-1)
+        momentum = self.assembly.cage.inertia * u[
+            "cage_speed"
+        ] + self.orbital_inertia * orbital.sum(axis=-1)
         return np.asarray(momentum - self.spin_inertia * u["roller_spin"].sum(axis=-1))
 
     @property
@@ -147,7 +155,9 @@ def carried_motion(
     """
     assembly = assembly.with_resistance()
     loads = build_load_map(assembly, friction.table_tolerance(assembly)) if loads is None else loads
-    k, cage, Z = assembly.kinematics, assembly.cage, assembly.scene.bearing.rollers
+    k = assembly.kinematics
+    cage = assembly.cage
+    Z = assembly.scene.bearing.rollers
     of_raceways = raceway_friction(assembly, friction, loads)
     if friction.name != "conventional":
         loads = loads.forces(_resistance(assembly))
@@ -198,7 +208,8 @@ def _resistance(assembly: Assembly) -> Any:
 
 def _scale(assembly: Assembly, level: str) -> Array:
     """Typical magnitudes of the unknowns."""
-    k, cage = assembly.kinematics, assembly.cage
+    k = assembly.kinematics
+    cage = assembly.cage
     spin = k.epicyclic_roller_speed
     orbital = k.roller_radius / k.orbit_radius * spin
     block = [spin, orbital, max(cage.pocket_clearance, 1e-6)][: len(_BLOCKS[level])]

@@ -34,7 +34,8 @@ from rollslip_studies.motion.spins import check_repeats
 
 _log = logging.getLogger(__name__)
 
-_FIRST_INSTANTS, _MOST_INSTANTS = 2, 256
+_FIRST_INSTANTS = 2
+_MOST_INSTANTS = 256
 _MOST_FORCES = 1025
 #: Up to how many halvings between forces a map is measured between positions: it errs there alike at forces alike.
 _MEASURED = 2
@@ -120,7 +121,11 @@ class LoadMap:
         f = (centrifugal - low) / (high - low)
         table = (1.0 - f) * below + f * above
         (a, slope_a), (b, slope_b) = (table[i].swapaxes(0, 1) for i in (k, k + 1))
-        load = a + x * x * (3.0 - 2.0 * x) * (b - a) + x * (1.0 - x) * ((1.0 - x) * slope_a - x * slope_b)
+        load = (
+            a
+            + x * x * (3.0 - 2.0 * x) * (b - a)
+            + x * (1.0 - x) * ((1.0 - x) * slope_a - x * slope_b)
+        )
         return np.asarray(np.maximum(load, 0.0).swapaxes(0, 1))
 
     def forces(self, resistance: Callable[[Array, int], Array] | None = None) -> "LoadMap":
@@ -130,7 +135,9 @@ class LoadMap:
             forces = (loads @ self.widths)[..., None]
             if resistance is None:
                 return forces
-            return np.concatenate((forces, [resistance(loads[ring], ring)[:, None] for ring in range(len(RINGS))]))
+            return np.concatenate(
+                (forces, [resistance(loads[ring], ring)[:, None] for ring in range(len(RINGS))])
+            )
 
         return LoadMap(self.orbits, np.ones(1), forces_of)
 
@@ -141,7 +148,9 @@ def fastest(kinematics: Kinematics) -> float:
     return max(abs(speed) for speed in speeds)
 
 
-def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None = None, least: float = 0.0) -> LoadMap:
+def build_load_map(
+    assembly: Assembly, tolerance: float, top_speed: float | None = None, least: float = 0.0
+) -> LoadMap:
     """Build the map of a bearing.
 
     Parameters
@@ -163,7 +172,9 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
     """
     sides = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
     key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, least, *sides)
-    return assembly.kept("loads over the orbit", key, lambda: _built(assembly, tolerance, top_speed, least))
+    return assembly.kept(
+        "loads over the orbit", key, lambda: _built(assembly, tolerance, top_speed, least)
+    )
 
 
 def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least: float) -> LoadMap:
@@ -171,7 +182,8 @@ def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least:
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     top = per_square * (fastest(assembly.kinematics) if top_speed is None else top_speed) ** 2
     roots = tuple(sorted({0.0, min(assembly.centrifugal_force, top), top}))
-    instants, known = _FIRST_INSTANTS, dict[float, LoadDistribution]()
+    instants = _FIRST_INSTANTS
+    known = dict[float, LoadDistribution]()
     while instants <= _MOST_INSTANTS:
         orbits = Orbits(assembly, per_square, instants, roots, 0.5 * tolerance, least)
         known = orbits.measured(known)
@@ -193,19 +205,26 @@ class Orbits:
         # Centrifugal force of a roller over the square of the speed that it is carried round with [N s2].
         per_square: float,
         instants: int,  # instants of a pitch
-        roots: tuple[float, ...],  # centrifugal forces [N] between which intervals are halved, ascending from 0
+        roots: tuple[
+            float, ...
+        ],  # centrifugal forces [N] between which intervals are halved, ascending from 0
         # Largest share of the load at the wrong place, half-way between positions and half-way between forces.
         tolerance: float,
         least: float,  # mean force of a roller on a ring [N] that this is a share of at least
     ) -> None:
-        self.assembly, self.per_square, self.instants = assembly, per_square, instants
-        self.roots, self.tolerance, self.least = roots, tolerance, least
+        self.assembly = assembly
+        self.per_square = per_square
+        self.instants = instants
+        self.roots = roots
+        self.tolerance = tolerance
+        self.least = least
         self.positions = instants * assembly.scene.bearing.rollers
         self.solved: dict[float, Array] = {}
         #: whether intervals that were looked at are right half-way
         self.right: dict[tuple[float, float], bool] = {}
         #: largest share of the load at the wrong place half-way between positions, and between forces
-        self.over_position, self.over_force = 0.0, 0.0
+        self.over_position = 0.0
+        self.over_force = 0.0
 
     def at(self, force: float) -> Array:
         """Loads of one roller over its orbit at a centrifugal force, (2, K, n)."""
@@ -234,11 +253,16 @@ class Orbits:
         distributions = dict[float, LoadDistribution]()
 
         def measure(force: float) -> bool:
-            found = self.assembly.load_distribution(2 * self.instants, self._speed(force), known.get(force))
+            found = self.assembly.load_distribution(
+                2 * self.instants, self._speed(force), known.get(force)
+            )
             distributions[force], orbit = found, self._orbit(found)
-            orbit, true = orbit[:, ::2], orbit[:, 1::2]
+            true = orbit[:, 1::2]
+            orbit = orbit[:, ::2]
             slopes = _slopes(orbit)
-            half_way = 0.5 * (orbit + np.roll(orbit, -1, axis=1)) + 0.125 * (slopes - np.roll(slopes, -1, axis=1))
+            half_way = 0.5 * (orbit + np.roll(orbit, -1, axis=1)) + 0.125 * (
+                slopes - np.roll(slopes, -1, axis=1)
+            )
             self.solved[force] = orbit
             self.over_position = max(self.over_position, self._misplaced(half_way, true))
             return self.over_position <= self.tolerance
@@ -249,7 +273,11 @@ class Orbits:
             enough = enough and all(measure(0.5 * (low + high)) for low, high in pairs)
             if not enough:
                 break
-            halved = [(low, 0.5 * (low + high), high) for low, high in pairs if not self._is_right(low, high)]
+            halved = [
+                (low, 0.5 * (low + high), high)
+                for low, high in pairs
+                if not self._is_right(low, high)
+            ]
             pairs = [pair for nodes in halved for pair in itertools.pairwise(nodes)]
         return distributions
 
@@ -257,14 +285,18 @@ class Orbits:
         return math.sqrt(force / self.per_square)
 
     def _orbit(self, found: LoadDistribution) -> Array:
-        rings = (load.swapaxes(0, 1).reshape(-1, self.assembly.slices) for load in (found.inner_load, found.outer_load))
+        rings = (
+            load.swapaxes(0, 1).reshape(-1, self.assembly.slices)
+            for load in (found.inner_load, found.outer_load)
+        )
         return np.stack(tuple(rings))
 
     def _is_right(self, low: float, high: float) -> bool:
         """Whether loads are linear between two forces, half-way between them."""
         if (low, high) in self.right:
             return self.right[low, high]
-        off, true = 0.5 * (self.at(low) + self.at(high)), self.at(0.5 * (low + high))
+        off = 0.5 * (self.at(low) + self.at(high))
+        true = self.at(0.5 * (low + high))
         off -= true
         error = self._share(np.abs(off @ self.assembly.widths), true)
         if error <= self.tolerance:
@@ -304,4 +336,6 @@ def resistances(raceway: Raceway, load: Array, widths: Array, rolling_speed: flo
     """Rolling resistance [N] of contacts with loads per length [N/m], (m, n), that roll without sliding: (m,)."""
     owner, slice_number = np.nonzero(load > 0.0)
     slices = raceway.evaluate(load[owner, slice_number], rolling_speed, 0.0)
-    return np.asarray(np.bincount(owner, slices.resistance * widths[slice_number], load.shape[0]), dtype=float)
+    return np.asarray(
+        np.bincount(owner, slices.resistance * widths[slice_number], load.shape[0]), dtype=float
+    )

@@ -31,7 +31,8 @@ def unknowns(level: str, assembly: Assembly) -> int:
 
     They are two more for each shape in which a ring yields, and one for each ring whose form turns.
     """
-    (head, roller), rings = _UNKNOWNS[level], assembly.rings
+    (head, roller) = _UNKNOWNS[level]
+    rings = assembly.rings
     if level == "planar" and rings is not None:
         head += 2 * rings.parity.size + len({ring for periods, ring in rings.turns if periods})
     return head + roller * assembly.scene.bearing.rollers
@@ -39,18 +40,29 @@ def unknowns(level: str, assembly: Assembly) -> int:
 
 def check_moves(assembly: Assembly, level: str) -> None:
     """Refuse a bearing that is known at steady slips alone, or at another level."""
-    operation, heavy = assembly.scene.operation, assembly.weight_share > assembly.scene.accuracy.tolerance
+    operation = assembly.scene.operation
+    heavy = assembly.weight_share > assembly.scene.accuracy.tolerance
     bare = assembly.scene.models.neighbour_friction is not None
     weighs = operation.gravity_direction is not None and heavy and level != "planar"
     for table, key, there, told in (
-        ("models", "separator", bare, "need a cage; for a full complement take the study of steady slips"),
+        (
+            "models",
+            "separator",
+            bare,
+            "need a cage; for a full complement take the study of steady slips",
+        ),
         (
             "operation",
             "carrier",
             operation.carrier is not None,
             "know no carrier; take the study of steady slips",
         ),
-        ("operation", "gravity_direction", weighs, "take the weight of rollers at level 'planar' only; choose that"),
+        (
+            "operation",
+            "gravity_direction",
+            weighs,
+            "take the weight of rollers at level 'planar' only; choose that",
+        ),
     ):
         if there:
             where = Location(assembly.scene.origins, (table, key))
@@ -78,7 +90,9 @@ class MovingBearing(abc.ABC):
         """Return the state with these slips; 0 epicyclic, 1 at rest, 2 backwards."""
 
     @abc.abstractmethod
-    def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float) -> Array:
+    def state_at(
+        self, cage_speed: float, roller_speed: float, load: float, direction: float
+    ) -> Array:
         """Return the state with these speeds of the cage and of rollers relative to it [rad/s], all else at rest.
 
         ``load`` [N] and its ``direction`` [rad] count where the motion knows them.
@@ -153,11 +167,16 @@ class MovingBearing(abc.ABC):
         that it adds to. So of a place it is the depth under a traction of 0.05 of a roller's mean force, or of the
         centrifugal one if that is larger, whatever the place.
         """
-        absolute, relative = self.system.scale, np.ones(self.system.n)
+        absolute = self.system.scale
+        relative = np.ones(self.system.n)
         if "pocket_position" in self.names[1]:
-            a, at = self.assembly, list(self.names[1]).index("pocket_position")
-            force = max(a.scene.operation.radial_load / a.scene.bearing.rollers, a.centrifugal_force)
-            depth, half = _LEANING * force / a.cage.pocket_stiffness, 0.5 * a.cage.pocket_clearance
+            a = self.assembly
+            at = list(self.names[1]).index("pocket_position")
+            force = max(
+                a.scene.operation.radial_load / a.scene.bearing.rollers, a.centrifugal_force
+            )
+            depth = _LEANING * force / a.cage.pocket_stiffness
+            half = 0.5 * a.cage.pocket_clearance
             if 0.0 < depth < half:
                 self.parts(absolute)[1][:, at] = depth
                 self.parts(relative)[1][:, at] = depth / half
@@ -169,7 +188,11 @@ class MovingBearing(abc.ABC):
         head, roller, _ = map(len, self.names)
         rollers = self.assembly.scene.bearing.rollers
         behind = head + rollers * roller  # of no states, too
-        return y[..., :head], y[..., head:behind].reshape(*y.shape[:-1], rollers, roller), y[..., behind:]
+        return (
+            y[..., :head],
+            y[..., head:behind].reshape(*y.shape[:-1], rollers, roller),
+            y[..., behind:],
+        )
 
     def split(self, y: Array) -> dict[str, Array]:
         """Return the unknowns of states (..., n) by name, (...) or, those of the rollers, (..., Z)."""
@@ -181,7 +204,9 @@ class MovingBearing(abc.ABC):
     def works(self, y: Array) -> dict[str, Array]:
         """Return what the ledger recorded of work done on the motion [J], what it lost being negative, by name."""
         recorded = self.split(y)
-        senses = {name: name.startswith("work_") - name.startswith("lost_") for name in self.names[2]}
+        senses = {
+            name: name.startswith("work_") - name.startswith("lost_") for name in self.names[2]
+        }
         return {name: sense * recorded[name] for name, sense in senses.items() if sense}
 
     def of_each(self, y: Array) -> tuple[Array, Array]:
@@ -197,7 +222,9 @@ class MovingBearing(abc.ABC):
     def impulse(self, y: Array) -> Array:
         """Return the angular momentum put in that the ledger recorded [N m s], (...)."""
         recorded = self.split(y)
-        return np.asarray(sum(recorded[name] for name in self.names[2] if name.startswith("impulse_")))
+        return np.asarray(
+            sum(recorded[name] for name in self.names[2] if name.startswith("impulse_"))
+        )
 
     def energy_residual(self, y: Array) -> Array:
         """Return what of the energy the ledger does not explain [J], for states (m, n) from the first on."""
@@ -226,7 +253,9 @@ class MovingBearing(abc.ABC):
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
         who, what = refusal
         if who == "drag":
-            return DomainError("the drags give a torque that is not finite; check what drives the cage")
+            return DomainError(
+                "the drags give a torque that is not finite; check what drives the cage"
+            )
         ring = RINGS.index(who)
         error = self.assembly.raceways[ring].chain.error(what, self.friction.slices[ring])
         error.add_note(f"in a contact with the {who} ring")
@@ -240,7 +269,8 @@ def ungoverned(assembly: Assembly, each: bool) -> Array:
 
 def pocket_contact(assembly: Assembly) -> dict[str, float]:
     """Return how a roller meets the walls of its pocket along the orbit, as the compiled systems take it."""
-    cage, k = assembly.cage, assembly.kinematics
+    cage = assembly.cage
+    k = assembly.kinematics
     film = 0.0
     if cage.pocket_contact == "film":
         viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity
@@ -249,7 +279,9 @@ def pocket_contact(assembly: Assembly) -> dict[str, float]:
         "half_clearance": 0.5 * cage.pocket_clearance,
         "stiffness": cage.pocket_stiffness,
         "damping": cage.pocket_damping,
-        "friction": 0.0 if cage.drags.pocket_friction is None else cage.drags.pocket_friction.coefficient,
+        "friction": 0.0
+        if cage.drags.pocket_friction is None
+        else cage.drags.pocket_friction.coefficient,
         "film": film,
         "roughness": assembly.inner.conditions.roughness,
     }

@@ -32,16 +32,31 @@ from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
 from rollslip_studies.dynamics.levels.bent_rings import BentRings, bent_rings, turned
 from rollslip_studies.dynamics.levels.load_map import resistances
-from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing, pocket_contact, ungoverned
-from rollslip_studies.dynamics.levels.raceway_friction import DEEP, FrictionSettings, raceway_friction, usual_force
+from rollslip_studies.dynamics.levels.moving_bearing import (
+    MovingBearing,
+    pocket_contact,
+    ungoverned,
+)
+from rollslip_studies.dynamics.levels.raceway_friction import (
+    DEEP,
+    FrictionSettings,
+    raceway_friction,
+    usual_force,
+)
 from rollslip_studies.motion.effective_table import table_records
 
-_SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
+_SWING: Final = (
+    30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
+)
 _CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)
-_PRESSED: Final = 2.0  # times the largest force at rest up to which tables of rings that yield reach, at least
+_PRESSED: Final = (
+    2.0  # times the largest force at rest up to which tables of rings that yield reach, at least
+)
 #: Error of the table of forces, relative to a force or to this share of the usual one, and its first and most cells.
-_FORCE_ERROR, _LIGHT = 3e-5, 1e-2
-_FIRST_CELLS, _MOST_CELLS = 512, 65536
+_FORCE_ERROR = 3e-5
+_LIGHT = 1e-2
+_FIRST_CELLS = 512
+_MOST_CELLS = 65536
 #: Approaches of a roller and a raceway [m] at which their force is evaluated to find that of a given force.
 _APPROACHES: Final = np.geomspace(1e-9, 1e-3, 601)
 
@@ -88,7 +103,12 @@ class PlanarSettings:
         possible=(0, 1e9),
     )
     gravity: float = field(
-        default=9.80665, unit="m/s2", doc="gravity", validator=non_negative, usual=(0, 200), possible=(0, 1e6)
+        default=9.80665,
+        unit="m/s2",
+        doc="gravity",
+        validator=non_negative,
+        usual=(0, 200),
+        possible=(0, 1e6),
     )
     gravity_direction: float | None = field(
         default=None,
@@ -114,7 +134,10 @@ class PlanarSettings:
         possible=(0, 1e9),
     )
     land_friction: float = field(
-        default=0.1, unit="1", doc="friction coefficient of cage and land where they touch (D)", validator=non_negative
+        default=0.1,
+        unit="1",
+        doc="friction coefficient of cage and land where they touch (D)",
+        validator=non_negative,
     )
 
 
@@ -132,7 +155,12 @@ class ForceTable:
     @property
     def record(self) -> dict[str, float]:
         """Size and error by name, as results keep them."""
-        return {"cells": len(self.coefficients), "deepest": self.deepest, "error": self.error, "light": self.light}
+        return {
+            "cells": len(self.coefficients),
+            "deepest": self.deepest,
+            "error": self.error,
+            "light": self.light,
+        }
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -140,7 +168,9 @@ class PlanarMotion(MovingBearing):
     """The plane motion of a bearing."""
 
     settings: PlanarSettings  # masses, damping and gravity
-    contacts: tuple[Slices, ...]  # tables of inner and outer raceway that the deflection law works in
+    contacts: tuple[
+        Slices, ...
+    ]  # tables of inner and outer raceway that the deflection law works in
     planar: Planar  # the compiled system; ``deflections_evaluated`` counts
     #: Forces of a roller on both raceways by its gap; none where they come from the slices.
     forces: tuple[ForceTable, ...] = ()
@@ -156,7 +186,8 @@ class PlanarMotion(MovingBearing):
         """How friction is evaluated, and where the forces of rollers come from, in words."""
         if not self.forces:
             return f"{super().way}; forces of rollers from every lamina"
-        cells, most = max(len(t.coefficients) for t in self.forces), max(table.error for table in self.forces)
+        cells = max(len(t.coefficients) for t in self.forces)
+        most = max(table.error for table in self.forces)
         deepest = 1e6 * min(table.deepest for table in self.forces)
         return (
             f"{super().way}; forces of rollers from a table of {cells} cells over the root of the gap, within "
@@ -174,11 +205,15 @@ class PlanarMotion(MovingBearing):
         load = self.assembly.scene.operation.radial_load
         return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed), load)
 
-    def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float = 0.0) -> Array:
+    def state_at(
+        self, cage_speed: float, roller_speed: float, load: float, direction: float = 0.0
+    ) -> Array:
         """Return the state with these speeds [rad/s] in equilibrium under a load, as `initial` does."""
-        k, b = self.assembly.kinematics, self.assembly.scene.bearing
+        k = self.assembly.kinematics
+        b = self.assembly.scene.bearing
         # the load and the weight of the ring together pull along one line
-        weight, down = self.settings.inner_ring_mass * self.settings.gravity, self.settings.gravity_direction or 0.0
+        weight = self.settings.inner_ring_mass * self.settings.gravity
+        down = self.settings.gravity_direction or 0.0
         x = load * math.cos(direction) + weight * math.cos(down)
         y = load * math.sin(direction) + weight * math.sin(down) * k.direction
         line = math.atan2(y, x)
@@ -195,7 +230,10 @@ class PlanarMotion(MovingBearing):
         state = np.zeros(self.system.n)
         head, rollers, _ = self.parts(state)
         along, across = held.displacement[0]
-        head[:2] = along * math.cos(line) - across * math.sin(line), along * math.sin(line) + across * math.cos(line)
+        head[:2] = (
+            along * math.cos(line) - across * math.sin(line),
+            along * math.sin(line) + across * math.cos(line),
+        )
         head[8] = cage_speed
         rollers[:, 1] = cage_speed
         rollers[:, 2] = roller_speed - cage_speed
@@ -212,13 +250,23 @@ class PlanarMotion(MovingBearing):
         What contacts store is the elastic work of the ledger, negative.
         """
         u = self.split(y)
-        m, inertia, cage = self.assembly.roller_mass, self.spin_inertia, self.assembly.cage
+        m = self.assembly.roller_mass
+        inertia = self.spin_inertia
+        cage = self.assembly.cage
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
-        moving = m * (u["radial_speed"] ** 2 + (radius * u["orbital_speed"]) ** 2) + inertia * u["roller_spin"] ** 2
+        moving = (
+            m * (u["radial_speed"] ** 2 + (radius * u["orbital_speed"]) ** 2)
+            + inertia * u["roller_spin"] ** 2
+        )
         ring = self.settings.inner_ring_mass * (u["inner_ring_vx"] ** 2 + u["inner_ring_vy"] ** 2)
-        held = cage.mass * (u["cage_vx"] ** 2 + u["cage_vy"] ** 2) + cage.inertia * u["cage_speed"] ** 2
+        held = (
+            cage.mass * (u["cage_vx"] ** 2 + u["cage_vy"] ** 2)
+            + cage.inertia * u["cage_speed"] ** 2
+        )
         across = u["cage_vy"] * np.cos(u["cage_angle"]) - u["cage_vx"] * np.sin(u["cage_angle"])
-        found = 0.5 * (moving.sum(axis=-1) + ring + held) + cage.unbalance * u["cage_speed"] * across
+        found = (
+            0.5 * (moving.sum(axis=-1) + ring + held) + cage.unbalance * u["cage_speed"] * across
+        )
         if self.bent is not None:
             shapes = self.parts(y)[0][..., len(HEAD) : len(HEAD) + 2 * self.bent.shapes]
             found = found + self.bent.energy(*np.split(shapes, 2, axis=-1))
@@ -227,14 +275,26 @@ class PlanarMotion(MovingBearing):
     def angular_momentum(self, y: Array) -> Array:
         """Return the angular momentum about the axis of the outer ring [N m s], (...)."""
         u = self.split(y)
-        cage, w = self.assembly.cage, u["cage_speed"]
+        cage = self.assembly.cage
+        w = u["cage_speed"]
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
-        moving = self.assembly.roller_mass * radius**2 * u["orbital_speed"] - self.spin_inertia * u["roller_spin"]
+        moving = (
+            self.assembly.roller_mass * radius**2 * u["orbital_speed"]
+            - self.spin_inertia * u["roller_spin"]
+        )
         ring = u["inner_ring_x"] * u["inner_ring_vy"] - u["inner_ring_y"] * u["inner_ring_vx"]
-        held = cage.mass * (u["cage_x"] * u["cage_vy"] - u["cage_y"] * u["cage_vx"]) + cage.inertia * w
-        c, s = np.cos(u["cage_angle"]), np.sin(u["cage_angle"])
+        held = (
+            cage.mass * (u["cage_x"] * u["cage_vy"] - u["cage_y"] * u["cage_vx"]) + cage.inertia * w
+        )
+        c = np.cos(u["cage_angle"])
+        s = np.sin(u["cage_angle"])
         swing = c * u["cage_vy"] - s * u["cage_vx"] + w * (u["cage_x"] * c + u["cage_y"] * s)
-        return np.asarray(moving.sum(axis=-1) + self.settings.inner_ring_mass * ring + held + cage.unbalance * swing)
+        return np.asarray(
+            moving.sum(axis=-1)
+            + self.settings.inner_ring_mass * ring
+            + held
+            + cage.unbalance * swing
+        )
 
     def error(self, refusal: Any) -> RollslipError:
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
@@ -286,7 +346,10 @@ def planar_motion(
         If tables do not reach the tolerance.
     """
     a = assembly.with_resistance()
-    k, b, o, cage = a.kinematics, a.scene.bearing, a.scene.operation, a.cage
+    k = a.kinematics
+    b = a.scene.bearing
+    o = a.scene.operation
+    cage = a.cage
     if o.misalignment != 0.0:
         raise DomainError(
             f"plane motion knows no tilt, and operation.misalignment is {o.misalignment:g} rad; make it 0 or choose "
@@ -300,7 +363,8 @@ def planar_motion(
         )
     of_raceways = raceway_friction(a, friction)
     contacts = tuple(Slices(b.rollers * a.slices, raceway.conditions) for raceway in a.raceways)
-    direction, down = k.direction, settings.gravity_direction
+    direction = k.direction
+    down = settings.gravity_direction
     down = (o.gravity_direction or 0.0) if down is None else down
     settings = attrs.evolve(settings, gravity_direction=down)
     oil = a.lubricant.at(o.temperature).viscosity
@@ -309,7 +373,9 @@ def planar_motion(
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
     heaviest = a if friction.like is None else friction.like
     most = DEEP * usual_force(heaviest)
-    if bent is not None:  # forms and what pushes on rings press rollers far beyond their share of the load
+    if (
+        bent is not None
+    ):  # forms and what pushes on rings press rollers far beyond their share of the load
         most = max(most, _PRESSED * float(heaviest.load_distribution(1).outer_force.max()))
     forces = _force_tables(a, most) if friction.tabulated and not of_raceways.by_slices else ()
     planar = Planar(
@@ -373,7 +439,9 @@ def _of_land(model: DragModel) -> bool:
 def _land(cage: Cage, settings: PlanarSettings, oil: float, roughness: float) -> dict[str, float]:
     """The land: R eta L^3/c^3 against squeeze, 2 pi eta L R^3/c against shear, its film no thinner than roughness."""
     # without a land these are not used
-    radius, width, clearance = (x or 1.0 for x in (cage.land_radius, cage.land_width, cage.land_clearance))
+    radius, width, clearance = (
+        x or 1.0 for x in (cage.land_radius, cage.land_width, cage.land_clearance)
+    )
     return {
         "land_radius": radius,
         "land_clearance": clearance,
@@ -405,7 +473,8 @@ def force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None
 
 
 def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:
-    drop, light = a.drop - a.drop.min(), _LIGHT * most / DEEP
+    drop = a.drop - a.drop.min()
+    light = _LIGHT * most / DEEP
 
     def forces(root: Array) -> Array:
         """Force and its derivative by the root of the gap, (2, m)."""
@@ -420,7 +489,9 @@ def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | Non
     while True:
         step = root[1]
         half_way = forces(root[:-1] + 0.5 * step)
-        (force, after), (slope, ahead) = ((row[:-1], row[1:]) for row in (known[0], known[1] * step))
+        (force, after), (slope, ahead) = (
+            (row[:-1], row[1:]) for row in (known[0], known[1] * step)
+        )
         wrong = 0.5 * (force + after) + 0.125 * (slope - ahead) - half_way[0]
         error = float((np.abs(wrong) / np.maximum(half_way[0], light)).max())
         if error <= _FORCE_ERROR:
@@ -428,23 +499,30 @@ def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | Non
         if 2 * cells > _MOST_CELLS:  # a profile or law with a jump
             return None
         both = np.empty((2, 2 * cells + 1))
-        both[:, ::2], both[:, 1::2] = known, half_way
-        cells, known = 2 * cells, both
+        both[:, ::2] = known
+        both[:, 1::2] = half_way
+        cells = 2 * cells
+        known = both
         root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
     rise = after - force
-    powers = np.stack((force, slope, 3.0 * rise - 2.0 * slope - ahead, slope + ahead - 2.0 * rise), axis=1)
+    powers = np.stack(
+        (force, slope, 3.0 * rise - 2.0 * slope - ahead, slope + ahead - 2.0 * rise), axis=1
+    )
     return ForceTable(deepest=deepest, coefficients=powers, error=error, light=light)
 
 
 def _resistances(a: Assembly, most: float) -> list[tuple[float, Array]] | None:
     """Rolling resistance of a contact at epicyclic speed, at equal steps of sqrt(Q), by which it is nearly linear."""
-    return [_resistance(a, raceway, most) for raceway in a.raceways] if a.inner.chain.resists else None
+    return (
+        [_resistance(a, raceway, most) for raceway in a.raceways] if a.inner.chain.resists else None
+    )
 
 
 def _resistance(a: Assembly, raceway: Raceway, most: float) -> tuple[float, Array]:
     load, _ = a.deflect(_APPROACHES[:, None] - (a.drop - a.drop.min()), raceway.ring)
     force = load @ a.widths
-    load, force = load[force <= most], force[force <= most]
+    load = load[force <= most]
+    force = force[force <= most]
     rolling = float(a.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     root = np.linspace(0.0, math.sqrt(force[-1]), _CELLS + 1)
     known = np.concatenate(([0.0], resistances(raceway, load, a.widths, rolling)))
@@ -479,12 +557,14 @@ def _scale(a: Assembly, cage: Cage, bent: BentRings | None) -> Array:
     the largest at a tolerance of 1e-5, where it was 0.03 to 0.7 (18 runs of the 1032930, 5 ms with all guidances,
     against a tolerance of 1e-10).
     """
-    b, k = a.scene.bearing, a.kinematics
+    b = a.scene.bearing
+    k = a.kinematics
     force = max(a.scene.operation.radial_load / b.rollers, a.centrifugal_force, 1.0)
     samples = np.geomspace(1e-9, 1e-3, 121)
     length = float(np.interp(force / b.roller_length, a.deflect(samples, "outer")[0], samples))
     speed = length * math.sqrt(force / (length * a.roller_mass))
-    orbit, spin = max(abs(k.epicyclic_cage_speed), 1.0), k.epicyclic_roller_speed
+    orbit = max(abs(k.epicyclic_cage_speed), 1.0)
+    spin = k.epicyclic_roller_speed
     play = max(cage.pocket_clearance / 2, length)
     head = [length, length, speed, speed, play, play, speed, speed, orbit, 1.0]
     roller = [play, orbit, spin, _SWING * length, _SWING * speed]

@@ -39,15 +39,21 @@ _SLICED: Final = "at every step"
 #: Times the usual force of a roller, its share of load and its centrifugal force, up to which deflection is tabulated,
 #: from which on friction is, and below which its error is that of a light contact; and the largest force of the bearing
 #: at its epicyclic speed, up to which friction is.
-DEEP, _LEAST, _LIGHT, _HEAVY = 10.0, 1e-6, 1e-2, 1.5
+DEEP = 10.0
+_LEAST = 1e-6
+_LIGHT = 1e-2
+_HEAVY = 1.5
 #: Rolling speeds over the epicyclic one, and the largest sliding speed over it, of a table of friction.
-_SPEEDS, _REACH = (0.4, 1.6), 2.5
+_SPEEDS = (0.4, 1.6)
+_REACH = 2.5
 #: The rolling speed over the epicyclic one that stands for u_s: friction turns where it is slow.
 _SLOW: Final = 0.5
 #: Nodes of rolling speed, of force and on either side of no sliding at first, and the most of all together.
-_FIRST_NODES, _MOST_NODES = (5, 17, 24), 300_000
+_FIRST_NODES = (5, 17, 24)
+_MOST_NODES = 300_000
 #: What more nodes have to leave of the error at most, and how often in a row they may fail to before there is no table.
-_GAIN, _VAIN = 0.9, 4
+_GAIN = 0.9
+_VAIN = 4
 #: Slices below which the chain costs no more than a table.
 _FEW: Final = 13
 #: Instants over which effective friction is a mean where forms turn: over sixteen times as many it differs by < 1e-4.
@@ -196,27 +202,37 @@ def usual_force(assembly: Assembly) -> float:
 
 def _forces(assembly: Assembly) -> tuple[float, float]:
     """Return the usual force of a roller, and the largest that tables of its friction serve [N]."""
-    usual, at_rest = usual_force(assembly), assembly.load_distribution(1)
-    heaviest = max(float((load @ assembly.widths).max()) for load in (at_rest.inner_load, at_rest.outer_load))
+    usual = usual_force(assembly)
+    at_rest = assembly.load_distribution(1)
+    heaviest = max(
+        float((load @ assembly.widths).max()) for load in (at_rest.inner_load, at_rest.outer_load)
+    )
     return usual, max(_HEAVY * heaviest, usual)
 
 
 def tilts(assembly: Assembly) -> bool:
     """Return whether rollers or rings tilt: by the scene, or by a profile that differs to its two ends."""
     drop = assembly.drop
-    return assembly.scene.operation.misalignment != 0.0 or not np.allclose(drop, drop[::-1], rtol=1e-9, atol=1e-15)
+    return assembly.scene.operation.misalignment != 0.0 or not np.allclose(
+        drop, drop[::-1], rtol=1e-9, atol=1e-15
+    )
 
 
-def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: LoadMap | None = None) -> RacewayFriction:
+def raceway_friction(
+    assembly: Assembly, settings: FrictionSettings, loads: LoadMap | None = None
+) -> RacewayFriction:
     """Return the friction of both raceways."""
     rollers = assembly.scene.bearing.rollers
     if settings.name == "constant":
         inner, outer = (
-            compiled.constant(rollers, settings.coefficient, settings.transition) for _ in assembly.raceways
+            compiled.constant(rollers, settings.coefficient, settings.transition)
+            for _ in assembly.raceways
         )
         return RacewayFriction(settings, (inner, outer))
     if settings.name == "conventional":
-        slices = tuple(Slices(rollers * assembly.slices, raceway.conditions) for raceway in assembly.raceways)
+        slices = tuple(
+            Slices(rollers * assembly.slices, raceway.conditions) for raceway in assembly.raceways
+        )
         for table in slices if assembly.inner.chain.placed else ():
             table.places()  # which the motion fills
         inner, outer = (
@@ -228,11 +244,17 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
         )
         tables, way = _by_force(assembly, settings) if settings.tabulated else ((), _SLICED)
         if tables:
-            inner, outer = (table.of(raceway) for table, raceway in zip(tables, (inner, outer), strict=True))
+            inner, outer = (
+                table.of(raceway) for table, raceway in zip(tables, (inner, outer), strict=True)
+            )
         return RacewayFriction(settings, (inner, outer), slices=slices, by_force=tables, way=way)
     tolerance = settings.table_tolerance(assembly)
     if loads is None and assembly.rings is not None and assembly.rings.turning:  # in plane motion
-        of = assembly.slices, assembly.resolution.quadrature, *(raceway.deflection for raceway in assembly.raceways)
+        of = (
+            assembly.slices,
+            assembly.resolution.quadrature,
+            *(raceway.deflection for raceway in assembly.raceways),
+        )
         held = assembly.kept("loads over turns", of, partial(assembly.load_distribution, _TURNS))
         effective = tuple(
             _table(assembly, ring, load.reshape(-1, assembly.slices), held, settings)
@@ -241,30 +263,46 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
     else:
         loads = build_load_map(assembly, tolerance) if loads is None else loads
         of_orbit = loads.loads(min(assembly.centrifugal_force, loads.top))
-        effective = tuple(_table(assembly, ring, of_orbit[ring], loads.orbits, settings) for ring in (0, 1))
+        effective = tuple(
+            _table(assembly, ring, of_orbit[ring], loads.orbits, settings) for ring in (0, 1)
+        )
     inner, outer = (table.raceway(rollers) for table in effective)
     return RacewayFriction(settings, (inner, outer), tables=effective)
 
 
-def _table(assembly: Assembly, ring: int, load: Array, loads: object, settings: FrictionSettings) -> EffectiveTable:
+def _table(
+    assembly: Assembly, ring: int, load: Array, loads: object, settings: FrictionSettings
+) -> EffectiveTable:
     """Return the effective friction of a ring at the epicyclic speed, made once for a bearing and its loads."""
     raceway = assembly.raceways[ring]
-    of = settings.table_tolerance(assembly), settings.effective_over == "slips", settings.between_nodes
+    of = (
+        settings.table_tolerance(assembly),
+        settings.effective_over == "slips",
+        settings.between_nodes,
+    )
     key = ring, loads, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *of
-    return assembly.kept("effective friction", key, lambda: effective_table(assembly, raceway, load, *of))
+    return assembly.kept(
+        "effective friction", key, lambda: effective_table(assembly, raceway, load, *of)
+    )
 
 
-def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[FrictionTable, ...], str]:
+def _by_force(
+    assembly: Assembly, settings: FrictionSettings
+) -> tuple[tuple[FrictionTable, ...], str]:
     """Tables of both raceways, or none, and which way that is in words; made once for a bearing."""
     if tilts(assembly):
-        return (), f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force"
+        return (
+            (),
+            f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force",
+        )
     if assembly.slices < _FEW:
         return (), f"{_SLICED}: {assembly.slices} laminae cost no more than a table of them"
     if assembly.inner.chain.placed:
         return (), f"{_SLICED}: a law reads where slices are"
     if any(raceway.chain.alone for raceway in assembly.raceways):
         return (), f"{_SLICED}: a law runs in Python, and may depend on more than a table knows"
-    tolerance, tables = settings.table_tolerance(assembly), list[FrictionTable]()
+    tolerance = settings.table_tolerance(assembly)
+    tables = list[FrictionTable]()
     like = assembly if settings.like is None else settings.like
     forces = _forces(like)
     for raceway in assembly.raceways:
@@ -272,12 +310,16 @@ def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[Fri
             *(raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance),
             *(assembly.drop.tobytes(), assembly.widths.tobytes(), *forces),
         )
-        table = like.kept("friction by force", key, partial(_friction_table, assembly, raceway, tolerance, forces))
+        table = like.kept(
+            "friction by force", key, partial(_friction_table, assembly, raceway, tolerance, forces)
+        )
         if isinstance(table, str):
             return (), f"{_SLICED}: {table}"
         tables.append(table)
     most = max(table.error for table in tables)
-    return tuple(tables), f"from a table over force and both speeds, within {most:.1e} of it, at every step outside it"
+    return tuple(
+        tables
+    ), f"from a table over force and both speeds, within {most:.1e} of it, at every step outside it"
 
 
 def _friction_table(
@@ -285,15 +327,21 @@ def _friction_table(
 ) -> FrictionTable | str:
     """The table of a raceway, or why there is none."""
     law = _OfRoller(assembly, raceway)
-    (usual, most), speed = forces, abs(float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling))
+    (usual, most) = forces
+    speed = abs(float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling))
     if not speed > 0.0:
         return "nothing rolls at the epicyclic speed"
-    root_scale, first = math.sqrt(usual), math.sqrt(_LEAST * usual)
+    root_scale = math.sqrt(usual)
+    first = math.sqrt(_LEAST * usual)
     last = math.sqrt(most)
     roots = (first / (first + root_scale), last / (last + root_scale))
     slow, fast = _SPEEDS
-    speeds, nodes = (slow / (slow + _SLOW), fast / (fast + _SLOW)), [*_FIRST_NODES]
-    values, axis, least, vain = None, 0, math.inf, 0
+    speeds = (slow / (slow + _SLOW), fast / (fast + _SLOW))
+    nodes = [*_FIRST_NODES]
+    values = None
+    axis = 0
+    least = math.inf
+    vain = 0
     try:
         scale = law.scale((usual, last**2), speed)
         while True:
@@ -319,7 +367,9 @@ def _friction_table(
                     f"a table of it on the {raceway.ring} ring would err by {error:.1e}, more than the {tolerance:.1e} "
                     "that tables may leave"
                 )
-    except RollslipError as refused:  # where the motion need never go: if it does, that is told there
+    except (
+        RollslipError
+    ) as refused:  # where the motion need never go: if it does, that is told there
         return f"a law of the {raceway.ring} ring ends where a table of it would have to reach ({refused})"
     return FrictionTable(**attrs.asdict(at, recurse=False), values=values, error=error)
 
@@ -328,7 +378,8 @@ class _OfRoller:
     """What the chain of a raceway makes of a roller, by its force: F and the rolling resistance over sqrt(Q)."""
 
     def __init__(self, assembly: Assembly, raceway: Raceway) -> None:
-        self.assembly, self.raceway = assembly, raceway
+        self.assembly = assembly
+        self.raceway = raceway
         self.drop, self.at = np.unique(assembly.drop - assembly.drop.min(), return_inverse=True)
         self.widths = np.bincount(self.at, assembly.widths)
         self.gaps = np.geomspace(1e-12, 1e-3, 901)
@@ -343,9 +394,12 @@ class _OfRoller:
         force, place = np.unique(force, return_inverse=True)
         known = self.forces > 0.0
         gap = np.exp(np.interp(np.log(force), np.log(self.forces[known]), np.log(self.gaps[known])))
-        for _ in range(3):  # F goes nearly with the gap to the power of 10/9 and what the profile adds
+        for _ in range(
+            3
+        ):  # F goes nearly with the gap to the power of 10/9 and what the profile adds
             load, stiffness = self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)
-            found, slope = load @ self.widths, stiffness @ self.widths
+            found = load @ self.widths
+            slope = stiffness @ self.widths
             gap = gap + (force - found) / slope
         return self._loads(gap)[place]
 
@@ -354,10 +408,17 @@ class _OfRoller:
         loaded = load > 0.0
         count = np.count_nonzero(loaded, axis=1)  # every roller has some: its force is above zero
         film = np.hypot(rolling, compiled.REST_SPEED)
-        done = self.raceway.evaluate(load[loaded], np.repeat(film, count), np.repeat(sliding, count))
-        widths, first = np.broadcast_to(self.widths, load.shape)[loaded], np.cumsum(count) - count
-        parts = [done.friction * done.load] + ([done.resistance] if self.raceway.chain.resists else [])
-        return np.array([np.add.reduceat(part * widths, first) for part in parts]) / np.sqrt(load @ self.widths)
+        done = self.raceway.evaluate(
+            load[loaded], np.repeat(film, count), np.repeat(sliding, count)
+        )
+        widths = np.broadcast_to(self.widths, load.shape)[loaded]
+        first = np.cumsum(count) - count
+        parts = [done.friction * done.load] + (
+            [done.resistance] if self.raceway.chain.resists else []
+        )
+        return np.array([np.add.reduceat(part * widths, first) for part in parts]) / np.sqrt(
+            load @ self.widths
+        )
 
     def scale(self, forces: tuple[float, ...], speed: float) -> float:
         """The speed V_s over which friction of usual and of heavy contacts, slow and fast, is best taken."""
@@ -366,7 +427,8 @@ class _OfRoller:
         contacts = [(force, factor) for force in forces for factor in _SPEEDS]
         loads = self.loads(np.array([force for force, _ in contacts])).repeat(both.size, axis=0)
         rolling = np.array([factor for _, factor in contacts]).repeat(both.size) * speed
-        best, chosen = math.inf, speed
+        best = math.inf
+        chosen = speed
         for scale in (_SCALES * speed).tolist():
             at = _Grid(sliding_scale=scale, sliding_end=_REACH * speed / (_REACH * speed + scale))
             sliding = np.tile(at.sliding(both), len(contacts))
@@ -375,13 +437,18 @@ class _OfRoller:
                 found = _interpolated(values[::2], [_places(both[1::2], _RISE)])
                 error = max(error, float(np.abs(found - values[1::2]).max() / np.abs(values).max()))
             if error < best:
-                best, chosen = error, scale
+                best = error
+                chosen = scale
         return chosen
 
     def on(self, at: _Grid, known: Array | None = None, axis: int = 0) -> Array:
         """Values on all nodes, (1 or 2, speeds, roots, slidings); every other one along an axis may be known."""
         speeds, roots, half = at.nodes
-        shares = [np.linspace(0.0, 1.0, speeds), np.linspace(0.0, 1.0, roots), np.linspace(-1.0, 1.0, 2 * half + 1)]
+        shares = [
+            np.linspace(0.0, 1.0, speeds),
+            np.linspace(0.0, 1.0, roots),
+            np.linspace(-1.0, 1.0, 2 * half + 1),
+        ]
         if known is not None:
             shares[axis] = shares[axis][1::2]
         V, u = (grid.ravel() for grid in np.meshgrid(at.sliding(shares[2]), at.speed(shares[0])))
@@ -393,7 +460,8 @@ class _OfRoller:
         if known is None:
             return values
         between = np.moveaxis(np.empty((len(values), speeds, roots, 2 * half + 1)), axis + 1, 0)
-        between[::2], between[1::2] = np.moveaxis(known, axis + 1, 0), np.moveaxis(values, axis + 1, 0)
+        between[::2] = np.moveaxis(known, axis + 1, 0)
+        between[1::2] = np.moveaxis(values, axis + 1, 0)
         return np.moveaxis(between, 0, axis + 1)
 
     def error(self, at: _Grid, values: Array, usual: float, axis: int | None = None) -> float:
@@ -404,13 +472,23 @@ class _OfRoller:
             for k, nodes in enumerate(at.nodes):
                 cells = nodes - (k < 2)
                 off = 0.5 if k == axis else 0.0
-                shares[k] = (np.clip(np.floor(shares[k] * cells), -cells if k == 2 else 0, cells - 1) + off) / cells
-        force, sliding, speed = at.force(shares[1]), at.sliding(shares[2]), at.speed(shares[0])
+                shares[k] = (
+                    np.clip(np.floor(shares[k] * cells), -cells if k == 2 else 0, cells - 1) + off
+                ) / cells
+        force = at.force(shares[1])
+        sliding = at.sliding(shares[2])
+        speed = at.speed(shares[0])
         true = self.at_random if axis is None else None
         if true is None:
             true = self._each(self.loads(force), sliding, speed)
-            self.at_random = true if axis is None else self.at_random  # the same contacts however many nodes there are
-        places = [_whole(shares[0], at.nodes[0]), _whole(shares[1], at.nodes[1]), _places(shares[2], at.nodes[2])]
+            self.at_random = (
+                true if axis is None else self.at_random
+            )  # the same contacts however many nodes there are
+        places = [
+            _whole(shares[0], at.nodes[0]),
+            _whole(shares[1], at.nodes[1]),
+            _places(shares[2], at.nodes[2]),
+        ]
         found = np.array([_interpolated(part, places) for part in values])
         wrong = np.abs(found - true) * np.sqrt(force)
         size = np.maximum(force, _LIGHT * usual)
@@ -446,6 +524,9 @@ def _interpolated(values: Array, places: Sequence[tuple[Array, Array]]) -> Array
         )
     ]
     for _, t in places:
-        weights = [np.prod([(t - k) / (node - k) for k in range(4) if k != node], axis=0) for node in range(4)]
+        weights = [
+            np.prod([(t - k) / (node - k) for k in range(4) if k != node], axis=0)
+            for node in range(4)
+        ]
         found = np.einsum("nm,n...m->...m", weights, found)
     return np.asarray(found)

@@ -118,8 +118,10 @@ class Klebanov(TractionModel):
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
-        c, s = slices.conditions, slices
-        eta, beta = s.film_viscosity, s.film_thermoviscosity
+        c = slices.conditions
+        s = slices
+        eta = s.film_viscosity
+        beta = s.film_thermoviscosity
         if self.viscosity_at == "maximum":
             eta, beta = self.law.at(c, _PEAK * s.pressure)
         zeta = self.flash / (c.effusivity * math.sqrt(math.pi)) * np.sqrt(s.half_width / s.rolling_speed)

@@ -84,7 +84,8 @@ class Rexs(SceneFormat):
 
     def read(self, content: bytes, source: str) -> Read:
         """Read the one roller bearing of a file; see `SceneFormat.read`."""
-        model, it = read(content, source), _Reading(source)
+        model = read(content, source)
+        it = _Reading(source)
         bearing = _bearing_of(model, source)
         rows = _once(model.beside(bearing, "rolling_bearing_row"))
         row = rows[0] if rows else None
@@ -123,7 +124,9 @@ class Rexs(SceneFormat):
     def write(self, document: Mapping[str, Any], result: xr.Dataset | None) -> Written:
         """Write the bearing with its oil and operation, and what was calculated; see `SceneFormat.write`."""
         scene = from_parameters(document)
-        oil, operation, geometry = assemble(scene).lubricant, scene.operation, scene.bearing
+        oil = assemble(scene).lubricant
+        operation = scene.operation
+        geometry = scene.bearing
         notes = [
             f"{key}: has no place in REXS"
             for key in document["parameters"]

@@ -85,7 +85,8 @@ class SharedLoad(FilmModel):
     def film_of(self, slices: Slices, share: Array) -> Array:
         """Return the film of a share of the load."""
         c = slices.conditions
-        load, modulus = share * slices.load, share * c.modulus
+        load = share * slices.load
+        modulus = share * c.modulus
         return self.film.film_thickness(
             load, slices.rolling_speed, c.radius, modulus, c.viscosity, c.pressure_viscosity
         )
@@ -106,12 +107,15 @@ class SharedLoad(FilmModel):
         def left(share: Array) -> Array:
             return 1.0 - share - self.asperity_share(slices, self.film_of(slices, share))
 
-        low, high = np.full(len(slices), LEAST), np.ones(len(slices))
-        below, above = left(low), left(high)
+        low = np.full(len(slices), LEAST)
+        high = np.ones(len(slices))
+        below = left(low)
+        above = left(high)
         if np.any(bare := ~(below > 0.0)):
             i = int(np.argmax(bare))
             raise DomainError(f"{self.name}: slice {i}: asperities carry the whole load; there is no film")
-        share, rest = high.copy(), above.copy()
+        share = high.copy()
+        rest = above.copy()
         for step in range(self.steps):
             open_ = (np.abs(rest) > LEFT) & (high - low > WIDTH * high)
             if not np.any(open_):
@@ -120,8 +124,10 @@ class SharedLoad(FilmModel):
             share = np.where(open_, 0.5 * (low + high) if step % 2 else np.clip(secant, low, high), share)
             rest = np.where(open_, left(share), rest)
             up = rest > 0.0
-            low, below = np.where(up, share, low), np.where(up, rest, below)
-            high, above = np.where(up, high, share), np.where(up, above, rest)
+            low = np.where(up, share, low)
+            below = np.where(up, rest, below)
+            high = np.where(up, high, share)
+            above = np.where(up, above, rest)
         i = int(np.argmax(np.abs(rest)))
         raise ConvergenceError(
             f"{self.name}: slice {i}: the share of the film has not converged: after {self.steps} steps it lies "

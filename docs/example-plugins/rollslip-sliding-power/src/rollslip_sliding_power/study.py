@@ -62,15 +62,19 @@ class SlidingPower(Study):
         """
         from xarray import Dataset  # takes longer to import than most studies to run
 
-        slip, instants = slip_grid(self.max_cage_slip, self.points), assembly.resolution.instants or 2
-        loads, power = assembly.load_distribution(instants), np.zeros((len(RINGS), slip.size))
+        slip = slip_grid(self.max_cage_slip, self.points)
+        instants = assembly.resolution.instants or 2
+        loads = assembly.load_distribution(instants)
+        power = np.zeros((len(RINGS), slip.size))
         speeds = assembly.kinematics.surface_speeds(slip, np.zeros_like(slip))
         rings = (
             (loads.inner_load, speeds.inner_rolling, speeds.inner_sliding),
             (loads.outer_load, speeds.outer_rolling, speeds.outer_sliding),
         )
         for k, (load, rolling, sliding) in enumerate(rings):
-            force, loaded = load * assembly.widths, load > 0.0  # (instants, rollers, slices)
+            # (instants, rollers, slices)
+            force = load * assembly.widths
+            loaded = load > 0.0
             for n in range(slip.size):
                 slices = assembly.raceways[k].evaluate(load[loaded], rolling[n], sliding[n])
                 power[k, n] = float(np.abs(slices.friction * sliding[n]) @ force[loaded]) / instants
