@@ -60,6 +60,6 @@ def test_dialect_is_found_and_keys_are_not():
         "was made for", "100 % of the contact force"
     ]  # fmt: skip
     assert (
-        dialect("``runaway_slip`` of {least load} in the runaway of the bulk; {a:.{b}f} slices")
+        dialect("``skidding_slip`` of {least load} in the runaway of the bulk; {a:.{b}f} slices")
         == []
     )

@@ -92,8 +92,8 @@ def draw_torques(axes, result):
     slip = 100 * result.cage_slip
     drive = 1e3 * result.driving_torque
     drag = 1e3 * result.drag_torque
-    fold = 100 * float(result.largest_drag_slip)
-    top = 1e3 * float(result.largest_drag)
+    fold = 100 * float(result.skidding_slip)
+    top = 1e3 * float(result.limit_drag)
     steady = 100 * float(result.steady_slip[0])
     held = 1e3 * float(result.torque[0])
     fine = np.linspace(0, float(slip[-1]), 400)

@@ -68,7 +68,7 @@ def rows():
             save_figure(slip_along(result), DRAWN[name])
             if name.startswith("run-up"):
                 save_figure(over_time(result), "history_damage")
-        beyond = told["time_beyond_runaway"]
+        beyond = told["time_beyond_skidding"]
         yield (
             name,
             percent(told["largest_cage_slip"]),

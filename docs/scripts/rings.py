@@ -66,7 +66,7 @@ def solved(name, changes):
     slips = result.steady_slip.to_numpy()
     return (
         100.0 * float(slips[0]) if slips.size else float("nan"),
-        float(result.largest_drag),
+        float(result.limit_drag),
         pressure / 1e6,
     )
 

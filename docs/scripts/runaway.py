@@ -55,7 +55,7 @@ class Found:
 def critical(assembly, closure):
     """Smaller critical slip of both rings; infinite where neither curve has its maximum in the range."""
     study = EffectiveFriction(
-        closure=closure, max_cage_slip=RANGE, points=POINTS, map_points=0, runaway_range=0.0
+        closure=closure, max_cage_slip=RANGE, points=POINTS, map_points=0, skidding_range=0.0
     )
     raceways = study.loaded(assembly, INSTANTS)
     slip = slip_grid(RANGE, POINTS)

@@ -49,7 +49,7 @@ def job(name):
     if name in ("curve", "free-roller", "epicyclic"):
         changes = {
             "closure": "free-roller" if name == "curve" else name,
-            "runaway_range": 0.0,
+            "skidding_range": 0.0,
             "map_points": 0,
         }
         scene = evolve(

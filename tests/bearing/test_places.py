@@ -98,7 +98,7 @@ def expected(scene, ring, instants, cage_slip=0.0):
 
 
 CURVES = {"study.effective-friction.points": 5, "study.effective-friction.map_points": 3,
-          "study.effective-friction.runaway_range": 0, "study.effective-friction.closure": "epicyclic"}  # fmt: skip
+          "study.effective-friction.skidding_range": 0, "study.effective-friction.closure": "epicyclic"}  # fmt: skip
 
 
 @pytest.mark.parametrize("of", PLACES)

@@ -41,7 +41,7 @@ SCENE = evolve(
     {
         "bearing.profile": "none",
         "study.effective-friction.points": 15,
-        "study.effective-friction.runaway_range": 0,  # laws in Python are slow there
+        "study.effective-friction.skidding_range": 0,  # laws in Python are slow there
         "study.friction-curve.points": 21,
         "lubricant.pressure_viscosity_factor": 1.3,
     },

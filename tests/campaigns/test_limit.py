@@ -588,7 +588,7 @@ def test_of_several_studies_the_first_that_has_the_output_is_searched():
         LimitSettings(scene, LENGTHS, "half_width >= 60 um").plan().sweep.study == "friction-curve"
     )
     assert (
-        LimitSettings(scene, LENGTHS, "runaway_slip <= 5 %").plan().sweep.study
+        LimitSettings(scene, LENGTHS, "skidding_slip <= 5 %").plan().sweep.study
         == "effective-friction"
     )
     with pytest.raises(SceneError, match="study 'effective-friction' has no 'width'"):

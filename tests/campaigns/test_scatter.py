@@ -27,7 +27,7 @@ from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
 from rollslip_studies.motion.torque_balance import (
-    Runaway,
+    SkiddingOnset,
     Running,
     reserve,
     rollers,
@@ -249,7 +249,7 @@ def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
 def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     largest = float(
         rollslip.sweep(constant(1.0), {"operation.radial_load": ["3415 N"]}, study="effective-friction",
-                       output=["runaway_drag"]).runaway_drag[0]
+                       output=["limit_drag"]).limit_drag[0]
     )  # fmt: skip
     sigma = 0.5
     table = {
@@ -298,7 +298,7 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     ],
 )
 def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
-    found = reserve(rollers(assemble(constant(0.5)), 1), Runaway(*away, most=4.0), Running(*runs))
+    found = reserve(rollers(assemble(constant(0.5)), 1), SkiddingOnset(*away, most=4.0), Running(*runs))
     assert found.factor == pytest.approx(factor, nan_ok=True)
     assert found.status.startswith(begins)
 
@@ -333,7 +333,7 @@ def points(statuses):
                 "the cage runs at no slip up to 0.95" if "skids" in text else "what acts on the cage drives it: fast"
                 for text in statuses
             ])),
-            "runaway_status": ("sample", np.full(n, "the cage was not found to run away")),
+            "skidding_status": ("sample", np.full(n, "the cage was not found to run away")),
             "status": ("sample", np.full(n, "ok")),
         }
     )  # fmt: skip

@@ -559,7 +559,7 @@ def test_single_values_words_and_ragged_ones_come_together(tmp_path):
     about = {"units": "1", "long_name": "x"}
     for number, slips in enumerate(([0.25], [], [0.25, 0.75])):
         variables = {
-            "largest_drag": ((), np.float64(number), about),
+            "limit_drag": ((), np.float64(number), about),
             "status": ((), np.asarray("found"), about),
         }
         if slips:
@@ -573,7 +573,7 @@ def test_single_values_words_and_ragged_ones_come_together(tmp_path):
         journal.write([Row(number, "", "ok", "", 0.0, layout, numbers, texts)])
     journal.close("complete")
     found = collect(sweep, tmp_path)
-    assert found["largest_drag"].values[:3].tolist() == [0.0, 1.0, 2.0]
+    assert found["limit_drag"].values[:3].tolist() == [0.0, 1.0, 2.0]
     assert found["status"].values.tolist() == ["ok", "ok", "ok", "pending"]
     assert found["study_status"].values.tolist() == ["found", "found", "found", ""]
     assert np.array_equal(

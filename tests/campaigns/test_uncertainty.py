@@ -156,9 +156,9 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
         [-4, -16]
     ].tolist()  # of 32, 3.2 and 16 lie below
     swept = rollslip.sweep(
-        SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction", output=["runaway_slip"]
+        SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction", output=["skidding_slip"]
     )  # fmt: skip
-    slips = swept.runaway_slip.to_numpy()
+    slips = swept.skidding_slip.to_numpy()
     told = found.quantile_value.sel(quantity="slip at which skidding begins")
     assert told.sel(probability=[0.1, 0.5]).to_numpy() == pytest.approx(slips, rel=1e-12)
     assert found.allowable_slip == told.sel(probability=0.1)
@@ -194,9 +194,9 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
 def _points(status, slips):
     return xr.Dataset(
         {
-            "runaway_slip": ("sample", slips),
-            "runaway_drag": ("sample", np.where(np.isnan(slips), np.nan, 4.0)),
-            "runaway_status": (
+            "skidding_slip": ("sample", slips),
+            "limit_drag": ("sample", np.where(np.isnan(slips), np.nan, 4.0)),
+            "skidding_status": (
                 "sample",
                 np.where(np.isnan(slips), "the cage was not found to run away", "found"),
             ),
@@ -280,7 +280,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(
         )
     )
     assert first.startswith(begin)
-    assert first.endswith("look further with --set study.effective-friction.runaway_range=0.99")
+    assert first.endswith("look further with --set study.effective-friction.skidding_range=0.99")
     assert indices.startswith("no Sobol indices: ")
     assert said[0] == f"{count} samples: allowable slip beyond the range, " + (
         "too few for the low end of its interval"
@@ -337,7 +337,7 @@ def test_rollers_that_do_not_drive_the_cage_allow_no_slip(tmp_path, monkeypatch)
         words = np.where(
             np.arange(64) < 16, "the rollers do not drive the cage at any slip up to 0.99", "found"
         )
-        return found.assign(runaway_status=("sample", words))
+        return found.assign(skidding_status=("sample", words))
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.9)
     assert (

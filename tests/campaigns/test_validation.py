@@ -211,10 +211,10 @@ def test_broken_predictions_are_refused(there, instead, said, tmp_path):
 
 def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
     [series, *_] = get_model("measurement", "klebanov-2022").series
-    [value] = observe(series.scene, "effective-friction/runaway_slip", {}, [{}])
+    [value] = observe(series.scene, "effective-friction/skidding_slip", {}, [{}])
     assert 0.0 < value.value < 1.0
     with pytest.raises(
-        SceneError, match="has no variable 'runaway_slipp'; did you mean 'runaway_slip'"
+        SceneError, match="has no variable 'runaway_slipp'; did you mean 'skidding_slip'"
     ):
         observe(series.scene, "effective-friction/runaway_slipp", {}, [{}])
     with pytest.raises(SceneError, match="has 2 values along ring"):

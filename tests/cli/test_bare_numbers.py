@@ -124,7 +124,7 @@ def test_tables_lists_and_temperatures_are_no_way_round(change: str, key: str) -
     [
         (
             "--keep",
-            "keep: runaway_drag: '3' has no unit, here a torque is expected, such as '3 N m'",
+            "keep: limit_drag: '3' has no unit, here a torque is expected, such as '3 N m'",
         ),
         ("--speed", "speed: '3000' has no unit"),
         ("--time-limit", "'60' has no unit, here a time is expected, such as '60 s'"),
@@ -140,7 +140,7 @@ def test_options_with_quantities_of_their_own_refuse_it_too(
             "--over",
             "operation.radial_load=1 kN:5 kN",
             "--keep",
-            "runaway_drag<=3",
+            "limit_drag<=3",
         ),
         "--speed": (
             "new",

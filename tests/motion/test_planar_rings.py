@@ -845,7 +845,7 @@ def test_a_form_goes_round_with_the_speed_that_its_ring_has_along_a_history():
     }
     result = along(history=way, friction="constant", more=(TURNING, LOBES), cage=cage)
     assert result.attrs["outcome"] == "finished"
-    assert "a form turns with its ring" in result.attrs["runaway_status"]
+    assert "a form turns with its ring" in result.attrs["skidding_status"]
     t = result.time.values
     rpm = 2 * np.pi / 60
     ramp = np.minimum(t, 1.5e-3)
@@ -860,7 +860,7 @@ def test_a_form_that_turns_is_planned_and_followed_and_leads_to_no_steady_slip(f
     cage = ("land_clearance", "0.3 mm"), ("land_width", "5 mm")
     result = along(friction=friction, more=(TURNING,), outer=HOOP, cage=cage)
     assert result.attrs["outcome"] == "finished"
-    assert "a form turns with its ring" in result.attrs["runaway_status"]
+    assert "a form turns with its ring" in result.attrs["skidding_status"]
     assert "no estimates" not in result.attrs["plan"]
     assert "153 unknowns" in result.attrs["plan"]  # 150, two of the hoop, and the angle
     assert result.form_angle[0].values == pytest.approx(

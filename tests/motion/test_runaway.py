@@ -19,8 +19,8 @@ from rollslip_kernels.slices import Slices
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion import torque_balance as module
 from rollslip_studies.motion.torque_balance import (
-    Runaway,
-    near_running_away,
+    SkiddingOnset,
+    near_skidding,
     reserve,
     rollers,
     runaway,
@@ -39,7 +39,7 @@ def bearing(name="1032930-50C", slices=15, instants=4, **changes):
 
 def found(assembly, largest=0.95, **options):
     balance = rollers(assembly, assembly.resolution.instants, **options)
-    return runaway(balance, largest, "study.effective-friction.runaway_range")
+    return runaway(balance, largest, "study.effective-friction.skidding_range")
 
 
 ROWS = rows_of(REFERENCES / "runaway.csv")
@@ -190,7 +190,7 @@ def test_what_was_not_found_says_how_far_was_looked_and_what_to_type():
     assert math.isnan(away.slip)
     assert math.isnan(away.drag)
     assert away.status.startswith("no skidding up to a slip of 0.2, where the rollers carry")
-    assert away.status.endswith("raise study.effective-friction.runaway_range to look further")
+    assert away.status.endswith("raise study.effective-friction.skidding_range to look further")
 
 
 @attrs.frozen
@@ -232,7 +232,7 @@ def _with(assembly, most):
 def test_a_range_of_nothing_is_not_looked_at():
     assembly = bearing(slices=3)
     result = EffectiveFriction(
-        points=5, map_points=0, runaway_range=0.0, closure="epicyclic"
+        points=5, map_points=0, skidding_range=0.0, closure="epicyclic"
     ).at_instants(assembly, 1)
     assert not [name for name in result if str(name).startswith("runaway")]
 
@@ -363,10 +363,10 @@ def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
     monkeypatch.setattr(
         module,
         "runaway",
-        lambda *given, **named: asked.append(given) or Runaway(0.42, 0.72, "found"),
+        lambda *given, **named: asked.append(given) or SkiddingOnset(0.42, 0.72, "found"),
     )
-    assert near_running_away(few(), 0.0) == ""
-    assert near_running_away(few(), 0.05) == ""
+    assert near_skidding(few(), 0.0) == ""
+    assert near_skidding(few(), 0.05) == ""
     assert len(asked) == 2, "by conventional friction alone"
 
 
@@ -374,20 +374,20 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
     """Against the largest drag on the curve of study steady-slip, and that of effective friction."""
     assembly = few().at(attrs.evolve(few().resolution, instants=2))
     known = SteadySlip().run(assembly)
-    conventional = float(known.largest_drag)
+    conventional = float(known.limit_drag)
     effective = found(assembly, effective=True).drag
-    said = near_running_away(few(), 0.4)
+    said = near_skidding(few(), 0.4)
     slip, off = re.fullmatch(
         r"with a cage slip of 40 % the cage is near skidding, which begins at (\S+) %, where effective friction is off "
         r"by (\S+) % of the drag",
         said,
     ).groups()
-    assert float(slip) == pytest.approx(100 * float(known.largest_drag_slip), abs=1.0)
+    assert float(slip) == pytest.approx(100 * float(known.skidding_slip), abs=1.0)
     assert float(off) == pytest.approx(100 * abs(effective / conventional - 1), rel=0.05)
 
 
 def test_beyond_the_slip_of_running_away_is_near_it():
-    assert near_running_away(few(), 0.5).startswith(
+    assert near_skidding(few(), 0.5).startswith(
         "with a cage slip of 50 % the cage is near skidding"
     )
 
@@ -403,10 +403,10 @@ def test_beyond_the_slip_of_running_away_is_near_it():
 def test_a_cage_that_runs_away_by_one_friction_only_is_near_it(exact, simple, said, monkeypatch):
     def found(balance, largest, allow):
         slip = simple if balance.effective else exact
-        return Runaway(slip, 0.72 if slip > 0.0 else math.nan, "as it is")
+        return SkiddingOnset(slip, 0.72 if slip > 0.0 else math.nan, "as it is")
 
     monkeypatch.setattr(module, "runaway", found)
     expected = (
         said and f"with a cage slip of 40 % the cage is near skidding, which begins at 42 %{said}"
     )
-    assert near_running_away(few(), 0.4) == expected
+    assert near_skidding(few(), 0.4) == expected

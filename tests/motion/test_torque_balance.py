@@ -14,7 +14,7 @@ from rollslip_studies.motion.torque_balance import (
     FOUND,
     NOWHERE,
     SKIDS,
-    Runaway,
+    SkiddingOnset,
     Running,
     nowhere,
     reserve,
@@ -29,10 +29,10 @@ def balance(drag, **way):
 
 
 def test_a_reserve_is_the_drag_of_running_away_over_that_of_the_scene():
-    away = Runaway(0.2, 3.0, "found")
+    away = SkiddingOnset(0.2, 3.0, "found")
     runs = Running(0.1, 1.5, FOUND)
     assert reserve(balance(None), away, runs).factor == 2.0
-    without = Runaway(math.nan, math.nan, "no skidding", most=3.0, most_slip=0.95)
+    without = SkiddingOnset(math.nan, math.nan, "no skidding", most=3.0, most_slip=0.95)
     for at_rest, factor in (
         (-2.0, 1.5),
         (-1.0, 3.0),
@@ -48,7 +48,7 @@ def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip():
     way = {"curve": ([0.1, 0.5, 0.9], [1.0, 2.0, -1.0])}
     found = reserve(
         balance(lambda _: -4.0, **way),
-        Runaway(math.nan, math.nan, ""),
+        SkiddingOnset(math.nan, math.nan, ""),
         Running(math.nan, 0.0, NOWHERE),
     )
     assert (found.factor, found.status.startswith(SKIDS)) == (0.5, True)

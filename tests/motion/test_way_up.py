@@ -316,7 +316,7 @@ def test_a_maximum_up_to_the_end_of_the_range_that_finer_positions_do_not_have_i
     one = scenes.balance(scenes.catalogue(number))
     assert not scenes.finer(one, 4).way().jumps, "or the scene shows nothing"
     way = one.way()
-    assert way.runs_away is None
+    assert way.describe_skidding is None
     assert way.largest_error < 0.05
 
 
@@ -352,10 +352,10 @@ def test_finer_slips_change_nothing_beyond_the_error_that_is_told(number, resist
     )
     way = one.way()
     dense = one.way(steps=250)
-    assert (way.runs_away is None) == (dense.runs_away is None)
-    if (away := way.runs_away) is not None:
-        known = away.error + dense.runs_away.error + 1e-6  # exactness of a vertex
-        assert away.drag == pytest.approx(dense.runs_away.drag, rel=known)
+    assert (way.describe_skidding is None) == (dense.describe_skidding is None)
+    if (away := way.describe_skidding) is not None:
+        known = away.error + dense.describe_skidding.error + 1e-6  # exactness of a vertex
+        assert away.drag == pytest.approx(dense.describe_skidding.drag, rel=known)
     known = way.largest_error + dense.largest_error + 1e-6
     assert way.largest[1] == pytest.approx(dense.largest[1], rel=known)
 
@@ -390,8 +390,8 @@ def test_units_in_which_a_bearing_is_given_change_nothing(number):
 def test_whether_a_slip_doubles_is_told_as_by_many_slips(number):
     """It is 2.01 times as large in both; straight lines between the slips of the search told 1.97 and 1.99."""
     one = scenes.balance(scenes.free(number))
-    away = one.way(0.95).runs_away
-    dense = one.way(0.95, steps=250).runs_away
+    away = one.way(0.95).describe_skidding
+    dense = one.way(0.95, steps=250).describe_skidding
     assert away is not None
     assert away.drag == pytest.approx(dense.drag, rel=away.error + dense.error + 1e-6)
     assert away.to == pytest.approx(dense.to, rel=1e-2)
@@ -404,7 +404,7 @@ def test_a_default_bearing_has_a_steady_slip_and_a_largest_drag_or_a_reserve(num
     steady = way.steady(one.drag)
     slip, most = way.largest
     assert (steady and steady[0].slope > 0.0) or most < -one.drag(slip)
-    assert way.runs_away is not None or slip == way.end
+    assert way.describe_skidding is not None or slip == way.end
 
 
 @pytest.mark.parametrize("speed", ["0.5 rpm", "15000 rpm"])
@@ -441,7 +441,7 @@ def test_pocket_friction_and_effective_friction_have_a_way_and_both_rings_may_tu
     ).way()
     simple = balance(effective=True).way()
     assert pockets.at_rest <= 0.0
-    assert simple.runs_away.drag == pytest.approx(plain.runs_away.drag, rel=0.1)
+    assert simple.describe_skidding.drag == pytest.approx(plain.describe_skidding.drag, rel=0.1)
     driven = balance(slices=1, **{"operation.outer_speed": "-500 rpm"}).way()
     assert driven.end == RANGE
 
@@ -517,7 +517,7 @@ def in_time(monkeypatch):
 def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time_or_at_none_if_it_does_not(
     row, in_time
 ):
-    away = in_time.of(row["kind"], int(row["number"]), row["resists"]).way().runs_away
+    away = in_time.of(row["kind"], int(row["number"]), row["resists"]).way().describe_skidding
     if not row["interval"]:
         assert away is None
         return
@@ -535,7 +535,7 @@ def test_a_drag_a_thousandth_above_runs_away_in_time_and_a_hundredth_below_does_
     kind, number, in_time
 ):
     one = in_time.of(kind, number, 0)
-    away = one.way().runs_away
+    away = one.way().describe_skidding
     told = in_time.InTime(one, (away.slip, away.drag))
     beyond = in_time.beyond_of(away)
     held, state, slip, _ = told.held(told.start(), in_time.BELOW * away.drag, beyond, begin=0.0)

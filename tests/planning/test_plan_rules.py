@@ -37,7 +37,7 @@ BASE = evolve(
             "map_points": 0,
             "max_cage_slip": 0.9,
             "closure": "epicyclic",
-            "runaway_range": 0.0,
+            "skidding_range": 0.0,
         },
     },
 )

@@ -51,7 +51,7 @@ JUMPS = evolve(
             "max_cage_slip": 0.95,
             "points": 41,
             "map_points": 0,
-            "runaway_range": 0.0,
+            "skidding_range": 0.0,
         },
         "accuracy": {"tolerance": 1e-3, "slices": "auto"},
     },
@@ -391,7 +391,7 @@ SEEN = {
         100_064,
         "film_parameter",
     ),  # rollers all but stand, by a slip that is off by 1e-3 and less
-    "largest drag": (100_086, "largest_drag"),
+    "largest drag": (100_086, "limit_drag"),
     "reserve to slipping": (
         100_140,
         "acceptable_reserve",

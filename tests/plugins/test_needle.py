@@ -87,7 +87,7 @@ def test_a_new_scene_runs_on_its_shaft_and_refuses_a_fit_there():
 )
 def test_deflections_of_steel_are_told_where_the_shaft_is_none(law, warned):
     few = {"study.effective-friction.points": 5, "study.effective-friction.map_points": 0,
-           "study.effective-friction.runaway_range": 0.0, "models.contact": law}  # fmt: skip
+           "study.effective-friction.skidding_range": 0.0, "models.contact": law}  # fmt: skip
     steel = evolve(new("NK 20/16", speed="3000 rpm", load="500 N"), few)
     bronze = evolve(steel, {"bearing.inner_raceway.material.elastic_modulus": "110 GPa"})
     told = [str(run(scene, "effective-friction").attrs["warnings"]) for scene in (steel, bronze)]

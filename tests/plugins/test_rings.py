@@ -585,7 +585,7 @@ def test_friction_counts_all_rollers_of_forms_that_do_not_mirror_themselves():
     def slip(angle):
         form = [{"lobes": 2, "amplitude": "20 um", "angle": angle}]
         result = run(scene(**{"bearing.outer_raceway.form": form}), "effective-friction")
-        return float(result.runaway_slip), float(result.runaway_drag)
+        return float(result.skidding_slip), float(result.limit_drag)
 
     straight = slip(0.0)
     turned = slip(1e-7)
@@ -695,7 +695,7 @@ def test_forms_of_both_rings_that_turn_meet_in_all_ways():
 def test_a_form_that_turns_moves_the_friction_that_is_told_and_converges():
     changes = {
         "bearing.inner_raceway.form": [{"lobes": 2, "amplitude": "15 um"}],
-        "study.effective-friction.runaway_range": 0.0,
+        "study.effective-friction.skidding_range": 0.0,
         "study.effective-friction.points": 9,
         "study.effective-friction.map_points": 0,
     }
@@ -949,7 +949,7 @@ def test_slip_follows_lobes_and_the_housing_that_holds_them():
         "steady-slip",
     )
     assert 100 * float(result.steady_slip[0]) == pytest.approx(2.14, rel=0.02)
-    assert float(result.largest_drag.max()) == pytest.approx(2.0, rel=0.02)
+    assert float(result.limit_drag.max()) == pytest.approx(2.0, rel=0.02)
 
 
 def test_plane_motion_tells_how_its_rings_yield():

@@ -23,7 +23,7 @@ def swept():
         coarse("1032930-70C"),
         over,
         study="steady-slip",
-        output=["slip", "largest_drag", "effective_friction"],
+        output=["slip", "limit_drag", "effective_friction"],
     )
 
 

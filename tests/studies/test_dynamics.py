@@ -328,21 +328,21 @@ def test_a_run_can_end_where_the_cage_runs_away(level):
     (rising,) = found.event_rising.values
     assert (what, rising) == (PASSED, 1)
     assert found.time[-1] == time < 0.2
-    assert float(found.cage_slip[-1]) == pytest.approx(found.attrs["runaway_slip"], abs=1e-10)
-    assert np.all(found.cage_slip[:-1] < found.attrs["runaway_slip"])
+    assert float(found.cage_slip[-1]) == pytest.approx(found.attrs["skidding_slip"], abs=1e-10)
+    assert np.all(found.cage_slip[:-1] < found.attrs["skidding_slip"])
     assert np.array_equal(found.time[:-1], np.linspace(0.0, 0.2, 201)[: found.sizes["time"] - 1])
 
 
 def test_a_cage_that_runs_away_is_a_result():
     found = run(bearing(brake(60.0)), duration=0.05)
     assert list(found.event_what.values) == [PASSED]
-    assert float(found.cage_slip[-1]) > found.attrs["runaway_slip"]
+    assert float(found.cage_slip[-1]) > found.attrs["skidding_slip"]
     between = found.time.values.searchsorted(float(found.event_time[0]))
-    assert found.cage_slip[between - 1] < found.attrs["runaway_slip"] < found.cage_slip[between]
+    assert found.cage_slip[between - 1] < found.attrs["skidding_slip"] < found.cage_slip[between]
 
 
 def test_slip_that_falls_below_that_of_running_away_is_an_event_and_no_end():
-    start = 0.02 + run(bearing(), duration=1e-3, points=2).attrs["runaway_slip"]
+    start = 0.02 + run(bearing(), duration=1e-3, points=2).attrs["skidding_slip"]
     found = run(bearing(), duration=0.2, cage_slip=start, roller_slip=start, stop_at="critical")
     assert list(found.event_what.values) == ["cage slip falls below that of skidding"]
     assert list(found.event_rising.values) == [0]

@@ -26,7 +26,7 @@ SCENE = rollslip.evolve(
         "accuracy.slices": 4,
         "accuracy.tolerance": 0.01,
         "models.damage": EVERY,
-        "study.effective-friction.runaway_range": 0,
+        "study.effective-friction.skidding_range": 0,
         "study.dynamics": {
             "duration": "0.4 s",
             "points": 9,

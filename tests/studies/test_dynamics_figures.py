@@ -12,7 +12,7 @@ import pytest
 
 import motion_samples
 from drawn import words
-from motion_samples import CAGE_SPEED, ROLLER_SPEED, RUNAWAY, motion, relaxing, running_away
+from motion_samples import CAGE_SPEED, ROLLER_SPEED, SKIDDING, motion, relaxing, skidding_sentences
 from rollslip.cli import console
 from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
@@ -39,12 +39,12 @@ hard_cases = functools.cache(motion_samples.hard_cases)
 @pytest.fixture(scope="module")
 def planar():
     return motion(
-        running_away(),
+        skidding_sentences(),
         level="planar",
         points=301,
         outcome="stopped",
         outcome_message="asked to",
-        **RUNAWAY,
+        **SKIDDING,
     )
 
 
@@ -195,7 +195,7 @@ def test_a_film_without_load_does_not_hide_the_thin_ones():
 
 
 def test_events_are_marked_at_the_foot_once_for_each_place():
-    assert "events (at the foot)" not in labels(motion(running_away()))[0]
+    assert "events (at the foot)" not in labels(motion(skidding_sentences()))[0]
     assert "events (at the foot)" in labels(hard_cases()["runaway"])[0]
     thousands = [(1e-5 * k, "contact opens", False) for k in range(50000)]
     assert len(_other_events(motion(events=thousands, points=11))) == 301
@@ -315,8 +315,8 @@ def test_effective_friction_is_not_trusted_from_half_the_slip_of_running_away_on
 
 def test_a_result_of_an_older_version_has_no_slip_at_which_skidding_begins():
     older = motion(points=61)
-    del older.attrs["runaway_slip"]
-    assert record(older)["runaway_slip"] is None
+    del older.attrs["skidding_slip"]
+    assert record(older)["skidding_slip"] is None
 
 
 def test_pure_rolling_is_found_from_speed_and_slip():
@@ -368,11 +368,11 @@ def test_the_console_says_it_and_a_stored_result_too(tmp_path):
 
 
 def test_the_record_has_all_single_values():
-    away = motion(running_away(), points=61, **RUNAWAY)
+    away = motion(skidding_sentences(), points=61, **SKIDDING)
     found = json.loads(json.dumps(record(away), allow_nan=False))
     assert found["steady_cage_slip"] is None
     assert found["steady_status"] == "not steady: it grows"
-    assert found["runaway_slip"] == 0.11
+    assert found["skidding_slip"] == 0.11
     assert found["events"] == [
         {
             "time": pytest.approx(0.15 * np.log(5.5), abs=1e-4),

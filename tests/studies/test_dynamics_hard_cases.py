@@ -92,7 +92,7 @@ def test_a_cage_that_starts_wrong_is_driven_forward(level, friction, slip):
     )
     assert float(found.cage_slip[0]) == slip
     assert found.cage_slip[-1] < slip
-    assert found.attrs["runaway_slip"] < 1.0
+    assert found.attrs["skidding_slip"] < 1.0
     assert float(found.work_done.sel(work="work_rings")[-1]) > 0.0
     for lost in ("lost_inner", "lost_outer"):
         # of the integral; the power itself is never negative, but the ledger is as exact as the tolerance of 1e-5 J

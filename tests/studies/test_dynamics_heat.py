@@ -33,7 +33,7 @@ SCENE = rollslip.evolve(
     {
         "accuracy.slices": 4,
         "accuracy.tolerance": 0.01,
-        "study.effective-friction.runaway_range": 0,
+        "study.effective-friction.skidding_range": 0,
         "study.dynamics": {
             "duration": "1 s",
             "points": 41,

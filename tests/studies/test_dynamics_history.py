@@ -387,7 +387,7 @@ def test_what_is_uncertain_of_a_history_is_sampled_by_a_sweep_and_no_matter_of_a
     ):
         rollslip.uncertainty(of, samples=2)
     found = rollslip.sweep(
-        of, study="dynamics", samples=2, output=["largest_cage_slip", "least_margin_to_runaway"]
+        of, study="dynamics", samples=2, output=["largest_cage_slip", "smallest_margin_to_skidding"]
     )
     assert np.isfinite(found["largest_cage_slip"]).all()
     assert len({*found["largest_cage_slip"].values.tolist()}) == 2
@@ -521,8 +521,8 @@ def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_ther
         held = assemble(scene({"operation.radial_load": load}))
         study = EffectiveFriction.of(held.scene)
         away = over_time.away_of(study, study.loaded(held, over_time.INSTANTS))
-        assert float(dropped.runaway_slip_along[k]) == pytest.approx(away.slip, abs=2e-3)
-        assert float(dropped.runaway_drag_along[k]) == pytest.approx(away.drag, rel=2e-3)
+        assert float(dropped.skidding_slip_along[k]) == pytest.approx(away.slip, abs=2e-3)
+        assert float(dropped.limit_drag_along[k]) == pytest.approx(away.drag, rel=2e-3)
 
 
 def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
@@ -532,7 +532,7 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     assert record["history"] == ["radial_load"]
     assert record["largest_cage_slip"] == float(dropped.cage_slip.max())
     assert record["least_cage_slip"] == float(dropped.cage_slip.min())
-    assert record["time_beyond_runaway"] == 0.0
+    assert record["time_beyond_skidding"] == 0.0
     assert (
         record["frictional_work_inner"]
         == -float(dropped.work_done.sel(work="lost_inner")[-1])
@@ -621,7 +621,7 @@ def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
     assert single <= set(dropped.attrs)
     for name in dropped.data_vars:
         assert dropped[name].attrs["units"] == Dynamics.outputs[name].unit
-    assert np.isfinite(dropped["runaway_slip_along"]).all()
+    assert np.isfinite(dropped["skidding_slip_along"]).all()
 
 
 @pytest.mark.quick
@@ -630,7 +630,7 @@ def test_time_beyond_is_that_of_straight_lines_between_the_instants():
 
     slip = [0.1, 0.3, 0.5, 0.3, np.nan, 0.9]
     dataset = xr.Dataset(
-        {"cage_slip": ("time", slip), "runaway_slip_along": ("time", np.full(6, 0.4))},
+        {"cage_slip": ("time", slip), "skidding_slip_along": ("time", np.full(6, 0.4))},
         {"time": np.arange(6.0)},
     )
     assert history_findings.time_beyond(dataset) == pytest.approx(1.0)  # from 1.5 to 2.5 s
@@ -678,7 +678,7 @@ def test_the_passage_of_the_slip_of_running_away_is_an_event_and_can_end_the_run
     away = watched(changes, radial_load={"shape": "step", "to": "950 N", "at": "0.1 s"})
     assert away.attrs["outcome"] == "stopped"
     last = float(away.cage_slip[-1])
-    assert last == pytest.approx(float(away.runaway_slip_along[-1]), abs=1e-6)
+    assert last == pytest.approx(float(away.skidding_slip_along[-1]), abs=1e-6)
 
 
 def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_is_conventional_and_that_is_told(

@@ -35,7 +35,7 @@ def curve(scene, **settings):
         "points": 21,
         "map_points": 0,
         "max_cage_slip": 0.9,
-        "runaway_range": 0.0,
+        "skidding_range": 0.0,
     }
     return EffectiveFriction(**{**defaults, **settings}).run(assemble(scene))
 
@@ -531,7 +531,7 @@ def evaluated(**changes):
     scene = evolve(load_scene("1032930-70C"), small | changes)
     passes = []
     assembly = assemble(scene).with_bounds(lambda slices: passes.append(len(slices)))
-    EffectiveFriction(closure="epicyclic", points=21, map_points=0, runaway_range=0.0).at_instants(
+    EffectiveFriction(closure="epicyclic", points=21, map_points=0, skidding_range=0.0).at_instants(
         assembly, 2
     )
     # how many locating the maximum takes is up to the rounding of the loads, but for its bound on each ring
@@ -552,7 +552,7 @@ def test_work_grows_as_rollers_and_slices_do():
 def test_memory_is_that_of_the_loads():
     """Peak of the whole study below three times inner_load and outer_load, which it holds, and the tables of slices."""
     assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 401}))
-    study = EffectiveFriction(closure="epicyclic", points=11, map_points=5, runaway_range=0.0)
+    study = EffectiveFriction(closure="epicyclic", points=11, map_points=5, skidding_range=0.0)
     study.at_instants(assembly, 2)  # xarray is loaded
     tracemalloc.start()
     try:

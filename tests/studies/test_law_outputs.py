@@ -18,7 +18,7 @@ from without_bands import run
 QUICK = {
     "study.effective-friction.points": 9,
     "study.effective-friction.map_points": 0,
-    "study.effective-friction.runaway_range": 0,
+    "study.effective-friction.skidding_range": 0,
     "study.friction-curve.normal_force": ["200 N", "300 N"],
     "study.friction-curve.points": 7,
     "accuracy.slices": 5,

@@ -47,7 +47,7 @@ def test_all_studies_say_the_same_of_one_bearing(name):
     whole = _asked_alike(few(HARD[name]))
     skids = name == "skids"
     assert whole.reserve_status.item().startswith("the cage skids" if skids else (FOUND, AT_LEAST))
-    assert skids or math.isnan(float(whole.largest_drag)) == whole.reserve_status.item().startswith(
+    assert skids or math.isnan(float(whole.limit_drag)) == whole.reserve_status.item().startswith(
         AT_LEAST
     )
 
@@ -77,8 +77,8 @@ def _asked_alike(bearing):
     def same(*values):
         np.testing.assert_array_equal(values, np.full(len(values), values[0]))
 
-    same(*(float(one) for one in (simple.runaway_slip, whole.largest_drag_slip, away.slip)))
-    same(*(float(one) for one in (simple.runaway_drag, whole.largest_drag, away.drag)))
+    same(*(float(one) for one in (simple.skidding_slip, whole.skidding_slip, away.slip)))
+    same(*(float(one) for one in (simple.limit_drag, whole.limit_drag, away.drag)))
     same(*(float(one) for one in (simple.steady_cage_slip, whole.steady_slip[0], heat.given_slip)))
     same(float(simple.steady_drag), float(whole.torque[0]))
     same(float(simple.drag_reserve), float(whole.drag_reserve))
@@ -86,12 +86,12 @@ def _asked_alike(bearing):
     some, _ = SteadySlip().only(bearing, frozenset({"steady_slip", "status"}))
     same(float(some["steady_slip"][1][0]), float(whole.steady_slip[0]))
     (at_once, _), *_ = EffectiveFriction.together(
-        [(quick, bearing)], frozenset({"runaway_drag", "drag_reserve"})
+        [(quick, bearing)], frozenset({"limit_drag", "drag_reserve"})
     )
-    same(float(at_once["runaway_drag"][1]), float(whole.largest_drag))
+    same(float(at_once["limit_drag"][1]), float(whole.limit_drag))
     if whole.reserve_status.item() == FOUND:
         assert float(whole.drag_reserve * whole.torque[0]) == pytest.approx(
-            float(whole.largest_drag), rel=1e-12
+            float(whole.limit_drag), rel=1e-12
         )
     return whole
 
@@ -108,7 +108,7 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
 def test_the_least_load_of_a_slip_that_the_cage_on_its_way_up_jumps_over_is_that_with_less_of_which_it_jumps():
     """Between the jump and where it leads to, though the rollers of a cage from above would hold it there."""
     bearing = few(HARD["two motions"])
-    jump = rollers(bearing, 1).way().runs_away
+    jump = rollers(bearing, 1).way().describe_skidding
     slip = math.sqrt(jump.slip * jump.to)
     found, _ = SteadySlip(acceptable_slip=slip).only(bearing, frozenset({"least_load"}))
     load = found["least_load"][1]
@@ -126,10 +126,10 @@ def test_the_slip_that_a_larger_drag_takes_the_cage_to_has_a_status_of_its_own()
         SteadySlip().run(few(HARD[name])) for name in ("two motions", "skids", "no fold")
     )
     assert (jumps.jump_slip_status.item(), float(jumps.jump_slip) > 0.0) == ("found", True)
-    assert ends.largest_drag_status.item() == "found"
+    assert ends.skidding_status.item() == "found"
     assert ends.jump_slip_status.item() == "a larger drag is carried by no slip up to 0.95"
     assert np.isnan(ends.jump_slip)
-    assert none.jump_slip_status.item() == none.largest_drag_status.item()
+    assert none.jump_slip_status.item() == none.skidding_status.item()
 
 
 @pytest.mark.parametrize("error", [DomainError, ConvergenceError])
@@ -148,7 +148,7 @@ def test_a_steady_slip_survives_a_failure_at_the_far_end_of_its_curve(error, mon
     assert 0.4 < float(found.cage_slip[-1]) <= 0.5
     assert float(found.steady_slip[0]) == pytest.approx(float(known.steady_slip[0]), rel=1e-9)
     assert found.status.item() == "found"
-    assert "no value there" in found.largest_drag_status.item()
+    assert "no value there" in found.skidding_status.item()
     quick = EffectiveFriction(points=5, map_points=0, closure="epicyclic")
     assert float(quick.run(few(HARD["no fold"])).steady_cage_slip) == float(found.steady_slip[0])
 
@@ -157,7 +157,7 @@ def test_more_slips_of_a_curve_change_nothing_that_is_said_of_it():
     bearing = few(HARD["two motions"])
     plain, dense = (SteadySlip(points=points).run(bearing) for points in (25, 150))
     assert dense.sizes["cage_slip"] > 150 > plain.sizes["cage_slip"]
-    for name in ("steady_slip", "largest_drag", "largest_drag_slip", "most_torque", "drag_reserve"):
+    for name in ("steady_slip", "limit_drag", "skidding_slip", "most_torque", "drag_reserve"):
         np.testing.assert_array_equal(dense[name], plain[name])
     assert RANGE > float(plain.cage_slip[-1]) == 0.9
 
@@ -181,9 +181,9 @@ def test_a_plan_of_both_has_the_way_up_once():
     both = plan(load_scene("gearbox"))
     alone = plan(load_scene("gearbox"), "effective-friction")
     assert (
-        both.studies["effective-friction"].runaway_range
+        both.studies["effective-friction"].skidding_range
         == 0.0
-        < alone.studies["effective-friction"].runaway_range
+        < alone.studies["effective-friction"].skidding_range
     )
     assert (
         both.studies["effective-friction"].map_points

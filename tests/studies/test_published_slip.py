@@ -31,11 +31,11 @@ def test_under_more_load_colder_oil_slips_less():
 
 def test_below_the_largest_drag_one_slip_lasts_and_one_does_not():
     """What the statement on traction with a peak rests on: a fold within the range parts the two."""
-    largest = float(steady({}).largest_drag)
+    largest = float(steady({}).limit_drag)
     result = steady({"cage.drag": [{"model": "constant-torque", "size": 0.97 * largest}]})
     low, high = result.steady_slip.to_numpy()
     assert [text.split(":")[0] for text in result.stability.to_numpy()] == ["stable", "unstable"]
-    assert low < float(result.largest_drag_slip) < high
+    assert low < float(result.skidding_slip) < high
     beyond = steady({"cage.drag": [{"model": "constant-torque", "size": 1.02 * largest}]})
     assert np.isnan(beyond.steady_slip.to_numpy()).all()
 

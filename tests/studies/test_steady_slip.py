@@ -250,13 +250,13 @@ def test_branches_of_a_peaked_law_are_those_by_hand():
         np.testing.assert_allclose(found.steady_slip, [y * fold, fold / share], rtol=1e-6)
         assert found.stable.values.tolist() == [1, 0]
         assert "with more slip the rollers drive the cage less" in str(found.stability[1].item())
-        assert float(found.largest_drag) == pytest.approx(most, rel=1e-6)
-        assert float(found.largest_drag_slip) == pytest.approx(fold, rel=1e-3)
-        left = 1.0 - found.largest_drag_low.attrs["within"]
-        assert left == 1.0 - max(MASSLESS.accuracy.tolerance, float(found.largest_drag_error))
+        assert float(found.limit_drag) == pytest.approx(most, rel=1e-6)
+        assert float(found.skidding_slip) == pytest.approx(fold, rel=1e-3)
+        left = 1.0 - found.limit_drag_low.attrs["within"]
+        assert left == 1.0 - max(MASSLESS.accuracy.tolerance, float(found.limit_drag_error))
         ends = fold * (1.0 - np.sqrt(1.0 - left**2)) / left, fold / left
         np.testing.assert_allclose(
-            [found.largest_drag_low, found.largest_drag_high], ends, rtol=1e-3
+            [found.limit_drag_low, found.limit_drag_high], ends, rtol=1e-3
         )
         assert (np.abs(found.multiplier) < 1.0).all()
     above = run(dragged(MASSLESS, brake(1.001 * most)), law, points=12)
@@ -591,8 +591,8 @@ def test_a_maximum_beyond_the_curve_is_found_and_the_curve_stays_as_it_was_asked
     found, whole = (
         run(dragged(PROFILED, brake(0.05)), points=8, max_cage_slip=most) for most in (0.1, 0.9)
     )
-    assert float(found.largest_drag) == pytest.approx(float(whole.largest_drag), rel=1e-4)
-    assert float(found.largest_drag_slip) > 0.1
+    assert float(found.limit_drag) == pytest.approx(float(whole.limit_drag), rel=1e-4)
+    assert float(found.skidding_slip) > 0.1
     assert float(found.cage_slip[-1]) == 0.1
     assert found.stable.values.tolist() == [1]
 
@@ -613,8 +613,8 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
     limit = float(found.radial_load_limit)
     slip = float(found.radial_load_limit_slip)
     there = run(evolve(scene, {"operation.radial_load": limit}), points=10)
-    assert float(there.largest_drag) == pytest.approx(0.66, rel=1e-4)
-    assert float(there.largest_drag_slip) == pytest.approx(slip, rel=0.05)  # a maximum is flat
+    assert float(there.limit_drag) == pytest.approx(0.66, rel=1e-4)
+    assert float(there.skidding_slip) == pytest.approx(slip, rel=0.05)  # a maximum is flat
     assert limit == pytest.approx(found.radial_load.to_numpy().min(), rel=1e-9)
     assert found.radial_load_fold.values.sum() == 1
     assert {0, 1} == set(found.radial_load_stable.values.tolist())
@@ -730,13 +730,13 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
     assert float(found.first_maximum_slip) == pytest.approx(1.0 / half, rel=1e-3)
     assert float(found.most_torque_slip) == pytest.approx(10.0 / half, rel=1e-3)
     assert float(found.first_maximum_torque / found.most_torque) == pytest.approx(0.4, rel=1e-3)
-    assert float(found.largest_drag) == float(found.first_maximum_torque), (
+    assert float(found.limit_drag) == float(found.first_maximum_torque), (
         "from there the slip more than doubles"
     )
     (said,) = SteadySlipAccount.topics(found)["limit drag torque"]
     assert f"a larger one takes it to {100 * float(found.jump_slip):.3g} %" in said
     one = run(dragged(MASSLESS, brake(0.1)), Peaked(), points=12, max_cage_slip=0.9)
-    assert float(one.first_maximum_slip) == float(one.largest_drag_slip)
+    assert float(one.first_maximum_slip) == float(one.skidding_slip)
     assert "already" not in SteadySlipAccount.topics(one)["limit drag torque"][0]
 
 
@@ -781,7 +781,7 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
     )
     values = SteadySlipAccount.record(found)
     assert [state["stable"] for state in values["steady"]] == [True, False]
-    assert values["largest_drag"] == float(found.largest_drag)
+    assert values["limit_drag"] == float(found.limit_drag)
     json.dumps(values, allow_nan=False)
     text = account_of(found).paragraph(found)
     assert all(sentence in text for about in said.values() for sentence in (s[1:] for s in about))
@@ -801,7 +801,7 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
         f"{slip}, {held}".encode() for slip, held in zip(slips, ("held", "not held"), strict=True)
     ]
     assert any(all(state in file for state in states) for file in first)
-    assert f"limit drag torque, {two(float(found.largest_drag))} N m".encode() in first[0]
+    assert f"limit drag torque, {two(float(found.limit_drag))} N m".encode() in first[0]
 
 
 def test_no_roller_loaded_on_the_inner_ring_is_refused():

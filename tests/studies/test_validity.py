@@ -621,7 +621,7 @@ def test_a_law_of_a_stranger_states_it_the_same_way(monkeypatch):
     register(Slow)
     alone = {
         "models.traction": "made-for-slow",
-        "study.effective-friction.runaway_range": 0,
+        "study.effective-friction.skidding_range": 0,
     }  # it jumps, and in Python
     found = run(evolve(PAPER, QUICK | alone), "effective-friction")
     (said,) = (text for text in warned(found) if "made-for-slow" in text)

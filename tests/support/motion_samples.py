@@ -31,7 +31,7 @@ def relaxing(begin=0.0, end=0.03, after=0.1):
     return lambda t: end + (begin - end) * np.exp(-t / after)
 
 
-def running_away(begin=0.02, within=0.15):
+def skidding_sentences(begin=0.02, within=0.15):
     """Cage slip that grows exponentially until the cage stands."""
     return lambda t: np.minimum(begin * np.exp(t / within), 1.0)
 
@@ -192,9 +192,9 @@ def motion(
             "jacobians": 1234,
             "contacts_evaluated": 5600000,
             "real_time_factor": 2.5,
-            "runaway_slip": critical,
-            "runaway_drag": float("nan") if np.isnan(critical) else 4.0,
-            "runaway_status": "found",
+            "skidding_slip": critical,
+            "limit_drag": float("nan") if np.isnan(critical) else 4.0,
+            "skidding_status": "found",
             "critical_cage_slip": 0.2,
             "critical_status": "found",
             "curves_with": "with rollers in pure rolling",
@@ -236,7 +236,7 @@ def motion(
     return dataset.assign_attrs(attributes)
 
 
-RUNAWAY = {"steady_status": "not steady: it grows", "steady_cage_slip": float("nan")}
+SKIDDING = {"steady_status": "not steady: it grows", "steady_cage_slip": float("nan")}
 
 
 def hard_cases():
@@ -259,14 +259,14 @@ def hard_cases():
         ),
         "one roller": motion(rollers=1, points=201),
         "1000 rollers": motion(rollers=1000, points=21, level="planar"),
-        "runaway": motion(running_away(), points=201, events=contacts, **RUNAWAY),
+        "runaway": motion(skidding_sentences(), points=201, events=contacts, **SKIDDING),
         "nothing moves": motion(
             lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5
         ),
         "no drag, no slip": motion(lambda t: 0.0 * t, drag=False, residual=0.0, points=61),
         "cage backwards": motion(relaxing(2.0, 0.03), points=61, rejected=-1),
         "critical unknown": motion(
-            critical=float("nan"), runaway_status="friction still rises", points=61
+            critical=float("nan"), skidding_status="friction still rises", points=61
         ),
         "ledger of one entry": motion(works=("work_rings",), points=5),
     }
@@ -274,7 +274,7 @@ def hard_cases():
 
 def situations():
     """Motions of which different things are said, by name."""
-    away = motion(running_away(), **RUNAWAY)
+    away = motion(skidding_sentences(), **SKIDDING)
     unknown = {"critical_cage_slip": float("nan"), "critical_status": "rises"}
     opens = [
         (0.01 * k, "contact of roller 3 with the inner ring opens", False) for k in range(1, 31)
@@ -288,7 +288,7 @@ def situations():
         "runs away and is stopped": away.assign_attrs(
             outcome="stopped", outcome_message="stop_at = critical."
         ),
-        "slip falls again": motion(lambda t: 0.3 * np.sin(4.0 * t), **RUNAWAY),
+        "slip falls again": motion(lambda t: 0.3 * np.sin(4.0 * t), **SKIDDING),
         "settles beyond": motion(relaxing(0.0, 0.2)),
         "there and back": motion(lambda t: 0.2 * np.sin(6.0 * t)),
         "swings": motion(lambda t: 0.11 + 0.05 * np.sin(100.0 * t + 0.1)),

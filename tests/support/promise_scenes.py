@@ -117,7 +117,7 @@ def scene(k, seed=16):
             "max_cage_slip": of((0.05, 0.4, 0.6, 0.95)),
             "points": 26,
             "map_points": 0,
-            "runaway_range": 0.0,
+            "skidding_range": 0.0,
         },
         "accuracy": {"tolerance": 10.0 ** even(-5.0, -2.0), "slices": "auto"},
     }

@@ -63,13 +63,13 @@ NUMBERS = {
     "reserve to skidding": "drag_reserve",
     "friction torque": "friction_torque",
     "film parameter": "film_parameter",
-    "largest drag": "largest_drag",
-    "slip of the largest drag": "largest_drag_slip",
+    "largest drag": "limit_drag",
+    "slip of the largest drag": "skidding_slip",
 }
 #: How a reference says that it does not know the far end of its curve, and what it knows nothing of then.
 UNSETTLED = ("does not settle", "largest drag", "slip of the largest drag", "reserve to skidding")
 #: Those whose claim stands with themselves, and where.
-CLAIMS = {"largest drag": "largest_drag_error"}
+CLAIMS = {"largest drag": "limit_drag_error"}
 #: Reserves that the answer shows.
 RESERVES = (("reserve to slipping", 0.0, 1e3), ("reserve to skidding", 0.0, 1e3))
 HEADER = [
@@ -222,7 +222,7 @@ def compared(one, result, exact):
     ]
     values = numbers(result)
     references = numbers(exact)
-    unknown = UNSETTLED[1:] if UNSETTLED[0] in str(exact.get("largest_drag_status", "")) else ()
+    unknown = UNSETTLED[1:] if UNSETTLED[0] in str(exact.get("skidding_status", "")) else ()
     worst = ""
     off = -1.0
     most = 0.0

@@ -74,7 +74,7 @@ HEADER = [
     "seconds",
 ]
 #: What effective friction is asked for curves alone.
-CURVES = {"study.effective-friction": {"map_points": 0, "runaway_range": 0.0}}
+CURVES = {"study.effective-friction": {"map_points": 0, "skidding_range": 0.0}}
 #: Study, result, which side of the limit is kept, and what the scene has beside: what limits are searched of.
 QUESTIONS = (
     ("effective-friction", "film_parameter", ">=", CURVES),

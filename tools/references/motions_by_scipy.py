@@ -198,7 +198,7 @@ def judged(k):
     own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
     study = made.studies["dynamics"].at(own)
     at = made.assembly.at(own)
-    away = result.attrs["runaway_slip"]
+    away = result.attrs["skidding_slip"]
     times = result.time.to_numpy().copy()
     moving = study.moving_along(study.course(at), at, critical_slip=away)
     start = moving.initial(study.cage_slip, study.roller_slip)

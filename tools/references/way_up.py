@@ -47,8 +47,8 @@ def held(given):
         dense = scenes.finer(one, 4).way(RANGE, steps=250)
     except RollslipError as error:
         return row | {"refused": str(error)[:80]}
-    away = way.runs_away
-    reference = dense.runs_away
+    away = way.describe_skidding
+    reference = dense.describe_skidding
     row |= {"most [N m]": way.largest[1], "most, dense [N m]": dense.largest[1]}
     for name, jump in (("", away), (", dense", reference)):
         row[f"slip{name}"] = math.nan if jump is None else jump.slip

@@ -361,8 +361,8 @@ def row(kind, number, resists):
         "inner [rpm]": 60.0 * o.inner_speed / TURN, "outer [rpm]": 60.0 * o.outer_speed / TURN,
         "load [N]": o.radial_load, "maxima": len(way.jumps), "most [N m]": way.largest[1],
     }  # fmt: skip
-    away = way.runs_away
-    dense = scenes.finer(one, 4).way(RANGE, steps=250).runs_away
+    away = way.describe_skidding
+    dense = scenes.finer(one, 4).way(RANGE, steps=250).describe_skidding
     out["finer way [N m]"] = math.nan if dense is None else dense.drag
     if away is not None:
         out |= {

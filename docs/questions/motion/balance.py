@@ -17,7 +17,7 @@ for axes, scene in zip(both, ("turbine", "1032930-50C"), strict=True):
     axes.plot(100 * result.cage_slip, 1e3 * result.driving_torque, label="drive of the rollers")
     axes.plot(100 * result.cage_slip, 1e3 * result.drag_torque, "--", label="drag on the cage")
     axes.plot(100 * result.steady_slip, 1e3 * result.torque, "ko", ms=5, label="steady slip")
-    away = 100 * float(result.largest_drag_slip)  # nan where no skidding begins
+    away = 100 * float(result.skidding_slip)  # nan where no skidding begins
     if away == away:
         axes.axvline(away, color="C3", lw=0.8, label="skidding begins")
     axes.set(title=scene, xlabel="Cage slip [%]", ylabel="Torque [mN m]")

@@ -152,7 +152,7 @@ def foreseen(
 def caged(studies: Mapping[str, Study]) -> bool:
     """Whether a study tells of the cage."""
     return any(
-        study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values()
+        study.with_cage or getattr(study, "skidding_range", 0.0) for study in studies.values()
     )
 
 

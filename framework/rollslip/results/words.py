@@ -20,7 +20,7 @@ __all__ = [
     "ANY_LOAD", "AT_REST", "DRIVEN", "IN_ROWS", "LOWER_BOUNDS", "NO_LOAD", "REST", "SWITCHED_OFF", "TOLD_FROM",
     "UNSURE", "WITH_LESS", "capital", "confidence", "counted", "duration", "duration_range", "estimated",
     "first_line", "force", "force_unit", "html_table", "in_python", "of_key", "of_laws", "percent", "places", "plain",
-    "power", "rounded_up", "runs_at", "runs_away", "single_values", "span", "two", "warned", "with_unit",
+    "power", "rounded_up", "runs_at", "describe_skidding", "single_values", "span", "two", "warned", "with_unit",
 ]  # fmt: skip
 
 AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
@@ -80,7 +80,7 @@ def estimated(dataset: "xr.Dataset") -> str:
     return f"{count} conductances that all this rests on are estimated" if count else ""
 
 
-def runs_away(slip: float, drag: float, status: str) -> str:
+def describe_skidding(slip: float, drag: float, status: str) -> str:
     """Say where a cage runs away, or what was found instead; no full stop."""
     if math.isnan(slip):
         return status

@@ -118,7 +118,7 @@ def _errors(
             )
             off = off.max(axis=1)
         else:
-            size = np.abs(b[both]) if name == "runaway_drag" else 1.0
+            size = np.abs(b[both]) if name == "limit_drag" else 1.0
             off = np.abs(a[both] - b[both]) / size
         found[name] = {
             "median": float(np.median(off)) if off.size else None,

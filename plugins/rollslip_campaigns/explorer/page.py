@@ -35,8 +35,8 @@ __all__ = ["GROUPS", "Results", "library", "write_page"]
 GROUPS: Final[Mapping[str, str]] = {
     "effective_friction": "effective friction, of the largest on the ring",
     "normal_force": "normal force, of the largest on the ring",
-    "runaway_slip": "slip at which skidding begins, in points of slip",
-    "runaway_drag": "limit drag torque",
+    "skidding_slip": "slip at which skidding begins, in points of slip",
+    "limit_drag": "limit drag torque",
     "steady_cage_slip": "slip at which the cage runs, in points of slip",
     "critical_cage_slip": "slip at largest traction, in points of slip",
 }

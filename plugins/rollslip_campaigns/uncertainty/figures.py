@@ -15,7 +15,7 @@ from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, Sheet,
 from rollslip.results.words import of_key
 from rollslip_campaigns.uncertainty.findings import (
     RESERVE,
-    RUNAWAY,
+    SKIDDING,
     STEADY,
     allowable,
     margin,
@@ -121,7 +121,7 @@ def _of_inputs(
 def _margin(dataset: "xr.Dataset") -> "Figure":
     sheet = Sheet()
     axes = sheet.axes
-    shown: dict[str, tuple[str, str, Any]] = {RUNAWAY: ("below", MODEL_COLOURS[0], DASHES[0])}
+    shown: dict[str, tuple[str, str, Any]] = {SKIDDING: ("below", MODEL_COLOURS[0], DASHES[0])}
     if "margin" in dataset:
         shown = {STEADY: ("above", MODEL_COLOURS[1], DASHES[1])} | shown
     ends = list[float]()

@@ -26,7 +26,7 @@ STEADY: Final = "steady slip"
 LOAD: Final = "minimum load"
 #: How heads of columns of inputs begin.
 RANKED: Final = "rank correlation with "
-RUNAWAY: Final = "slip at which skidding begins"
+SKIDDING: Final = "slip at which skidding begins"
 DRAG: Final = "limit drag torque"
 #: How well samples know a band: best.
 _KNOWN: Final = 3
@@ -63,7 +63,7 @@ class UncertaintyAccount(Account):
             return Answer(
                 rows=(
                     Row(
-                        key="runaway", label="limit drag torque", text="", note=_runs_away(dataset)
+                        key="runaway", label="limit drag torque", text="", note=_describe_skidding(dataset)
                     ),
                 )
             )
@@ -97,7 +97,7 @@ class UncertaintyAccount(Account):
         if LOAD in every:
             found[LOAD] = [_load(dataset)]
         found |= {
-            "skidding": [_runs_away(dataset)],
+            "skidding": [_describe_skidding(dataset)],
             "allowable slip": [allowable(dataset), *_caveat(dataset)],
         }
         if "margin" in dataset:
@@ -314,14 +314,14 @@ def _caveat(dataset: "xr.Dataset") -> list[str]:
     ]
 
 
-def _runs_away(dataset: "xr.Dataset") -> str:
+def _describe_skidding(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away: slip and drag, medians with their spread."""
-    low, middle, high = (_quantile(dataset, RUNAWAY, p)[0] for p in (0.05, 0.5, 0.95))
+    low, middle, high = (_quantile(dataset, SKIDDING, p)[0] for p in (0.05, 0.5, 0.95))
     if math.isnan(middle):
         return "no sample says where skidding begins"
     if math.isinf(middle):
-        beyond = int(dataset["beyond"].sel(quantity=RUNAWAY))
-        n = int(dataset["samples"].sel(quantity=RUNAWAY))
+        beyond = int(dataset["beyond"].sel(quantity=SKIDDING))
+        n = int(dataset["samples"].sel(quantity=SKIDDING))
         return f"no skidding was found in {beyond} of {n} samples up to the end of the range"
     least, mean, most = (_torque(_quantile(dataset, DRAG, p)[0]) for p in (0.05, 0.5, 0.95))
     return (
@@ -334,7 +334,7 @@ def allowable(dataset: "xr.Dataset") -> str:
     """Say up to which slip a cage does not skid, with the probability that was asked for."""
     value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     p = float(dataset.attrs["probability"])
-    n = int(dataset["samples"].sel(quantity=RUNAWAY))
+    n = int(dataset["samples"].sel(quantity=SKIDDING))
     if math.isnan(value):
         return f"the allowable slip is not known: none of {n} samples says where skidding begins"
     few = (
@@ -347,7 +347,7 @@ def allowable(dataset: "xr.Dataset") -> str:
             if "slip_range" in dataset.attrs
             else ""
         )
-        what = f"the allowable slip lies beyond the range of slips{end}: so does the {RUNAWAY} with probability {p:g}"
+        what = f"the allowable slip lies beyond the range of slips{end}: so does the {SKIDDING} with probability {p:g}"
         sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
         sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
         return f"{what}{sure}{dataset.attrs.get('look_further', '')}"

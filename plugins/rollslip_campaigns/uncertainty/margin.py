@@ -43,7 +43,7 @@ from rollslip_campaigns.sweep.run import Progress, asked_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
-from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, RUNAWAY, STEADY
+from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, SKIDDING, STEADY
 from rollslip_campaigns.uncertainty.samples import LOWEST, least_loads, of_friction, shares_of
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -72,7 +72,7 @@ _TOLD: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 #: What tells samples that are known, beyond a range, and unknown.
 _KNOWN: Final = (np.isfinite, np.isinf, np.isnan)
 _OUTPUTS: Final = (
-    "drag_reserve", "steady_cage_slip", "runaway_slip", "runaway_drag", "critical_cage_slip", "critical_friction"
+    "drag_reserve", "steady_cage_slip", "skidding_slip", "limit_drag", "critical_cage_slip", "critical_friction"
 )  # fmt: skip
 
 
@@ -156,9 +156,9 @@ def plan_margin(asked: "UncertaintySettings") -> Margin:
         problems.append(
             f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}"
         )
-    if not EffectiveFriction.of(scene).runaway_range:
+    if not EffectiveFriction.of(scene).skidding_range:
         problems.append(
-            f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0"
+            f"study.{EffectiveFriction.name}.skidding_range: a range is needed, such as 0.95, not 0"
         )
     if problems:
         raise SceneError(problems)
@@ -243,7 +243,7 @@ def run_margin(
     whole = computed("critical", total) if made.until is None else None
     while True:
         critical = computed("critical", count) if whole is None else whole.isel(sample=slice(count))
-        allowed = made.quantile(of_friction(critical)[RUNAWAY], 1.0 - made.probability)
+        allowed = made.quantile(of_friction(critical)[SKIDDING], 1.0 - made.probability)
         batches.append((count, allowed))
         said(f"{count} samples: {_so_far(allowed)}")
         # more samples make no end known that lies beyond the range
@@ -291,7 +291,7 @@ def _dataset(
     variables = dict[str, Any]()
     if STEADY in values:
         slip = values[STEADY]
-        away = values[RUNAWAY]
+        away = values[SKIDDING]
         shares = shares_of(critical)
         known = ~np.isnan(slip) & ~np.isnan(away)
         margin = share(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
@@ -351,7 +351,7 @@ def _dataset(
             about("SI", "value of an uncertain quantity"),
         ),
     }
-    acted = [name for name in (RESERVE, STEADY, LOAD, RUNAWAY) if name in values]
+    acted = [name for name in (RESERVE, STEADY, LOAD, SKIDDING) if name in values]
     ranks = np.array(
         [
             [_ranked(column, values[name]) for name in acted]
@@ -363,7 +363,7 @@ def _dataset(
     )  # fmt: skip
     variables["strength_correlation"] = (
         (),
-        _ranked(values[RUNAWAY], values[DRAG]),
+        _ranked(values[SKIDDING], values[DRAG]),
         about(
             "1", "rank correlation of the slip at which skidding begins and the limit drag torque"
         ),
@@ -426,7 +426,7 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     for name, values in of_friction(points["indices"]).items():
         if name == DRAG or name.startswith(f"{LOWEST},"):
             continue
-        last = study.slip_range if name == LOWEST else study.runaway_range
+        last = study.slip_range if name == LOWEST else study.skidding_range
         table = np.where(np.isinf(values), last, values).reshape(-1, d + 2)
         found = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
         if found is not None:
@@ -472,9 +472,9 @@ def _attributes(
         left,
         study="uncertainty",
         probability=made.probability,
-        slip_range=study.runaway_range,
+        slip_range=study.skidding_range,
         look_further=look_further(
-            f"{study.table}.runaway_range", study.runaway_range, MOST_CAGE_SLIP
+            f"{study.table}.skidding_range", study.skidding_range, MOST_CAGE_SLIP
         ),
         curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,

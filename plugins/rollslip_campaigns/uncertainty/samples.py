@@ -11,7 +11,7 @@ import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.results.words import ANY_LOAD, DRIVEN, NO_LOAD
-from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, RUNAWAY, STEADY
+from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, SKIDDING, STEADY
 from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, NOWHERE, SKIDS
 
 if TYPE_CHECKING:
@@ -26,15 +26,15 @@ def of_friction(points: "xr.Dataset") -> dict[str, Array]:
     """Return the samples of study effective-friction by what they are, those that people act on first."""
     slips = _rings(points, "critical_cage_slip")
     frictions = _rings(points, "critical_friction")
-    away = _runaway(points)
-    drag = _scalar(points, "runaway_drag")
+    away = _skidding(points)
+    drag = _scalar(points, "limit_drag")
     found = (
         {RESERVE: _scalar(points, "drag_reserve"), STEADY: _steady(points)}
         if has_cage(points)
         else {}
     )
     found |= {
-        RUNAWAY: away,
+        SKIDDING: away,
         DRAG: np.where(np.isinf(away), np.inf, drag),
         LOWEST: np.asarray(slips.min(axis=0)),
     }
@@ -80,12 +80,12 @@ def _rings(points: "xr.Dataset", name: str) -> Array:
     return found
 
 
-def _runaway(points: "xr.Dataset") -> Array:
+def _skidding(points: "xr.Dataset") -> Array:
     """Slip of running away, (n,): infinite beyond the range, NaN where it is not known or its point failed."""
-    found = _scalar(points, "runaway_slip")
-    found[_begins(points, "runaway_status", "the rollers do not drive")] = 0.0
+    found = _scalar(points, "skidding_slip")
+    found[_begins(points, "skidding_status", "the rollers do not drive")] = 0.0
     ok = points["status"].to_numpy() == "ok"
-    unknown = _begins(points, "runaway_status", "it is not")
+    unknown = _begins(points, "skidding_status", "it is not")
     found[np.isnan(found) & ok & ~unknown] = np.inf
     return found
 
@@ -95,7 +95,7 @@ def _steady(points: "xr.Dataset") -> Array:
     found = _scalar(points, "steady_cage_slip")
     found[
         _begins(points, "steady_status", NOWHERE)
-        | _begins(points, "runaway_status", "the rollers do not")
+        | _begins(points, "skidding_status", "the rollers do not")
     ] = np.inf
     found[_begins(points, "steady_status", DRIVEN)] = 0.0
     return found

@@ -38,7 +38,7 @@ from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.motion.time_integration import Trajectory
-from rollslip_studies.motion.torque_balance import near_running_away
+from rollslip_studies.motion.torque_balance import near_skidding
 
 #: What a plan chooses -> the finest of it that needs nothing more from a scene.
 OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
@@ -270,7 +270,7 @@ class _Trials:
         after = "" if part[-1] == times[-1] else f" after {part[-1]:.2g} s already"
         found = f"with few laminae the two frictions give cage speeds that differ by up to {off:.1e}{after}"
         if off <= allowed:
-            if near := near_running_away(self.few, slowest):
+            if near := near_skidding(self.few, slowest):
                 return "conventional", f"{found}, but {near}", None
             return "effective", f"{found}, less than the {allowed:.1e} that it may take", off
         return (

@@ -31,8 +31,8 @@ from rollslip_studies.dynamics.findings import (
     compared,
     difference,
     ledger,
-    runaway_passages,
-    runaway_slip,
+    skidding_passages,
+    skidding_slip,
     turnover,
     unslipped_cage_speed,
     unslipped_roller_speed,
@@ -144,7 +144,7 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
         without = _RPM * dataset["epicyclic_cage_speed"].to_numpy()
         _line(sheet, cage, time, without, label="without slip", linestyle="dotted", **_QUIET)
     largest = float(dataset["cage_slip"].max())
-    away = runaway_slip(dataset)
+    away = skidding_slip(dataset)
     if not math.isnan(unslipped):
         for axes, level in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):
             if not math.isnan(level):
@@ -154,7 +154,7 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
         if largest > _NEAR * away:
             cage.axhline((1.0 - away) * unslipped, linestyle=DASHES[1], **_QUIET)
             sheet.key(f"skidding begins, {100 * away:.3g} %", linestyle=DASHES[1], **_QUIET)
-    passages = runaway_passages(dataset)
+    passages = skidding_passages(dataset)
     for moment, rising in passages:
         cage.plot(
             _scale(dataset) * moment,
@@ -511,7 +511,7 @@ def _passage(rising: bool) -> dict[str, Any]:
 
 def _other_events(dataset: "xr.Dataset") -> list[float]:
     """Times of the events besides passing the slip of running away, those that would coincide on paper only once."""
-    away = [moment for moment, _ in runaway_passages(dataset)]
+    away = [moment for moment, _ in skidding_passages(dataset)]
     times = np.setdiff1d(dataset["event_time"].to_numpy(), away)
     apart = max(float(dataset["time"][-1]), 1e-300) / 300.0
     return [

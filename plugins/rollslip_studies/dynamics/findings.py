@@ -9,7 +9,7 @@ import numpy as np
 
 from rollslip.results.account import Account, Contact, Table
 from rollslip.results.answer import Answer, Row
-from rollslip.results.words import UNSURE, percent, runs_away
+from rollslip.results.words import UNSURE, percent, describe_skidding
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 #: An event is the passing of the slip at which the cage runs away if this stands in what it is called.
-RUNAWAY: Final = "skidding"
+SKIDDING: Final = "skidding"
 #: Entries of the ledger, as the kernels call them, in words.
 _ENTRIES: Final = {
     "work_rings": "rings",
@@ -124,14 +124,14 @@ class DynamicsAccount(Account):
         "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
     units: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(("end_time", "largest_cage_slip_time", "least_cage_slip_time", "least_margin_time", "time",
-                         "time_beyond_runaway"), "s"),
+        **dict.fromkeys(("end_time", "largest_cage_slip_time", "least_cage_slip_time", "smallest_margin_time", "time",
+                         "time_beyond_skidding"), "s"),
         **dict.fromkeys(("critical_cage_slip", "energy_closure", "final_cage_slip", "largest_cage_slip",
-                         "least_cage_slip", "least_margin_to_runaway", "momentum_closure", "runaway_slip",
+                         "least_cage_slip", "smallest_margin_to_skidding", "momentum_closure", "skidding_slip",
                          "smallest_film_parameter_inner", "smallest_film_parameter_outer", "steady_cage_slip"), "1"),
         **dict.fromkeys(("energy_turned_over", "frictional_work_inner", "frictional_work_outer", "heat_carried_away",
                          "heat_made", "heat_stored"), "J"),
-        "runaway_drag": "N m", "sliding_distance_inner": "m", "sliding_distance_outer": "m",
+        "limit_drag": "N m", "sliding_distance_inner": "m", "sliding_distance_outer": "m",
         "final_temperatures": "K", "hottest_temperature": "K",
     }  # fmt: skip
     drawn = ".figures:motion_figures"
@@ -152,7 +152,7 @@ class DynamicsAccount(Account):
         said = {
             "motion": [outcome(dataset)],
             "steady slip": [_steady(dataset)],
-            "skidding": _running_away(dataset),
+            "skidding": _skidding_sentences(dataset),
             "slip at largest traction": [_critical(dataset)],
             "largest slip": [_largest(dataset)],
             "events": _events(dataset),
@@ -238,23 +238,23 @@ def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
 def _away(attributes: Mapping[str, Any]) -> tuple[float, float, str]:
     """Where the cage runs away: slip, drag and status."""
     slip, drag = (float(attributes.get(f"runaway_{name}", math.nan)) for name in ("slip", "drag"))
-    return slip, drag, str(attributes.get("runaway_status", _OLD))
+    return slip, drag, str(attributes.get("skidding_status", _OLD))
 
 
 def headline(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away."""
-    return runs_away(*_away(dataset.attrs))
+    return describe_skidding(*_away(dataset.attrs))
 
 
-def runaway_slip(dataset: "xr.Dataset") -> float:
+def skidding_slip(dataset: "xr.Dataset") -> float:
     """Cage slip at which the cage runs away, NaN where it is not known."""
     return _away(dataset.attrs)[0]
 
 
-def runaway_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
+def skidding_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
     """Times at which cage slip passed that at which the cage runs away, in order, and whether it was rising."""
     return sorted(
-        p for what, passages in _passages(dataset).items() if RUNAWAY in what for p in passages
+        p for what, passages in _passages(dataset).items() if SKIDDING in what for p in passages
     )
 
 
@@ -380,10 +380,10 @@ def _critical(dataset: "xr.Dataset") -> str:
     return said
 
 
-def _running_away(dataset: "xr.Dataset") -> list[str]:
+def _skidding_sentences(dataset: "xr.Dataset") -> list[str]:
     a = dataset.attrs
     slip = dataset["cage_slip"].to_numpy()
-    away = runaway_slip(dataset)
+    away = skidding_slip(dataset)
     said = [headline(dataset)]
     if math.isnan(away):
         return said
@@ -392,7 +392,7 @@ def _running_away(dataset: "xr.Dataset") -> list[str]:
             f"{UNSURE}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
         )
     value = f"the {_share(away)} at which skidding begins"
-    passages = runaway_passages(dataset)
+    passages = skidding_passages(dataset)
     if not passages:
         return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]
     begun = len(said)
@@ -435,7 +435,7 @@ def _largest(dataset: "xr.Dataset") -> str:
 
 def _events(dataset: "xr.Dataset") -> list[str]:
     said = []
-    others = [(what, sorted(p)) for what, p in _passages(dataset).items() if RUNAWAY not in what]
+    others = [(what, sorted(p)) for what, p in _passages(dataset).items() if SKIDDING not in what]
     for what, passages in others[:_KINDS]:
         times = [time for time, _ in passages]
         many = f"{len(times)} times, first at {_time(times[0])}, last at {_time(times[-1])}"

@@ -56,16 +56,16 @@ def _slip_at(dataset: "xr.Dataset", where: Callable[[Array], Any]) -> tuple[floa
 
 def nearest(dataset: "xr.Dataset") -> tuple[float, float, float]:
     """Least margin of slip below that of running away, its time [s], and the slip of running away then; or NaN."""
-    margin = (dataset["runaway_slip_along"] - dataset["cage_slip"]).to_numpy()
+    margin = (dataset["skidding_slip_along"] - dataset["cage_slip"]).to_numpy()
     if not np.isfinite(margin).any():
         return math.nan, math.nan, math.nan
     k = int(np.nanargmin(margin))
-    return float(margin[k]), float(dataset["time"][k]), float(dataset["runaway_slip_along"][k])
+    return float(margin[k]), float(dataset["time"][k]), float(dataset["skidding_slip_along"][k])
 
 
 def time_beyond(dataset: "xr.Dataset") -> float:
     """Time that the cage spent beyond the slip of running away of the moment [s]; NaN where that is never known."""
-    margin = (dataset["cage_slip"] - dataset["runaway_slip_along"]).to_numpy()
+    margin = (dataset["cage_slip"] - dataset["skidding_slip_along"]).to_numpy()
     if not np.isfinite(margin).any():
         return math.nan
     t = dataset["time"].to_numpy()
@@ -171,9 +171,9 @@ def single_values(dataset: "xr.Dataset") -> dict[str, Any]:
         "largest_cage_slip_time": when,
         "least_cage_slip": ahead,
         "least_cage_slip_time": then,
-        "least_margin_to_runaway": margin,
-        "least_margin_time": near,
-        "time_beyond_runaway": time_beyond(dataset),
+        "smallest_margin_to_skidding": margin,
+        "smallest_margin_time": near,
+        "time_beyond_skidding": time_beyond(dataset),
         **{
             f"sliding_distance_{ring}": float(d.mean())
             for ring, d in sliding_distance(dataset).items()
@@ -193,7 +193,7 @@ def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[
         "history": sentences(dataset),
         "skidding": [
             f"at the operation of the scene: {topics['skidding'][0]}",
-            *running_away(dataset),
+            *skidding_sentences(dataset),
         ],
         "largest slip": [largest_in_words(dataset)],
     }
@@ -273,7 +273,7 @@ def row(dataset: "xr.Dataset") -> Row:
                text=percent(slip) if known else "not found")  # fmt: skip
 
 
-def running_away(dataset: "xr.Dataset") -> list[str]:
+def skidding_sentences(dataset: "xr.Dataset") -> list[str]:
     """Say how near the cage came to running away, at the operation of each moment."""
     margin, when, limit = nearest(dataset)
     if math.isnan(margin):
@@ -282,7 +282,7 @@ def running_away(dataset: "xr.Dataset") -> list[str]:
         ]
     where = f"{100 * limit:.3g} % at the operation of that moment"
     known = int(
-        np.isfinite((dataset["runaway_slip_along"] - dataset["cage_slip"]).to_numpy()).sum()
+        np.isfinite((dataset["skidding_slip_along"] - dataset["cage_slip"]).to_numpy()).sum()
     )
     if known < dataset.sizes["time"]:
         where += f"; both slips are known at {known} of {dataset.sizes['time']} instants"

@@ -51,8 +51,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "course_temperature": Output("time node", "K", "bulk temperature that the losses lead to"),
         "radial_clearance": Output("time", "m", "radial clearance, where temperatures change it"),
         "epicyclic_cage_speed": Output("time", "rad/s", "speed of the cage without slip, along a history"),
-        "runaway_slip_along": Output("time", "1", "cage slip at which skidding begins at the operation of the moment"),
-        "runaway_drag_along": Output("time", "N m", "limit drag torque at that operation"),
+        "skidding_slip_along": Output("time", "1", "cage slip at which skidding begins at the operation of the moment"),
+        "limit_drag_along": Output("time", "N m", "limit drag torque at that operation"),
         "critical_slip_along": Output("time", "1", "cage slip at largest traction of the inner ring at that operation"),
         "roller_sliding_distance": Output(
             "ring roller", "m", "distance that a roller slides on a ring along a history, integrated at every step"
@@ -81,9 +81,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
                 ("largest_cage_slip_time", "s", "time of the largest cage slip"),
                 ("least_cage_slip", "1", "least cage slip, negative where the cage runs ahead"),
                 ("least_cage_slip_time", "s", "time of the least cage slip"),
-                ("least_margin_to_runaway", "1", "least slip that is left until skidding begins, at the moment"),
-                ("least_margin_time", "s", "time of that"),
-                ("time_beyond_runaway", "s", "time beyond the slip at which skidding begins"),
+                ("smallest_margin_to_skidding", "1", "least slip that is left until skidding begins, at the moment"),
+                ("smallest_margin_time", "s", "time of that"),
+                ("time_beyond_skidding", "s", "time beyond the slip at which skidding begins"),
                 ("sliding_distance_inner", "m", "distance that a roller slides on the inner ring, mean of all"),
                 ("sliding_distance_outer", "m", "distance that a roller slides on the outer ring, mean of all"),
                 ("frictional_work_inner", "J", "work of sliding at the inner ring"),
@@ -103,13 +103,13 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "history_status": Output("", "1", "what these slips along a history rest on", attribute=True),
         "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
         "steady_status": Output("", "1", "steady status", attribute=True),
-        "runaway_slip": Output(
-            "", "1", "cage slip at which skidding begins", status="runaway_status", default=True, attribute=True
+        "skidding_slip": Output(
+            "", "1", "cage slip at which skidding begins", status="skidding_status", default=True, attribute=True
         ),
-        "runaway_drag": Output(
-            "", "N m", "limit drag torque", status="runaway_status", attribute=True
+        "limit_drag": Output(
+            "", "N m", "limit drag torque", status="skidding_status", attribute=True
         ),
-        "runaway_status": Output("", "1", "what was found of skidding", attribute=True),
+        "skidding_status": Output("", "1", "what was found of skidding", attribute=True),
         "critical_cage_slip": Output(
             "", "1", "cage slip at largest traction of the inner ring's curve", status="critical_status", default=True,
             attribute=True,

@@ -34,7 +34,7 @@ from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.outputs import OUTPUTS
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.study import EffectiveFriction
-from rollslip_studies.motion.torque_balance import Runaway
+from rollslip_studies.motion.torque_balance import SkiddingOnset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,9 +101,9 @@ def reasons(
 class Along:
     """Slips and drag at which the cage would run away at some instants, NaN where that is not known."""
 
-    #: runaway_slip, runaway_drag, critical_slip: At the instants; drag [N m].
-    runaway_slip: Array
-    runaway_drag: Array
+    #: skidding_slip, limit_drag, critical_slip: At the instants; drag [N m].
+    skidding_slip: Array
+    limit_drag: Array
     critical_slip: Array
     status: str  # what they rest on, or why none is known
 
@@ -218,21 +218,21 @@ def limit_of(
     times = np.unique(
         np.concatenate((np.linspace(0.0, history.end, _INSTANTS), before[before > 0.0], breaks))
     )
-    slip = along(study, assembly, history, times).runaway_slip
+    slip = along(study, assembly, history, times).skidding_slip
     return None if np.isnan(slip).all() else attrs.evolve(table(times, slip), breaks=())
 
 
-def away_of(study: EffectiveFriction, raceways: LoadedRaceways) -> Runaway:
+def away_of(study: EffectiveFriction, raceways: LoadedRaceways) -> SkiddingOnset:
     """Where the cage runs away."""
     rings = raceways.assembly.rings
     away = study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
     why = (
         "a form turns with its ring"
         if rings and rings.turning
-        else f"study.{study.name}.runaway_range is 0"
+        else f"study.{study.name}.skidding_range is 0"
     )
     return (
-        Runaway(math.nan, math.nan, f"it was not looked where skidding begins: {why}")
+        SkiddingOnset(math.nan, math.nan, f"it was not looked where skidding begins: {why}")
         if away is None
         else away
     )
@@ -275,8 +275,8 @@ def with_history(
     works, distances = moving.of_each(states[-1])
     variables = {name: now[name] for name in history.given} | {
         "epicyclic_cage_speed": moving.direction * epicyclic(moving.assembly, history, times)[0],
-        "runaway_slip_along": way.runaway_slip,
-        "runaway_drag_along": way.runaway_drag,
+        "skidding_slip_along": way.skidding_slip,
+        "limit_drag_along": way.limit_drag,
         "critical_slip_along": way.critical_slip,
         "roller_sliding_distance": distances,
         "roller_frictional_work": works,

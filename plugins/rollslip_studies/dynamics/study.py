@@ -226,7 +226,7 @@ class Dynamics(Study):
         found = EffectiveFriction.of(assembly.scene)
         rings = assembly.rings
         return (
-            attrs.evolve(found, runaway_range=0.0) if rings and rings.turning else found
+            attrs.evolve(found, skidding_range=0.0) if rings and rings.turning else found
         )  # where no slip is steady
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:

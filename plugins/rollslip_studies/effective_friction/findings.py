@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.results.accounts import PlainAccount
 from rollslip.results.answer import Answer, assumed_of
-from rollslip.results.words import runs_at, runs_away
+from rollslip.results.words import runs_at, describe_skidding
 from rollslip_studies.steady_slip.findings import (
     LOAD_OF_OTHERS,
     next_of_others,
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-_RUNAWAY: Final = ("runaway_slip", "runaway_drag", "runaway_status")
+_SKIDDING: Final = ("skidding_slip", "limit_drag", "skidding_status")
 _STEADY: Final = ("steady_cage_slip", "steady_drag", "steady_status")
 #: What slip and reserve may be off those of every slice, relative: docs/tables/runaway_effective_summary.csv.
 _WITHIN: Final = 0.25
@@ -26,13 +26,13 @@ _WITHIN: Final = 0.25
 
 def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
     """All but where the cage runs and runs away, of which each is one sentence."""
-    return dataset.drop_vars((*_RUNAWAY, *_STEADY), errors="ignore")
+    return dataset.drop_vars((*_SKIDDING, *_STEADY), errors="ignore")
 
 
-def _runs_away(dataset: "xr.Dataset") -> str:
+def _describe_skidding(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away; nothing where that was not asked for."""
     return (
-        runs_away(*(dataset[name].item() for name in _RUNAWAY)) if "runaway_slip" in dataset else ""
+        describe_skidding(*(dataset[name].item() for name in _SKIDDING)) if "skidding_slip" in dataset else ""
     )
 
 
@@ -43,12 +43,12 @@ def _runs(dataset: "xr.Dataset") -> str:
     slip, drag, status = (dataset[name].item() for name in _STEADY)
     if math.isnan(slip):
         return str(status)
-    reserve = dataset["runaway_drag"].item() / drag if drag > 0.0 else math.nan
+    reserve = dataset["limit_drag"].item() / drag if drag > 0.0 else math.nan
     known = "found"
     if "drag_reserve" in dataset:
         reserve = dataset["drag_reserve"].item()
         known = dataset["reserve_status"].item()
-    return runs_at(slip, dataset["runaway_slip"].item(), reserve, known)
+    return runs_at(slip, dataset["skidding_slip"].item(), reserve, known)
 
 
 class EffectiveFrictionAccount(PlainAccount):
@@ -77,7 +77,7 @@ class EffectiveFrictionAccount(PlainAccount):
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say where the cage runs away and runs, and what was found of each curve."""
-        said = {"skidding": _runs_away(dataset), "steady slip": _runs(dataset)}
+        said = {"skidding": _describe_skidding(dataset), "steady slip": _runs(dataset)}
         return {about: [text] for about, text in said.items() if text} | PlainAccount.topics(
             _curves(dataset)
         )
@@ -85,14 +85,14 @@ class EffectiveFrictionAccount(PlainAccount):
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return where the cage runs away and runs, and what was found of each curve."""
         return [
-            *filter(None, (_runs_away(dataset), _runs(dataset))),
+            *filter(None, (_describe_skidding(dataset), _runs(dataset))),
             *super().sentences(_curves(dataset)),
         ]
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return what is said on a terminal."""
         said = [
-            *filter(None, (_runs_away(dataset), _runs(dataset))),
+            *filter(None, (_describe_skidding(dataset), _runs(dataset))),
             *super().lines(_curves(dataset)),
         ]
         a = dataset.attrs

@@ -44,7 +44,7 @@ from rollslip_studies.effective_friction.raceways import (
 )
 from rollslip_studies.motion.spins import check_repeats
 from rollslip_studies.motion.torque_balance import (
-    Runaway,
+    SkiddingOnset,
     TorqueBalance,
     look_along,
     reserve,
@@ -109,21 +109,21 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "first_maximum_friction": Output(
             "ring", "1", "effective friction coefficient there", status="critical_status"
         ),
-        "runaway_slip": Output(
+        "skidding_slip": Output(
             "",
             "1",
             "cage slip at which skidding begins",
-            status="runaway_status",
-            also=("largest_drag_slip",),
+            status="skidding_status",
+            also=("skidding_slip",),
         ),
-        "runaway_drag": Output(
+        "limit_drag": Output(
             "",
             "N m",
             "limit drag torque",
-            status="runaway_status",
-            also=("limit_drag_torque", "largest_drag"),
+            status="skidding_status",
+            also=("limit_drag_torque", "limit_drag"),
         ),
-        "runaway_status": Output("", "1", "what was found of skidding"),
+        "skidding_status": Output("", "1", "what was found of skidding"),
         "steady_cage_slip": Output(
             "",
             "1",
@@ -161,7 +161,7 @@ _JUMP: Final = 10.0
 #: Error that few loads may leave of the friction of all slices, relative to the tolerance.
 _FEW_SHARE: Final = 1e-2
 #: What is found of running away.
-_RUNAWAY: Final = frozenset({"runaway_slip", "runaway_drag", "runaway_status"})
+_SKIDDING: Final = frozenset({"skidding_slip", "limit_drag", "skidding_status"})
 #: What is found of how the cage runs.
 _RESERVE: Final = frozenset({"drag_reserve", "reserve_status"})
 _STEADY: Final = frozenset({"steady_cage_slip", "steady_drag", "steady_status"}) | _RESERVE
@@ -193,8 +193,8 @@ class EffectiveFriction(Study):
     measured: ClassVar[Mapping[str, Measurable]] = MappingProxyType(
         {
             "critical-slip": Measurable(variable="critical_cage_slip", beyond=True),
-            "runaway-slip": Measurable(variable="runaway_slip", beyond=True),
-            "runaway-drag": Measurable(variable="runaway_drag"),
+            "runaway-slip": Measurable(variable="skidding_slip", beyond=True),
+            "runaway-drag": Measurable(variable="limit_drag"),
         }
     )
 
@@ -206,7 +206,7 @@ class EffectiveFriction(Study):
     max_cage_slip: float = parameter(
         default=0.4, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
     )
-    runaway_range: float = parameter(
+    skidding_range: float = parameter(
         default=0.95,
         unit="1",
         doc="largest cage slip up to which skidding is looked for, whatever the curve's; 0 for not",
@@ -264,7 +264,7 @@ class EffectiveFriction(Study):
         return attrs.evolve(
             self,
             map_points=0 if "friction_map" in outputs else self.map_points,
-            runaway_range=0.0 if outputs >= _RUNAWAY | _STEADY else self.runaway_range,
+            skidding_range=0.0 if outputs >= _SKIDDING | _STEADY else self.skidding_range,
             per_roller=self.per_roller and "roller_friction" not in outputs,
         )
 
@@ -297,8 +297,8 @@ class EffectiveFriction(Study):
         more = assembly.slices / some.slices
         instants = resolution.instants or INSTANTS[-1]
         costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
-        if self.runaway_range:
-            costs["skidding"] = rollers(assembly, instants).seconds(self.runaway_range)
+        if self.skidding_range:
+            costs["skidding"] = rollers(assembly, instants).seconds(self.skidding_range)
         if self.map_points:
             sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
             maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
@@ -334,8 +334,8 @@ class EffectiveFriction(Study):
         xarray.Dataset
             Dimensions (ring, cage_slip): effective_friction, sliding_speed, rolling_speed, film_parameter (smallest),
             roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status, first_maximum_slip,
-            first_maximum_friction; scalars, unless it is not looked where the cage runs away: runaway_slip,
-            runaway_drag, runaway_status, steady_cage_slip, steady_drag, steady_status, drag_reserve, reserve_status;
+            first_maximum_friction; scalars, unless it is not looked where the cage runs away: skidding_slip,
+            limit_drag, skidding_status, steady_cage_slip, steady_drag, steady_status, drag_reserve, reserve_status;
             (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at the first instant
             and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is not loaded.
 
@@ -364,11 +364,11 @@ class EffectiveFriction(Study):
 
         None if more is asked.
         """
-        if not outputs <= _OF_CURVES | _RUNAWAY | _STEADY:
+        if not outputs <= _OF_CURVES | _SKIDDING | _STEADY:
             return None
         aways = [
             study._balanced(assembly, assembly.resolution.instants or _FIRST_INSTANTS, outputs)
-            if outputs & (_RUNAWAY | _STEADY)
+            if outputs & (_SKIDDING | _STEADY)
             else {}
             for study, assembly in cases
         ]
@@ -489,8 +489,8 @@ class EffectiveFriction(Study):
         """Evaluate the corners of the map, and contacts on the way up."""
         if self.map_points:
             self.loaded(assembly, 1).map(self.max_cage_slip, 2)
-        if self.runaway_range:
-            look_along(assembly, self.runaway_range)
+        if self.skidding_range:
+            look_along(assembly, self.skidding_range)
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""
@@ -509,39 +509,39 @@ class EffectiveFriction(Study):
                     )
         return found
 
-    def runaway(self, assembly: Assembly, instants: int) -> Runaway | None:
+    def runaway(self, assembly: Assembly, instants: int) -> SkiddingOnset | None:
         """Return where the cage runs away, up to the largest slip that is looked at; None if it is not looked for."""
-        if not self.runaway_range:
+        if not self.skidding_range:
             return None
         return self._away(self._rollers(assembly, instants))
 
     def _rollers(self, assembly: Assembly, instants: int) -> TorqueBalance:
-        check_repeats(assembly, f"with study.{self.name}.runaway_range = 0")
+        check_repeats(assembly, f"with study.{self.name}.skidding_range = 0")
         return rollers(assembly, instants)
 
-    def _away(self, balance: TorqueBalance) -> Runaway:
-        return runaway(balance, self.runaway_range, f"study.{self.name}.runaway_range")
+    def _away(self, balance: TorqueBalance) -> SkiddingOnset:
+        return runaway(balance, self.skidding_range, f"study.{self.name}.skidding_range")
 
     def _balanced(
         self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY
     ) -> dict[str, Any]:
         """Variables of running away and of how the cage runs, none where neither is looked for."""
-        if not self.runaway_range:
+        if not self.skidding_range:
             return {}
         balance = self._rollers(assembly, instants)
         away = self._away(balance)
         found = self.variables(
-            runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status)
+            skidding_slip=away.slip, limit_drag=away.drag, skidding_status=np.array(away.status)
         )
         if outputs & _STEADY:
-            runs = running(balance, self.runaway_range)
+            runs = running(balance, self.skidding_range)
             found |= self.variables(
                 steady_cage_slip=runs.slip,
                 steady_drag=runs.drag,
                 steady_status=np.array(runs.status),
             )
             if outputs & _RESERVE:
-                kept = reserve(balance, away, runs, self.runaway_range)
+                kept = reserve(balance, away, runs, self.skidding_range)
                 found |= self.variables(
                     drag_reserve=kept.factor, reserve_status=np.array(kept.status)
                 )
@@ -549,7 +549,7 @@ class EffectiveFriction(Study):
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags that act on rollers, if there are any and it is looked where the cage runs away."""
-        if not self.runaway_range:
+        if not self.skidding_range:
             return ()
         return tuple(
             ("drag", drag)

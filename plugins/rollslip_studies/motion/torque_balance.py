@@ -331,7 +331,7 @@ def look_along(assembly: Assembly, end: float, *, inertia: bool = True) -> None:
 
 
 @attrs.frozen
-class Runaway:
+class SkiddingOnset:
     """The cage slip at which a cage runs away, and the drag [N m] there: NaN where ``status`` says why.
 
     ``to`` is the slip to which it jumps, NaN if nothing in the range carries the drag; ``error`` is that of the drag,
@@ -361,16 +361,16 @@ def _settled(here: list[Motion]) -> bool:
     return len(here) == 1 and here[0].sure
 
 
-def runaway(balance: TorqueBalance, largest: float, allow: str) -> Runaway:
+def runaway(balance: TorqueBalance, largest: float, allow: str) -> SkiddingOnset:
     """Say where the cage of a bearing runs away, up to the largest cage slip; ``allow`` is the key of that."""
     try:
         way = balance.way(largest)
     except (DomainError, ConvergenceError) as error:
-        return Runaway(math.nan, math.nan, f"it is not known where skidding begins: {error}")
+        return SkiddingOnset(math.nan, math.nan, f"it is not known where skidding begins: {error}")
     slip, torque = way.largest
-    if (jump := way.runs_away) is not None:
-        return Runaway(jump.slip, jump.drag, "found", jump.to, jump.error, torque, slip)
-    return Runaway(math.nan, math.nan, nowhere(way, allow), most=torque, most_slip=slip)
+    if (jump := way.describe_skidding) is not None:
+        return SkiddingOnset(jump.slip, jump.drag, "found", jump.to, jump.error, torque, slip)
+    return SkiddingOnset(math.nan, math.nan, nowhere(way, allow), most=torque, most_slip=slip)
 
 
 def nowhere(way: WayUp, allow: str) -> str:
@@ -429,7 +429,7 @@ class Reserve:
 
 
 def reserve(
-    balance: TorqueBalance, away: Runaway, runs: Running, largest: float = RANGE
+    balance: TorqueBalance, away: SkiddingOnset, runs: Running, largest: float = RANGE
 ) -> Reserve:
     """Return the reserve of drag: the drag with which the cage runs away over that of the scene where it runs.
 
@@ -465,7 +465,7 @@ def reserve(
     )
 
 
-def near_running_away(assembly: Assembly, slip: float) -> str:
+def near_skidding(assembly: Assembly, slip: float) -> str:
     """Say what effective friction leaves unknown of a cage at a slip; empty where it is far from running away.
 
     Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the

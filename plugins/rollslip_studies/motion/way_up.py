@@ -123,7 +123,7 @@ class WayUp:
         return [jump for jump in found if jump is not None]
 
     @property
-    def runs_away(self) -> Jump | None:
+    def describe_skidding(self) -> Jump | None:
         """Where the cage runs away, None if it does nowhere in the range."""
         return next((jump for jump in self.jumps if jump.away), None)
 

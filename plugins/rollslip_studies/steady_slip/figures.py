@@ -102,9 +102,9 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
         100 * slip, drag, "drag torque", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3]
     )
     rows = {row.key: row for row in account_of(dataset).answer(dataset).rows}
-    largest = float(dataset["largest_drag"])
+    largest = float(dataset["limit_drag"])
     if not np.isnan(largest):
-        place = 100 * float(dataset["largest_drag_slip"]), largest
+        place = 100 * float(dataset["skidding_slip"]), largest
         sheet.mark(*place, f"limit drag torque, {two(largest)} N m", marker="^", markersize=4)
     for stable, style, words in (
         (1, MARKER, "steady slip"),

@@ -480,14 +480,14 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
 
 
 def _largest(dataset: "xr.Dataset") -> str:
-    largest = float(dataset["largest_drag"])
-    slip = float(dataset["largest_drag_slip"])
+    largest = float(dataset["limit_drag"])
+    slip = float(dataset["skidding_slip"])
     if math.isnan(largest):
         if "most_torque" in dataset:
-            return f"{dataset['largest_drag_status'].item()}{_first(dataset)}"
+            return f"{dataset['skidding_status'].item()}{_first(dataset)}"
         reached = format_quantity(float(dataset["driving_torque"].max()), "N m", 3)
         reached = f"in this range the rollers drive the cage with up to {reached}"
-        return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
+        return f"{dataset['skidding_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
     said = f"the limit drag torque is {most}, at a cage slip of {_percent(slip)}{_jump(dataset)}"
     return said + _first(dataset)
@@ -498,11 +498,11 @@ def _jump(dataset: "xr.Dataset") -> str:
     if "jump_slip" not in dataset:
         return ""
     low, high, to = (
-        float(dataset[name]) for name in ("largest_drag_low", "largest_drag_high", "jump_slip")
+        float(dataset[name]) for name in ("limit_drag_low", "limit_drag_high", "jump_slip")
     )
-    error = float(dataset["largest_drag_error"])
+    error = float(dataset["limit_drag_error"])
     close = _percent(
-        float(dataset["largest_drag_low"].attrs.get("within", 1e-3))
+        float(dataset["limit_drag_low"].attrs.get("within", 1e-3))
     )  # results of before: a thousandth
     said = f", or anywhere between {_percent(low)} and {_percent(high)}, where it is within {close} of that"
     said += (
@@ -549,7 +549,7 @@ def _first(dataset: "xr.Dataset") -> str:
     if "first_maximum_slip" not in dataset or math.isnan(float(dataset["first_maximum_slip"])):
         return ""
     slip = float(dataset["first_maximum_slip"])
-    largest = float(dataset["largest_drag_slip"])
+    largest = float(dataset["skidding_slip"])
     if not slip < (math.inf if math.isnan(largest) else largest):
         return ""
     torque = format_quantity(float(dataset["first_maximum_torque"]), "N m", 3)
@@ -618,7 +618,7 @@ class SteadySlipAccount(Account):
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values; what has no value is None."""
-        numbers = ["largest_drag", "largest_drag_slip"]
+        numbers = ["limit_drag", "skidding_slip"]
         numbers += [
             name for name in ("first_maximum_torque", "first_maximum_slip") if name in dataset
         ]
@@ -626,7 +626,7 @@ class SteadySlipAccount(Account):
         numbers += [f"{name}_limit{of}" for name in varied(dataset) for of in ("", "_slip")]
         texts = [
             "status",
-            "largest_drag_status",
+            "skidding_status",
             *(["least_load_status"] if "least_load" in dataset else []),
             *(f"{name}_limit_status" for name in varied(dataset)),
         ]

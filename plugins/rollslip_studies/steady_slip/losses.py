@@ -124,7 +124,7 @@ def _off(
     acceptable = dataset.attrs.get("acceptable_slip", math.nan)
     if abs(own := float(dataset.get("acceptable_reserve", math.nan))) < _PLENTY:
         yield "reserve to slipping", _apart(own, acceptable_reserve(balance, acceptable)[0])
-    if math.isfinite(float(dataset["largest_drag"])):
+    if math.isfinite(float(dataset["limit_drag"])):
         yield from _largest(balance, dataset)
     elif 0.0 < float(dataset.get("drag_reserve", math.nan)) < _PLENTY:
         slip, own = (float(dataset[name]) for name in ("most_torque_slip", "most_torque"))
@@ -182,7 +182,7 @@ def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[st
         [float(dataset[f"largest_drag_{one}"]) for one in ("low", "slip", "high")]
     )
     torques = balance.torques(slips)
-    yield "largest drag", _OF_JUMPS * _apart(float(dataset["largest_drag"]), torques[1])
+    yield "largest drag", _OF_JUMPS * _apart(float(dataset["limit_drag"]), torques[1])
     if not low < slip < high:
         return
     curvature, slope, _ = np.polyfit((slips - slip) / (high - low), torques, 2)

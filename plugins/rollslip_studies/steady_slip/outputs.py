@@ -78,30 +78,30 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             also=("slip", "cage_slip", "steady_cage_slip"),
         ),
         "status": Output("", "1", "what was found"),
-        "largest_drag": Output(
+        "limit_drag": Output(
             "",
             "N m",
             "limit drag torque",
-            status="largest_drag_status",
+            status="skidding_status",
             default=True,
-            also=("limit_drag_torque", "runaway_drag"),
+            also=("limit_drag_torque", "limit_drag"),
         ),
-        "largest_drag_slip": Output(
+        "skidding_slip": Output(
             "",
             "1",
             "cage slip at which skidding begins",
-            status="largest_drag_status",
-            also=("runaway_slip",),
+            status="skidding_status",
+            also=("skidding_slip",),
         ),
-        "largest_drag_status": Output("", "1", "what was found of the limit drag torque"),
-        "largest_drag_error": Output(
-            "", "1", "relative error left of it", status="largest_drag_status"
+        "skidding_status": Output("", "1", "what was found of the limit drag torque"),
+        "limit_drag_error": Output(
+            "", "1", "relative error left of it", status="skidding_status"
         ),
-        "largest_drag_low": Output(
-            "", "1", "least slip within the tolerance of it", status="largest_drag_status"
+        "limit_drag_low": Output(
+            "", "1", "least slip within the tolerance of it", status="skidding_status"
         ),
-        "largest_drag_high": Output(
-            "", "1", "largest slip within the tolerance of it", status="largest_drag_status"
+        "limit_drag_high": Output(
+            "", "1", "largest slip within the tolerance of it", status="skidding_status"
         ),
         "jump_slip": Output(
             "",
@@ -125,9 +125,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "",
             "N m",
             "driving torque from which it first falls with slip",
-            status="largest_drag_status",
+            status="skidding_status",
         ),
-        "first_maximum_slip": Output("", "1", "cage slip there", status="largest_drag_status"),
+        "first_maximum_slip": Output("", "1", "cage slip there", status="skidding_status"),
         "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
         "torque": Output(
             "steady", "N m", "drag torque that is carried", status="status", also=("steady_drag",)
@@ -190,6 +190,6 @@ MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
         "cage-speed": Measurable(variable="cage_speed", lasting=0),
         "friction-torque": Measurable(variable="friction_torque", lasting=0),
         "least-load": Measurable(variable="least_load"),
-        "largest-drag-slip": Measurable(variable="largest_drag_slip", beyond=True),
+        "largest-drag-slip": Measurable(variable="skidding_slip", beyond=True),
     }
 )

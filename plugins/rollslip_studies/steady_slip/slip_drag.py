@@ -23,7 +23,7 @@ def slip_drag(
     balance: TorqueBalance, way: WayUp, slips: list[float], range_: float, points: int, table: str
 ) -> tuple[dict[str, Any], dict[str, Any], float]:
     """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave."""
-    away = way.runs_away
+    away = way.describe_skidding
     first = next(iter(way.jumps), None)
     inside = max(slips or [math.inf]) <= range_ or (away is not None and away.slip <= range_)
     slip, torque = _curve(way, min(range_, way.end) if inside else way.end, points)
@@ -34,12 +34,12 @@ def slip_drag(
     values = {
         "driving_torque": torque,
         "drag_torque": np.array([-balance.drag(float(one)) for one in slip]),
-        "largest_drag": math.nan if away is None else away.drag,
-        "largest_drag_slip": math.nan if away is None else away.slip,
-        "largest_drag_error": math.nan if away is None else away.error,
-        "largest_drag_low": low,
-        "largest_drag_high": high,
-        "largest_drag_status": "found" if away else nowhere(way, f"{table}.max_cage_slip"),
+        "limit_drag": math.nan if away is None else away.drag,
+        "skidding_slip": math.nan if away is None else away.slip,
+        "limit_drag_error": math.nan if away is None else away.error,
+        "limit_drag_low": low,
+        "limit_drag_high": high,
+        "skidding_status": "found" if away else nowhere(way, f"{table}.max_cage_slip"),
         "jump_slip": math.nan if away is None else away.to,
         "most_torque": most,
         "most_torque_slip": most_slip,
@@ -47,7 +47,7 @@ def slip_drag(
         "first_maximum_torque": math.nan if first is None else first.drag,
         "first_maximum_slip": math.nan if first is None else first.slip,
     }
-    away_status = str(values["largest_drag_status"])
+    away_status = str(values["skidding_status"])
     carries = f"a larger drag is carried by no slip up to {way.end:.4g}"
     values["jump_slip_status"] = away_status if away is None or away.to > 0.0 else carries
     coords = {
@@ -60,7 +60,7 @@ def slip_drag(
         / _EXACTER
     )
     variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
-    variables["largest_drag_low"][2]["within"] = variables["largest_drag_high"][2]["within"] = share
+    variables["limit_drag_low"][2]["within"] = variables["limit_drag_high"][2]["within"] = share
     return variables, coords, error
 
 

@@ -13,7 +13,7 @@ from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import FASTER, VARIED
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
-RUNS_AWAY = "the cage skids"
+CAGE_SKIDS = "the cage skids"
 LEAVES = "slip leaves the range"
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL: Final = 1e-3
@@ -35,8 +35,8 @@ def status_of(balance: TorqueBalance, way: WayUp, slips: list[float]) -> str:
         f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
     )
     if slip == way.end:
-        return f"{carried}, where it still rises): {LEAVES if way.refusal else RUNS_AWAY}"
-    return f"{carried}): {RUNS_AWAY}"
+        return f"{carried}, where it still rises): {LEAVES if way.refusal else CAGE_SKIDS}"
+    return f"{carried}): {CAGE_SKIDS}"
 
 
 def stability_of(way: WayUp, state: Orbit, steady: Steady) -> str:

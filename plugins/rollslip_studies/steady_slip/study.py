@@ -97,7 +97,7 @@ class SteadySlip(Study):
     name: ClassVar[str] = "steady-slip"
     outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
     judged: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"critical_slip": "largest_drag_slip", "friction": "largest_drag"}
+        {"critical_slip": "skidding_slip", "friction": "limit_drag"}
     )
     acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
@@ -228,7 +228,7 @@ class SteadySlip(Study):
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices at the steady slips, or where there is none at that of the largest drag."""
         slips = np.atleast_1d(
-            dataset["steady_slip" if "steady_slip" in dataset else "largest_drag_slip"].to_numpy()
+            dataset["steady_slip" if "steady_slip" in dataset else "skidding_slip"].to_numpy()
         )
         balance = self._balance(assembly, int(dataset.attrs["instants"]))
         return evaluated_slices(
@@ -254,8 +254,8 @@ class SteadySlip(Study):
             Dimensions (cage_slip,): driving_torque, drag_torque; (steady,): steady_slip, cage_speed, torque, stable,
             stability, multiplier, stored_power, friction_torque; (ring, steady): effective_friction, film_parameter,
             ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
-            of these one NaN where there is no steady slip; scalars: status, largest_drag, largest_drag_slip,
-            largest_drag_status, largest_drag_error, _low and _high, jump_slip, most_torque, most_torque_slip,
+            of these one NaN where there is no steady slip; scalars: status, limit_drag, skidding_slip,
+            skidding_status, limit_drag_error, _low and _high, jump_slip, most_torque, most_torque_slip,
             most_torque_error, first_maximum_torque, first_maximum_slip. For each varied quantity X, if a branch was
             found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
 
@@ -414,7 +414,7 @@ class SteadySlip(Study):
             torque = self._judged(balance)
             if before is not None:
                 moved = _moved(before, torque)
-                away = self._way(balance).runs_away if jump and moved <= tolerance else None
+                away = self._way(balance).describe_skidding if jump and moved <= tolerance else None
                 told = away is None or away.error <= tolerance or instants > _MOST_OF_A_JUMP
                 if moved <= tolerance and told:
                     return balance, moved

@@ -47,7 +47,7 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     t = dataset["time"].to_numpy()
     slip, away, critical = (
         100.0 * dataset[name].to_numpy()
-        for name in ("cage_slip", "runaway_slip_along", "critical_slip_along")
+        for name in ("cage_slip", "skidding_slip_along", "critical_slip_along")
     )
     top = _ROOM * float(np.nanmax(slip)) if np.isfinite(slip).any() else 100.0
     limit = 100.0 * nearest(dataset)[2]  # where the cage comes nearest to it
@@ -94,7 +94,7 @@ def phase(dataset: "xr.Dataset") -> "Figure":
     figure = sheet.figure
     axes = sheet.axes
     t = dataset["time"].to_numpy()
-    slip, away = (100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along"))
+    slip, away = (100.0 * dataset[name].to_numpy() for name in ("cage_slip", "skidding_slip_along"))
     known = np.isfinite(slip) & np.isfinite(away)
     axes.set_xlabel("Slip at which skidding begins [%]")
     axes.set_ylabel("Cage slip [%]")
