@@ -24,7 +24,7 @@ from rollslip.errors import RollslipError
 from rollslip_studies.effective_friction import raceways, study
 from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import runaway, running
-from rollslip_studies.steady_slip.minimum_load import least_load
+from rollslip_studies.steady_slip.minimum_load import minimum_load
 
 RANGE = 0.95
 SCENES = 1000
@@ -95,7 +95,7 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
                 scenes.evolve(scene, {"operation.radial_load": load}), inertia=False
             )
 
-        load, status, _ = least_load(loaded, scene.operation.radial_load, 0.1)
+        load, status, _ = minimum_load(loaded, scene.operation.radial_load, 0.1)
         yield "least load", load
         yield "least load status", status
 

@@ -23,7 +23,7 @@ def main():
         print(*rows[-1], sep=" | ", flush=True)
     for at in (70, 50, 30):
         cold = {"operation.temperature": f"{at} degC"}
-        least = float(steady(cold, acceptable_slip=0.05).least_load)
+        least = float(steady(cold, acceptable_slip=0.05).minimum_load)
         print(
             f"at {at} degC: {least:.0f} N for 5 %, {slip({'operation.radial_load': '2 kN'} | cold):.4f} at 2 kN"
         )

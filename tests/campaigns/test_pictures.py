@@ -11,7 +11,7 @@ from rollslip.results.figures import plot
 from rollslip.results.words import two
 from rollslip.structure import resolved
 from rollslip_studies.steady_slip.figures import catalogue_loads
-from rollslip_studies.steady_slip.minimum_load import asked_by_makers
+from rollslip_studies.steady_slip.minimum_load import minimum_loads_of_makers
 
 pytestmark = pytest.mark.quick
 
@@ -73,7 +73,7 @@ def test_a_map_shows_the_point_of_the_scene_and_no_load_below_zero():
 def test_slips_over_load_have_the_minimum_loads_of_catalogues():
     dataset = swept([0.5, 0.1, 0.02], radial_load=[0.1 * LOAD, LOAD, 4.0 * LOAD])
     (figure,) = plot(dataset).values()
-    loads, _ = asked_by_makers(SCENE)
+    loads, _ = minimum_loads_of_makers(SCENE)
     asked = sorted(loads[np.isfinite(loads)])
     assert asked
     assert list(catalogue_loads(dataset).values()) == pytest.approx(asked)

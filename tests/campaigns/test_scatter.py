@@ -22,7 +22,7 @@ from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
 from rollslip_campaigns.uncertainty import UncertaintySettings, findings
-from rollslip_campaigns.uncertainty.samples import least_loads, of_friction, shares_of
+from rollslip_campaigns.uncertainty.samples import minimum_loads, of_friction, shares_of
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
@@ -362,13 +362,13 @@ def test_a_least_load_that_is_none_lies_where_its_status_says():
              "found; with less the cage skids from a slip of 0.01 on", "not found: x"]  # fmt: skip
     found = xr.Dataset(
         {
-            "least_load": ("sample", np.array([100.0, *[np.nan] * 3, 200.0, np.nan])),
-            "least_load_status": ("sample", np.array(words)),
+            "minimum_load": ("sample", np.array([100.0, *[np.nan] * 3, 200.0, np.nan])),
+            "minimum_load_status": ("sample", np.array(words)),
             "status": ("sample", np.full(6, "ok")),
         }
     )
     assert np.array_equal(
-        least_loads(found), [100.0, 0.0, 0.0, np.inf, 200.0, np.nan], equal_nan=True
+        minimum_loads(found), [100.0, 0.0, 0.0, np.inf, 200.0, np.nan], equal_nan=True
     )
 
 

@@ -259,7 +259,7 @@ def test_a_film_that_is_thin_at_the_minimum_load_takes_boundary_friction_back():
     with pytest.raises(
         BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."
     ):
-        made.studies["steady-slip"].only(made.assemblies["steady-slip"], frozenset({"least_load"}))
+        made.studies["steady-slip"].only(made.assemblies["steady-slip"], frozenset({"minimum_load"}))
     assert left.what == "boundary friction"
 
 
@@ -386,7 +386,7 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
 
 SEEN = {
     "friction torque": (100_100, "friction_torque"),
-    "minimum load": (0, "least_load"),
+    "minimum load": (0, "minimum_load"),
     "film parameter": (
         100_064,
         "film_parameter",
@@ -474,9 +474,9 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
         own, slices=4 * own.slices + 1, quadrature="gauss", instants=4 * own.instants + 1
     )
     fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
-    assert "skids" in str(fine.least_load_status.item())
-    assert "skids" not in str(result.least_load_status.item())
-    actual = abs(float(result["least_load"]) / float(fine["least_load"]) - 1.0)
+    assert "skids" in str(fine.minimum_load_status.item())
+    assert "skids" not in str(result.minimum_load_status.item())
+    actual = abs(float(result["minimum_load"]) / float(fine["minimum_load"]) - 1.0)
     assert actual > 1e-2
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     assert 0.8 * actual <= rows["minimum load"] <= 3.0 * actual

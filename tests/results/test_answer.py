@@ -242,8 +242,8 @@ def test_every_number_of_the_answer_is_the_one_in_the_file(ran):
     steady = datasets["steady-slip"]
     kept = {
         "cage_slip": float(steady.steady_slip[0]),
-        "minimum_load": float(steady.least_load),
-        "makers_minimum_load": float(steady.makers_least_load.min()),
+        "minimum_load": float(steady.minimum_load),
+        "makers_minimum_load": float(steady.makers_minimum_load.min()),
         "acceptable_reserve": float(steady.acceptable_reserve),
         "drag_reserve": float(steady.drag_reserve),
         "friction_torque": float(steady.friction_torque[0]),
@@ -253,7 +253,7 @@ def test_every_number_of_the_answer_is_the_one_in_the_file(ran):
     assert {key: one["value"] for key, one in rows.items()} == kept
     band = json.loads(steady.attrs["band"])
     assert rows["cage_slip"]["band"] == [band["steady_slip"][end] for end in ("low", "high")]
-    assert rows["minimum_load"]["band"] == [band["least_load"][end] for end in ("low", "high")]
+    assert rows["minimum_load"]["band"] == [band["minimum_load"][end] for end in ("low", "high")]
     assert all(
         one["study"] == "steady-slip" and one["unit"] and one["text"] for one in rows.values()
     )
@@ -282,7 +282,7 @@ def test_printed_numbers_are_those_values_in_two_digits_one_unit_and_without_exp
 
 def test_commands_that_are_named_next_work_as_pasted(ran):
     folder, said, datasets = ran
-    least = float(datasets["steady-slip"].least_load)
+    least = float(datasets["steady-slip"].minimum_load)
     assert said["answer"]["verdict"] == "SLIPS"
     first, *_ = said["answer"]["next"]
     assert (
@@ -359,7 +359,7 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
     )
     result = rollslip.run(scene, "steady-slip")
     row = answer_of(result)["minimum_load"]
-    assert row.value == float(result.least_load) > 0.0
+    assert row.value == float(result.minimum_load) > 0.0
     assert row.note.endswith("for a slip below 1 %")
     assert "makers" in str(answer_of(result))
 
@@ -395,7 +395,7 @@ def test_a_minimum_load_below_the_weight_of_the_rollers_is_told_as_that():
     scene = json.loads(result.attrs["scene_resolved"])["bearing"]
     volume = 0.25 * math.pi * scene["roller_diameter"] ** 2 * scene["roller_length"]
     assert weight == pytest.approx(9.81 * 7850.0 * scene["rollers"] * volume, rel=0.02)
-    row = answer_of(result.assign(least_load=result.least_load * 0.0 + 1e-3 * weight))[
+    row = answer_of(result.assign(minimum_load=result.minimum_load * 0.0 + 1e-3 * weight))[
         "minimum_load"
     ]
     assert row.text.startswith("below ")

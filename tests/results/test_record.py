@@ -90,7 +90,7 @@ def test_units_are_those_of_the_variables():
     assert {name: units[name] for name in shared} == {
         name: result[name].attrs["units"] for name in shared
     }
-    assert {"least_load", "friction_torque", "cage_speed"} <= shared
+    assert {"minimum_load", "friction_torque", "cage_speed"} <= shared
     assert (units["losses"], units["cage_slip"]) == ("W", "1")
 
 

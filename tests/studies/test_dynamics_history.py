@@ -531,7 +531,7 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     topics = account.topics(dropped)
     assert record["history"] == ["radial_load"]
     assert record["largest_cage_slip"] == float(dropped.cage_slip.max())
-    assert record["least_cage_slip"] == float(dropped.cage_slip.min())
+    assert record["smallest_cage_slip"] == float(dropped.cage_slip.min())
     assert record["time_beyond_skidding"] == 0.0
     assert (
         record["frictional_work_inner"]

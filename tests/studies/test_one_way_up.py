@@ -101,8 +101,8 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
     bearing = few(HARD[name])
     (steady, *_) = SteadySlip().steady(bearing)[1]
     load = bearing.scene.operation.radial_load
-    found, _ = SteadySlip(acceptable_slip=steady.slip).only(bearing, frozenset({"least_load"}))
-    assert found["least_load"][1] == pytest.approx(load, rel=2e-4)  # it is found to 1e-4
+    found, _ = SteadySlip(acceptable_slip=steady.slip).only(bearing, frozenset({"minimum_load"}))
+    assert found["minimum_load"][1] == pytest.approx(load, rel=2e-4)  # it is found to 1e-4
 
 
 def test_the_least_load_of_a_slip_that_the_cage_on_its_way_up_jumps_over_is_that_with_less_of_which_it_jumps():
@@ -110,9 +110,9 @@ def test_the_least_load_of_a_slip_that_the_cage_on_its_way_up_jumps_over_is_that
     bearing = few(HARD["two motions"])
     jump = rollers(bearing, 1).way().describe_skidding
     slip = math.sqrt(jump.slip * jump.to)
-    found, _ = SteadySlip(acceptable_slip=slip).only(bearing, frozenset({"least_load"}))
-    load = found["least_load"][1]
-    status = found["least_load_status"][1]
+    found, _ = SteadySlip(acceptable_slip=slip).only(bearing, frozenset({"minimum_load"}))
+    load = found["minimum_load"][1]
+    status = found["minimum_load_status"][1]
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
     assert at < 0.9 * slip
     more, less = (

@@ -556,7 +556,7 @@ def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
     assert found.steady_slip.dims == ("steady",)
     assert np.isnan(found.steady_slip).all(), "an output that is declared is there"
     lost = {name for name in SteadySlip.outputs if name not in found}
-    asked = ("radial_load", "inner_speed", "temperature", "least_load", "makers", "formula")
+    asked = ("radial_load", "inner_speed", "temperature", "minimum_load", "makers", "formula")
     assert all(name.startswith(asked) for name in lost), "not asked for"
     assert SteadySlipAccount.record(found)["steady"] == []
     assert SteadySlipAccount.topics(found)["steady slip"] == [str(found.status.item())]
@@ -580,8 +580,8 @@ def test_a_cage_that_its_land_drives_slips_the_other_way():
     found["steady_slip"][:] = np.nan
     found["stable"][:] = 0
     found["status"] = ((), f"{DRIVEN}, at any speed")
-    found["least_load"] = 0.0
-    found["least_load_status"] = "any load serves"
+    found["minimum_load"] = 0.0
+    found["minimum_load_status"] = "any load serves"
     assert [row.text for row in _rows(found, 0.05) if row and row.key == "minimum_load"] == [
         "not found"
     ]
@@ -879,10 +879,10 @@ def test_slips_over_load_have_the_minimum_loads_and_say_which_are_beyond_the_axi
             "steady-slip-radial-load"
         ]
         said = [text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts()]
-    assert f"minimum load {two(1e-3 * float(found.least_load))} kN" in said
+    assert f"minimum load {two(1e-3 * float(found.minimum_load))} kN" in said
     known = {
         str(maker): 1e-3 * float(load)
-        for maker, load in zip(found.maker, found.makers_least_load, strict=True)
+        for maker, load in zip(found.maker, found.makers_minimum_load, strict=True)
     }
     for maker, load in known.items():
         words = f"catalogue minimum load, {maker} {two(load)} kN"
@@ -900,8 +900,8 @@ def test_slips_over_load_have_the_minimum_loads_and_say_which_are_beyond_the_axi
 def test_at_the_least_load_the_slip_is_the_acceptable_one():
     scene = dragged(STRAIGHT, brake(0.3))
     found = run(scene, points=8, acceptable_slip=0.05)
-    assert str(found.least_load_status.item()) == "found"
-    load = float(found.least_load)
+    assert str(found.minimum_load_status.item()) == "found"
+    load = float(found.minimum_load)
     there = run(evolve(scene, {"operation.radial_load": load}), points=12)
     assert float(there.steady_slip[0]) == pytest.approx(0.05, rel=2e-3)
     more = run(evolve(scene, {"operation.radial_load": 1.1 * load}), points=12)
@@ -910,7 +910,7 @@ def test_at_the_least_load_the_slip_is_the_acceptable_one():
     assert said.startswith(
         f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip"
     )
-    assert SteadySlipAccount.record(found)["least_load"] == load
+    assert SteadySlipAccount.record(found)["minimum_load"] == load
 
 
 def test_the_reserve_at_the_acceptable_slip_is_one_where_the_cage_runs_and_less_where_it_slips_more():
@@ -956,12 +956,12 @@ def test_the_least_load_of_a_slip_that_the_cage_does_not_hold_is_that_with_less_
     scene = evolve(dragged(SHIPPED, brake(0.69)), {"accuracy.slices": 15})
     unstable = float(run(scene).steady_slip[1])
     found = run(scene, acceptable_slip=unstable)
-    load = float(found.least_load)
-    assert found.least_load.attrs["floor"] == found.attrs["rollers_weight"]
+    load = float(found.minimum_load)
+    assert found.minimum_load.attrs["floor"] == found.attrs["rollers_weight"]
     more, less = (
         run(evolve(scene, {"operation.radial_load": share * load})) for share in (1.003, 0.997)
     )
-    status = str(found.least_load_status.item())
+    status = str(found.minimum_load_status.item())
     at = float(status.removeprefix(f"found; {WITH_LESS} ").removesuffix(" on"))
     assert (
         float(more.steady_slip[0]) < at < float(more.steady_slip[1]) < unstable
@@ -977,8 +977,8 @@ def test_below_the_weight_of_rollers_no_load_is_refused(monkeypatch):
     unstable = float(run(scene).steady_slip[1])
     monkeypatch.setattr("rollslip_studies.steady_slip.study.rollers_weight", lambda assembly: 1.1e3)
     found = run(scene, acceptable_slip=unstable)
-    assert float(found.least_load) == pytest.approx(1037.0, abs=1.0)
-    assert str(found.least_load_status.item()) == "found"
+    assert float(found.minimum_load) == pytest.approx(1037.0, abs=1.0)
+    assert str(found.minimum_load_status.item()) == "found"
 
 
 @pytest.mark.parametrize(("number", "ways"), [(100_010, 2.0), (100_024, 11.0)])
@@ -994,9 +994,9 @@ def test_a_search_on_ways_up_for_a_least_load_is_foreseen(number, ways, monkeypa
 
 def test_without_drag_no_load_is_needed():
     found = run(evolve(STRAIGHT, {"cage.drag": []}), points=8, acceptable_slip=0.05)
-    assert np.isnan(found.least_load)
+    assert np.isnan(found.minimum_load)
     off = "every drag is switched off by cage.drag = [], as in no bearing"
-    assert str(found.least_load_status.item()) == f"no load is needed: {off}"
+    assert str(found.minimum_load_status.item()) == f"no load is needed: {off}"
 
 
 def test_makers_rules_differ_as_they_are_said_to():
@@ -1035,8 +1035,8 @@ def test_makers_rules_differ_as_they_are_said_to():
 def test_a_maker_whose_rule_takes_a_catalogue_says_which_keys():
     scene = evolve(dragged(STRAIGHT, brake(0.3)), {"bearing.catalogue.dynamic_rating": "20 kN"})
     found = run(scene, points=8, acceptable_slip=0.05)
-    assert float(found.makers_least_load.sel(maker="NKE")) == pytest.approx(400.0)
-    assert np.isnan(found.makers_least_load.sel(maker="SKF"))
+    assert float(found.makers_minimum_load.sel(maker="NKE")) == pytest.approx(400.0)
+    assert np.isnan(found.makers_minimum_load.sel(maker="SKF"))
     (said,) = SteadySlipAccount.topics(found)["minimum load"]
     assert "400 N (NKE); SKF's rule needs bearing.catalogue.minimum_load_factor of the " in said
 

@@ -58,7 +58,7 @@ SECONDS = 60.0
 #: Number of the answer -> variable of study steady-slip; those of one steady slip are told of the least that lasts.
 NUMBERS = {
     "cage slip": "steady_slip",
-    "minimum load": "least_load",
+    "minimum load": "minimum_load",
     "reserve to slipping": "acceptable_reserve",
     "reserve to skidding": "drag_reserve",
     "friction torque": "friction_torque",

@@ -84,7 +84,7 @@ QUESTIONS = (
     ("steady-slip", "drag_reserve", ">=", {}),
     ("steady-slip", "film_parameter", ">=", {}),
     ("steady-slip", "friction_torque", "<=", {}),
-    ("steady-slip", "least_load", "<=", {}),
+    ("steady-slip", "minimum_load", "<=", {}),
     (
         "surface-damage",
         "worst",

@@ -19,7 +19,7 @@ from rollslip.datasets import Bearing
 from rollslip.errors import RollslipError, SceneError
 from rollslip.scene.clearance import usual_fit
 from rollslip.scene.reading import parse_scene
-from rollslip.scene.relations import skf_least_load
+from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.supply import SUPPLIES
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
@@ -113,7 +113,7 @@ def checked(option: str, value: str) -> str:
 
 def assumed_load(bearing: str) -> str:
     """Return the load that is assumed for a bearing: twice what SKF's rule asks for at least, or 2 kN."""
-    least = skf_least_load(load(find("bearing", bearing)).bearing, 0.0)
+    least = skf_minimum_load(load(find("bearing", bearing)).bearing, 0.0)
     return "2 kN" if math.isnan(least) else format_quantity(float(f"{2.0 * least:.2g}"), "N")
 
 

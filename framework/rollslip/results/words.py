@@ -116,7 +116,7 @@ def warned(datasets: "Iterable[xr.Dataset]", *, laws: bool = True) -> tuple[list
     others = dict[str, None]()
     bounds = dict[tuple[str, str], dict[str, Any]]()
     every = list(datasets)
-    in_rows = [IN_ROWS] if not laws and any("makers_least_load" in one for one in every) else []
+    in_rows = [IN_ROWS] if not laws and any("makers_minimum_load" in one for one in every) else []
     for dataset in every:
         said = json.loads(dataset.attrs.get("validity") or "{}").get("told", [])
         texts = {one["text"] for one in said}

@@ -19,7 +19,7 @@ from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location
 from rollslip.units import GRAVITY, format_quantity, likely, unit_given
 
-__all__ = ["RELATIONS", "Relation", "impossible_pressure", "impossible_relations", "skf_least_load"]
+__all__ = ["RELATIONS", "Relation", "impossible_pressure", "impossible_relations", "skf_minimum_load"]
 
 Scene: TypeAlias = Any
 """A `rollslip.scene.values.Scene`; its tables are read by name here, as relations name them."""
@@ -204,7 +204,7 @@ def _over_half_width(scene: Scene, which: str) -> float:
     return roughness / width if width > 0 else math.nan
 
 
-def skf_least_load(bearing: Any, speed: float) -> float:
+def skf_minimum_load(bearing: Any, speed: float) -> float:
     """Return the least radial load [N] that SKF's rule asks for at a speed [rad/s]; NaN where it takes more than given.
 
     F = k_r (6 + 4 n/n_r) (d_m/100)^2 kN with d_m in mm, for one row with a cage (general catalogue 17000, page 509).
@@ -227,10 +227,10 @@ def _rollers(scene: Scene) -> float:
     )
 
 
-def _over_least_load(scene: Scene) -> float:
+def _over_minimum_load(scene: Scene) -> float:
     operation = scene.operation
     speed = operation.inner_speed - operation.outer_speed
-    return float(operation.radial_load / skf_least_load(scene.bearing, speed))
+    return float(operation.radial_load / skf_minimum_load(scene.bearing, speed))
 
 
 #: What has to fit, the values most likely mistyped first.
@@ -290,7 +290,7 @@ RELATIONS: Final = (
     Relation(
         "operation",
         "radial_load",
-        _over_least_load,
+        _over_minimum_load,
         "1",
         "of SKF's catalogue minimum load (bearing.catalogue)",
         (1, math.inf),

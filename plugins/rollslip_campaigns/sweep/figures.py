@@ -91,8 +91,8 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             loads = {}
             if key_of[numbers[0]] == "operation.radial_load" and in_percent(name, "1"):
                 least = (
-                    {"minimum load": float(dataset["least_load"].median())}
-                    if "least_load" in dataset
+                    {"minimum load": float(dataset["minimum_load"].median())}
+                    if "minimum_load" in dataset
                     else {}
                 )
                 loads = least | catalogue_loads(dataset)

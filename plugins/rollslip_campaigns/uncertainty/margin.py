@@ -44,7 +44,7 @@ from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 from rollslip_campaigns.uncertainty.findings import DRAG, LOAD, RESERVE, SKIDDING, STEADY
-from rollslip_campaigns.uncertainty.samples import LOWEST, least_loads, of_friction, shares_of
+from rollslip_campaigns.uncertainty.samples import LOWEST, minimum_loads, of_friction, shares_of
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.scatter import with_scatter
@@ -169,7 +169,7 @@ def plan_margin(asked: "UncertaintySettings") -> Margin:
         "time_limit": asked.time_limit,
     }
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
-    balance = {"study": SteadySlip.name, "output": ["least_load"], **shared}
+    balance = {"study": SteadySlip.name, "output": ["minimum_load"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
     if critical.design.axes:
         keys = ", ".join(axis.key for axis in critical.design.axes)
@@ -307,7 +307,7 @@ def _dataset(
         said = "samples of which the reserve is a lower bound"
         variables["bounded"] = (), int(shares["bound"].sum()), about("1", said)
     if "load" in points:  # third of what is told
-        loads = {LOAD: least_loads(points["load"])}
+        loads = {LOAD: minimum_loads(points["load"])}
         values = (
             {key: values.pop(key) for key in (RESERVE, STEADY) if key in values} | loads | values
         )

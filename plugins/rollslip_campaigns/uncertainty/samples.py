@@ -17,7 +17,7 @@ from rollslip_studies.motion.torque_balance import AT_LEAST, FOUND, NOWHERE, SKI
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOWEST", "least_loads", "of_friction", "shares_of"]
+__all__ = ["LOWEST", "minimum_loads", "of_friction", "shares_of"]
 
 LOWEST: Final = "critical slip"
 
@@ -61,11 +61,11 @@ def shares_of(points: "xr.Dataset") -> dict[str, Any]:
     }
 
 
-def least_loads(points: "xr.Dataset") -> Array:
+def minimum_loads(points: "xr.Dataset") -> Array:
     """Return least radial loads, (n,): zero where any load serves, infinite where none does."""
-    found = _scalar(points, "least_load")
-    found[_begins(points, "least_load_status", *ANY_LOAD)] = 0.0
-    found[_begins(points, "least_load_status", NO_LOAD)] = np.inf
+    found = _scalar(points, "minimum_load")
+    found[_begins(points, "minimum_load_status", *ANY_LOAD)] = 0.0
+    found[_begins(points, "minimum_load_status", NO_LOAD)] = np.inf
     return found
 
 

@@ -124,10 +124,10 @@ class DynamicsAccount(Account):
         "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
     units: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(("end_time", "largest_cage_slip_time", "least_cage_slip_time", "smallest_margin_time", "time",
+        **dict.fromkeys(("end_time", "largest_cage_slip_time", "smallest_cage_slip_time", "smallest_margin_time", "time",
                          "time_beyond_skidding"), "s"),
         **dict.fromkeys(("critical_cage_slip", "energy_closure", "final_cage_slip", "largest_cage_slip",
-                         "least_cage_slip", "smallest_margin_to_skidding", "momentum_closure", "skidding_slip",
+                         "smallest_cage_slip", "smallest_margin_to_skidding", "momentum_closure", "skidding_slip",
                          "smallest_film_parameter_inner", "smallest_film_parameter_outer", "steady_cage_slip"), "1"),
         **dict.fromkeys(("energy_turned_over", "frictional_work_inner", "frictional_work_outer", "heat_carried_away",
                          "heat_made", "heat_stored"), "J"),

@@ -169,8 +169,8 @@ def single_values(dataset: "xr.Dataset") -> dict[str, Any]:
     return {
         "history": json.loads(dataset.attrs["history"]),
         "largest_cage_slip_time": when,
-        "least_cage_slip": ahead,
-        "least_cage_slip_time": then,
+        "smallest_cage_slip": ahead,
+        "smallest_cage_slip_time": then,
         "smallest_margin_to_skidding": margin,
         "smallest_margin_time": near,
         "time_beyond_skidding": time_beyond(dataset),

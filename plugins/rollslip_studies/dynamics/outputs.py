@@ -79,8 +79,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             for name, unit, meaning in (
                 ("largest_cage_slip", "1", "largest cage slip"),
                 ("largest_cage_slip_time", "s", "time of the largest cage slip"),
-                ("least_cage_slip", "1", "least cage slip, negative where the cage runs ahead"),
-                ("least_cage_slip_time", "s", "time of the least cage slip"),
+                ("smallest_cage_slip", "1", "least cage slip, negative where the cage runs ahead"),
+                ("smallest_cage_slip_time", "s", "time of the least cage slip"),
                 ("smallest_margin_to_skidding", "1", "least slip that is left until skidding begins, at the moment"),
                 ("smallest_margin_time", "s", "time of that"),
                 ("time_beyond_skidding", "s", "time beyond the slip at which skidding begins"),

@@ -93,12 +93,12 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         not slips.size or not np.isfinite(slips[0]) or slips[0] == 0.0 or slips[0] < -_LITTLE
     ):  # without drag, or driven
         return dataset
-    acceptable = dataset.attrs.get("acceptable_slip") if "least_load" in dataset else None
+    acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
     values = {"steady_slip": max(float(slips[0]), _NONE)}
-    if acceptable is not None and dataset["least_load_status"].item() == "found":
-        values["least_load"] = float(dataset["least_load"])
+    if acceptable is not None and dataset["minimum_load_status"].item() == "found":
+        values["minimum_load"] = float(dataset["minimum_load"])
     found = bands(
-        scene, values["steady_slip"], float(acceptable) if "least_load" in values else None
+        scene, values["steady_slip"], float(acceptable) if "minimum_load" in values else None
     )  # type: ignore[arg-type]
     told = {
         name: {
@@ -149,7 +149,7 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
     }
     found = {"steady_slip": _band(_slips(nominal, moved, slip), ends, known)}
     if acceptable is not None:
-        found["least_load"] = _band(_loads(nominal, moved, acceptable), ends, known)
+        found["minimum_load"] = _band(_loads(nominal, moved, acceptable), ends, known)
     return {name: band for name, band in found.items() if band is not None}
 
 

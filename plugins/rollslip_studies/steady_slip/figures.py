@@ -30,7 +30,7 @@ from rollslip.scene.reading import from_raw
 from rollslip.units import converted, shown_unit
 from rollslip_studies.effective_friction.ring_figures import ring_figure
 from rollslip_studies.steady_slip.findings import has_steady, varied
-from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers
+from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_makers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -236,7 +236,7 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
         words = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
         sheet.mark(value[fold], slip[fold], f"fold, {words}", zorder=4, **MARKER)
     axes.set_ylim(bottom=0.0)
-    if name == "radial_load" and "makers_least_load" in dataset:
+    if name == "radial_load" and "makers_minimum_load" in dataset:
         acceptable = 100 * float(dataset.attrs["acceptable_slip"])
         axes.axhline(acceptable, **_LIMIT)
         sheet.key(f"acceptable slip, {acceptable:.3g} %", **_LIMIT)
@@ -264,7 +264,7 @@ def catalogue_loads(dataset: "xr.Dataset") -> dict[str, float]:
     They are read from the scene of the result, so that a sweep has them, too.
     """
     try:
-        loads, _ = asked_by_makers(from_raw(json.loads(dataset.attrs["scene_resolved"]), ""))
+        loads, _ = minimum_loads_of_makers(from_raw(json.loads(dataset.attrs["scene_resolved"]), ""))
     except (KeyError, RollslipError):  # a result of before
         return {}
     pairs = sorted(

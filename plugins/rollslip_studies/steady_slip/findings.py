@@ -94,7 +94,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     status = str(dataset["status"].item())
     yield slip_row(dataset, found, status, known=_KNOWN, within=0.02)
     preload = bearing.get("radial_clearance", 0.0) < 0.0
-    if "least_load" in dataset:
+    if "minimum_load" in dataset:
         if found < -acceptable or DRIVEN in status:
             yield Row(key="minimum_load", label="minimum load", unit="N", text="not found", known=_KNOWN,
                       note="it is for a cage that lags")  # fmt: skip
@@ -102,7 +102,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             yield _minimum_load(
                 dataset, acceptable, load, -bearing.get("radial_clearance", 0.0) if preload else 0.0
             )
-        yield None if preload and not float(dataset["least_load"]) > 0.0 else _makers(dataset, load)
+        yield None if preload and not float(dataset["minimum_load"]) > 0.0 else _makers(dataset, load)
         yield _to_acceptable(dataset, acceptable)
     if "drag_reserve" in dataset:
         reserve = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
@@ -163,8 +163,8 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
 
 
 def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload: float) -> Row:
-    least = float(dataset["least_load"])
-    status = str(dataset["least_load_status"].item())
+    least = float(dataset["minimum_load"])
+    status = str(dataset["minimum_load_status"].item())
     row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "known": _KNOWN}
     below = f"for a slip below {plain(100.0 * acceptable)} %"
     if preload > 0.0 and status.startswith(ANY_LOAD):
@@ -185,7 +185,7 @@ def _minimum_load(dataset: "xr.Dataset", acceptable: float, load: float, preload
             **row, value=least, text=f"below {force(weight, weight)}", note=said, band=(0.0, weight)
         )
     below += "; with less it skids" if WITH_LESS in status else ""
-    one = json.loads(dataset.attrs.get("band", "{}")).get("least_load")
+    one = json.loads(dataset.attrs.get("band", "{}")).get("minimum_load")
     low = least if one is None else one["low"]
     load = (
         load if low >= _READABLE * load else low
@@ -203,7 +203,7 @@ def _times(reserve: float, least: bool = False) -> str:
 
 def _makers(dataset: "xr.Dataset", load: float) -> Row | None:
     """Return what makers ask for, the least first, and whether the load is that."""
-    given = zip(dataset["maker"].to_numpy(), dataset["makers_least_load"].to_numpy(),
+    given = zip(dataset["maker"].to_numpy(), dataset["makers_minimum_load"].to_numpy(),
                 dataset["makers_status"].to_numpy(), strict=True)  # fmt: skip
     asked = sorted(
         (float(least), str(maker), str(status)) for maker, least, status in given if least > 0.0
@@ -515,18 +515,18 @@ def _jump(dataset: "xr.Dataset") -> str:
     return f"{said}; a larger one takes it to {_percent(to)}, where slips carry {beyond}"
 
 
-def _least_load(dataset: "xr.Dataset") -> str:
+def _minimum_load(dataset: "xr.Dataset") -> str:
     """Say which load a slip takes, beside what makers ask for, and what the rules of others still need."""
     slip = _percent(float(dataset.attrs["acceptable_slip"]))
-    load = float(dataset["least_load"])
+    load = float(dataset["minimum_load"])
     if math.isnan(load):
-        said = f"no minimum load for a cage slip of {slip}: {dataset['least_load_status'].item()}"
+        said = f"no minimum load for a cage slip of {slip}: {dataset['minimum_load_status'].item()}"
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
-        said += str(dataset["least_load_status"].item()).removeprefix("found") + _band(
-            dataset, "least_load"
+        said += str(dataset["minimum_load_status"].item()).removeprefix("found") + _band(
+            dataset, "minimum_load"
         )
-    makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_least_load"))
+    makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_minimum_load"))
     told = (
         dataset["makers_status"].to_numpy()
         if "makers_status" in dataset
@@ -607,7 +607,7 @@ class SteadySlipAccount(Account):
             "steady slip": _steady(dataset) + _by_play(dataset),
             "limit drag torque": [_largest(dataset)],
             **({"losses": _losses(dataset)} if "loss" in dataset and has_steady(dataset) else {}),
-            **({"minimum load": [_least_load(dataset)]} if "least_load" in dataset else {}),
+            **({"minimum load": [_minimum_load(dataset)]} if "minimum_load" in dataset else {}),
             **{
                 f"limit of the {_what(dataset, name)}": [_limit(dataset, name)]
                 for name in varied(dataset)
@@ -622,12 +622,12 @@ class SteadySlipAccount(Account):
         numbers += [
             name for name in ("first_maximum_torque", "first_maximum_slip") if name in dataset
         ]
-        numbers += [name for name in ("least_load",) if name in dataset]
+        numbers += [name for name in ("minimum_load",) if name in dataset]
         numbers += [f"{name}_limit{of}" for name in varied(dataset) for of in ("", "_slip")]
         texts = [
             "status",
             "skidding_status",
-            *(["least_load_status"] if "least_load" in dataset else []),
+            *(["minimum_load_status"] if "minimum_load" in dataset else []),
             *(f"{name}_limit_status" for name in varied(dataset)),
         ]
         states = [

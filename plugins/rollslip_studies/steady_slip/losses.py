@@ -131,11 +131,11 @@ def _off(
         # of several motions the one that is meant: a way up on all slices would take far longer
         torques = [motion.torque for motion in balance.motions.at(np.array([slip]))[0]]
         yield "reserve to skidding", _apart(own, min(torques, key=lambda one: abs(one - own)))
-    if "least_load" not in dataset:
+    if "minimum_load" not in dataset:
         return
-    load = float(dataset["least_load"])
+    load = float(dataset["minimum_load"])
     if load > dataset.attrs.get("rollers_weight", 0.0):
-        by = np.atleast_1d(dataset["least_load"].attrs["slips"]).tolist()
+        by = np.atleast_1d(dataset["minimum_load"].attrs["slips"]).tolist()
         over, more = (
             most_left_over(at_load(one), by, acceptable)[1] for one in (load, (1.0 + STEP) * load)
         )

@@ -21,7 +21,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.words import ANY_LOAD, AT_REST, NO_LOAD, SWITCHED_OFF, WITH_LESS
-from rollslip.scene.relations import skf_least_load
+from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.values import Scene
 from rollslip.search import bracketed, secants, vertex
 from rollslip.units import GRAVITY, format_quantity
@@ -30,8 +30,8 @@ from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance
 __all__ = [
     "RULES",
     "Rule",
-    "asked_by_makers",
-    "least_load",
+    "minimum_loads_of_makers",
+    "minimum_load",
     "most_left_over",
     "rollers_weight",
     "static_rating",
@@ -61,7 +61,7 @@ _ROUNDS = 4
 Balances = Callable[[float], TorqueBalance]
 
 
-def least_load(
+def minimum_load(
     balance: Balances, load: float, slip: float, weight: float = 0.0
 ) -> tuple[float, str, tuple[float, ...]]:
     """Return the least radial load [N] that keeps the steady slip at a given one or below, and "found".
@@ -266,7 +266,7 @@ RULES: Final[Mapping[str, Rule]] = {
         lambda bearing, speed: static_rating(bearing) / 60.0, "C0r/60, recalled, not read", "C"
     ),
     "SKF": Rule(
-        skf_least_load,
+        skf_minimum_load,
         "k_r (6 + 4 n/n_r) (d_m/100)^2 kN for one row with a cage, catalogue 17000, page 509",
         "A",
         ("minimum_load_factor",),
@@ -281,7 +281,7 @@ RULES: Final[Mapping[str, Rule]] = {
 }
 
 
-def asked_by_makers(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
+def minimum_loads_of_makers(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
     """Return the least load of each of the `RULES` [N], and "found" or what the scene has to give."""
     speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
     loads, statuses = zip(

@@ -146,15 +146,15 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "film_parameter": Output("ring steady", "1", "smallest film parameter Lambda"),
         "roller_slip": Output("steady angle", "1", "roller slip"),
         "normal_force": Output("ring steady angle", "N", "normal force"),
-        "least_load": Output(
+        "minimum_load": Output(
             "",
             "N",
             "minimum radial load for an acceptable slip",
-            status="least_load_status",
+            status="minimum_load_status",
             also=("minimum_load",),
         ),
-        "least_load_status": Output("", "1", "what was found of the minimum load"),
-        "makers_least_load": Output(
+        "minimum_load_status": Output("", "1", "what was found of the minimum load"),
+        "makers_minimum_load": Output(
             "maker", "N", "catalogue minimum load of a maker", status="makers_status"
         ),
         "makers_status": Output(
@@ -189,7 +189,7 @@ MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
         ),
         "cage-speed": Measurable(variable="cage_speed", lasting=0),
         "friction-torque": Measurable(variable="friction_torque", lasting=0),
-        "least-load": Measurable(variable="least_load"),
+        "least-load": Measurable(variable="minimum_load"),
         "largest-drag-slip": Measurable(variable="skidding_slip", beyond=True),
     }
 )

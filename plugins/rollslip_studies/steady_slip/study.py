@@ -50,8 +50,8 @@ from rollslip_studies.steady_slip.evaluated import evaluated_slices, films, load
 from rollslip_studies.steady_slip.losses import acceptable_reserve, losses, numbers_off
 from rollslip_studies.steady_slip.minimum_load import (
     RULES,
-    asked_by_makers,
-    least_load,
+    minimum_loads_of_makers,
+    minimum_load,
     rollers_weight,
 )
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
@@ -76,9 +76,9 @@ _SLIPS = 25
 _BRANCH = 350
 _LOADS = 9
 #: What an acceptable slip gives.
-_LEAST_LOAD: Final = frozenset(
-    f"{name}{of}" for name in ("least_load", "acceptable_reserve") for of in ("", "_status")
-) | {"makers_least_load", "makers_status"}
+_MINIMUM_LOAD: Final = frozenset(
+    f"{name}{of}" for name in ("minimum_load", "acceptable_reserve") for of in ("", "_status")
+) | {"makers_minimum_load", "makers_status"}
 
 
 def _range(name: str) -> Any:
@@ -198,7 +198,7 @@ class SteadySlip(Study):
         dropped: dict[str, object] = {
             name: () for name in VARIED if outputs >= followed_outputs(name).keys()
         }
-        if outputs >= _LEAST_LOAD:
+        if outputs >= _MINIMUM_LOAD:
             dropped["acceptable_slip"] = None
         return self.evolved(**dropped) if dropped else self
 
@@ -313,7 +313,7 @@ class SteadySlip(Study):
                     ),
                 )
         if self.acceptable_slip is not None:
-            variables |= self._least_load(assembly, instants, self.acceptable_slip)
+            variables |= self._minimum_load(assembly, instants, self.acceptable_slip)
             kept, known = acceptable_reserve(balance, self.acceptable_slip)
             variables |= self.variables(acceptable_reserve=kept, acceptable_reserve_status=known)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
@@ -343,8 +343,8 @@ class SteadySlip(Study):
 
     def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
         """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
-        if outputs <= {"least_load", "least_load_status"} and self.acceptable_slip is not None:
-            return self._least_load(
+        if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
+            return self._minimum_load(
                 assembly, self.balance(assembly).instants, self.acceptable_slip
             ), {}
         if not outputs <= {"steady_slip", "status"}:
@@ -507,7 +507,7 @@ class SteadySlip(Study):
 
         return balance
 
-    def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
+    def _minimum_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
         """Return the least radial load of a slip, and what makers ask for."""
         bearing = assembly.with_resistance()
 
@@ -517,17 +517,17 @@ class SteadySlip(Study):
 
         begin = assembly.scene.operation.radial_load
         weight = rollers_weight(assembly)
-        load, status, slips = least_load(balance, begin, slip, weight)
-        makers, statuses = asked_by_makers(assembly.scene)
+        load, status, slips = minimum_load(balance, begin, slip, weight)
+        makers, statuses = minimum_loads_of_makers(assembly.scene)
         found = self.variables(
-            least_load=load,
-            least_load_status=status,
-            makers_least_load=makers,
+            minimum_load=load,
+            minimum_load_status=status,
+            makers_minimum_load=makers,
             makers_status=statuses,
         )
-        found["least_load"][2]["floor"] = weight
+        found["minimum_load"][2]["floor"] = weight
         if slips:  # a file gives one value back as that
-            found["least_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
+            found["minimum_load"][2]["slips"] = list(slips) if len(slips) > 1 else slips[0]
         return found
 
     def witnessed(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
