@@ -32,7 +32,7 @@ from rollslip.units import format_quantity, quantity
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.torque_balance import TorqueBalance, rollers, running
-from rollslip_studies.motion.way_up import WayUp
+from rollslip_studies.motion.loading_branch import LoadingBranch
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.branches import follow
 from rollslip_studies.steady_slip.figures import steady_figures
@@ -1074,7 +1074,7 @@ def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):
     """Its last torque is unknown, and how exact the most is; all else is what it was."""
     scene = evolve(dragged(SHIPPED, brake(0.1)), {"accuracy.slices": 15})
     whole = run(scene, points=40)
-    at = WayUp.at
+    at = LoadingBranch.at
 
     def ends(way, slips):
         if max(slips) > 0.85:
@@ -1084,8 +1084,8 @@ def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):
     def unknown(way):
         raise ConvergenceError("no equilibrium")
 
-    monkeypatch.setattr(WayUp, "at", ends)
-    monkeypatch.setattr(WayUp, "largest_error", property(unknown))
+    monkeypatch.setattr(LoadingBranch, "at", ends)
+    monkeypatch.setattr(LoadingBranch, "largest_error", property(unknown))
     found = run(scene, points=40)
     assert np.isnan(found.driving_torque[-1])
     assert np.isnan(found.most_torque_error)

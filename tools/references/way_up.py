@@ -1,6 +1,6 @@
 """Where cages run away, against finer ways; a quarter of an hour on two cores.
 
-- way_up.csv: random scenes (tests/support/way_up_scenes.py) against the same search on five times as many slips and
+- loading_branch.csv: random scenes (tests/support/way_up_scenes.py) against the same search on five times as many slips and
   four times the positions: what was found, and by how much it is off. It is not independent of the march.
 - way_up_many.csv: the same of 3,000 other scenes, in numbers; some ten minutes on two cores.
 
@@ -96,7 +96,7 @@ def main():
     with ProcessPoolExecutor(2) as pool:
         if "dense" in asked:
             written(
-                "way_up.csv",
+                "loading_branch.csv",
                 list(pool.map(held, [(k, n, o) for k, count, o in KINDS for n in range(count)])),
             )
         if "many" in asked:

@@ -1,6 +1,6 @@
 """How scattering data move what people act on: reserve of drag, steady slip, least load; and the allowable slip.
 
-- The *reserve* is the largest drag that the rollers carry over the drags of the scene (`motion.way_up`). With
+- The *reserve* is the largest drag that the rollers carry over the drags of the scene (`motion.loading_branch`). With
   probability p it is at least its quantile 1 - p. Where nothing runs away it is a lower bound; below 1 the cage skids.
 - The *steady slip* is the smallest at which rollers and drags are in balance, the *least load* the radial load at which
   it is the acceptable one of the scene. Reserve, slips and running away come of one motion of each sample.

@@ -4,7 +4,7 @@
   (`rollslip_studies.dynamics.choice`); each level is one compiled right-hand side (`rollslip_studies.dynamics.levels`).
 - Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
   the energy is stored, as the plainest measure of how far a result can be trusted.
-- Slip past that of running away, where the balance of torques has its fold (`motion.way_up`), is an event,
+- Slip past that of running away, where the balance of torques has its fold (`motion.loading_branch`), is an event,
   located in time, and ends the run if the scene says so; a cage that runs away is a result, not a failure.
 - What was computed is kept, however the run ends: the outcome is an attribute in words.
 """

@@ -9,7 +9,7 @@
   is against the direction in which rolling speeds are positive, hence the sign in ``LoadedContacts``.
 - The map over cage slip and roller slip, which needs no closure, is stored beside the curve.
 - The critical slip of a curve is that of its closure. Where the cage runs away, the balance of torques with freely
-  spinning rollers on both rings says (`motion.way_up`), and it is told first; so does the same balance say at
+  spinning rollers on both rings says (`motion.loading_branch`), and it is told first; so does the same balance say at
   which slip the cage runs where the scene gives drags.
 """
 

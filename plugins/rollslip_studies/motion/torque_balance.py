@@ -11,7 +11,7 @@
   resistances (against rolling on both surfaces), M the friction of the roller in its pocket under the force P that
   carries it round, and < > the mean over the orbit. T drives the cage.
 - Of the motions that repeat after an orbit it takes the one that rollers are in while the drag is raised slowly from
-  none: `motion.spins` finds motions, `motion.way_up` their order. It does not depend on what was
+  none: `motion.spins` finds motions, `motion.loading_branch` their order. It does not depend on what was
   asked before.
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
@@ -40,7 +40,7 @@ from rollslip_studies.motion.spins import (
     place_of,
     slip_of,
 )
-from rollslip_studies.motion.way_up import WayUp, way_up
+from rollslip_studies.motion.loading_branch import LoadingBranch, loading_branch
 
 #: Loads that stand for the slices of a roller on the way up.
 _FEW: Final = 8
@@ -113,7 +113,7 @@ class TorqueBalance:
         self.effective = effective
         self.inertia = inertia
         self._known: dict[float, Orbit] = {}
-        self._ways: dict[tuple[float, int], WayUp] = {}
+        self._ways: dict[tuple[float, int], LoadingBranch] = {}
         friction = drags.pocket_friction
         self._pocket = 0.0 if friction is None else friction.coefficient
         self._rubbing = assembly.scene.models.neighbour_friction or 0.0
@@ -131,11 +131,11 @@ class TorqueBalance:
         """The same by few loads of a roller."""
         return self.motions.like(instants=self.instants, few=_FEW)
 
-    def way(self, largest: float = RANGE, *, steps: int = 0) -> WayUp:
-        """Return the way up over the cage slips up to the largest, `rollslip_studies.motion.way_up.way_up`."""
+    def way(self, largest: float = RANGE, *, steps: int = 0) -> LoadingBranch:
+        """Return the way up over the cage slips up to the largest, `rollslip_studies.motion.loading_branch.loading_branch`."""
         key = largest, steps
         if key not in self._ways:
-            self._ways[key] = way_up(self._few, largest, self.motions, steps=steps)
+            self._ways[key] = loading_branch(self._few, largest, self.motions, steps=steps)
         return self._ways[key]
 
     def seconds(self, largest: float = RANGE) -> float:
@@ -373,7 +373,7 @@ def runaway(balance: TorqueBalance, largest: float, allow: str) -> SkiddingOnset
     return SkiddingOnset(math.nan, math.nan, nowhere(way, allow), most=torque, most_slip=slip)
 
 
-def nowhere(way: WayUp, allow: str) -> str:
+def nowhere(way: LoadingBranch, allow: str) -> str:
     """Say that a cage runs away nowhere in the range, and why, or what to type to look further."""
     slip, torque = way.largest
     if not torque > 0.0:

@@ -12,7 +12,7 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about
 from rollslip_studies.motion.spins import place_of, slip_of
 from rollslip_studies.motion.torque_balance import TorqueBalance, nowhere
-from rollslip_studies.motion.way_up import WayUp
+from rollslip_studies.motion.loading_branch import LoadingBranch
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 
 #: How many times as exact a cubic is between neighbours as with a point left out.
@@ -20,7 +20,7 @@ _EXACTER: Final = 4.0
 
 
 def slip_drag(
-    balance: TorqueBalance, way: WayUp, slips: list[float], range_: float, points: int, table: str
+    balance: TorqueBalance, way: LoadingBranch, slips: list[float], range_: float, points: int, table: str
 ) -> tuple[dict[str, Any], dict[str, Any], float]:
     """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave."""
     away = way.describe_skidding
@@ -64,7 +64,7 @@ def slip_drag(
     return variables, coords, error
 
 
-def _curve(way: WayUp, end: float, points: int) -> tuple[Array, Array]:
+def _curve(way: LoadingBranch, end: float, points: int) -> tuple[Array, Array]:
     """Slips of the way up to some slip and torques there [N m], more where there are fewer than are asked for."""
     slip, torque = way.curve
     own = slip[slip <= end]
@@ -83,7 +83,7 @@ def _curve(way: WayUp, end: float, points: int) -> tuple[Array, Array]:
     return slip[inside], torque[inside]
 
 
-def _torque(way: WayUp, slip: float) -> float:
+def _torque(way: LoadingBranch, slip: float) -> float:
     return way.at([slip])[0].torque
 
 

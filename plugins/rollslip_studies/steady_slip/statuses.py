@@ -8,7 +8,7 @@ from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.units import format_quantity
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
-from rollslip_studies.motion.way_up import Steady, WayUp
+from rollslip_studies.motion.loading_branch import Steady, LoadingBranch
 from rollslip_studies.steady_slip.branches import Branch
 from rollslip_studies.steady_slip.outputs import FASTER, VARIED
 
@@ -21,7 +21,7 @@ _LEVEL: Final = 1e-3
 _THROUGH = 1e-3
 
 
-def status_of(balance: TorqueBalance, way: WayUp, slips: list[float]) -> str:
+def status_of(balance: TorqueBalance, way: LoadingBranch, slips: list[float]) -> str:
     """Say whether there are steady slips on the way up, or why there are none."""
     if balance.rolls_freely:
         return f"{SWITCHED_OFF}, so the cage runs at its epicyclic speed"
@@ -39,7 +39,7 @@ def status_of(balance: TorqueBalance, way: WayUp, slips: list[float]) -> str:
     return f"{carried}): {CAGE_SKIDS}"
 
 
-def stability_of(way: WayUp, state: Orbit, steady: Steady) -> str:
+def stability_of(way: LoadingBranch, state: Orbit, steady: Steady) -> str:
     """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
     if abs(steady.slope) <= _LEVEL * way.largest[1]:
         return "a fold: a stable and an unstable slip meet"

@@ -3,7 +3,7 @@
 - The rollers drive the cage, drags resist it; where both are in balance the slip is steady
   (`motion.torque_balance`). Traction has a maximum, so there are two such slips or none: at the smaller one
   more slip brings more torque and the cage holds it, at the larger one it runs away.
-- Steady slips, the slip-drag curve and its maxima all come from one way up (`motion.way_up`): the motions of
+- Steady slips, the slip-drag curve and its maxima all come from one way up (`motion.loading_branch`): the motions of
   the rollers while the drag is raised slowly from none. It goes on until the cage all but stands, whatever the range
   of the curve, so that it is known where the cage runs, and where it runs away.
 - The positions of the orbit are doubled until the torque stands still; what the last doubling still moved is reported,
@@ -43,7 +43,7 @@ from rollslip_studies.motion.torque_balance import (
     running,
 )  # fmt: skip
 from rollslip_studies.motion.train import slower_by_play
-from rollslip_studies.motion.way_up import Steady, WayUp
+from rollslip_studies.motion.loading_branch import Steady, LoadingBranch
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.branches import Branch, follow
 from rollslip_studies.steady_slip.evaluated import evaluated_slices, films, loaded
@@ -382,7 +382,7 @@ class SteadySlip(Study):
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
         return TorqueBalance(assembly, assembly.cage.drags, instants=instants, inertia=self.inertia)
 
-    def _way(self, balance: TorqueBalance) -> WayUp:
+    def _way(self, balance: TorqueBalance) -> LoadingBranch:
         """The way up, until the cage all but stands."""
         return balance.way(max(RANGE, self.max_cage_slip))
 
@@ -447,7 +447,7 @@ class SteadySlip(Study):
         return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
 
     def _steady(
-        self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]
+        self, balance: TorqueBalance, way: LoadingBranch, states: list[Orbit], steady: list[Steady]
     ) -> dict[str, Any]:
         kinds = (
             [stability_of(way, *one) for one in zip(states, steady, strict=True)]

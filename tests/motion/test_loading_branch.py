@@ -18,8 +18,8 @@ from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Motion, Motions, place_of, slip_of
 from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers, runaway, running
-from rollslip_studies.motion.way_up import _FALL as FALL
-from rollslip_studies.motion.way_up import _around, _bend, _peaks, _rise, _trusted
+from rollslip_studies.motion.loading_branch import _FALL as FALL
+from rollslip_studies.motion.loading_branch import _around, _bend, _peaks, _rise, _trusted
 from tabled import REFERENCES, rows_of
 from without_bands import run
 

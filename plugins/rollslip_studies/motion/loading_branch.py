@@ -102,8 +102,8 @@ class Steady:
 
 
 @attrs.frozen(eq=False)
-class WayUp:
-    """The motions that rollers take while the drag is raised slowly from none; `way_up` finds them."""
+class LoadingBranch:
+    """The motions that rollers take while the drag is raised slowly from none; `loading_branch` finds them."""
 
     _search: "_Search" = attrs.field(repr=False)
     path: list[Motion]  # by growing slip, from a small one to the end of the range
@@ -534,7 +534,7 @@ def _trusted(way: list[Motion]) -> list[Motion]:
     return [m for k, m in enumerate(way) if m.linked or k in (0, last) or way[k + 1].linked]
 
 
-def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) -> WayUp:
+def loading_branch(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) -> LoadingBranch:
     """Return the way up of a bearing over the cage slips up to the largest."""
     begin = place_of(min(_SMALLEST, 0.5 * largest))
     end = place_of(largest)
@@ -567,4 +567,4 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) 
     if way[-1].slip < slips[-1]:
         refusal = "the search for the motion of the rollers does not settle"
     rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
-    return WayUp(search, way, others, rest, refusal)
+    return LoadingBranch(search, way, others, rest, refusal)
