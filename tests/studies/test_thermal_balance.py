@@ -396,11 +396,11 @@ def test_losses_and_slips_that_are_off_are_told_by_how_much():
     bearing = assemble(SCENE)
     found = study.run(bearing)
     assert max(study.witnessed(bearing, found).values()) < 1e-4
-    found["settled_slip"].attrs["loss"] *= 1.02
+    found["stationary_slip"].attrs["loss"] *= 1.02
     assert study.witnessed(bearing, found)["power loss"] == pytest.approx(0.02, rel=1e-2)
-    found["settled_slip"] *= 1.001
+    found["stationary_slip"] *= 1.001
     assert study.witnessed(bearing, found)["cage slip"] == pytest.approx(0.001, rel=0.1)
-    found["settled_slip"] *= 1e-3
+    found["stationary_slip"] *= 1e-3
     assert "cage slip" not in study.witnessed(bearing, found)
 
 
@@ -434,8 +434,8 @@ def test_runaways_of_film_and_of_bulk_are_told_apart():
     assert bulk.status.item().endswith("and the oil heats on: a runaway of the bulk")
     assert np.isnan(bulk.steady_slip).all()
     assert bulk.limit_status.item() == "no balance lasts"
-    assert np.isnan(bulk.settled_temperature).all()
-    assert bulk.settled_status.item() == bulk.status.item()
+    assert np.isnan(bulk.stationary_temperature).all()
+    assert bulk.stationary_status.item() == bulk.status.item()
 
 
 @pytest.mark.slow
@@ -589,14 +589,14 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     scene = evolve(
         SCENE, {"models.thermal": network(oil_flow="15 g/s"), "study.thermal-balance.points": 8}
     )
-    asked = ["settled_temperature", "settled_slip", "heat_margin", "temperature", "steady_slip"]
+    asked = ["stationary_temperature", "stationary_slip", "heat_margin", "temperature", "steady_slip"]
     over = {"models.thermal.oil_flow": ["5 g/s", "50 g/s"]}
     found = sweep(scene, study="thermal-balance", over=over, output=asked, engine="serial")
-    assert (found.settled_temperature == found.temperature.squeeze("balance")).all()
-    assert (found.settled_slip == found.steady_slip.squeeze("balance")).all()
+    assert (found.stationary_temperature == found.temperature.squeeze("balance")).all()
+    assert (found.stationary_slip == found.steady_slip.squeeze("balance")).all()
     said = account_of(found).sentences(found)
     assert any(
-        re.match(r"settled_temperature, inner ring: [\d.]+ degC to [\d.]+ degC, ", line)
+        re.match(r"stationary_temperature, inner ring: [\d.]+ degC to [\d.]+ degC, ", line)
         for line in said
     )
     assert "heat_margin: none; 0 values, 2 without one (no limit up to 150 degC" in "\n".join(said)
@@ -604,7 +604,7 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     (axes,) = drawn["sweep-line-settled-temperature"].axes
     assert [line.get_label() for line in axes.lines] == [*found.node.values]
     shown = axes.lines[0].get_ydata()
-    assert shown == pytest.approx(found.settled_temperature.sel(node="oil").values - 273.15)
+    assert shown == pytest.approx(found.stationary_temperature.sel(node="oil").values - 273.15)
 
 
 @pytest.mark.slow
@@ -616,7 +616,7 @@ def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
     made = plan(scene, "thermal-balance")
     found = execute(made, "thermal-balance")
     settled = dict(
-        zip(found.node.values.tolist(), found.settled_temperature.values.tolist(), strict=True)
+        zip(found.node.values.tolist(), found.stationary_temperature.values.tolist(), strict=True)
     )
     given = {key: settled[part] for key, part in ROLES.items()}
     planned = made.estimated["thermal-balance"].resolution
@@ -637,12 +637,12 @@ def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
             SCENE, {"models.thermal": network(**parameters), "study.thermal-balance.points": 8}
         )
         study = settings(scene, "thermal-balance")["thermal-balance"]
-        asked = {"settled_temperature", "settled_slip", "settled_status"}
+        asked = {"stationary_temperature", "stationary_slip", "stationary_status"}
         whole, alone = (
             one.run(assemble(scene)) for one in (study, study.without(study.outputs.keys() - asked))
         )
         assert alone[sorted(asked)].equals(whole[sorted(asked)])
-        settles = whole.settled_status.item() == "found"
+        settles = whole.stationary_status.item() == "found"
         assert not settles or alone.evaluated_temperatures < 0.9 * whole.evaluated_temperatures
 
 

@@ -91,7 +91,7 @@ QUESTIONS = (
         "<=",
         {"models.damage": ["power-density"], "study.surface-damage.cage_slip": 0.1},
     ),
-    ("thermal-balance", "settled_temperature", "<=", {"models.thermal": "network"}),
+    ("thermal-balance", "stationary_temperature", "<=", {"models.thermal": "network"}),
 )
 #: Key, its unit, and how far to either side of its own value it goes: by a share of that, or by a step.
 VARIED = (
@@ -102,7 +102,7 @@ VARIED = (
     ("operation.temperature", "K", 0.0, 10.0),
 )
 #: What is asked of a bearing that warms up.
-SETTLED = {"settled_temperature", "settled_status"}
+SETTLED = {"stationary_temperature", "stationary_status"}
 #: How temperatures are substituted: until they change by no more [K], how often, the damping, and from how many before.
 MIXED = {"fatol": 2e-5, "maxiter": 60, "line_search": None, "jac_options": {"alpha": 0.6, "M": 6}}
 #: Time of the processor that a scene may take [s].
@@ -214,10 +214,10 @@ def balances(k):
     found = execute(
         plan(scene, "thermal-balance", without=study.outputs.keys() - SETTLED), "thermal-balance"
     )
-    told = found.settled_temperature.values
+    told = found.stationary_temperature.values
     nodes = found.node.values.tolist()
     if np.isnan(told).any():
-        yield "temperatures", found.settled_status.item()[:100], "", "", "", "no balance"
+        yield "temperatures", found.stationary_status.item()[:100], "", "", "", "no balance"
         return
     made = assemble(scene)
     model = thermal_model(scene).of(made)

@@ -28,12 +28,12 @@ for flow, style in (("10 g/s", "-"), ("40 g/s", "--")):
         style,
         label=f"{flow} of oil at 60 °C",
     )
-    settled = found.settled_temperature - 273.15
+    settled = found.stationary_temperature - 273.15
     axes.plot(settled.sel(node="oil"), 0.0, "ko")
     parts = ", ".join(
         f"{part} {float(settled.sel(node=part)):.0f} °C" for part in settled.node.values
     )
-    print(f"{flow}: {parts}, slip {float(found.settled_slip):.1%}")
+    print(f"{flow}: {parts}, slip {float(found.stationary_slip):.1%}")
 axes.axhline(0.0, color="black", linewidth=0.8)
 axes.set(xlabel="Temperature of the oil [°C]", ylabel="Losses less what is carried away [W]")
 axes.legend()

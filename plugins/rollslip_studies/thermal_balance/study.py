@@ -36,7 +36,7 @@ _COURSE = 200
 #: Slip below which an answer shows no digits of it.
 _SHOWN: Final = 1e-3
 #: What is known of a bearing that has settled before anything of warmer balances is.
-_OF_SETTLED: Final = frozenset({"settled_temperature", "settled_slip", "settled_status"})
+_OF_STATIONARY: Final = frozenset({"stationary_temperature", "stationary_slip", "stationary_status"})
 
 
 @attrs.frozen(kw_only=True)
@@ -64,21 +64,21 @@ class ThermalBalance(Study):
                 "balance", "1", "heat made less heat carried away, relative", status="status"
             ),
             "status": Output("", "1", "what was found"),
-            "settled_temperature": Output(
+            "stationary_temperature": Output(
                 "node",
                 "K",
                 "bulk temperature that a cold bearing settles at",
-                status="settled_status",
+                status="stationary_status",
                 default=True,
             ),
-            "settled_slip": Output(
+            "stationary_slip": Output(
                 "",
                 "1",
                 "steady cage slip of a bearing that has settled",
-                status="settled_status",
+                status="stationary_status",
                 default=True,
             ),
-            "settled_status": Output("", "1", "what was found of the coldest balance that lasts"),
+            "stationary_status": Output("", "1", "what was found of the coldest balance that lasts"),
             "given_slip": Output(
                 "", "1", "steady cage slip at the temperatures of the scene", status="given_status"
             ),
@@ -193,12 +193,12 @@ class ThermalBalance(Study):
 
     def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
         """Return the steady slip of the coldest balance that lasts."""
-        status = str(dataset["settled_status"].item())
-        return {"steady cage slip": Compared([[float(dataset["settled_slip"])]], status)}
+        status = str(dataset["stationary_status"].item())
+        return {"steady cage slip": Compared([[float(dataset["stationary_slip"])]], status)}
 
     def without(self, outputs: frozenset[str]) -> "ThermalBalance":
         """Return a study without the course in time, or without all but the coldest balance that lasts."""
-        if outputs >= self.outputs.keys() - _OF_SETTLED:
+        if outputs >= self.outputs.keys() - _OF_STATIONARY:
             return _Settled(**attrs.asdict(self) | {"duration": 0.0})
         return (
             self.evolved(duration=0.0) if outputs >= {"course_temperature", "course_slip"} else self
@@ -209,11 +209,11 @@ class ThermalBalance(Study):
 
         The resolution is chosen at those of the scene. A slip that is shown without digits is left out.
         """
-        settled = dataset["settled_slip"]
+        settled = dataset["stationary_slip"]
         if not (slip := float(settled)) > 0.0:
             return {}
         model = self._model(finer)
-        temperatures = dataset["settled_temperature"].to_numpy() if model.nodes else None
+        temperatures = dataset["stationary_temperature"].to_numpy() if model.nodes else None
         try:
             off, of_loss = Heated(finer, model, self._steady).off(
                 temperatures, slip, settled.attrs["loss"]
@@ -229,8 +229,8 @@ class ThermalBalance(Study):
         -------
         xarray.Dataset
             Dimensions (balance,): stable, stability, growth, steady_slip, balance_error; (node, balance): temperature;
-            (source, balance): loss; (sink, balance): carried_away; (node,): settled_temperature, of the coldest balance
-            that lasts; (part,): given_temperature; scalars: status, settled_slip, settled_status, given_slip,
+            (source, balance): loss; (sink, balance): carried_away; (node,): stationary_temperature, of the coldest balance
+            that lasts; (part,): given_temperature; scalars: status, stationary_slip, stationary_status, given_slip,
             given_loss, given_status. With a model of nodes (point,): leading_temperature,
             excess_heat; scalars jumps, heat_margin, limit_temperature, inlet_limit, limit_status; with a duration
             (time, node): course_temperature; (time,): course_slip; scalar course_status. Without a balance there is one
@@ -292,9 +292,9 @@ class ThermalBalance(Study):
     def _settled(self, temperatures: Any, state: State, status: str) -> dict[str, Any]:
         """Return what a cold bearing settles at; with the slip the loss [W], by which that is judged."""
         found = self.variables(
-            settled_temperature=temperatures, settled_slip=state.slip, settled_status=status
+            stationary_temperature=temperatures, stationary_slip=state.slip, stationary_status=status
         )
-        found["settled_slip"][-1]["loss"] = state.loss
+        found["stationary_slip"][-1]["loss"] = state.loss
         return found
 
     def _sought(
