@@ -1,6 +1,6 @@
 """Record where curves of random bearings are largest or balanced, and hold two records against each other.
 
-``python tools/same_numbers.py record FILE [SCENES]`` keeps of scenes of tests/support/way_up_scenes.py the
+``python tools/same_numbers.py record FILE [SCENES]`` keeps of scenes of tests/support/loading_branch_scenes.py the
 largest drag, where the cage runs away, steady slips, least loads, critical slips, what is said of each, and at how many
 slips rollers and friction were evaluated. ``... compare FILE FILE`` tells how far these moved and whose words differ.
 """
@@ -18,12 +18,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
-import way_up_scenes as scenes
+import loading_branch_scenes as scenes
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip_studies.effective_friction import raceways, study
 from rollslip_studies.motion.spins import Motions
-from rollslip_studies.motion.torque_balance import runaway, running
+from rollslip_studies.motion.torque_balance import skidding_onset, running
 from rollslip_studies.steady_slip.minimum_load import minimum_load
 
 RANGE = 0.95
@@ -59,7 +59,7 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
     balance = scenes.balance(scene)
     begin = time.process_time()
     way = balance.way(RANGE)
-    away = runaway(balance, RANGE, "")
+    away = skidding_onset(balance, RANGE, "")
     steady = way.steady(balance.drag)
     runs = running(balance, RANGE)
     yield "runaway slip", away.slip

@@ -26,7 +26,7 @@ from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
 from rollslip.studies.thermal_balance.model import PLACES, thermal_model
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import rollers, runaway
+from rollslip_studies.motion.torque_balance import rollers, skidding_onset
 
 COUNT = 128
 WORKERS = 2
@@ -156,8 +156,8 @@ def look(given):
         what = described(one).rpartition(";")[0]
         coupled = Coupled(one)
         fold, ended, slip, runs = folded(coupled)
-        held = runaway(rollers(coupled.at(runs), 1), RANGE, "")
-        as_given = runaway(rollers(coupled.made, 1), RANGE, "")
+        held = skidding_onset(rollers(coupled.at(runs), 1), RANGE, "")
+        as_given = skidding_onset(rollers(coupled.made, 1), RANGE, "")
         oil = coupled.model.nodes.index("oil")
         found = fold[0], fold[1], fold[3][oil] - runs[oil]
         warmed = runs[oil] - one.operation.temperature

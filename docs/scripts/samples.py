@@ -34,7 +34,7 @@ POINTS = {
         {"study.effective-friction.closure": "free-roller"},
         256,
     ),
-    "runaway": (
+    "skidding": (
         "where skidding begins and critical slip", "effective-friction", ["skidding_slip", "critical_cage_slip"], {}, 512
     ),
     "steady": ("steady slip", "steady-slip", ["steady_slip"], {}, 256),

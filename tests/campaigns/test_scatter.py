@@ -31,7 +31,7 @@ from rollslip_studies.motion.torque_balance import (
     Running,
     reserve,
     rollers,
-    runaway,
+    skidding_onset,
     running,
 )
 from rollslip_studies.variation.distributions import LogNormal
@@ -305,7 +305,7 @@ def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
 
 def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
     balance = rollers(assemble(constant(8.0)), 1)
-    away = runaway(balance, 0.95, "")
+    away = skidding_onset(balance, 0.95, "")
     runs = running(balance)
     found = reserve(balance, away, runs)
     # a constant torque of 8 N m fades by 1/sqrt(1 + (1/w)^2) only
@@ -315,7 +315,7 @@ def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
 
 def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_most_that_is_carried():
     balance = rollers(assemble(constant(0.5)), 1)
-    away = runaway(balance, 0.2, "")
+    away = skidding_onset(balance, 0.2, "")
     runs = running(balance, 0.2)
     found = reserve(balance, away, runs, 0.2)
     assert found.factor == pytest.approx(balance.torque(0.2) / 0.5, rel=1e-3)

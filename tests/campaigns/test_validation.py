@@ -214,9 +214,9 @@ def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
     [value] = observe(series.scene, "effective-friction/skidding_slip", {}, [{}])
     assert 0.0 < value.value < 1.0
     with pytest.raises(
-        SceneError, match="has no variable 'runaway_slipp'; did you mean 'skidding_slip'"
+        SceneError, match="has no variable 'skidding_slipp'; did you mean 'skidding_slip'"
     ):
-        observe(series.scene, "effective-friction/runaway_slipp", {}, [{}])
+        observe(series.scene, "effective-friction/skidding_slipp", {}, [{}])
     with pytest.raises(SceneError, match="has 2 values along ring"):
         observe(series.scene, "critical-slip", {}, [{}])
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-import way_up_scenes as scenes
+import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene
 from rollslip.bearing import raceway
 from rollslip.bearing.assembly import assemble
@@ -17,7 +17,7 @@ from rollslip.errors import SceneError
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import Motion, Motions, place_of, slip_of
-from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers, runaway, running
+from rollslip_studies.motion.torque_balance import RANGE, TorqueBalance, rollers, skidding_onset, running
 from rollslip_studies.motion.loading_branch import _FALL as FALL
 from rollslip_studies.motion.loading_branch import _around, _bend, _peaks, _rise, _trusted
 from tabled import REFERENCES, rows_of
@@ -117,8 +117,8 @@ def test_a_way_whose_end_does_not_settle_says_that_it_was_not_looked_at(monkeypa
     way = one.way()
     assert 0.2 < way.end < 0.3
     assert way.refusal == "the search for the motion of the rollers does not settle"
-    assert runaway(one, RANGE, "KEY").status.endswith(f"; beyond, {way.refusal}")
-    assert "KEY" not in runaway(one, RANGE, "KEY").status
+    assert skidding_onset(one, RANGE, "KEY").status.endswith(f"; beyond, {way.refusal}")
+    assert "KEY" not in skidding_onset(one, RANGE, "KEY").status
 
 
 # A plain march -------------------------------------------------------------------------------------------------------
@@ -424,7 +424,7 @@ def test_slow_and_fast_bearings_of_any_load_have_a_way(speed, load, inertia):
 @pytest.mark.parametrize("number", [76, 299, 704])
 def test_rollers_without_load_at_a_few_rpm_carry_next_to_nothing_or_it_is_not_known(number):
     one = scenes.balance(scenes.wide(number))
-    away = runaway(one, RANGE, "")
+    away = skidding_onset(one, RANGE, "")
     runs = running(one, RANGE)
     assert (
         away.most < 1e-15
@@ -502,14 +502,14 @@ def test_a_study_says_that_without_load_nothing_drives_the_cage():
 
 # In time -------------------------------------------------------------------------------------------------------------
 
-IN_TIME = [row for row in rows_of(REFERENCES / "way_up_in_time.csv") if row["agrees"]]
+IN_TIME = [row for row in rows_of(REFERENCES / "loading_branch_in_time.csv") if row["agrees"]]
 
 
 @pytest.fixture
 def in_time(monkeypatch):
-    """tools/references/way_up_in_time.py: cage and rollers against a drag that is raised."""
+    """tools/references/loading_branch_in_time.py: cage and rollers against a drag that is raised."""
     monkeypatch.syspath_prepend(REFERENCES)
-    return __import__("way_up_in_time")
+    return __import__("loading_branch_in_time")
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 import pytest
 
-import way_up_scenes
+import loading_branch_scenes
 from promise_scenes import STUDY, finer, judge, scene
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
@@ -254,7 +254,7 @@ def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
 
 def test_a_film_that_is_thin_at_the_minimum_load_takes_boundary_friction_back():
     """At 3.5 N the films are full; at the 0.3 kN of an acceptable slip they are not, and the load is 8 % less."""
-    made = plan(way_up_scenes.wide(100_004), "steady-slip")
+    made = plan(loading_branch_scenes.wide(100_004), "steady-slip")
     (left,) = made.estimated["steady-slip"].left_out
     with pytest.raises(
         BoundBrokenError, match=r"boundary friction was left out, but a film parameter of 1\."
@@ -403,7 +403,7 @@ SEEN = {
 def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     """With 8 slices, where the driving torque may be right to a thousandth."""
     number, variable = SEEN[name]
-    one = way_up_scenes.wide(number) if number else load_scene("gearbox")
+    one = loading_branch_scenes.wide(number) if number else load_scene("gearbox")
     made = plan(evolve(one, {"accuracy.tolerance": 1e-2}), "steady-slip")
     resolution = attrs.evolve(made.estimated["steady-slip"].resolution, slices=8, instants=5)
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
@@ -426,7 +426,7 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
     number, slices, instants, name, variable
 ):
     """There points of Gauss's rule lie farther apart than equal ones: twice as many would tell half of the error."""
-    made = plan(way_up_scenes.wide(number), "steady-slip")
+    made = plan(loading_branch_scenes.wide(number), "steady-slip")
     resolution = attrs.evolve(
         made.estimated["steady-slip"].resolution, slices=slices, instants=instants
     )
@@ -467,7 +467,7 @@ def test_the_thinnest_film_of_a_curve_is_seen_too():
 
 def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_before():
     """Slips of 1 % to 5 % take nearly the same load: by some slices the cage jumps from one to the other."""
-    made = plan(way_up_scenes.wide(100_076), "steady-slip")
+    made = plan(loading_branch_scenes.wide(100_076), "steady-slip")
     result = execute(made, "steady-slip", exactly=True)
     own = made.estimated["steady-slip"].resolution
     finest = attrs.evolve(
@@ -484,7 +484,7 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
 
 @pytest.mark.slow
 def test_an_answer_stands_where_the_witness_of_its_error_finds_no_equilibrium():
-    result = run(way_up_scenes.wide(100_000), "steady-slip")  # 1,376 laminae of a tilted roller
+    result = run(loading_branch_scenes.wide(100_000), "steady-slip")  # 1,376 laminae of a tilted roller
     assert 0.0 < float(result.steady_slip[0]) < 0.01
     assert (
         "could not be judged, as on more laminae or positions the bearing found no equil"

@@ -1054,7 +1054,7 @@ def test_a_plan_tells_by_how_much_loads_of_round_rings_change(outside, clearance
 def drag(**changes):
     made = plan(scene(**changes), "effective-friction")
     assembly = made.assemblies["effective-friction"]
-    return made.studies["effective-friction"].runaway(assembly, assembly.resolution.instants).drag
+    return made.studies["effective-friction"].skidding_onset(assembly, assembly.resolution.instants).drag
 
 
 @pytest.mark.parametrize("outside", [None, 0.21])

@@ -196,7 +196,7 @@ def test_a_film_without_load_does_not_hide_the_thin_ones():
 
 def test_events_are_marked_at_the_foot_once_for_each_place():
     assert "events (at the foot)" not in labels(motion(skidding_sentences()))[0]
-    assert "events (at the foot)" in labels(hard_cases()["runaway"])[0]
+    assert "events (at the foot)" in labels(hard_cases()["skidding"])[0]
     thousands = [(1e-5 * k, "contact opens", False) for k in range(50000)]
     assert len(_other_events(motion(events=thousands, points=11))) == 301
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-import way_up_scenes
+import loading_branch_scenes
 from rollslip import plan
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
@@ -985,7 +985,7 @@ def test_below_the_weight_of_rollers_no_load_is_refused(monkeypatch):
 def test_a_search_on_ways_up_for_a_least_load_is_foreseen(number, ways, monkeypatch):
     """Where rollers have several motions at the acceptable slip each load that is tried takes a way up."""
     monkeypatch.setattr(TorqueBalance, "seconds", lambda self: 1.0)
-    scene = way_up_scenes.wide(number)
+    scene = loading_branch_scenes.wide(number)
     assembly = assemble(scene).at(plan(scene, "steady-slip").estimated["steady-slip"].resolution)
     study = SteadySlip.of(scene)
     assert study.cost(assembly)["orbits"] == ways

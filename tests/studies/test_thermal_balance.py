@@ -24,7 +24,7 @@ from rollslip_studies.motion.losses import Loss, PowerBalance
 from rollslip_studies.thermal_balance.balance import Balance, Curve, Heated, State
 from rollslip_studies.thermal_balance.figures import thermal_figures
 from rollslip_studies.thermal_balance.study import _jumps
-from way_up_scenes import catalogue
+from loading_branch_scenes import catalogue
 from without_bands import run
 
 SCENE = evolve(
@@ -423,7 +423,7 @@ def test_a_wrong_thermal_model_is_refused_by_every_study():
             run(evolve(SCENE, {"models.thermal": raw}), "friction-curve")
 
 
-def test_runaways_of_film_and_of_bulk_are_told_apart():
+def test_skiddings_of_film_and_of_bulk_are_told_apart():
     film = balanced({"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
     assert film.status.item().startswith("no balance: the drag is larger than the cage can carry")
     (row,) = account_of(film).answer(film).rows

@@ -259,7 +259,7 @@ def hard_cases():
         ),
         "one roller": motion(rollers=1, points=201),
         "1000 rollers": motion(rollers=1000, points=21, level="planar"),
-        "runaway": motion(skidding_sentences(), points=201, events=contacts, **SKIDDING),
+        "skidding": motion(skidding_sentences(), points=201, events=contacts, **SKIDDING),
         "nothing moves": motion(
             lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5
         ),
@@ -281,8 +281,8 @@ def situations():
     ]
     others = [(0.1, f"event {k}", True) for k in range(9)]
     older = motion(points=61)
-    for name in ("slip", "drag", "status"):
-        del older.attrs[f"runaway_{name}"]
+    for name in ("skidding_slip", "limit_drag", "skidding_status"):
+        del older.attrs[name]
     return hard_cases() | {
         "runs away": away,
         "runs away and is stopped": away.assign_attrs(

@@ -2,7 +2,7 @@
 
     python tools/references/accuracy_scenes.py [SCENES [SECONDS [FIRST [again]]]]
 
-- Even scenes ask where the cage runs (study steady-slip) in bearings of tests/support/way_up_scenes.py, at numbers that
+- Even scenes ask where the cage runs (study steady-slip) in bearings of tests/support/loading_branch_scenes.py, at numbers that
   nothing else uses: 0.5 to 15,000 rpm, small and large, preloaded, tilted, with outer rings that turn. Odd ones ask for
   effective friction with all closures in those of tests/support/promise_scenes.py, by a seed of its own.
 - The reference has four times the instants and slices, and one more of each, by Gauss's rule, nothing left out and no
@@ -39,7 +39,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 import promise_scenes
-import way_up_scenes
+import loading_branch_scenes
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
@@ -109,7 +109,7 @@ def scene(k):
         return evolve(
             promise_scenes.scene(k, SEED), {"accuracy.tolerance": 1e-3}
         ), promise_scenes.STUDY
-    return way_up_scenes.wide(FIRST + k), "steady-slip"
+    return loading_branch_scenes.wide(FIRST + k), "steady-slip"
 
 
 def finer(assembly, own, result, once=TIMES):
@@ -150,7 +150,7 @@ def numbers(result):
         *RESERVES,
     ):
         found[name] = min(max(found[name], low), high) if found[name] >= -low else found[name]
-    low, high = (float(result[f"largest_drag_{end}"]) for end in ("low", "high"))
+    low, high = (float(result[f"limit_drag_{end}"]) for end in ("low", "high"))
     found["slip of the largest drag"] = (low, found["slip of the largest drag"], high)
     return found
 

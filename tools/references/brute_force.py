@@ -12,7 +12,7 @@
 - *balance*: settled temperatures of study thermal-balance against the heat equations of its network, written anew here
   and solved by substitution with Anderson's acceleration (damped substitution alone leads to the same within 2e-5 K,
   in scenes 0 to 5), with losses at temperatures that the scene gives: each with a steady slip sought for itself, at
-  the resolution that a tenth of the tolerance takes, nothing left out. Scenes of way_up_scenes.py. Allowed is the share
+  the resolution that a tenth of the tolerance takes, nothing left out. Scenes of loading_branch_scenes.py. Allowed is the share
   of the rise above the surroundings that both tolerances make together, as both are tolerances of friction.
 - *damage*: the largest value of each measure, or the least film parameter, on the ring where it is off most, at a cage
   slip of 10 % against four times the slices and instants that were taken, and twelve times the instants that were
@@ -46,7 +46,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from accuracy_scenes import TooDearError, finer, stop
 
 import promise_scenes
-import way_up_scenes
+import loading_branch_scenes
 from rollslip import evolve, limit, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError, RollslipError
@@ -127,7 +127,7 @@ def limits(k):
     """Rows of a scene whose limit is searched."""
     study, name, sense, own = QUESTIONS[k % len(QUESTIONS)]
     key, unit, share, step = VARIED[k // len(QUESTIONS) % len(VARIED)]
-    kind = way_up_scenes.catalogue if k % 2 else way_up_scenes.free
+    kind = loading_branch_scenes.catalogue if k % 2 else loading_branch_scenes.free
     scene = evolve(kind(FIRST + k, even=k % 4 > 0), {"accuracy.tolerance": TOLERANCE, **own})
     table, name_varied = key.split(".")
     here = getattr(getattr(scene, table), name_varied, 1.0)
@@ -204,7 +204,7 @@ def limits(k):
 
 def balances(k):
     """Rows of a scene that warms up."""
-    kind = way_up_scenes.catalogue if k % 2 else way_up_scenes.free
+    kind = loading_branch_scenes.catalogue if k % 2 else loading_branch_scenes.free
     study = study_class("thermal-balance")
     flow = {"oil_flow": "20 g/s"} if k % 4 > 1 else {}
     scene = evolve(

@@ -33,7 +33,7 @@ NO_LOAD: Final = "no load serves"
 WITH_LESS: Final = "with less the cage skids from a slip of"
 #: Attribute of a variable: the law that gives it beside its columns.
 LAW: Final = "law"
-#: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
+#: What is known of effective friction near the slip of running away; docs/tables/skidding_effective_summary.csv.
 UNSURE: Final = (
     "by effective friction the limit drag torque is off by 2.7 % in the middle of 62 random bearings and by up to "
     "23 %, the slip by up to 41 points"

@@ -41,8 +41,8 @@ class Quantity:
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
     {
         "critical-slip": Quantity("1", "cage slip of the largest effective friction of a ring"),
-        "runaway-slip": Quantity("1", "cage slip at which skidding begins"),
-        "runaway-drag": Quantity("N m", "limit drag torque of the cage"),
+        "skidding-slip": Quantity("1", "cage slip at which skidding begins"),
+        "limit-drag": Quantity("N m", "limit drag torque of the cage"),
         "cage-slip": Quantity("1", "cage slip of steady operation, the smallest that lasts"),
         "cage-speed": Quantity(
             "rad/s", "speed of the cage in steady operation, at the smallest slip that lasts"

@@ -63,7 +63,7 @@ class UncertaintyAccount(Account):
             return Answer(
                 rows=(
                     Row(
-                        key="runaway", label="limit drag torque", text="", note=_describe_skidding(dataset)
+                        key="skidding", label="limit drag torque", text="", note=_describe_skidding(dataset)
                     ),
                 )
             )

@@ -8,7 +8,7 @@
   Jacobian, where it begins. What swings and is hardly damped is for explicit methods, what is damped within a step that
   resolves its contacts for the one that a study takes by default.
 - Effective friction has another largest drag than conventional friction, by 2.7 % in the middle and up to 23 % over 62
-  random bearings (docs/trust/runaway.rst). Near it the one cage runs away where the other does not, whatever their
+  random bearings (docs/trust/skidding.rst). Near it the one cage runs away where the other does not, whatever their
   speeds were until then: there it is not chosen.
 - Where rollers hit their pockets only explicit methods that resolve contacts serve: another that is right about the
   cage's speed may miss a third of the impacts' force (docs/trust/dynamics.rst).

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: An event is the passing of the slip at which the cage runs away if this stands in what it is called.
 SKIDDING: Final = "skidding"
+#: Attributes of a result on the onset of skidding: slip, drag and status.
+ONSET: Final = ("skidding_slip", "limit_drag", "skidding_status")
 #: Entries of the ledger, as the kernels call them, in words.
 _ENTRIES: Final = {
     "work_rings": "rings",
@@ -237,7 +239,7 @@ def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
 
 def _away(attributes: Mapping[str, Any]) -> tuple[float, float, str]:
     """Where the cage runs away: slip, drag and status."""
-    slip, drag = (float(attributes.get(f"runaway_{name}", math.nan)) for name in ("slip", "drag"))
+    slip, drag = (float(attributes.get(name, math.nan)) for name in ONSET[:2])
     return slip, drag, str(attributes.get("skidding_status", _OLD))
 
 

@@ -225,7 +225,7 @@ def limit_of(
 def away_of(study: EffectiveFriction, raceways: LoadedRaceways) -> SkiddingOnset:
     """Where the cage runs away."""
     rings = raceways.assembly.rings
-    away = study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
+    away = study.skidding_onset(raceways.assembly, raceways.distribution.psi.shape[0])
     why = (
         "a form turns with its ring"
         if rings and rings.turning

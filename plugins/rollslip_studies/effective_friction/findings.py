@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _SKIDDING: Final = ("skidding_slip", "limit_drag", "skidding_status")
 _STEADY: Final = ("steady_cage_slip", "steady_drag", "steady_status")
-#: What slip and reserve may be off those of every slice, relative: docs/tables/runaway_effective_summary.csv.
+#: What slip and reserve may be off those of every slice, relative: docs/tables/skidding_effective_summary.csv.
 _WITHIN: Final = 0.25
 
 

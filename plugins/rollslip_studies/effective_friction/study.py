@@ -49,7 +49,7 @@ from rollslip_studies.motion.torque_balance import (
     look_along,
     reserve,
     rollers,
-    runaway,
+    skidding_onset,
     running,
 )
 
@@ -193,8 +193,8 @@ class EffectiveFriction(Study):
     measured: ClassVar[Mapping[str, Measurable]] = MappingProxyType(
         {
             "critical-slip": Measurable(variable="critical_cage_slip", beyond=True),
-            "runaway-slip": Measurable(variable="skidding_slip", beyond=True),
-            "runaway-drag": Measurable(variable="limit_drag"),
+            "skidding-slip": Measurable(variable="skidding_slip", beyond=True),
+            "limit-drag": Measurable(variable="limit_drag"),
         }
     )
 
@@ -509,7 +509,7 @@ class EffectiveFriction(Study):
                     )
         return found
 
-    def runaway(self, assembly: Assembly, instants: int) -> SkiddingOnset | None:
+    def skidding_onset(self, assembly: Assembly, instants: int) -> SkiddingOnset | None:
         """Return where the cage runs away, up to the largest slip that is looked at; None if it is not looked for."""
         if not self.skidding_range:
             return None
@@ -520,7 +520,7 @@ class EffectiveFriction(Study):
         return rollers(assembly, instants)
 
     def _away(self, balance: TorqueBalance) -> SkiddingOnset:
-        return runaway(balance, self.skidding_range, f"study.{self.name}.skidding_range")
+        return skidding_onset(balance, self.skidding_range, f"study.{self.name}.skidding_range")
 
     def _balanced(
         self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY

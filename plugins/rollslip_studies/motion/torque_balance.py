@@ -361,7 +361,7 @@ def _settled(here: list[Motion]) -> bool:
     return len(here) == 1 and here[0].sure
 
 
-def runaway(balance: TorqueBalance, largest: float, allow: str) -> SkiddingOnset:
+def skidding_onset(balance: TorqueBalance, largest: float, allow: str) -> SkiddingOnset:
     """Say where the cage of a bearing runs away, up to the largest cage slip; ``allow`` is the key of that."""
     try:
         way = balance.way(largest)
@@ -470,14 +470,14 @@ def near_skidding(assembly: Assembly, slip: float) -> str:
 
     Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the
     slip is less than twice that share below the largest one by either friction. Where it is less than half of it,
-    effective friction is not asked: it is off by 23 % at most (docs/tables/runaway_effective_summary.csv).
+    effective friction is not asked: it is off by 23 % at most (docs/tables/skidding_effective_summary.csv).
     """
     balance = rollers(assembly, 1)
-    exact = runaway(balance, RANGE, "")
+    exact = skidding_onset(balance, RANGE, "")
     carried = balance.torque(slip) if slip > 0.0 else 0.0
     if slip < exact.slip and carried < _FAR * exact.drag:
         return ""
-    simple = runaway(rollers(assembly, 1, effective=True), RANGE, "")
+    simple = skidding_onset(rollers(assembly, 1, effective=True), RANGE, "")
     known = [one for one in (exact, simple) if not math.isnan(one.slip)]
     if not known:
         return ""

@@ -179,7 +179,7 @@ def _largest(balance: TorqueBalance, dataset: "xr.Dataset") -> Iterator[tuple[st
     It is the vertex of a parabola through both ends of that range and the slip between; at an end there is none.
     """
     low, slip, high = slips = np.array(
-        [float(dataset[f"largest_drag_{one}"]) for one in ("low", "slip", "high")]
+        [float(dataset[name]) for name in ("limit_drag_low", "skidding_slip", "limit_drag_high")]
     )
     torques = balance.torques(slips)
     yield "largest drag", _OF_JUMPS * _apart(float(dataset["limit_drag"]), torques[1])

@@ -39,7 +39,7 @@ from rollslip_studies.motion.torque_balance import (
     fewest_instants,
     look_along,
     reserve,
-    runaway,
+    skidding_onset,
     running,
 )  # fmt: skip
 from rollslip_studies.motion.train import slower_by_play
@@ -388,7 +388,7 @@ class SteadySlip(Study):
 
     def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
         largest = max(RANGE, self.max_cage_slip)
-        away = runaway(balance, largest, f"{self.table}.max_cage_slip")
+        away = skidding_onset(balance, largest, f"{self.table}.max_cage_slip")
         runs = running(balance, largest)
         kept = reserve(balance, away, runs, largest)
         return self.variables(drag_reserve=kept.factor, reserve_status=kept.status)

@@ -1,4 +1,4 @@
-"""Where cages run away in time, against the way up: way_up_in_time.csv; half an hour of one processor.
+"""Where cages run away in time, against the way up: loading_branch_in_time.csv; half an hour of one processor.
 
 Cage and rollers, each with its own spin, are integrated against a drag that is raised from none, by SciPy's LSODA over
 the angle of the cage: steps and order as its error asks, no positions, no rule of few loads, no search for motions.
@@ -22,12 +22,12 @@ from scipy.interpolate import CubicSpline
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
-import way_up_scenes as scenes
+import loading_branch_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.spins import SLOW, orbit_loads, place_of, slip_of
 
-TABLE = Path(__file__).with_name("way_up_in_time.csv")
+TABLE = Path(__file__).with_name("loading_branch_in_time.csv")
 RANGE = 0.95
 TURN = 2.0 * math.pi
 #: Slices of a roller; angles and squares of the cage speed at which loads are solved.
@@ -57,7 +57,7 @@ CAGES = (1.0, 5.0)
 MISSED = 0.02
 
 
-#: Kind, numbers and whether rolling is resisted, hard ones first: of the 3,000 of way_up_many.csv those of which only
+#: Kind, numbers and whether rolling is resisted, hard ones first: of the 3,000 of loading_branch_many.csv those of which only
 #: one of both ways has a drag, those that are off most, and some with several maxima; then two whose slip just doubles;
 #: then any speed, light loads, pockets, and rings that both turn.
 SCENES = (

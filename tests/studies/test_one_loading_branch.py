@@ -7,7 +7,7 @@ import attrs
 import numpy as np
 import pytest
 
-import way_up_scenes as scenes
+import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
@@ -105,7 +105,7 @@ def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
     assert found["minimum_load"][1] == pytest.approx(load, rel=2e-4)  # it is found to 1e-4
 
 
-def test_the_least_load_of_a_slip_that_the_cage_on_its_way_up_jumps_over_is_that_with_less_of_which_it_jumps():
+def test_the_least_load_of_a_slip_that_the_cage_on_its_loading_branch_jumps_over_is_that_with_less_of_which_it_jumps():
     """Between the jump and where it leads to, though the rollers of a cage from above would hold it there."""
     bearing = few(HARD["two motions"])
     jump = rollers(bearing, 1).way().describe_skidding
@@ -163,7 +163,7 @@ def test_more_slips_of_a_curve_change_nothing_that_is_said_of_it():
 
 
 @pytest.mark.parametrize("study", ["effective-friction", "steady-slip"])
-def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_way_up(study):
+def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_loading_branch(study):
     """Of a bearing whose film is full at all slips of the curves, and mixed where its cage all but stands."""
     made = plan(load_scene("gearbox"), study)
     balance = rollers(made.assemblies[study], 1)
@@ -176,7 +176,7 @@ def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_way_up(study):
     assert made.estimated[study].resolution.boundary
 
 
-def test_a_plan_of_both_has_the_way_up_once():
+def test_a_plan_of_both_has_the_loading_branch_once():
     """At resolutions of their own they would differ by what these leave."""
     both = plan(load_scene("gearbox"))
     alone = plan(load_scene("gearbox"), "effective-friction")

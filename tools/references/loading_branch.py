@@ -1,10 +1,10 @@
 """Where cages run away, against finer ways; a quarter of an hour on two cores.
 
-- loading_branch.csv: random scenes (tests/support/way_up_scenes.py) against the same search on five times as many slips and
+- loading_branch.csv: random scenes (tests/support/loading_branch_scenes.py) against the same search on five times as many slips and
   four times the positions: what was found, and by how much it is off. It is not independent of the march.
-- way_up_many.csv: the same of 3,000 other scenes, in numbers; some ten minutes on two cores.
+- loading_branch_many.csv: the same of 3,000 other scenes, in numbers; some ten minutes on two cores.
 
-way_up_in_time.py holds them against cage and rollers in time.
+loading_branch_in_time.py holds them against cage and rollers in time.
 """
 
 import csv
@@ -18,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
-import way_up_scenes as scenes
+import loading_branch_scenes as scenes
 from rollslip.errors import RollslipError
 
 RANGE = 0.95
@@ -105,7 +105,7 @@ def main():
                 for number in range(1000)
                 for kind, _, options in KINDS
             ]
-            written("way_up_many.csv", in_numbers(list(pool.map(held, every, chunksize=10))))
+            written("loading_branch_many.csv", in_numbers(list(pool.map(held, every, chunksize=10))))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 J dw_r/dt = r (F_i - F_o) at a constant cage speed, with the laws of the scene in their NumPy forms, one roller, 15
 slices and Radau's method. The spin with which it comes back is found by shooting; the torque Z <R_i F_i + R_o F_o>, at
 slips around its maximum, is what the cage can be dragged with. Only the loads are those of rollslip, which
-tests/bearing/test_equilibrium.py holds, on 224 positions and linear in between. Writes runaway.csv; some ten minutes.
+tests/bearing/test_equilibrium.py holds, on 224 positions and linear in between. Writes skidding.csv; some ten minutes.
 """
 
 import csv

@@ -23,7 +23,7 @@ from rollslip_studies.motion.torque_balance import (
     near_skidding,
     reserve,
     rollers,
-    runaway,
+    skidding_onset,
     running,
 )
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -39,15 +39,15 @@ def bearing(name="1032930-50C", slices=15, instants=4, **changes):
 
 def found(assembly, largest=0.95, **options):
     balance = rollers(assembly, assembly.resolution.instants, **options)
-    return runaway(balance, largest, "study.effective-friction.skidding_range")
+    return skidding_onset(balance, largest, "study.effective-friction.skidding_range")
 
 
-ROWS = rows_of(REFERENCES / "runaway.csv")
+ROWS = rows_of(REFERENCES / "skidding.csv")
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[f"{row['scene']} {row['profile']}" for row in ROWS])
 def test_it_is_where_rollers_integrated_in_time_drive_the_cage_most(row):
-    """references/runaway.py: Radau's method over orbits, laws in NumPy; its slips are 2 and 0.5 points apart."""
+    """references/skidding.py: Radau's method over orbits, laws in NumPy; its slips are 2 and 0.5 points apart."""
     away = found(bearing(row["scene"], **{"bearing.profile": row["profile"]}))
     assert away.status == "found"
     assert away.drag == pytest.approx(float(row["drag [N m]"]), rel=5e-4)
@@ -234,7 +234,7 @@ def test_a_range_of_nothing_is_not_looked_at():
     result = EffectiveFriction(
         points=5, map_points=0, skidding_range=0.0, closure="epicyclic"
     ).at_instants(assembly, 1)
-    assert not [name for name in result if str(name).startswith("runaway")]
+    assert not [name for name in result if str(name).startswith(("skidding", "limit_drag"))]
 
 
 def runs(assembly):
@@ -317,7 +317,7 @@ def test_a_cage_that_is_driven_runs_faster_than_its_epicyclic_speed():
     assert at.status == "found"
     assert at.slip == pytest.approx(brentq(balance.excess, -0.5, 0.0, xtol=1e-13), rel=1e-9)
     assert at.drag < 0.0  # the land drives, and the rollers hold the cage
-    assert reserve(balance, runaway(balance, 0.95, ""), at).factor == math.inf
+    assert reserve(balance, skidding_onset(balance, 0.95, ""), at).factor == math.inf
 
 
 def test_a_cage_that_runs_ahead_against_drags_carries_what_drags_it_without_slip():
@@ -328,7 +328,7 @@ def test_a_cage_that_runs_ahead_against_drags_carries_what_drags_it_without_slip
     at = runs(assembly)
     most = max(balance.torque(slip) for slip in np.geomspace(1e-3, 0.95, 200))
     assert (at.slip < -0.1, at.drag > most) == (True, True)
-    factor = reserve(balance, runaway(balance, 0.95, ""), at).factor
+    factor = reserve(balance, skidding_onset(balance, 0.95, ""), at).factor
     assert factor == pytest.approx(most / -balance.drag(0.0), rel=1e-3)
 
 
@@ -405,7 +405,7 @@ def test_a_cage_that_runs_away_by_one_friction_only_is_near_it(exact, simple, sa
         slip = simple if balance.effective else exact
         return SkiddingOnset(slip, 0.72 if slip > 0.0 else math.nan, "as it is")
 
-    monkeypatch.setattr(module, "runaway", found)
+    monkeypatch.setattr(module, "skidding_onset", found)
     expected = (
         said and f"with a cage slip of 40 % the cage is near skidding, which begins at 42 %{said}"
     )

@@ -1,4 +1,4 @@
-"""Write the tables runaway*.csv of docs/trust/runaway.rst, on random scenes.
+"""Write the tables skidding*.csv of docs/trust/skidding.rst, on random scenes.
 
 The scenes are those of plan_proof.py (tests/support/plan_scenes.py), up to a slip of 95 %. For each: where the cage
 skids, the critical slip of the curve of each closure, the smaller one of both rings, and where the effective
@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
-from rollslip_studies.motion.torque_balance import rollers, runaway
+from rollslip_studies.motion.torque_balance import rollers, skidding_onset
 
 COUNT = 224
 WORKERS = 2
@@ -103,7 +103,7 @@ def look(x):
         if assembly is None:
             return Found(what, refused="no roller is loaded")
         begin = time.process_time()
-        fold = runaway(rollers(assembly, INSTANTS), RANGE, "")
+        fold = skidding_onset(rollers(assembly, INSTANTS), RANGE, "")
         seconds = time.process_time() - begin
         of_curves = {closure: critical(assembly, closure) for closure in CLOSURES}
         return Found(what, "", fold, of_curves, maxima_before(assembly, fold.slip), seconds)
@@ -116,7 +116,7 @@ def hold(given):
     x, fold = given
     _, assembly = bearing(x)
     try:
-        effective = runaway(rollers(assembly, INSTANTS, effective=True), RANGE, "")
+        effective = skidding_onset(rollers(assembly, INSTANTS, effective=True), RANGE, "")
         exact, simple = (
             rollers(assembly, INSTANTS, effective=effective) for effective in (False, True)
         )
@@ -159,7 +159,7 @@ def main():
 def closures(known, away):
     """Write what the critical slips of the closures are beside the slips at which skidding begins."""
     write_table(
-        "runaway",
+        "skidding",
         ["scene", "what", "skids from [%]", "drag [N m]", *(f"{c} [%]" for c in CLOSURES)],
         [
             [
@@ -197,13 +197,13 @@ def closures(known, away):
         "closure", "nearest", "off, median [points]", "off, 90 %", "off, most", "on the unsafe side",
         "by, median [points]", "by, 90 %", "by, most", "over the slip at which skidding begins, median", "no maximum",
     ]  # fmt: skip
-    write_table("runaway_closures", header, rows)
+    write_table("skidding_closures", header, rows)
 
 
 def effective_friction(held):
     """Write what effective friction makes of skidding."""
     write_table(
-        "runaway_effective",
+        "skidding_effective",
         ["what", "skids from [%]", *OFF],
         [
             [
@@ -222,7 +222,7 @@ def effective_friction(held):
         rows.append(
             [name, *(f"{100 * np.quantile(there, q):.2g}" for q in (0.5, 0.9, 1.0)), len(there)]
         )
-    write_table("runaway_effective_summary", ["off", "median", "90 %", "most", "scenes"], rows)
+    write_table("skidding_effective_summary", ["off", "median", "90 %", "most", "scenes"], rows)
 
 
 if __name__ == "__main__":
