@@ -110,7 +110,7 @@ def test_the_worst_is_found_between_instants_of_even_steps(motion, bearing, monk
     spike["sliding_speed"][:, 5] *= 3.0
     spike["traction_force"][:, 5] *= 2.0
     whole, _ = over_motion.over_motion(bearing, spike, lambda _: bearing)
-    monkeypatch.setattr(over_motion, "_INSTANTS", 3)
+    monkeypatch.setattr(over_motion, "_MAX_POINTS", 3)
     found, more = over_motion.over_motion(bearing, spike, lambda _: bearing)
     heated = [
         k

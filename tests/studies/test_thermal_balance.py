@@ -569,7 +569,7 @@ def test_a_tight_fit_loads_more_rollers_and_slips_less():
 
 
 def test_a_balance_is_drawn_and_kept(tmp_path):
-    changes = {"study.thermal-balance.duration": "10 min", "study.thermal-balance.instants": 5}
+    changes = {"study.thermal-balance.duration": "10 min", "study.thermal-balance.course_points": 5}
     result = run(
         evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), **changes}), "thermal-balance"
     )

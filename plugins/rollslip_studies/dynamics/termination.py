@@ -82,12 +82,12 @@ def outputs_of(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Arra
         return moving.outputs(found.t, found.y), found
     except Exception as error:
         found = _failing(found, error, "forces")
-    instants = found.t.size
+    n_times = found.t.size
     rollers = moving.assembly.scene.bearing.rollers
     names = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
-    outputs = {name: np.full((instants, len(RINGS), rollers), np.nan) for name in names}
-    outputs["pocket_force"] = np.full((instants, rollers), np.nan)
-    for k in range(instants):
+    outputs = {name: np.full((n_times, len(RINGS), rollers), np.nan) for name in names}
+    outputs["pocket_force"] = np.full((n_times, rollers), np.nan)
+    for k in range(n_times):
         with contextlib.suppress(Exception):  # it has been told
             row = moving.outputs(found.t[k : k + 1], found.y[k : k + 1])
             for name, values in outputs.items():

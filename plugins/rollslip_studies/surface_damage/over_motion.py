@@ -46,7 +46,7 @@ Numbers = NDArray[np.int_]
 __all__ = ["OVER_MOTION", "over_motion"]
 
 #: Stored instants of even steps that are measured at most, and how many times as many laminae the worst contacts have.
-_INSTANTS = 101
+_MAX_POINTS = 101
 _FINER = 4
 #: What is known of damage along a motion.
 OVER_MOTION: Final[Mapping[str, Output]] = MappingProxyType(
@@ -81,16 +81,16 @@ def over_motion(
     if not measures:
         return {}, {}
     stored = dataset.sizes["time"]
-    instants = np.linspace(0, stored - 1, min(stored, _INSTANTS)).round().astype(int)
-    if stored > instants.size:
-        instants = np.union1d(instants, _suspects(assembly, dataset))
+    stored_points = np.linspace(0, stored - 1, min(stored, _MAX_POINTS)).round().astype(int)
+    if stored > stored_points.size:
+        stored_points = np.union1d(stored_points, _suspects(assembly, dataset))
     shape = len(measures), len(RINGS)
-    over = np.full((*shape, instants.size), np.nan)
+    over = np.full((*shape, stored_points.size), np.nan)
     said = np.full(shape, "", dtype=object)
     found = np.full((4, *shape), np.nan)
     times = dataset["time"].to_numpy()
     angles = dataset["orbit_angle"].to_numpy()
-    for n, instant in enumerate(instants.tolist()):
+    for n, instant in enumerate(stored_points.tolist()):
         at = there(instant)
         now = dataset.isel(time=instant)
         try:
@@ -124,8 +124,8 @@ def over_motion(
                         place,
                     )
     seen = (
-        f"{instants.size} of {stored} stored instants"
-        if instants.size < stored
+        f"{stored_points.size} of {stored} stored instants"
+        if stored_points.size < stored
         else "all stored instants"
     )
     for k, i in np.ndindex(*shape):
@@ -146,7 +146,7 @@ def over_motion(
         "worst_over_time": over,
     }, {
         "measure": named(measures),
-        "measured_time": ("measured_time", times[instants], about("s", "time")),
+        "measured_time": ("measured_time", times[stored_points], about("s", "time")),
     }  # fmt: skip
 
 

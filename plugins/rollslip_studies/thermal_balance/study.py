@@ -142,7 +142,7 @@ class ThermalBalance(Study):
         usual=(0, 1e6),
         possible=(0, 1e10),
     )
-    instants: int = parameter(
+    course_points: int = parameter(
         default=61, doc="instants of that course that are kept", validator=at_least(2)
     )
     integrator: str = parameter(default="bdf", doc="integrator of that course, one of SciPy's kind")
@@ -350,7 +350,7 @@ class ThermalBalance(Study):
         coords = _coordinates(model.nodes, sources, sinks)
         if self.duration > 0.0:
             solver = get_model("integrator", self.integrator).solver()
-            times, rows, slips, ended = heated.course(self.duration, self.instants, solver)
+            times, rows, slips, ended = heated.course(self.duration, self.course_points, solver)
             variables |= self.variables(
                 course_temperature=rows,
                 course_slip=slips,
