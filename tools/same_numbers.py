@@ -81,7 +81,7 @@ def found(number: int) -> Iterator[tuple[str, Any]]:
         study.EffectiveFriction.of(scene), closure=CLOSURES[number % len(CLOSURES)]
     )
     made = assemble(scene)
-    made = made.at(attrs.evolve(made.resolution, slices=min(12, made.slices), instants=4))
+    made = made.at(attrs.evolve(made.resolution, slices=min(12, made.slices), n_positions=4))
     critical, _ = (study.EffectiveFriction.together([(asked, made)], CRITICAL) or [])[0]
     for name in sorted(CRITICAL):
         yield from (

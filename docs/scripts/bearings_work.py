@@ -140,7 +140,7 @@ BEARINGS = {
     ),
 }
 PARTS = "inner_raceway_roughness", "outer_raceway_roughness", "roller_roughness"
-AXES = "slices", "quadrature", "instants"
+AXES = "slices", "quadrature", "n_positions"
 #: Machine -> colour and line.
 LINES = dict(
     zip(BEARINGS, [(c, s) for s in ("-", "--") for c in (BLUE, ORANGE, GREEN, PURPLE)], strict=True)
@@ -256,8 +256,8 @@ def resolution(one):
     """What the plan chose."""
     planned = one.sel(choice="as planned")
     kind = {"equal": "slices", "gauss": "Gauss points"}[planned["quadrature"].item()]
-    instants = planned["instants"].item()
-    return f"{planned['slices'].item()} {kind}, {instants} instant{'s' * (instants != 1)}"
+    n_positions = planned["n_positions"].item()
+    return f"{planned['slices'].item()} {kind}, {n_positions} instant{'s' * (n_positions != 1)}"
 
 
 def cells(point):

@@ -64,7 +64,7 @@ class Coupled:
     def __init__(self, one):
         made = assemble(one)
         slices = min(SLICES, made.slices)
-        self.made = made.at(attrs.evolve(made.resolution, slices=slices, instants=1))
+        self.made = made.at(attrs.evolve(made.resolution, slices=slices, n_positions=1))
         self.scene, self.model = one, thermal_model(one).of(self.made)
         self.start = self.model.start(one)
 

@@ -66,7 +66,7 @@ def main():
                 for found in (v.estimated, v.actual)
             ),
             f"{v.resolution['slices']} {v.resolution['quadrature']}",
-            v.resolution["instants"],
+            v.resolution["n_positions"],
             "in" if v.resolution["boundary"] else "out",
             "; ".join(v.taken_back),
             *(f"{t:.4f}" for t in (v.planning, v.seconds, v.finest_seconds)),
@@ -76,7 +76,7 @@ def main():
     ]
     header = [
         "scene", "what", "tolerance", "friction, estimated", "friction, actual", "critical slip, estimated",
-        "critical slip, actual", "slices", "instants", "boundary friction", "taken back", "planning [s]",
+        "critical slip, actual", "slices", "n_positions", "boundary friction", "taken back", "planning [s]",
         "whole run [s]", "finest [s]", "kept",
     ]  # fmt: skip
     write_table("plan_proof", header, rows)

@@ -66,7 +66,7 @@ def timed(case):
         chosen = made.estimated[study].resolution
         again = (
             "yes"
-            if (found["slices"], found["instants"]) != (chosen.slices, chosen.instants)
+            if (found["slices"], found["n_positions"]) != (chosen.slices, chosen.n_positions)
             else "no"
         )
     except TooLongError:

@@ -27,7 +27,7 @@ COUNT = 1000
 SCENE_SECONDS = 8.0
 HEADER = [
     "scene", "what", "tolerance", "friction, found by the run", "friction, actual", "critical slip, found by the run",
-    "critical slip, actual", "slices", "instants", "verdict",
+    "critical slip, actual", "slices", "n_positions", "verdict",
 ]  # fmt: skip
 VERDICTS = ("kept", "kept, but told", "told", "silent")
 
@@ -79,8 +79,8 @@ def row(k):
         for name in ("friction", "critical_slip")
         for of in (found.witnessed, found.actual)
     ]
-    slices, instants = (taken(found, part) for part in ("slices", "instants"))
-    numbers = [f"{slices} {found.resolution['quadrature']}", instants]
+    slices, n_positions = (taken(found, part) for part in ("slices", "n_positions"))
+    numbers = [f"{slices} {found.resolution['quadrature']}", n_positions]
     return [k, described(found.scene), f"{found.tolerance:.1e}", *errors, *numbers, verdict]
 
 

@@ -78,7 +78,7 @@ if __name__ == "__main__":
 
     raceways = step(
         "tables of slices and of few loads",
-        lambda one: study.loaded(one, resolution.instants).by_few_loads(),
+        lambda one: study.loaded(one, resolution.n_positions).by_few_loads(),
         [(b,) for b in bearings],
     )
     curves = step(

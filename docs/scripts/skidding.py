@@ -30,7 +30,7 @@ WORKERS = 2
 SCENES = 200
 HELD = 64
 SLICES = 24
-INSTANTS = 2
+N_POSITIONS = 2
 RANGE = 0.95
 POINTS = 25
 #: Error of the tables of effective friction, over ten.
@@ -57,7 +57,7 @@ def critical(assembly, closure):
     study = EffectiveFriction(
         closure=closure, max_cage_slip=RANGE, points=POINTS, map_points=0, skidding_range=0.0
     )
-    raceways = study.loaded(assembly, INSTANTS)
+    raceways = study.loaded(assembly, N_POSITIONS)
     slip = slip_grid(RANGE, POINTS)
     slips = [found.slip for found in raceways.critical(slip, raceways.curve(slip))]
     return min((one for one in slips if one == one), default=np.inf)
@@ -67,7 +67,7 @@ def maxima_before(assembly, slip):
     """Count smaller maxima of the torque at smaller slips, at which slip would jump."""
     if slip != slip:
         return 0
-    return sum(jump.slip < slip for jump in rollers(assembly, INSTANTS).way(RANGE).jumps)
+    return sum(jump.slip < slip for jump in rollers(assembly, N_POSITIONS).way(RANGE).jumps)
 
 
 def slip_at(balance, drag, end):
@@ -90,9 +90,9 @@ def bearing(x):
     fine = assemble(one)
     slices = min(SLICES, fine.slices)
     made = fine.at(
-        attrs.evolve(fine.resolution, slices=slices, instants=INSTANTS, table_tolerance=TABLES)
+        attrs.evolve(fine.resolution, slices=slices, n_positions=N_POSITIONS, table_tolerance=TABLES)
     )
-    loaded = made.load_distribution(INSTANTS).inner_force.any()
+    loaded = made.load_distribution(N_POSITIONS).inner_force.any()
     return described(one).rpartition(";")[0], made if loaded else None
 
 
@@ -103,7 +103,7 @@ def look(x):
         if assembly is None:
             return Found(what, refused="no roller is loaded")
         begin = time.process_time()
-        fold = skidding_onset(rollers(assembly, INSTANTS), RANGE, "")
+        fold = skidding_onset(rollers(assembly, N_POSITIONS), RANGE, "")
         seconds = time.process_time() - begin
         of_curves = {closure: critical(assembly, closure) for closure in CLOSURES}
         return Found(what, "", fold, of_curves, maxima_before(assembly, fold.slip), seconds)
@@ -116,9 +116,9 @@ def hold(given):
     x, fold = given
     _, assembly = bearing(x)
     try:
-        effective = skidding_onset(rollers(assembly, INSTANTS, effective=True), RANGE, "")
+        effective = skidding_onset(rollers(assembly, N_POSITIONS, effective=True), RANGE, "")
         exact, simple = (
-            rollers(assembly, INSTANTS, effective=effective) for effective in (False, True)
+            rollers(assembly, N_POSITIONS, effective=effective) for effective in (False, True)
         )
         slips = [slip_at(balance, SMALL * fold.drag, fold.slip) for balance in (exact, simple)]
     except RollslipError:

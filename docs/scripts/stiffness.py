@@ -31,7 +31,7 @@ CASES = (
     ("pocket", "effective", FILM, "film in the pockets"),
 )
 SPAN = 0.05
-INSTANTS = 17
+N_POSITIONS = 17
 
 
 def main():
@@ -43,7 +43,7 @@ def main():
         study = Dynamics(level=level, friction=friction, planar=PlanarSettings(inner_ring_mass=5.0))
         moving = study.moving(assembly)
         found = study.evolved(integrator="rk45").tried(
-            moving, np.linspace(0.0, SPAN, INSTANTS), 1e-4
+            moving, np.linspace(0.0, SPAN, N_POSITIONS), 1e-4
         )
         assert found.outcome == "finished", found.message
         contact, _ = moving.system.frequencies

@@ -143,7 +143,7 @@ def torque(made):
     settings = structure(SteadySlip, made.scene.study["steady-slip"], Location({}), [])
     resisting = made.with_resistance()
     balance = TorqueBalance(
-        resisting, made.cage.drags, instants=_INSTANTS, inertia=settings.inertia
+        resisting, made.cage.drags, n_positions=_INSTANTS, inertia=settings.inertia
     )
     try:
         return _at_slips(made, balance)

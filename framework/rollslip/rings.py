@@ -122,14 +122,14 @@ class RingModel(abc.ABC):
         """
 
 
-def _lattice(instants: int, rollers: int, periods: int, ring: int) -> Floats:
+def _lattice(n_positions: int, rollers: int, periods: int, ring: int) -> Floats:
     """Return by how much a form of some periods a turn has turned at M instants [rad], (M,)."""
-    step = _step(instants, round(rollers / periods)) ** ring % instants
-    return np.asarray(2.0 * np.pi / periods * (np.arange(instants) * step % instants / instants))
+    step = _step(n_positions, round(rollers / periods)) ** ring % n_positions
+    return np.asarray(2.0 * np.pi / periods * (np.arange(n_positions) * step % n_positions / n_positions))
 
 
 @cache
-def _step(instants: int, rollers: int) -> int:
+def _step(n_positions: int, rollers: int) -> int:
     """Return k of the lattice for so many rollers in a period of a form.
 
     What loads depend on are places of the form against the load, waves s of its period, and against rollers, waves n of
@@ -141,10 +141,10 @@ def _step(instants: int, rollers: int) -> int:
     )
 
     def least(k: int) -> float:
-        taken = (n + k * (s - n * rollers)) % instants == 0
+        taken = (n + k * (s - n * rollers)) % n_positions == 0
         return float((10 * n + np.abs(s))[taken].min(initial=10 * _HIGHEST))
 
-    return max(range(1, min(instants, _STEPS), 2), key=least, default=1)
+    return max(range(1, min(n_positions, _STEPS), 2), key=least, default=1)
 
 
 @attrs.frozen(eq=False)

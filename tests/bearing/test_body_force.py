@@ -31,9 +31,9 @@ LAW = SimpleNamespace(
 )
 
 
-def case(rollers=14, instants=1, **values):
+def case(rollers=14, n_positions=1, **values):
     given = {"radial_clearance": 2e-5, "radial_load": 3000.0, **values}
-    return LoadCase(angular_positions(rollers, instants), 0.014, [0.0], **given)
+    return LoadCase(angular_positions(rollers, n_positions), 0.014, [0.0], **given)
 
 
 def planet(**changes):

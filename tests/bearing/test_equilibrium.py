@@ -76,10 +76,10 @@ def palmgren(length=LENGTH):
     return power_law((l**0.8 / 3.84e-5) ** (1 / 0.9) / length * 1e3 ** (1 / 0.9), 1 / 0.9)
 
 
-def case(Z=28, instants=4, slices=1, shape="none", drop=None, psi=None, **changes):
+def case(Z=28, n_positions=4, slices=1, shape="none", drop=None, psi=None, **changes):
     if drop is None:
         drop = profile_drop(shape, slice_positions(LENGTH, slices), LENGTH, 0.015)
-    psi = angular_positions(Z, instants) if psi is None else np.atleast_2d(psi)
+    psi = angular_positions(Z, n_positions) if psi is None else np.atleast_2d(psi)
     values = {"radial_clearance": 2e-5, "radial_load": 3415.0} | changes
     return LoadCase(psi, LENGTH, drop, **values)
 
@@ -211,14 +211,14 @@ def test_plain_equations_solved_otherwise_give_the_same(exponent, misalignment, 
 
 
 HARD = {
-    "one roller loaded": {"radial_clearance": 2e-3, "instants": 1},
+    "one roller loaded": {"radial_clearance": 2e-3, "n_positions": 1},
     "large clearance": {"radial_clearance": 1e-3},
     "preload": {"radial_clearance": -3e-5},
     "preload, profile and tilt": {
         "radial_clearance": -3e-5, "slices": 41, "shape": "iso16281", "misalignment": 1e-3
     },
-    "three rollers": {"Z": 3, "instants": 5},
-    "three rollers, tilt": {"Z": 3, "instants": 5, "slices": 21, "misalignment": 1e-3, "centrifugal_force": 10.0},
+    "three rollers": {"Z": 3, "n_positions": 5},
+    "three rollers, tilt": {"Z": 3, "n_positions": 5, "slices": 21, "misalignment": 1e-3, "centrifugal_force": 10.0},
     "roller at the edge of the loaded zone": {"Z": 4, "radial_clearance": 0.0},
     "tiny load": {"radial_load": 1e-6},
     "tiny load, profile": {"radial_load": 1e-6, "slices": 40, "shape": "iso16281"},
@@ -255,13 +255,13 @@ def test_hard_cases_balance(name, law):
 
 
 def test_one_roller_carries_all_with_large_clearance():
-    s = solve_equilibrium(case(radial_clearance=2e-3, instants=1), iso16281())
+    s = solve_equilibrium(case(radial_clearance=2e-3, n_positions=1), iso16281())
     assert s.inner_force[0, 0] == pytest.approx(3415.0, rel=1e-12)
     assert np.all(s.inner_force[0, 1:] == 0.0)
 
 
 def test_tilt_unloads_half_of_the_roller():
-    s = solve_equilibrium(case(slices=41, misalignment=5e-3, instants=1), iso16281())
+    s = solve_equilibrium(case(slices=41, misalignment=5e-3, n_positions=1), iso16281())
     assert np.all(s.inner_load[0, 0, :20] == 0.0)
     assert s.inner_load[0, 0, -1] == s.inner_load.max()
     assert s.roller_tilt[0, 0] == pytest.approx(2.5e-3, rel=1e-6)
@@ -323,7 +323,7 @@ def test_any_bearing_balances(values, turn):
 
 @given(mechanics)
 def test_mirrored_misalignment_mirrors_the_loads(values):
-    values |= {"instants": 2}
+    values |= {"n_positions": 2}
     c = case(**values)
     s = solve_equilibrium(c, iso16281())
     mirrored = solve_equilibrium(attrs.evolve(c, misalignment=-c.misalignment), iso16281())
@@ -336,7 +336,7 @@ def test_mirrored_misalignment_mirrors_the_loads(values):
 @given(mechanics)
 def test_symmetric_instants_load_both_sides_alike(values):
     """psi and -psi are the same bearing seen from its other side; so are the instants a share before and after."""
-    c = case(**values, instants=4)
+    c = case(**values, n_positions=4)
     s = solve_equilibrium(c, iso16281())
     scale = max(s.inner_force.max(), s.outer_force.max())
     assert s.inner_force[0, 1:] == pytest.approx(s.inner_force[0, :0:-1], abs=1e-9 * scale)
@@ -344,7 +344,7 @@ def test_symmetric_instants_load_both_sides_alike(values):
 
 
 def test_instants_do_not_know_of_each_other():
-    c = case(slices=5, shape="iso16281", misalignment=1e-3, centrifugal_force=50.0, instants=6)
+    c = case(slices=5, shape="iso16281", misalignment=1e-3, centrifugal_force=50.0, n_positions=6)
     together = solve_equilibrium(c, iso16281())
     for m in range(6):
         alone = solve_equilibrium(attrs.evolve(c, psi=c.psi[m : m + 1]), iso16281())
@@ -363,12 +363,12 @@ def test_tighter_bearings_load_more_rollers():
 
 
 @given(st.integers(1, 60), st.integers(1, 20))
-def test_instants_spread_over_one_pitch(rollers, instants):
-    psi = angular_positions(rollers, instants)
-    assert psi.shape == (instants, rollers)
+def test_instants_spread_over_one_pitch(rollers, n_positions):
+    psi = angular_positions(rollers, n_positions)
+    assert psi.shape == (n_positions, rollers)
     assert psi[0, 0] == 0.0
     steps = np.diff(np.sort(psi.ravel()))
-    assert steps == pytest.approx(2 * np.pi / rollers / instants, rel=1e-9)
+    assert steps == pytest.approx(2 * np.pi / rollers / n_positions, rel=1e-9)
 
 
 def alike(found, full, tolerance=2e-12):
@@ -405,13 +405,13 @@ LOPSIDED = profile_drop("iso16281", slice_positions(LENGTH, 20), LENGTH, 0.015) 
     [{}, {"misalignment": 5e-4}, {"drop": LOPSIDED, "misalignment": -3e-4}],
     ids=["aligned", "tilted", "lopsided"],
 )
-@pytest.mark.parametrize(("Z", "instants"), [(28, 1), (28, 2), (27, 3), (13, 8), (28, 16), (5, 6)])
-def test_half_of_a_pitch_mirrors_the_other(Z, instants, changes, known):
+@pytest.mark.parametrize(("Z", "n_positions"), [(28, 1), (28, 2), (27, 3), (13, 8), (28, 16), (5, 6)])
+def test_half_of_a_pitch_mirrors_the_other(Z, n_positions, changes, known):
     changes = {"centrifugal_force": 170.0, "slices": 21, "shape": "iso16281"} | changes
-    whole = case(Z=Z, instants=instants, **changes)
+    whole = case(Z=Z, n_positions=n_positions, **changes)
     before = (
-        solve_pitch(case(Z=Z, instants=instants // 2, **changes), palmgren())
-        if known and instants % 2 == 0
+        solve_pitch(case(Z=Z, n_positions=n_positions // 2, **changes), palmgren())
+        if known and n_positions % 2 == 0
         else None
     )
     found = solve_pitch(whole, palmgren(), before)
@@ -422,25 +422,25 @@ def test_half_of_a_pitch_mirrors_the_other(Z, instants, changes, known):
 @pytest.mark.parametrize(
     "changes", [{}, {"misalignment": 3e-4, "slices": 12}, {"radial_clearance": -2e-5}]
 )
-@pytest.mark.parametrize(("Z", "instants"), [(28, 1), (13, 4), (14, 5)])
-def test_orbits_at_many_speeds_are_those_of_each(Z, instants, changes):
+@pytest.mark.parametrize(("Z", "n_positions"), [(28, 1), (13, 4), (14, 5)])
+def test_orbits_at_many_speeds_are_those_of_each(Z, n_positions, changes):
     """Each goes on from the one before; where rollers lift off, and without centrifugal force, too."""
     forces = 174.0 * np.array([1.0, 0.99, 0.5, 0.1, 1e-6, 0.0, 3.0, 3.0])
-    given = case(Z=Z, instants=instants, **changes)
+    given = case(Z=Z, n_positions=n_positions, **changes)
     law = iso16281()
     for name, part in zip(
         ("inner_load", "outer_load"), solve_orbits(given, law, forces), strict=True
     ):
-        every = over_pitch(part, instants)
+        every = over_pitch(part, n_positions)
         for force, found in zip(forces, every, strict=True):
             want = getattr(solve_pitch(attrs.evolve(given, centrifugal_force=force), law), name)
             np.testing.assert_allclose(found, want, rtol=0, atol=1e-10 * want.max())
 
 
 def test_what_is_known_must_be_every_second_instant():
-    known = solve_pitch(case(instants=2), palmgren())
+    known = solve_pitch(case(n_positions=2), palmgren())
     with pytest.raises(ValueError, match="known are 2 instants: of 6 it must be half"):
-        solve_pitch(case(instants=6), palmgren(), known)
+        solve_pitch(case(n_positions=6), palmgren(), known)
 
 
 def test_half_of_a_roller_mirrors_the_other():
@@ -464,28 +464,28 @@ class Counted(PowerLaw):
 
 
 @pytest.mark.parametrize("Z", [5, 50, 500])
-@pytest.mark.parametrize("instants", [1, 8])
-def test_passes_do_not_grow_with_the_bearing(Z, instants):
+@pytest.mark.parametrize("n_positions", [1, 8])
+def test_passes_do_not_grow_with_the_bearing(Z, n_positions):
     Counted.asked.clear()
-    some = case(Z=Z, instants=instants, slices=11, shape="iso16281", radial_load=100.0 * Z)
+    some = case(Z=Z, n_positions=n_positions, slices=11, shape="iso16281", radial_load=100.0 * Z)
     found = solve_pitch(some, rings(Counted(1e10, 10 / 9)))
     assert found.iterations <= 12
     # passes, both rings; half the instants and half of a roller, and 45 to estimate with
-    solved = instants // 2 + 1
+    solved = n_positions // 2 + 1
     assert sum(Counted.asked) <= 2 * found.iterations * solved * Z * 6 + 45
     assert len(Counted.asked) <= 2 * found.iterations * solved + 3
 
 
 @pytest.mark.parametrize(
-    ("Z", "slices", "instants"),
+    ("Z", "slices", "n_positions"),
     [(28, 101, 64), (500, 41, 16), pytest.param(500, 21, 256, marks=pytest.mark.slow)],
 )
 @pytest.mark.parametrize("misalignment", [0.0, 3e-4])
-def test_memory_is_that_of_the_result(Z, slices, instants, misalignment):
+def test_memory_is_that_of_the_result(Z, slices, n_positions, misalignment):
     """Peak below three times inner_load and outer_load, where these are more than one part of the iteration."""
     some = case(
         Z=Z,
-        instants=instants,
+        n_positions=n_positions,
         slices=slices,
         shape="iso16281",
         misalignment=misalignment,

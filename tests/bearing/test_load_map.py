@@ -93,13 +93,13 @@ def test_forces_agree_with_the_equilibrium_anywhere(mapped):
 
 def test_the_error_is_what_is_measured_half_way(mapped):
     assembly, loads = mapped
-    instants = loads.positions // assembly.scene.bearing.rollers
+    n_positions = loads.positions // assembly.scene.bearing.rollers
     pitch = 2 * np.pi / loads.positions
 
     def misplaced(force, shift):
         off = np.zeros(2)
         whole = np.zeros(2)
-        for k in range(instants):
+        for k in range(n_positions):
             psi, true = equilibrium(assembly, (k + shift) * pitch, force)
             off += np.abs((loads.at(psi, force) - true) @ loads.widths).sum(axis=1)
             whole += (true @ loads.widths).sum(axis=1)
@@ -252,7 +252,7 @@ def test_an_unreachable_tolerance_is_refused_in_words(monkeypatch):
         ConvergenceError, match=r"3 centrifugal forces leave more than 1.0e-03 .*; raise accuracy"
     ):
         nodes_of(loads)
-    monkeypatch.setattr(load_map, "_MOST_INSTANTS", 3)
+    monkeypatch.setattr(load_map, "_MAX_POSITIONS", 3)
     with pytest.raises(
         ConvergenceError, match=r"at the wrong place.*table may leave 1.0e-04; raise accuracy"
     ):

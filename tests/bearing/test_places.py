@@ -76,11 +76,11 @@ def placed():
         yield scene
 
 
-def expected(scene, ring, instants, cage_slip=0.0):
+def expected(scene, ring, n_positions, cage_slip=0.0):
     """Mean of every place by the force of the rollers of a bearing, from its loads alone."""
     a = assemble(scene)
     loads = a.load_distribution(
-        int(instants), (1.0 - cage_slip) * a.kinematics.epicyclic_cage_speed
+        int(n_positions), (1.0 - cage_slip) * a.kinematics.epicyclic_cage_speed
     )
     load = loads.inner_load if ring == "inner" else loads.outer_load
     force = load * a.widths
@@ -105,7 +105,7 @@ CURVES = {"study.effective-friction.points": 5, "study.effective-friction.map_po
 def test_effective_friction_has_places(placed, of):
     found = run(placed(of, **CURVES), "effective-friction")
     for ring in ("inner", "outer"):
-        want = expected(placed(of), ring, found.instants)[of]
+        want = expected(placed(of), ring, found.n_positions)[of]
         np.testing.assert_allclose(found.place.sel(ring=ring), want, rtol=1e-9, atol=1e-12)
 
 
@@ -116,7 +116,7 @@ def test_effective_friction_is_that_of_the_places(placed, of):
     factor = 1e-2 if of != "position" else 10.0
     found = run(placed(of, factor, **CURVES), "effective-friction")
     for ring in ("inner", "outer"):
-        more = 1.0 + factor * expected(placed(of), ring, found.instants)[of]
+        more = 1.0 + factor * expected(placed(of), ring, found.n_positions)[of]
         for name in ("effective_friction", "friction_map"):
             np.testing.assert_allclose(
                 found[name].sel(ring=ring), more * plain[name].sel(ring=ring), rtol=1e-9
@@ -153,7 +153,7 @@ def test_a_steady_slip_has_places(placed, of):
     found = study.run(bearing)
     found = found.assign(law_outputs(study, bearing, found))
     for ring in ("inner", "outer"):
-        want = expected(placed(of), ring, found.instants, float(found.steady_slip[0]))[of]
+        want = expected(placed(of), ring, found.n_positions, float(found.steady_slip[0]))[of]
         np.testing.assert_allclose(found.place.sel(ring=ring), want, rtol=1e-6, atol=1e-9)
 
 

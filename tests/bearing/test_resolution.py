@@ -38,7 +38,7 @@ def test_slices_are_a_quadrature_along_the_roller(quadrature):
 @pytest.mark.parametrize("scene", [SCENE, TILTED], ids=["profile", "tilt"])
 def test_both_quadratures_go_to_the_same_loads_and_friction(scene):
     def found(slices, quadrature):
-        resolution = Resolution(slices=slices, quadrature=quadrature, instants=1)
+        resolution = Resolution(slices=slices, quadrature=quadrature, n_positions=1)
         assembly = assemble(scene, resolution)
         force = assembly.load_distribution(1).inner_force[0]
         return np.append(force / force.max(), STUDY.run(assembly).effective_friction[0] / 5e-3)
@@ -50,21 +50,21 @@ def test_both_quadratures_go_to_the_same_loads_and_friction(scene):
 
 
 def test_a_study_runs_exactly_the_resolution_it_is_given():
-    resolution = Resolution(slices=9, quadrature="gauss", instants=3)
+    resolution = Resolution(slices=9, quadrature="gauss", n_positions=3)
     for study, scene in ((STUDY, SCENE), (SteadySlip(points=8), SCENE)):
         result = study.run(assemble(scene, resolution))
-        assert (result.attrs["slices"], result.attrs["instants"]) == (9, 3)
-        assert "instants_error" not in result.attrs
+        assert (result.attrs["slices"], result.attrs["n_positions"]) == (9, 3)
+        assert "positions_error" not in result.attrs
     moved = STUDY.run(assemble(SCENE, Resolution(slices=9, quadrature="gauss")))
-    assert moved.attrs["instants"] > 3
-    assert moved.attrs["instants_error"] <= 1e-3
+    assert moved.attrs["n_positions"] > 3
+    assert moved.attrs["positions_error"] <= 1e-3
 
 
 def test_what_nobody_planned_is_as_the_scene_states():
     assert assemble(SCENE).resolution == as_stated(SCENE) == Resolution(slices=15)
     best = finest(SCENE)
     assert best.slices == 15  # it is part of what the scene asks for
-    assert best.instants == 128
+    assert best.n_positions == 128
     assert best.table_tolerance < 1e-6
 
 
@@ -72,7 +72,7 @@ def test_dynamics_takes_friction_level_and_integrator_from_a_resolution():
     study = Dynamics(duration=1e-3, points=3)
     resolution = Resolution(
         slices=5,
-        instants=2,
+        n_positions=2,
         friction="conventional",
         level="pocket",
         integrator="rk45",
@@ -100,7 +100,7 @@ def test_gauss_slices_carry_the_forces_of_a_motion():
 def test_stages_run_in_numpy_where_a_resolution_says_so():
     few = attrs.evolve(STUDY, points=5)
     fast, plain = (
-        few.run(assemble(SCENE, Resolution(slices=3, instants=1, compiled=c)))
+        few.run(assemble(SCENE, Resolution(slices=3, n_positions=1, compiled=c)))
         for c in (True, False)
     )
     np.testing.assert_allclose(plain.effective_friction, fast.effective_friction, rtol=1e-10)
@@ -136,7 +136,7 @@ def test_another_law_of_the_full_film_takes_its_place():
     ("wrong", "message"),
     [
         ({"slices": 0}, "slices: must be from 1 to 20000, not 0"),
-        ({"instants": 0}, "instants: must be at least 1, not 0"),
+        ({"n_positions": 0}, "instants: must be at least 1, not 0"),
         ({"quadrature": "simpson"}, "quadrature: must be one of"),
         ({"table_tolerance": 0.0}, "table_tolerance: must be between 0 and 1"),
     ],
@@ -155,8 +155,8 @@ def test_a_resolution_is_a_value():
 def test_a_map_takes_more_slices_than_a_table_holds():
     """More loaded slices than are evaluated at a time, for fewer speeds than parts of them."""
     study = EffectiveFriction(points=5, map_points=2, max_cage_slip=0.3)
-    fine = study.run(assemble(SCENE, Resolution(slices=2001, instants=8)))
-    coarse = study.run(assemble(SCENE, Resolution(slices=301, instants=8)))
+    fine = study.run(assemble(SCENE, Resolution(slices=2001, n_positions=8)))
+    coarse = study.run(assemble(SCENE, Resolution(slices=301, n_positions=8)))
     np.testing.assert_allclose(fine.friction_map, coarse.friction_map, rtol=1e-3, atol=1e-6)
 
 
@@ -170,22 +170,22 @@ def test_the_finest_of_some_takes_each_number_from_the_one_that_has_it_finest():
     fine = Resolution(
         slices=41,
         quadrature="gauss",
-        instants=2,
+        n_positions=2,
         table_tolerance=1e-3,
         integrator="bdf",
         friction="a",
     )
     coarse = Resolution(
-        slices=11, instants=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5
+        slices=11, n_positions=8, table_tolerance=1e-4, integrator="bdf", integrator_tolerance=1e-5
     )
     found = Resolution.finest_of([coarse, fine], ("integrator", "friction"))
     assert found == Resolution(
         slices=41,
         quadrature="gauss",
-        instants=8,
+        n_positions=8,
         table_tolerance=1e-4,
         integrator="bdf",
         integrator_tolerance=1e-5,
     )
     assert Resolution.finest_of([fine]).integrator is None
-    assert Resolution.finest_of([Resolution()]).instants == 1
+    assert Resolution.finest_of([Resolution()]).n_positions == 1

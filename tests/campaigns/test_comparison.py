@@ -383,9 +383,9 @@ def test_all_have_the_same_instants_even_where_one_settles_later():
             scene, {"models.traction.hydrodynamic": name, "study.effective-friction.map_points": 0}
         )
         needs[name] = run(changed, "effective-friction")
-    assert needs["constant"].attrs["instants"] < needs["muraki"].attrs["instants"]
+    assert needs["constant"].attrs["n_positions"] < needs["muraki"].attrs["n_positions"]
     found = compare(scene, traction=["muraki", "constant"], study="effective-friction")
-    assert found.attrs["instants"] == needs["muraki"].attrs["instants"]
+    assert found.attrs["n_positions"] == needs["muraki"].attrs["n_positions"]
     assert np.array_equal(
         found["effective_friction"].sel(combination="muraki"), needs["muraki"]["effective_friction"]
     )

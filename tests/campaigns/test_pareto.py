@@ -222,7 +222,7 @@ def test_choices_are_of_what_acts_on_a_result():
     assert list(family.studies) == list(scene.study)
     for study, axes in {
         "friction-curve": {"slices", "traction", "film", "compiled"},
-        "effective-friction": {"slices", "instants", "traction", "film", "compiled"},
+        "effective-friction": {"slices", "n_positions", "traction", "film", "compiled"},
     }.items():
         planned = family.of(study, "numerical")[0]
         varied = set()
@@ -432,7 +432,7 @@ def test_a_result_is_stored_without_loss_and_says_where_it_comes_from(contact, t
     )
     names = {model["name"] for model in json.loads(contact.attrs["models"])}
     assert {"lambda-blend", "moes", "pan-hamrock"} <= names
-    fields = {"slices", "quadrature", "instants", "traction", "boundary", "table_tolerance",
+    fields = {"slices", "quadrature", "n_positions", "traction", "boundary", "table_tolerance",
               "integrator", "integrator_tolerance", "friction", "level", "compiled"}  # fmt: skip
     assert fields <= set(contact.coords)
     assert contact.traction.sel(choice="eyring") == "eyring"

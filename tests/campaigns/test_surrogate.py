@@ -28,7 +28,7 @@ from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings
 from rollslip_campaigns.surrogate import surrogate as made_by
 from rollslip_campaigns.surrogate.exports import sources
-from rollslip_campaigns.surrogate.stiffness import INSTANTS
+from rollslip_campaigns.surrogate.stiffness import N_POSITIONS
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 from rollslip_studies.raceway_friction.study import RacewayFriction
 from small_forces import by_differences
@@ -261,7 +261,7 @@ def test_stiffnesses_are_what_small_forces_say(dataset):
                 evolve(SCENE, dict(zip(keys, (float(one[name]) for name in at), strict=True)))
             )
             cage = bearing.kinematics.epicyclic_cage_speed * (1.0 - float(one["steady_cage_slip"]))
-            true = by_differences(bearing, cage, INSTANTS)
+            true = by_differences(bearing, cage, N_POSITIONS)
             along, across, oblique = (
                 float(one[f"stiffness_{name}"]) for name in ("along", "across", "oblique")
             )
@@ -492,9 +492,9 @@ def both_rings(t):
     return 1500.0, ramp(t, 900.0, 1400.0, 0.1, 0.2) * RPM, ramp(t, 250.0, -200.0, 0.1, 0.3) * RPM
 
 
-def moved(driver, inputs, instants):
+def moved(driver, inputs, n_positions):
     """Cage speeds [rad/s] at every ms in a motion, the inputs those in the middle of steps."""
-    middles = (max(1e-3 * k - 0.5e-3, 0.0) for k in range(instants))
+    middles = (max(1e-3 * k - 0.5e-3, 0.0) for k in range(n_positions))
     return driver([inputs(t) for t in middles], slip=0.1)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import rollslip
 from rollslip.bearing.assembly import assemble
-from rollslip_campaigns.surrogate.stiffness import INSTANTS, stiffness
+from rollslip_campaigns.surrogate.stiffness import N_POSITIONS, stiffness
 from small_forces import by_differences
 
 pytestmark = pytest.mark.quick
@@ -28,9 +28,9 @@ def test_the_jacobian_is_what_small_forces_displace(name, changes):
     tilted = (
         "operation.misalignment" in changes
     )  # which turns with the load: only along it are differences of use
-    instants = 1 if tilted else INSTANTS
-    found = stiffness(assembly, speed, instants)
-    true = by_differences(assembly, speed, instants)
+    n_positions = 1 if tilted else N_POSITIONS
+    found = stiffness(assembly, speed, n_positions)
+    true = by_differences(assembly, speed, n_positions)
     if tilted:
         found = found[:1, :1]
         true = true[:1, :1]

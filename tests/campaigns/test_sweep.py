@@ -471,7 +471,7 @@ def test_points_that_are_evaluated_together_are_as_each_alone(monkeypatch):
         (n, sweep.design.changes(n)) for n in random.Random(0).sample(range(sweep.design.size), 32)
     ]
     work = attrs.evolve(
-        sweep.work, resolutions=Resolutions(chosen={"[]": Resolution(slices=9, instants=2)})
+        sweep.work, resolutions=Resolutions(chosen={"[]": Resolution(slices=9, n_positions=2)})
     )
 
     def rows(*tasks):

@@ -33,7 +33,7 @@ class TestTheResolutionOfASweep:
         )
         (chosen,) = made.resolutions.chosen.values()
         assert chosen.slices < 801
-        assert chosen.instants < 128
+        assert chosen.n_positions < 128
         for number in (90,):
             changes = made.design.changes(number)
             (row,) = compute(made.work, [(number, changes)]).rows

@@ -42,8 +42,8 @@ def test_what_follows_from_a_scene_is_that_of_its_bearing():
 
 def test_errors_of_parts_of_a_plan_are_summed(capsys):
     parts = [SimpleNamespace(study="s", part=name, included=True, errors={"friction": error}, seconds=1.0)
-             for name, error in (("slices", 1e-4), ("instants", 3e-4))]  # fmt: skip
-    estimated = {"s": SimpleNamespace(resolution=SimpleNamespace(slices=4, instants=2))}
+             for name, error in (("slices", 1e-4), ("n_positions", 3e-4))]  # fmt: skip
+    estimated = {"s": SimpleNamespace(resolution=SimpleNamespace(slices=4, n_positions=2))}
     exact = SimpleNamespace(scene=SimpleNamespace(accuracy=SimpleNamespace(exact=True)))
     once = SimpleNamespace(may_run_again=lambda _: False)
     console.print_short_plan(

@@ -24,12 +24,12 @@ from tabled import REFERENCES, rows_of
 from without_bands import run
 
 
-def balance(name="1032930-50C", *, instants=2, inertia=True, effective=False, slices=6, **changes):
+def balance(name="1032930-50C", *, n_positions=2, inertia=True, effective=False, slices=6, **changes):
     made = assemble(evolve(load_scene(name), changes))
     few = made.at(
         attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3)
     )
-    return rollers(few, instants, inertia=inertia, effective=effective)
+    return rollers(few, n_positions, inertia=inertia, effective=effective)
 
 
 def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_boundary_friction():
@@ -39,7 +39,7 @@ def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_
     for traction in ({}, {"models.traction": "muraki"}):
         one = balance(
             "1032930-70C",
-            instants=1,
+            n_positions=1,
             inertia=False,
             **{"operation.temperature": "100 degC"},
             **traction,
@@ -61,7 +61,7 @@ def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_
 def test_balances_do_not_depend_on_the_slips_that_were_asked_for_before(celsius):
     """Where boundary friction has several balances at some positions, of which rollers leave one where it ends."""
     one = balance(
-        "1032930-70C", instants=2, inertia=False, **{"operation.temperature": f"{celsius} degC"}
+        "1032930-70C", n_positions=2, inertia=False, **{"operation.temperature": f"{celsius} degC"}
     )
     fine = np.geomspace(1e-3, 0.9, 121)
     many = one.torques(fine)
@@ -74,9 +74,9 @@ def test_a_motion_is_gone_on_with_where_rollers_that_come_from_afar_do_not_settl
     scene = scenes.wide(100_156)
     made = assemble(scene)
     few = made.at(
-        attrs.evolve(made.resolution, slices=40, quadrature="gauss", instants=3)
+        attrs.evolve(made.resolution, slices=40, quadrature="gauss", n_positions=3)
     ).with_resistance()
-    one = TorqueBalance(few, few.cage.drags, instants=3)
+    one = TorqueBalance(few, few.cage.drags, n_positions=3)
     assert not any(motion.sure for motion in one.motions.at(np.array([0.77]))[0])
     way = one.way()
     assert way.end == RANGE
@@ -191,7 +191,7 @@ def test_rollers_that_have_no_room_in_a_table_are_evaluated_in_parts_to_the_last
     slips = np.array([0.01, 0.3])
 
     def found():
-        motions = one.motions.like(instants=1, few=0)
+        motions = one.motions.like(n_positions=1, few=0)
         return motions.spins(slips), [
             (motion.torque, *motion.share) for here in motions.at(slips) for motion in here
         ]

@@ -28,12 +28,12 @@ DRAGS = [
 def bearing(changes, slices=4):
     scene = evolve(SHIPPED, changes)
     return assemble(
-        scene, attrs.evolve(as_stated(scene), slices=slices, instants=2)
+        scene, attrs.evolve(as_stated(scene), slices=slices, n_positions=2)
     ).with_resistance()
 
 
 def balanced(assembly, **options):
-    return TorqueBalance(assembly, assembly.cage.drags, instants=2, **options)
+    return TorqueBalance(assembly, assembly.cage.drags, n_positions=2, **options)
 
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -115,7 +115,7 @@ def test_a_roller_without_drag_and_inertia_loses_what_friction_times_sliding_spe
     for contacts in balance.evaluated(orbit):
         s = contacts.slices
         power += (
-            float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum()) / balance.instants
+            float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum()) / balance.n_positions
         )
     assert power_balance(balance, orbit).total == pytest.approx(power, rel=1e-12)
 
@@ -137,7 +137,7 @@ def test_the_ring_that_bears_the_reaction_of_a_drag_pays_for_it():
     assembly = bearing({"cage.drag": []})
     alone = power_balance(balanced(assembly), balanced(assembly).orbit(0.1))
     drags = attrs.evolve(assembly.cage.drags, torques=(Brush(),))
-    balance = TorqueBalance(assembly, drags, instants=2)
+    balance = TorqueBalance(assembly, drags, n_positions=2)
     found = power_balance(balance, balance.orbit(0.1))
     inner = assembly.kinematics.inner_speed
     cage = balance.cage_speed(0.1)

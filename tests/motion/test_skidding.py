@@ -30,15 +30,15 @@ from rollslip_studies.steady_slip.study import SteadySlip
 from tabled import REFERENCES, rows_of
 
 
-def bearing(name="1032930-50C", slices=15, instants=4, **changes):
+def bearing(name="1032930-50C", slices=15, n_positions=4, **changes):
     fine = assemble(evolve(load_scene(name), changes))
     return fine.at(
-        attrs.evolve(fine.resolution, slices=min(slices, fine.slices), instants=instants)
+        attrs.evolve(fine.resolution, slices=min(slices, fine.slices), n_positions=n_positions)
     )
 
 
 def found(assembly, largest=0.95, **options):
-    balance = rollers(assembly, assembly.resolution.instants, **options)
+    balance = rollers(assembly, assembly.resolution.n_positions, **options)
     return skidding_onset(balance, largest, "study.effective-friction.skidding_range")
 
 
@@ -71,7 +71,7 @@ def test_the_motion_that_rollers_hold_does_not_depend_on_the_slips_on_the_way():
         "surface.inner_raceway_roughness": "0.1 um",
         "surface.roller_roughness": "0.1 um",
     }
-    assembly = bearing(instants=2, **heavy)
+    assembly = bearing(n_positions=2, **heavy)
     large, small = (rollers(assembly, 2) for _ in range(2))
     for slip in slip_grid(0.9, 561)[1:]:
         small.torque(float(slip))
@@ -102,7 +102,7 @@ def test_it_is_the_fold_as_it_was_first_reported(name, profile, drag, slip):
 )
 def test_rollers_without_inertia_balance_as_root_finding_on_the_plain_laws_has_it(changes):
     """Every roller for itself, by Brent's method on the NumPy forms of the laws."""
-    assembly = bearing(slices=7, instants=2, **changes)
+    assembly = bearing(slices=7, n_positions=2, **changes)
     k = assembly.kinematics
     slips = np.array([0.02, 0.2, 0.5])
     models = [
@@ -233,12 +233,12 @@ def test_a_range_of_nothing_is_not_looked_at():
     assembly = bearing(slices=3)
     result = EffectiveFriction(
         points=5, map_points=0, skidding_range=0.0, closure="epicyclic"
-    ).at_instants(assembly, 1)
+    ).at_positions(assembly, 1)
     assert not [name for name in result if str(name).startswith(("skidding", "limit_drag"))]
 
 
 def runs(assembly):
-    return running(rollers(assembly, assembly.resolution.instants))
+    return running(rollers(assembly, assembly.resolution.n_positions))
 
 
 @pytest.mark.parametrize(
@@ -275,7 +275,7 @@ def test_a_scene_without_a_cage_runs_with_the_one_of_its_bearing():
     at = [
         running(
             rollers(
-                assemble(one).at(attrs.evolve(assemble(one).resolution, slices=9, instants=4)), 4
+                assemble(one).at(attrs.evolve(assemble(one).resolution, slices=9, n_positions=4)), 4
             )
         )
         for one in (scene, evolve(scene, {"cage": {"guidance": "roller"}}))
@@ -372,7 +372,7 @@ def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
 
 def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction_is_off():
     """Against the largest drag on the curve of study steady-slip, and that of effective friction."""
-    assembly = few().at(attrs.evolve(few().resolution, instants=2))
+    assembly = few().at(attrs.evolve(few().resolution, n_positions=2))
     known = SteadySlip().run(assembly)
     conventional = float(known.limit_drag)
     effective = found(assembly, effective=True).drag

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.quick
 def test_a_load_distribution_has_the_loads_of_each_ring():
     """Turning rollers press on the outer ring by their centrifugal force more than the inner ring does on them."""
     scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 5})
-    loads = load_distribution(scene, instants=2)
+    loads = load_distribution(scene, n_positions=2)
     assembly = assemble(scene)
     per_slice = (loads["load_per_length"] * assembly.widths).sum("slice")
     for force in (loads["normal_force"], per_slice):

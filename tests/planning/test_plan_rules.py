@@ -46,7 +46,7 @@ SMOOTH = {
     f"surface.{part}_roughness": "10 nm" for part in ("inner_raceway", "outer_raceway", "roller")
 }
 #: Held against this where the tolerance is at least 1e-3: it errs by some 3e-5.
-FINE = Resolution(slices=301, instants=32)
+FINE = Resolution(slices=301, n_positions=32)
 
 
 def cheap(x):
@@ -82,7 +82,7 @@ def test_a_smaller_tolerance_takes_more_slices_and_instants():
     ]
     for coarse, fine in itertools.pairwise(chosen):
         assert fine.resolution.slices > 2 * coarse.resolution.slices
-        assert fine.resolution.instants > coarse.resolution.instants
+        assert fine.resolution.n_positions > coarse.resolution.n_positions
         assert fine.total["critical_slip"] < coarse.total["critical_slip"]
     for one, tolerance in zip(chosen, (1e-2, 1e-3, 1e-4), strict=True):
         assert max(one.total.values()) <= tolerance
@@ -118,11 +118,11 @@ def test_fixed_slices_stay():
 def test_one_slice_serves_where_the_load_is_even():
     straight = evolve(BASE, {"bearing.profile": "none"})
     study = EffectiveFriction(points=11, map_points=0)
-    one = study.run(assemble(straight, Resolution(slices=9, instants=2)))
+    one = study.run(assemble(straight, Resolution(slices=9, n_positions=2)))
     circular = evolve(
         BASE, {"bearing.profile": {"shape": "circular", "radius": 1e7}}
     )  # a drop of 3e-12 m
-    nine = study.run(assemble(circular, Resolution(slices=9, instants=2)))
+    nine = study.run(assemble(circular, Resolution(slices=9, n_positions=2)))
     assert (one.attrs["slices"], nine.attrs["slices"]) == (1, 9)
     np.testing.assert_allclose(nine.effective_friction, one.effective_friction, rtol=1e-5)
 
@@ -130,7 +130,7 @@ def test_one_slice_serves_where_the_load_is_even():
 @pytest.mark.quick
 def test_unloaded_contacts_take_no_part():
     """The mean by force over all slices is that over the loaded ones: the others weigh nothing."""
-    assembly = assemble(BASE, Resolution(slices=9, instants=2))
+    assembly = assemble(BASE, Resolution(slices=9, n_positions=2))
     raceways = EffectiveFriction(closure="epicyclic", map_points=0).loaded(assembly, 2)
     slip = np.array([0.1, 0.5])
     speeds = assembly.kinematics.surface_speeds(slip, 0.0)
@@ -271,7 +271,7 @@ def test_a_result_says_what_was_estimated_and_found():
 
 def test_a_broken_word_is_told():
     made = plan(BASE, STUDY)
-    coarse = made.at(STUDY, Resolution(slices=5, instants=1))
+    coarse = made.at(STUDY, Resolution(slices=5, n_positions=1))
     result = verify(coarse, STUDY, execute(coarse, STUDY, exactly=True))
     (said, *_) = json.loads(result.attrs["warnings"])
     assert "more than the tolerance of 0.001; run with a smaller accuracy." in said

@@ -81,10 +81,10 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     """With four times as many instants, and as that is not enough with the most of all; what is left is told still."""
     made = plan(JUMPS, STUDY)
     result = execute(made, STUDY)
-    resolution = attrs.evolve(made.estimated[STUDY].resolution, instants=result.attrs["instants"])
-    assert made.estimated[STUDY].resolution.instants == 24
-    assert result.attrs["instants"] == 128
-    assert json.loads(result.attrs["resolution"])["instants"] == 128
+    resolution = attrs.evolve(made.estimated[STUDY].resolution, n_positions=result.attrs["n_positions"])
+    assert made.estimated[STUDY].resolution.n_positions == 24
+    assert result.attrs["n_positions"] == 128
+    assert json.loads(result.attrs["resolution"])["n_positions"] == 128
     fine = finer(made.studies[STUDY], JUMPS, resolution, 8)
     planned = execute(made, STUDY, exactly=True)
     before, after = (
@@ -118,14 +118,14 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
 
     def then(made, errors, orders, at_once=None, **changes):
         estimated = attrs.evolve(made.estimated[STUDY], **changes)
-        assembly = made.assembly.at(attrs.evolve(estimated.resolution, instants=10))
+        assembly = made.assembly.at(attrs.evolve(estimated.resolution, n_positions=10))
         estimated = attrs.evolve(estimated, resolution=assembly.resolution)
-        error = ErrorEstimate(errors={"instants": errors}, orders=orders, at_once=at_once or {})
+        error = ErrorEstimate(errors={"n_positions": errors}, orders=orders, at_once=at_once or {})
         return refined(made.studies[STUDY], assembly, estimated, error)
 
     held = attrs.evolve(epicyclic.scene, accuracy=attrs.evolve(epicyclic.scene.accuracy, slices=7))
     fixed = assemble(
-        held, attrs.evolve(epicyclic.estimated[STUDY].resolution, slices=7, instants=10)
+        held, attrs.evolve(epicyclic.estimated[STUDY].resolution, slices=7, n_positions=10)
     )
     study = epicyclic.studies[STUDY]
     of = attrs.evolve(epicyclic.estimated[STUDY], resolution=fixed.resolution)
@@ -133,26 +133,26 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
         ({"friction": 2e-3}, False),
         ({"friction": 5e-4}, True),
     ):  # of laminae that the scene fixes
-        left = {"slices": {"friction": 5e-4}, "instants": {"friction": 2e-3}}
+        left = {"slices": {"friction": 5e-4}, "n_positions": {"friction": 2e-3}}
         seen = ErrorEstimate(
             errors=left,
             at_once={"friction": 3e-3},
-            alone={"slices": alone, "instants": left["instants"]},
+            alone={"slices": alone, "n_positions": left["n_positions"]},
         )
         assert (refined(study, fixed, of, seen) is not None) == made
     off = {"friction": 4e-3}
     assert then(epicyclic, {"friction": 9e-4}, {}) is None
     second = then(epicyclic, off, {"friction": 2.0})
-    assert second.resolution.instants == math.ceil(10 * math.sqrt(4.0 / 0.35))
-    assert second.errors["instants"]["friction"] == pytest.approx(
-        4e-3 * (10 / second.resolution.instants) ** 2
+    assert second.resolution.n_positions == math.ceil(10 * math.sqrt(4.0 / 0.35))
+    assert second.errors["n_positions"]["friction"] == pytest.approx(
+        4e-3 * (10 / second.resolution.n_positions) ** 2
     )
-    assert then(epicyclic, off, {"friction": 1.0}).resolution.instants == 40  # four times at most
-    assert then(epicyclic, off, {"friction": 0.1}).resolution.instants == 40  # few may err alike
+    assert then(epicyclic, off, {"friction": 1.0}).resolution.n_positions == 40  # four times at most
+    assert then(epicyclic, off, {"friction": 0.1}).resolution.n_positions == 40  # few may err alike
     assert (
-        then(free, off, {"friction": 0.1}).resolution.instants == 40
+        then(free, off, {"friction": 0.1}).resolution.n_positions == 40
     )  # jumps fall with the first order
-    assert then(free, off, {"friction": 0.1}, seen="once").resolution.instants == 40
+    assert then(free, off, {"friction": 0.1}, seen="once").resolution.n_positions == 40
     orbit = JUMPS.bearing.rollers * epicyclic.estimated[STUDY].resolution.slices * 40
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
@@ -161,7 +161,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     hidden = then(
         epicyclic, {"friction": 1e-4}, {}, {"friction": 2e-3}
     )  # parts err against each other
-    assert hidden.resolution.instants == math.ceil(10 * math.sqrt(2.0 / 0.7))
+    assert hidden.resolution.n_positions == math.ceil(10 * math.sqrt(2.0 / 0.7))
     assert then(epicyclic, {"friction": 1e-4}, {}, {"film parameter": 9e-4}) is None
     exact = plan(evolve(JUMPS, {"accuracy.tolerance": "exact"}), STUDY)
     assert then(exact, off, {"friction": 2.0}) is None
@@ -270,8 +270,8 @@ def _hidden(k):
 def _finer(k, result):
     """Four times as many of all, with all models of a contact."""
     slices = int(result.attrs["slices"])
-    instants = int(result.attrs["instants"])
-    resolution = Resolution(slices=4 * slices + 1, quadrature="gauss", instants=4 * instants + 1)
+    n_positions = int(result.attrs["n_positions"])
+    resolution = Resolution(slices=4 * slices + 1, quadrature="gauss", n_positions=4 * n_positions + 1)
     return plan(_hidden(k), STUDY).studies[STUDY].run(assemble(_hidden(k), resolution))
 
 
@@ -289,13 +289,13 @@ def test_no_random_scene_misses_in_silence(k):
     assert not found.silent, (found.tolerance, found.actual, found.witnessed)
 
 
-@pytest.mark.parametrize(("slices", "instants"), [(8, 16), (64, 1), (64, 2)])
-def test_too_few_slices_or_instants_are_seen(slices, instants):
+@pytest.mark.parametrize(("slices", "n_positions"), [(8, 16), (64, 1), (64, 2)])
+def test_too_few_slices_or_instants_are_seen(slices, n_positions):
     """The error found is that of the finest, from a third of it to three times as much."""
     one = evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic", "bearing.profile": "iso16281"})
     made = plan(one, STUDY)
     coarse = made.at(
-        STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=slices, instants=instants)
+        STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=slices, n_positions=n_positions)
     )
     result = execute(coarse, STUDY, exactly=True)
     rows, verified = (
@@ -324,7 +324,7 @@ def test_a_kept_word_has_no_warning():
 def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     """Errors tenfold: of second order a tolerance of a tenth, of first order of a hundredth, halved for safety."""
     made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
-    errors = {"instants": {"friction": 1e-2}}
+    errors = {"n_positions": {"friction": 1e-2}}
     for order, typed in ((2.0, "5e-05"), (1.0, "5e-06")):
         (said,) = error_warnings(
             made, STUDY, ErrorEstimate(errors=errors, orders={"friction": order})
@@ -335,22 +335,22 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
         )
     (said,) = error_warnings(made, STUDY, ErrorEstimate(errors=errors, orders={"friction": 0.1}))
     assert "it does not fall with the positions; type --set accuracy.tolerance=exact" in said
-    most = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, instants=128))
+    most = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, n_positions=128))
     assert (
         "raise accuracy.friction; this is the finest"
         in error_warnings(most, STUDY, ErrorEstimate(errors=errors))[0]
     )
     (said,) = error_warnings(
-        made, STUDY, ErrorEstimate(errors={"instants": {"critical_slip": np.inf}})
+        made, STUDY, ErrorEstimate(errors={"n_positions": {"critical_slip": np.inf}})
     )
     assert said.startswith("how far critical slip is off cannot be determined")
-    assert error_warnings(made, STUDY, ErrorEstimate(errors={"instants": {"friction": 9e-4}})) == []
+    assert error_warnings(made, STUDY, ErrorEstimate(errors={"n_positions": {"friction": 9e-4}})) == []
 
 
 def test_what_slices_and_instants_hide_from_each_other_is_told():
     made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
     error = ErrorEstimate(
-        errors={"instants": {"friction": 2e-4}}, at_once={"friction": 1.3e-3, "cage slip": 3e-3}
+        errors={"n_positions": {"friction": 2e-4}}, at_once={"friction": 1.3e-3, "cage slip": 3e-3}
     )
     assert error.total == {"friction": 1.3e-3, "cage slip": 3e-3}
     friction, slip = error_warnings(made, STUDY, error)
@@ -364,16 +364,16 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
     """Of a tolerance of 1e-3 both aim at 0.7, less what the other leaves, but at 0.35 each at least."""
     made = plan(evolve("gearbox", {"accuracy.tolerance": 1e-3}), STUDY)
     assembly = made.assembly.at(
-        attrs.evolve(made.estimated[STUDY].resolution, slices=20, instants=10)
+        attrs.evolve(made.estimated[STUDY].resolution, slices=20, n_positions=10)
     )
     estimated = attrs.evolve(made.estimated[STUDY], resolution=assembly.resolution)
 
-    def numbers(slices, instants):
-        alone = {"slices": {"friction": slices}, "instants": {"friction": instants}}
+    def numbers(slices, n_positions):
+        alone = {"slices": {"friction": slices}, "n_positions": {"friction": n_positions}}
         small = {part: {"friction": 1e-4} for part in alone}
-        error = ErrorEstimate(errors=small, at_once={"friction": slices + instants}, alone=alone)
+        error = ErrorEstimate(errors=small, at_once={"friction": slices + n_positions}, alone=alone)
         finer = refined(made.studies[STUDY], assembly, estimated, error)
-        return finer.resolution.slices, finer.resolution.instants
+        return finer.resolution.slices, finer.resolution.n_positions
 
     assert numbers(2e-3, 1e-4) == (math.ceil(20 * math.sqrt(2.0 / 0.6)), 10)
     assert numbers(1e-4, 2e-3) == (20, math.ceil(10 * math.sqrt(2.0 / 0.6)))
@@ -405,10 +405,10 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
     number, variable = SEEN[name]
     one = loading_branch_scenes.wide(number) if number else load_scene("gearbox")
     made = plan(evolve(one, {"accuracy.tolerance": 1e-2}), "steady-slip")
-    resolution = attrs.evolve(made.estimated["steady-slip"].resolution, slices=8, instants=5)
+    resolution = attrs.evolve(made.estimated["steady-slip"].resolution, slices=8, n_positions=5)
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
-    finest = attrs.evolve(resolution, slices=100, quadrature="gauss", instants=15)
+    finest = attrs.evolve(resolution, slices=100, quadrature="gauss", n_positions=15)
     fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
     actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
     assert actual > 3e-3
@@ -416,24 +416,24 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
 
 
 @pytest.mark.parametrize(
-    ("number", "slices", "instants", "name", "variable"),
+    ("number", "slices", "n_positions", "name", "variable"),
     [
         (100_296, 45, 6, "cage slip", "steady_slip"),
         (100_940, 18, 8, "film parameter", "film_parameter"),
     ],
 )
 def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
-    number, slices, instants, name, variable
+    number, slices, n_positions, name, variable
 ):
     """There points of Gauss's rule lie farther apart than equal ones: twice as many would tell half of the error."""
     made = plan(loading_branch_scenes.wide(number), "steady-slip")
     resolution = attrs.evolve(
-        made.estimated["steady-slip"].resolution, slices=slices, instants=instants
+        made.estimated["steady-slip"].resolution, slices=slices, n_positions=n_positions
     )
     assert resolution.quadrature == "equal"
     result = execute(made.at("steady-slip", resolution), "steady-slip", exactly=True)
     finest = attrs.evolve(
-        resolution, slices=8 * slices + 1, quadrature="gauss", instants=4 * instants + 1
+        resolution, slices=8 * slices + 1, quadrature="gauss", n_positions=4 * n_positions + 1
     )
     fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
     actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
@@ -471,7 +471,7 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
     result = execute(made, "steady-slip", exactly=True)
     own = made.estimated["steady-slip"].resolution
     finest = attrs.evolve(
-        own, slices=4 * own.slices + 1, quadrature="gauss", instants=4 * own.instants + 1
+        own, slices=4 * own.slices + 1, quadrature="gauss", n_positions=4 * own.n_positions + 1
     )
     fine = made.studies["steady-slip"].run(assemble(made.scene, finest))
     assert "skids" in str(fine.minimum_load_status.item())

@@ -48,7 +48,7 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
         _Run, "solution", lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0))
     )
     study = SimpleNamespace(followed=False)
-    bearing = SimpleNamespace(resolution=Resolution(instants=4))
+    bearing = SimpleNamespace(resolution=Resolution(n_positions=4))
     orders = {}
     run = _Run(
         study=study,
@@ -59,7 +59,7 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
         accuracy=SCENE.accuracy,
         complete={},
     )
-    errors = run.of_instants(bearing, orders)
+    errors = run.of_positions(bearing, orders)
     order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
     assert orders["friction"] == pytest.approx(order)
     change = (4**-p - 9**-p) / (1.0 + 9**-p)
@@ -71,7 +71,7 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
 def test_the_order_of_laminae_is_that_seen_from_run_to_run():
     """Errors of 25 and 100 laminae against four times as many, half as large: of order 1/2, not 2."""
     few, many = (
-        ErrorEstimate(errors={"slices": {"friction": error}, "instants": {}}, slices=slices)
+        ErrorEstimate(errors={"slices": {"friction": error}, "n_positions": {}}, slices=slices)
         for error, slices in ((4e-4, 25), (2e-4, 100))
     )
     found = by_seen_order(many, few).errors["slices"]["friction"]
@@ -106,7 +106,7 @@ def test_what_was_left_out_is_taken_back_where_it_moves_more_than_its_share(plan
 
 
 def test_what_both_move_at_once_counts_where_it_is_more():
-    parts = {"slices": {"friction": 1e-3}, "instants": {"friction": 5e-4, "critical_slip": 1e-3}}
+    parts = {"slices": {"friction": 1e-3}, "n_positions": {"friction": 5e-4, "critical_slip": 1e-3}}
     assert ErrorEstimate(errors=parts, at_once={"friction": 3e-3}).total == {
         "friction": 3e-3,
         "critical_slip": 1e-3,
@@ -118,12 +118,12 @@ def test_what_both_move_at_once_counts_where_it_is_more():
 
 def test_more_of_a_part_is_asked_for_by_what_the_others_leave_of_the_aim():
     """0.7 of the tolerance is aimed at for both: of 0.7e-3 less 0.1e-3 slices have 2e-3, that fall with the square."""
-    alone = {"slices": {"friction": 2e-3}, "instants": {"friction": 1e-4}}
+    alone = {"slices": {"friction": 2e-3}, "n_positions": {"friction": 1e-4}}
     found = _growth(
-        ErrorEstimate(errors={"slices": {}, "instants": {}}, alone=alone), {"friction": 1e-3}
+        ErrorEstimate(errors={"slices": {}, "n_positions": {}}, alone=alone), {"friction": 1e-3}
     )
     assert found["slices"] == pytest.approx(math.sqrt(2e-3 / 6e-4))
-    assert found["instants"] < 1.0
+    assert found["n_positions"] < 1.0
 
 
 def test_a_run_that_is_off_is_made_again_finer(plan):
@@ -131,16 +131,16 @@ def test_a_run_that_is_off_is_made_again_finer(plan):
     estimated = plan.estimated["effective-friction"]
     before = estimated.resolution.slices
     # 4 times 0.35 of the tolerance: twice as many slices, whose error falls with the square
-    off = ErrorEstimate(errors={"slices": {"friction": 1.4e-3}, "instants": {"friction": 0.0}})
+    off = ErrorEstimate(errors={"slices": {"friction": 1.4e-3}, "n_positions": {"friction": 0.0}})
     made = refined(study, plan.assembly.at(estimated.resolution), estimated, off)
     assert made.resolution.slices == 2 * before
-    assert made.resolution.instants == estimated.resolution.instants
-    kept = ErrorEstimate(errors={"slices": {"friction": 0.9e-3}, "instants": {"friction": 0.0}})
+    assert made.resolution.n_positions == estimated.resolution.n_positions
+    kept = ErrorEstimate(errors={"slices": {"friction": 0.9e-3}, "n_positions": {"friction": 0.0}})
     assert refined(study, plan.assembly.at(estimated.resolution), estimated, kept) is None
 
 
 def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
-    off = ErrorEstimate(errors={"instants": {"friction": 4e-3}}, orders={"friction": 1.0})
+    off = ErrorEstimate(errors={"n_positions": {"friction": 4e-3}}, orders={"friction": 1.0})
     (said,) = error_warnings(plan, "effective-friction", off)
     # half of the tolerance at a quarter of the error, which falls with the order of the positions as the first power
     assert said == (
@@ -157,7 +157,7 @@ def test_slips_that_are_followed_are_to_be_more():
     assert followed.followed
     fake = SimpleNamespace(
         scene=evolve(load_scene("1032930-50C"), {"accuracy.tolerance": 1e-3}), studies={"effective-friction": followed},
-        estimated={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, instants=1))},
+        estimated={"effective-friction": SimpleNamespace(resolution=SimpleNamespace(slices=1, n_positions=1))},
     )  # fmt: skip
     (said,) = error_warnings(
         fake, "effective-friction", ErrorEstimate(errors={"slices": {"critical_slip": 4e-3}})
@@ -262,7 +262,7 @@ def test_the_check_of_a_result_is_foreseen_and_spent(monkeypatch):
     assert cost["estimated"] == made.seconds_of("effective-friction")
     assert cost["actual"] > 0.2
     motion, one_load = (settings(SCENE, name)[name] for name in ("dynamics", "raceway-friction"))
-    at = made.assembly.at(Resolution(instants=4))
+    at = made.assembly.at(Resolution(n_positions=4))
     assert [part.seconds for part in lines.check(motion, at, {"motion": 60.0})] == [_CHECK[0]]
     assert lines.check(one_load, at, {"run": 60.0}) == lines.check(motion, at, {}) == []
 

@@ -59,11 +59,11 @@ def law(length=0.015):
     return side, side
 
 
-def case(rings, Z=28, instants=4, **changes):
+def case(rings, Z=28, n_positions=4, **changes):
     values = {
         "radial_clearance": 0.0,
         "radial_load": 1037.0,
-        "psi": angular_positions(Z, instants),
+        "psi": angular_positions(Z, n_positions),
     } | changes
     return LoadCase(roller_length=0.015, drop=[0.0], rings=rings, **values)
 
@@ -74,8 +74,8 @@ def scene(**changes):
     )
 
 
-def loads(instants=4, **changes):
-    return assemble(scene(**changes)).load_distribution(instants)
+def loads(n_positions=4, **changes):
+    return assemble(scene(**changes)).load_distribution(n_positions)
 
 
 # The rings ------------------------------------------------------------------------------------------------------------
@@ -439,7 +439,7 @@ LOOSE = Stops(2 * np.pi * np.arange(72) / 72, 3e8 * R * 2 * np.pi / 72, 10e-6)
 )
 def test_at_rest_the_potential_is_least(rings):
     # one convex potential has one least: from anywhere, the way to the solution goes down all along
-    c = case(rings, instants=1, centrifugal_force=174.0)
+    c = case(rings, n_positions=1, centrifugal_force=174.0)
     s = solve_equilibrium(c, law())
     rest = s.deflection[0], s.displacement[0], s.roller_shift[0]
     least = energy(c, *rest)
@@ -535,7 +535,7 @@ def test_a_bearing_mirrors_its_loads_with_its_forms(waves, clearance, speed):
         Rings(RIGID, ring, tuple(waves)),
         radial_clearance=clearance,
         centrifugal_force=speed,
-        instants=2,
+        n_positions=2,
     )
     mirrored = tuple((n, a, -angle) for n, a, angle in waves)
     one = solve_equilibrium(c, law())
@@ -559,7 +559,7 @@ def test_without_load_a_form_that_is_turned_by_a_pitch_turns_its_loads(waves, cl
                 Rings(RIGID, bending(range(2, 7), seat=1e8), w),
                 radial_clearance=clearance,
                 radial_load=0.0,
-                instants=1,
+                n_positions=1,
             ),
             law(),
         ).inner_force
@@ -571,7 +571,7 @@ def test_without_load_a_form_that_is_turned_by_a_pitch_turns_its_loads(waves, cl
 def test_half_a_pitch_tells_of_the_other_only_where_forms_mirror_themselves():
     for angle, mirrored in ((np.pi / 2, True), (0.3, False)):
         rings = Rings(RIGID, bending(range(2, 7), seat=1e8), waves=((2, 2e-5, angle),))
-        c = case(rings, instants=6)
+        c = case(rings, n_positions=6)
         assert c.mirrored == mirrored
         pitch = solve_pitch(c, law())
         every = solve_equilibrium(c, law())
@@ -594,12 +594,12 @@ def test_friction_counts_all_rollers_of_forms_that_do_not_mirror_themselves():
     assert slip(0.4) == pytest.approx(other, rel=1e-3)
 
 
-def mean_friction(scene, instants, slip=0.01):
+def mean_friction(scene, n_positions, slip=0.01):
     """Pulls and forces of both rings over the instants of a pitch, (2, 2)."""
     made = assemble(scene)
-    raceways = LoadedRaceways(made, made.load_distribution(instants), "epicyclic")
+    raceways = LoadedRaceways(made, made.load_distribution(n_positions), "epicyclic")
     curve = raceways.evaluated(raceways.speeds(np.array([slip])))[0][:, 0]
-    force = np.array([raceways.inner.total, raceways.outer.total]) / instants
+    force = np.array([raceways.inner.total, raceways.outer.total]) / n_positions
     return np.array([curve * force, force])
 
 
@@ -662,13 +662,13 @@ def test_friction_of_a_form_that_turns_is_the_mean_over_all_turns_and_instants(f
 
 
 @pytest.mark.parametrize(
-    ("instants", "rollers", "periods", "least"),
+    ("n_positions", "rollers", "periods", "least"),
     [(64, 28, 1, 30), (64, 14, 2, 20), (128, 28, 2, 45)],
 )
-def test_instants_take_no_long_wave_for_a_constant(instants, rollers, periods, least):
+def test_instants_take_no_long_wave_for_a_constant(n_positions, rollers, periods, least):
     """Waves n of the pitch and s of the form's period against the load, summed over the instants."""
-    phase = np.arange(instants) / instants
-    turned = _lattice(instants, rollers, periods, 1) * periods / (2.0 * np.pi)
+    phase = np.arange(n_positions) / n_positions
+    turned = _lattice(n_positions, rollers, periods, 1) * periods / (2.0 * np.pi)
     for n in range(least // 10 + 1):
         for s in range(-least, least + 1):
             if 0 < 10 * n + abs(s) < least:
@@ -700,7 +700,7 @@ def test_a_form_that_turns_moves_the_friction_that_is_told_and_converges():
         "study.effective-friction.map_points": 0,
     }
     result = run(scene(**changes), "effective-friction")
-    assert result.attrs["instants"] >= 4
+    assert result.attrs["n_positions"] >= 4
     round_one = {key: value for key, value in changes.items() if "form" not in key}
     other = run(scene(**round_one), "effective-friction")
     assert (
@@ -1054,7 +1054,7 @@ def test_a_plan_tells_by_how_much_loads_of_round_rings_change(outside, clearance
 def drag(**changes):
     made = plan(scene(**changes), "effective-friction")
     assembly = made.assemblies["effective-friction"]
-    return made.studies["effective-friction"].skidding_onset(assembly, assembly.resolution.instants).drag
+    return made.studies["effective-friction"].skidding_onset(assembly, assembly.resolution.n_positions).drag
 
 
 @pytest.mark.parametrize("outside", [None, 0.21])
@@ -1280,7 +1280,7 @@ def newton(c, starts):
     ids=["seat", "free", "loose"],
 )
 def test_400_random_starts_end_in_one_equilibrium(rings):
-    c = case(rings, instants=1, centrifugal_force=174.0)
+    c = case(rings, n_positions=1, centrifugal_force=174.0)
     rest = solve_equilibrium(c, law())
     rng = np.random.default_rng(2)
     size = 10.0 ** rng.uniform(-6, -3, size=(400, 1))

@@ -256,14 +256,14 @@ def registered():
 @pytest.mark.quick
 @pytest.mark.usefixtures("registered")
 def test_an_account_of_a_stranger_takes_the_place_of_the_plain_one(tmp_path):
-    dataset = strangers(grade="steep", instants=3)
+    dataset = strangers(grade="steep", n_positions=3)
     account = account_of(dataset)
     assert account_of(dataset).lines(dataset) == ["there is grip"]
     assert account.paragraph(dataset) == "There is grip."
     assert account.record(dataset) == {}
     assert save_plots(dataset, tmp_path) == []
     write_report(
-        {"grip": dataset, "silent": xr.Dataset(attrs={"study": "silent", "instants": 4})},
+        {"grip": dataset, "silent": xr.Dataset(attrs={"study": "silent", "n_positions": 4})},
         {},
         tmp_path / "r",
     )

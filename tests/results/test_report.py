@@ -541,7 +541,7 @@ def test_captions_are_escaped(results, tmp_path):
     ET.fromstring(html)
 
 
-@pytest.mark.parametrize("missing", [*provenance(), "closure", "instants", "ring"])
+@pytest.mark.parametrize("missing", [*provenance(), "closure", "n_positions", "ring"])
 def test_a_missing_attribute_leaves_its_part_out(results, tmp_path, missing):
     datasets = {name: dataset.assign_attrs(provenance()) for name, dataset in results.items()}
     for dataset in datasets.values():

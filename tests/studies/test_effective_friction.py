@@ -52,7 +52,7 @@ def contact_friction(assembly, ring, force, sliding, rolling):
 def test_it_is_the_mean_by_force_over_loaded_rollers_and_instants(closure):
     assembly = assemble(STRAIGHT)
     result = curve(STRAIGHT, closure=closure)
-    loads = assembly.load_distribution(result.attrs["instants"])
+    loads = assembly.load_distribution(result.attrs["n_positions"])
     k = assembly.kinematics
     slip = float(result.cage_slip[15])
     speeds = k.surface_speeds(
@@ -182,10 +182,10 @@ def test_the_instants_have_converged_and_the_estimate_is_honest():
     result = curve(STRAIGHT)
     fine = evolve(STRAIGHT, {"accuracy.tolerance": 1e-6})
     exact = curve(fine)
-    assert exact.attrs["instants"] > result.attrs["instants"]
+    assert exact.attrs["n_positions"] > result.attrs["n_positions"]
     scale = np.abs(exact.effective_friction).max("cage_slip")
     error = float((np.abs(result.effective_friction - exact.effective_friction) / scale).max())
-    assert error <= result.attrs["instants_error"] <= 1e-3
+    assert error <= result.attrs["positions_error"] <= 1e-3
 
 
 @pytest.mark.quick
@@ -241,7 +241,7 @@ def test_the_first_of_two_maxima_is_told_where_the_critical_slip_is():
     assert first < 0.02 < 0.7 < critical
     fine = np.linspace(0.8 * first, 1.2 * first, 41)
     raceways = EffectiveFriction(closure=result.attrs["closure"]).loaded(
-        assemble(scene), result.attrs["instants"]
+        assemble(scene), result.attrs["n_positions"]
     )
     friction = raceways.curve(fine)[0]
     assert fine[np.argmax(friction)] == pytest.approx(first, rel=0.01)
@@ -289,7 +289,7 @@ def test_more_load_gives_less_slip(load, factor):
         result = curve(scene, points=7, max_cage_slip=0.1)
         forces = (
             assemble(scene)
-            .load_distribution(result.attrs["instants"])
+            .load_distribution(result.attrs["n_positions"])
             .inner_force.sum(axis=1)
             .mean()
         )
@@ -416,10 +416,10 @@ def plainly(assembly, loads, speeds, orbit=1.0):
 @pytest.mark.parametrize(
     "changes", [{}, {"operation.misalignment": "0.3 mrad"}, {"bearing.rollers": 27}], ids=str
 )
-@pytest.mark.parametrize("instants", [1, 2, 3])
-def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(changes, instants):
+@pytest.mark.parametrize("n_positions", [1, 2, 3])
+def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(changes, n_positions):
     assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 21} | changes))
-    loads = assembly.load_distribution(instants)
+    loads = assembly.load_distribution(n_positions)
     raceways = LoadedRaceways(assembly, loads, "epicyclic")
     slip = np.array([0.02, 0.3])
     curve, film = raceways.evaluated(raceways.speeds(slip))
@@ -531,7 +531,7 @@ def evaluated(**changes):
     scene = evolve(load_scene("1032930-70C"), small | changes)
     passes = []
     assembly = assemble(scene).with_bounds(lambda slices: passes.append(len(slices)))
-    EffectiveFriction(closure="epicyclic", points=21, map_points=0, skidding_range=0.0).at_instants(
+    EffectiveFriction(closure="epicyclic", points=21, map_points=0, skidding_range=0.0).at_positions(
         assembly, 2
     )
     # how many locating the maximum takes is up to the rounding of the loads, but for its bound on each ring
@@ -553,10 +553,10 @@ def test_memory_is_that_of_the_loads():
     """Peak of the whole study below three times inner_load and outer_load, which it holds, and the tables of slices."""
     assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 401}))
     study = EffectiveFriction(closure="epicyclic", points=11, map_points=5, skidding_range=0.0)
-    study.at_instants(assembly, 2)  # xarray is loaded
+    study.at_positions(assembly, 2)  # xarray is loaded
     tracemalloc.start()
     try:
-        study.at_instants(assembly, 16)
+        study.at_positions(assembly, 16)
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
@@ -584,7 +584,7 @@ def test_the_curve_of_free_rollers_does_not_depend_on_the_slips_that_are_asked_f
     assembly = assemble(one)
     slices = 16 if assembly.slices > 1 else 1
     assembly = assembly.at(
-        attrs.evolve(assembly.resolution, slices=slices, quadrature="equal", instants=8)
+        attrs.evolve(assembly.resolution, slices=slices, quadrature="equal", n_positions=8)
     )
     few, many = (slip_grid(study.max_cage_slip, points) for points in (26, 201))
     expected = study.loaded(assembly, 8).curve(many)[:, ::8]

@@ -33,12 +33,12 @@ HARD = {
 }
 
 
-def few(scene, instants=1):
+def few(scene, n_positions=1):
     """Few slices; so few instants that every study takes the least on which rollers are followed."""
     made = assemble(scene)
     slices = min(8, made.slices)
     return made.at(
-        attrs.evolve(made.resolution, slices=slices, quadrature="equal", instants=instants)
+        attrs.evolve(made.resolution, slices=slices, quadrature="equal", n_positions=n_positions)
     )
 
 

@@ -123,7 +123,7 @@ def run(scene, *laws, **changes):
 def smallest(scene, drag):
     """Smallest steady slip of a scene."""
     assembly = assemble(dragged(scene, drag))
-    balance = TorqueBalance(assembly, assembly.cage.drags, instants=2)
+    balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=2)
     return balance.way().steady(balance.drag)[0].slip
 
 
@@ -144,7 +144,7 @@ def test_linear_traction_between_equal_rollers_is_that_by_hand(inertia):
     """Both contacts share the sliding (R_i + R_o) w_ce S_c as resistors in series."""
     assembly = bearing(EVEN, Linear())
     k = assemble(EVEN).kinematics
-    balance = TorqueBalance(assembly, NO_DRAGS, instants=2, inertia=inertia)
+    balance = TorqueBalance(assembly, NO_DRAGS, n_positions=2, inertia=inertia)
     arms = k.inner_radius + k.outer_radius
     for slip in (1e-6, 0.01, 0.3, 0.9):
         inner, outer = even_forces(assembly, slip)
@@ -163,7 +163,7 @@ def test_rolling_resistance_holds_the_rollers_and_drives_and_brakes_the_cage_as_
     resistance = 20.0 * 0.015
     assembly = bearing(EVEN, Linear(), Resisting(20.0))
     k = assembly.kinematics
-    balance = TorqueBalance(assembly, NO_DRAGS, instants=2)
+    balance = TorqueBalance(assembly, NO_DRAGS, n_positions=2)
     assert not balance.rolls_freely
     for slip in (0.0, 0.1):
         Qi, Qo = even_forces(assembly, slip)
@@ -223,8 +223,8 @@ def test_linear_traction_on_a_loaded_bearing_is_the_solution_of_its_linear_equat
     start = zero / (1.0 - (one - zero))
     want = 28 * orbit(start)[1] / (2 * np.pi)
     errors = []
-    for instants in (2, 4, 8):
-        found = TorqueBalance(assembly, NO_DRAGS, instants=instants).orbit(slip)
+    for n_positions in (2, 4, 8):
+        found = TorqueBalance(assembly, NO_DRAGS, n_positions=n_positions).orbit(slip)
         errors.append(abs(found.torque / want - 1.0))
         # the multiplier of a linear equation is exact up to the rule for the integral of the loads
         assert found.multiplier == pytest.approx(one - zero, rel=1e-2)
@@ -375,7 +375,7 @@ def test_a_steady_slip_is_the_mean_that_motion_in_time_keeps_and_comes_back_to()
     found = SteadySlip(points=12).run(assembly)
     slip = float(found.steady_slip[0])
     assert found.attrs["inertia_effect"] > 0.01, "the inertia of the rollers takes part"
-    roller_slip = found.roller_slip[0].to_numpy()[:: found.attrs["instants"]]
+    roller_slip = found.roller_slip[0].to_numpy()[:: found.attrs["n_positions"]]
 
     def mean(factor):
         return in_time(assembly, slip, factor, roller_slip, orbits=40, kept=10) / slip
@@ -390,7 +390,7 @@ def test_an_unstable_slip_is_one_that_motion_in_time_leaves_to_either_side():
     found = run(scene, points=12)
     assert found.stable.values.tolist() == [1, 0]
     slip = float(found.steady_slip[1])
-    roller_slip = found.roller_slip[1].to_numpy()[:: found.attrs["instants"]]
+    roller_slip = found.roller_slip[1].to_numpy()[:: found.attrs["n_positions"]]
     ends = [
         in_time(assemble(scene), slip, f, roller_slip, orbits=6, kept=1) / slip
         for f in (0.95, 1.05)
@@ -432,7 +432,7 @@ def test_a_motion_that_leaves_the_maximum_of_its_torque_is_found_from_afar(oil, 
     keys = ("viscosity_factor", "pressure_viscosity_factor", "eyring_stress", "shear_modulus")
     changes = {f"lubricant.{key}": value for key, value in zip(keys, oil, strict=True)}
     assembly = assemble(evolve(load_scene("1032930-70C"), changes)).with_resistance()
-    afar, near = (TorqueBalance(assembly, assembly.cage.drags, instants=2) for _ in range(2))
+    afar, near = (TorqueBalance(assembly, assembly.cage.drags, n_positions=2) for _ in range(2))
     for slip in known:
         afar.orbit(slip)
     for slip in (0.5, 0.7, 0.8, 0.85, 0.88, 0.89):
@@ -451,12 +451,12 @@ def test_without_inertia_it_is_the_free_roller_of_effective_friction():
     slip = 0.2
     curve = EffectiveFriction(
         closure="free-roller", max_cage_slip=slip, points=5, map_points=0
-    ).at_instants(assembly, 4)
+    ).at_positions(assembly, 4)
     loads = assembly.load_distribution(4)
     forces = [one.sum(axis=1).mean() for one in (loads.inner_force, loads.outer_force)]
     pulls = curve.effective_friction[:, -1].to_numpy() * forces
     want = k.inner_radius * pulls[0] + k.outer_radius * pulls[1]
-    assert TorqueBalance(assembly, NO_DRAGS, instants=4, inertia=False).torque(
+    assert TorqueBalance(assembly, NO_DRAGS, n_positions=4, inertia=False).torque(
         slip
     ) == pytest.approx(want, rel=1e-6)
 
@@ -505,7 +505,7 @@ def test_mirrored_rotation_and_a_driving_outer_ring_slip_alike(direction):
     for driven in ({"operation.inner_speed": f"{direction * 6371} rpm"}, OUTER_DRIVEN[direction]):
         scene = dragged(evolve(STRAIGHT, driven), brake(0.1))
         assembly = assemble(scene)
-        balance = TorqueBalance(assembly, assembly.cage.drags, instants=2)
+        balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=2)
         there = assemble(
             evolve(
                 scene,
@@ -515,7 +515,7 @@ def test_mirrored_rotation_and_a_driving_outer_ring_slip_alike(direction):
         assert balance.drag(0.1) == pytest.approx(-0.1, rel=1e-9)
         assert balance.torque(0.1) > 0.0
         assert balance.torque(0.1) == pytest.approx(
-            TorqueBalance(there, NO_DRAGS, instants=2).torque(0.1), rel=1e-9
+            TorqueBalance(there, NO_DRAGS, n_positions=2).torque(0.1), rel=1e-9
         )
 
 
@@ -529,7 +529,7 @@ def test_pocket_friction_brakes_the_spin_by_the_force_that_carries_the_roller():
     """Equal rollers, linear traction: G = r (F_i - F_o) - mu_p r/R_m |R_i F_i + R_o F_o + r (F_i - F_o)| = 0."""
     pocket = {"model": "pocket-friction", "coefficient": 0.2}
     assembly = bearing(dragged(EVEN, brake(0.1), pocket), Linear())
-    balance = TorqueBalance(assembly, assembly.cage.drags, instants=2)
+    balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=2)
     k = assembly.kinematics
     slip = 0.1
     orbit = balance.orbit(slip)
@@ -621,7 +621,7 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
     on = found.radial_load_slip.to_numpy()
     for k in (1, on.size // 2, -2):
         assembly = assemble(evolve(scene, {"operation.radial_load": float(found.radial_load[k])}))
-        balance = TorqueBalance(assembly, assembly.cage.drags, instants=found.attrs["instants"])
+        balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=found.attrs["n_positions"])
         assert balance.excess(float(on[k])) == pytest.approx(0.0, abs=2e-5)
         assert (
             balance.excess(on[k] * 1.001) > balance.excess(on[k] * 0.999)
@@ -818,7 +818,7 @@ def test_slow_bearings_with_films_that_break_are_solved(speed):
     found = run(scene)
     assert found.stability[0].item() == "stable"
     assembly = assemble(scene)
-    balance = TorqueBalance(assembly, assembly.cage.drags, instants=found.attrs["instants"])
+    balance = TorqueBalance(assembly, assembly.cage.drags, n_positions=found.attrs["n_positions"])
     for slip in found.steady_slip.to_numpy():
         assert balance.excess(float(slip)) == pytest.approx(0.0, abs=1e-6)
 
@@ -831,7 +831,7 @@ def test_films_are_weighed_by_the_force_of_every_slice():
     light = np.zeros(2)
     for k, slip in enumerate(result.steady_slip.to_numpy()):
         speed = assembly.kinematics.epicyclic_cage_speed * (1.0 - slip)
-        loads = assembly.load_distribution(result.attrs["instants"], speed)
+        loads = assembly.load_distribution(result.attrs["n_positions"], speed)
         order = np.argsort(loads.psi.ravel())
         speeds = assembly.kinematics.surface_speeds(slip, result.roller_slip[k].to_numpy())
         for ring, (raceway, load, u) in enumerate(

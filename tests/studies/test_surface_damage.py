@@ -131,7 +131,7 @@ def test_laminae_are_added_until_the_worst_is_within_the_tolerance(k):
     taken = json.loads(found.attrs["resolution"])
     assert taken["slices"] > few.slices
     study = made.studies["surface-damage"]
-    whole = attrs.evolve(few, slices=4 * taken["slices"] + 1, instants=25)
+    whole = attrs.evolve(few, slices=4 * taken["slices"] + 1, n_positions=25)
     exact = study.run(assemble(scene, whole))
     before = study.run(assemble(scene, few))
     claimed = accuracy_of(found)

@@ -621,11 +621,11 @@ def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
     given = {key: settled[part] for key, part in ROLES.items()}
     planned = made.estimated["thermal-balance"].resolution
     there = assemble(
-        evolve(scene, given | {"models.thermal": "given"}), attrs.evolve(planned, instants=201)
+        evolve(scene, given | {"models.thermal": "given"}), attrs.evolve(planned, n_positions=201)
     )
     exact = made.studies["thermal-balance"].run(there)
     assert found.loss.sum() == pytest.approx(exact.given_loss.item(), rel=1e-3)
-    assert json.loads(found.attrs["resolution"])["instants"] > planned.instants
+    assert json.loads(found.attrs["resolution"])["n_positions"] > planned.n_positions
 
 
 def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():

@@ -644,9 +644,9 @@ def exact_law(subject, radius):
     )
 
 
-def load_case(slices=1, instants=1, **changes):
+def load_case(slices=1, n_positions=1, **changes):
     given = {"radial_clearance": 0.0, "radial_load": FORCE} | changes
-    return LoadCase(angular_positions(ROLLERS, instants), LENGTH, np.zeros(slices), **given)
+    return LoadCase(angular_positions(ROLLERS, n_positions), LENGTH, np.zeros(slices), **given)
 
 
 def one_roller(subject, verdict):
@@ -1095,7 +1095,7 @@ def judge_numbers(subject, verdict, result, assembly):
                         float(result.friction[i, j]), expected, ALIKE, f"{force} N at {slip}"
                     )
             return
-        loads = assembly.load_distribution(result.attrs["instants"])
+        loads = assembly.load_distribution(result.attrs["n_positions"])
         for j in (1, result.cage_slip.size - 1):
             slip = mpf(float(result.cage_slip[j]))
             speeds = exact_speeds_of(assembly, slip, mpf(0) if variant == "epicyclic" else None)

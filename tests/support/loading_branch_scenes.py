@@ -115,14 +115,14 @@ def wide(number):
 def balance(scene, *, slices=12, positions=56, inertia=True):
     """Its balance of torques, at the fewest instants with so many positions."""
     made = assemble(scene)
-    instants = -(-positions // scene.bearing.rollers)
-    few = made.at(attrs.evolve(made.resolution, slices=min(slices, made.slices), instants=instants))
+    n_positions = -(-positions // scene.bearing.rollers)
+    few = made.at(attrs.evolve(made.resolution, slices=min(slices, made.slices), n_positions=n_positions))
     resisting = few.with_resistance()
-    return TorqueBalance(resisting, resisting.cage.drags, instants=instants, inertia=inertia)
+    return TorqueBalance(resisting, resisting.cage.drags, n_positions=n_positions, inertia=inertia)
 
 
 def finer(one, times):
     """The same with so many times the positions."""
     return TorqueBalance(
-        one.assembly, one.drags, instants=times * one.instants, inertia=one.inertia
+        one.assembly, one.drags, n_positions=times * one.n_positions, inertia=one.inertia
     )

@@ -16,7 +16,7 @@ from rollslip.bearing.equilibrium import solve_equilibrium
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.scene.changes import evolve
 
-INSTANTS = 4  # of a roller pitch, as study raceway-friction takes
+N_POSITIONS = 4  # of a roller pitch, as study raceway-friction takes
 
 
 class MeanRoller:
@@ -25,7 +25,7 @@ class MeanRoller:
     def __init__(self, scene):
         self.scene, self.assembly = scene, assemble(scene).with_resistance()
         self.at = functools.cache(self._at)
-        self.case = self.assembly.load_case(INSTANTS)
+        self.case = self.assembly.load_case(N_POSITIONS)
         k = self.assembly.kinematics
         self.Ri = k.inner_radius
         self.Ro = k.outer_radius
@@ -58,8 +58,8 @@ class MeanRoller:
         for of, V, u in zip(contacts, (a - c, c - b), (0.5 * (a + c), 0.5 * (b + c)), strict=True):
             film = np.hypot(u, 1e-3)
             friction = of.friction(film, abs(V))
-            found.append(np.sign(V) * float(friction @ of.force) / INSTANTS)
-            found.append(float(of.slices.resistance @ of.width) / INSTANTS * u / film)
+            found.append(np.sign(V) * float(friction @ of.force) / N_POSITIONS)
+            found.append(float(of.slices.resistance @ of.width) / N_POSITIONS * u / film)
         return found
 
     def torques(self, w, c, W, wi, wo, contacts=None):
@@ -105,9 +105,9 @@ class MeanRoller:
         u = 0.5 * (self.Ri * (wi - w) + self.Ro * (w - wo))
         slides = u * np.geomspace(1e-3, 4.0, 60)
         inner, outer = (
-            max(float(of.friction(u, V) @ of.force) for V in slides) / INSTANTS for of in contacts
+            max(float(of.friction(u, V) @ of.force) for V in slides) / N_POSITIONS for of in contacts
         )
-        own = [float(of.slices.resistance @ of.width) / INSTANTS for of in contacts]
+        own = [float(of.slices.resistance @ of.width) / N_POSITIONS for of in contacts]
         most = min(outer, inner - sum(own))
         return self.Ri * (most + 2.0 * own[0] + own[1]) + self.Ro * (most - own[1])
 

@@ -168,7 +168,7 @@ def finer(study, one, own, times):
         own,
         slices=1 if straight else min(max(times * own.slices, 96) + 1, 4001),
         quadrature="gauss",
-        instants=min(max(times * (own.instants or 1), 24) + 1, 2047),
+        n_positions=min(max(times * (own.n_positions or 1), 24) + 1, 2047),
         traction="named",
         boundary=True,
     )
@@ -183,7 +183,7 @@ def work(made):
     own = made.estimated[STUDY].resolution
     spins = 12 * 4 if study.closure == "free-roller" else 1
     slices = 1 if made.assembly.slices == 1 else own.slices
-    return 16 * slices * (own.instants or 1) * made.scene.bearing.rollers * study.points * spins
+    return 16 * slices * (own.n_positions or 1) * made.scene.bearing.rollers * study.points * spins
 
 
 def judge(one):
@@ -199,7 +199,7 @@ def judge(one):
         study = made.studies[STUDY]
         planned = made.estimated[STUDY].resolution
         taken = json.loads(result.attrs["resolution"])
-        own = attrs.evolve(planned, slices=taken["slices"], instants=taken["instants"])
+        own = attrs.evolve(planned, slices=taken["slices"], n_positions=taken["n_positions"])
         for times in (4, 8):
             actual = errors_between(study.judged, result, finer(study, one, own, times))
             if not CLOSE[0] <= max(actual.values()) / one.accuracy.tolerance <= CLOSE[1]:

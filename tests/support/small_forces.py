@@ -6,10 +6,10 @@ import numpy as np
 from rollslip.bearing.equilibrium import solve_equilibrium
 
 
-def by_differences(assembly, speed, instants):
+def by_differences(assembly, speed, n_positions):
     """Inverse of what the ring yields to forces along and across its load, which turn the load a little."""
     case = attrs.evolve(
-        assembly.load_case(instants), centrifugal_force=assembly.centrifugal_force_at(speed)
+        assembly.load_case(n_positions), centrifugal_force=assembly.centrifugal_force_at(speed)
     )
     F = case.radial_load
 

@@ -43,7 +43,7 @@ def run(quick=False):
             for name, sizes in (
                 ("slices", (10, 30, 100, 300, 1000)),
                 ("rollers", (5, 16, 50, 160, 500)),
-                ("instants", (1, 4, 16, 64, 256)),
+                ("n_positions", (1, 4, 16, 64, 256)),
             )
         ),
     ):

@@ -113,10 +113,10 @@ def bearing():
     return assemble(evolve(load_scene("1032930-70C"), {"models.contact": "iso16281"}))
 
 
-def case(clearance, tilt=0.0, *, rollers=ROLLERS, slices=SLICES, instants=1, load=3415.0):
+def case(clearance, tilt=0.0, *, rollers=ROLLERS, slices=SLICES, n_positions=1, load=3415.0):
     """A bearing with the profile of ISO/TS 16281."""
     drop = profile_drop("iso16281", slice_positions(LENGTH, slices), LENGTH, DIAMETER)
-    psi = angular_positions(rollers, instants)
+    psi = angular_positions(rollers, n_positions)
     return LoadCase(
         psi, LENGTH, drop, radial_clearance=clearance, radial_load=load, misalignment=tilt
     )

@@ -80,7 +80,7 @@ HEADER = [
     "number",
     "off",
     "slices",
-    "instants",
+    "n_positions",
     "verdict",
     "seconds",
 ]
@@ -118,7 +118,7 @@ def finer(assembly, own, result, once=TIMES):
         own,
         slices=once * own.slices + 1 if assembly.slices > 1 else 1,
         quadrature="gauss",
-        instants=once * int(result.attrs["instants"]) + 1,
+        n_positions=once * int(result.attrs["n_positions"]) + 1,
         table_tolerance=own.table_tolerance / once**2,
         traction="named",
         boundary=True,
@@ -181,7 +181,7 @@ def judged(k, *, dear=False):
     study = made.studies[name]
     own = made.estimated[name].resolution
     taken = json.loads(result.attrs["resolution"])
-    own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
+    own = attrs.evolve(own, slices=taken["slices"], n_positions=taken["n_positions"])
     slices = f"{own.slices} {own.quadrature}"
 
     def held(times):
@@ -196,12 +196,12 @@ def judged(k, *, dear=False):
         elif dear:
             worst, off, most, verdict = compared(one, result, held(TIMES))
     except RollslipError as error:
-        return [k, str(error)[:120], "", "", "", "", slices, own.instants, "no reference"]
+        return [k, str(error)[:120], "", "", "", "", slices, own.n_positions, "no reference"]
     if not by_few and (CLOSE[0] <= off <= CLOSE[1] or verdict == "silent"):
         with contextlib.suppress(RollslipError, TooDearError):  # that of the first stands
             worst, off, most, verdict = compared(one, result, held(TWICE))
     what = described(one, name)
-    shown = f"{off * most:.1e}", slices, own.instants, verdict
+    shown = f"{off * most:.1e}", slices, own.n_positions, verdict
     return [k, what, f"{one.accuracy.tolerance:.1e}", f"{claim(result):.1e}", worst, *shown]
 
 

@@ -313,14 +313,14 @@ def damages(k, slip=0.1):
         yield "", result.status.item()[:100], "", "", "", "no slip"
         return
     own = made.estimated["surface-damage"].resolution
-    planned = own.instants
+    planned = own.n_positions
     taken, claimed = (json.loads(result.attrs[name]) for name in ("resolution", "accuracy"))
     claims = {row["result"]: row["found"] for row in claimed}
-    own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
-    most = max(taken["instants"], 3 * planned)
+    own = attrs.evolve(own, slices=taken["slices"], n_positions=taken["n_positions"])
+    most = max(taken["n_positions"], 3 * planned)
 
     def finer_by(times):
-        fine = finer(made.assembly, own, result.assign_attrs(instants=most), times)
+        fine = finer(made.assembly, own, result.assign_attrs(n_positions=most), times)
         return made.studies["surface-damage"].run(assemble(scene, fine))
 
     try:

@@ -43,7 +43,7 @@ SLOW = 1e-2
 #: Columns of their slips; steady slips stand beside them, and half of what turns of the stiffest ones differ by.
 SLIPS = tuple(f"slip_{stiffness:.0e}" for stiffness in STIFFNESSES)
 #: Angles at which loads are known, turns of the train, and after how many its speed is taken.
-INSTANTS = 18
+N_POSITIONS = 18
 TURNS = 5
 FIRST = 2
 BEARINGS = "NCF2210V", "NCF3010V"
@@ -78,7 +78,7 @@ def steady(name, friction, drag):
     balance = TorqueBalance(
         assembly,
         Drags(torques=(ConstantTorque(size=drag),)),
-        instants=INSTANTS,
+        n_positions=N_POSITIONS,
         effective=(Straight(), Straight()),
     )
     assert isinstance(balance.motions, Motions)
@@ -125,7 +125,7 @@ class Rollers:
         self.ahead, self.behind = (np.roll(np.arange(self.Z), shift) for shift in (-1, 1))
         self.turn = 2.0 * math.pi * (self.ahead == 0)
         motions = TorqueBalance(
-            assembly, Drags(), instants=INSTANTS, effective=(Straight(), Straight())
+            assembly, Drags(), n_positions=N_POSITIONS, effective=(Straight(), Straight())
         ).motions
         rows = [
             (load * width).sum(axis=1)

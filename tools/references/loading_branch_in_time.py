@@ -130,11 +130,11 @@ class InTime:
         self.pitch = TURN / Z * np.arange(Z)
         self.tables = {}
         self.drag = lambda _: 0.0
-        instants = -(-ANGLES // Z)
-        psi = angular_positions(Z, instants).ravel()
+        n_positions = -(-ANGLES // Z)
+        psi = angular_positions(Z, n_positions).ravel()
         order = np.argsort(psi)
         speeds = k.epicyclic_cage_speed * np.sqrt(np.linspace(0.0, 1.0, SPEEDS))
-        inner, outer = orbit_loads(one.assembly, instants, speeds)
+        inner, outer = orbit_loads(one.assembly, n_positions, speeds)
         loads = (
             np.stack((inner[0], outer[0]))
             .reshape(2, SPEEDS, psi.size, -1)[:, :, order]

@@ -195,7 +195,7 @@ def judged(k):
         return refused(k, result.attrs["outcome_message"])
     own = made.estimated["dynamics"].resolution
     taken = json.loads(result.attrs["resolution"])
-    own = attrs.evolve(own, slices=taken["slices"], instants=taken["instants"])
+    own = attrs.evolve(own, slices=taken["slices"], n_positions=taken["n_positions"])
     study = made.studies["dynamics"].at(own)
     at = made.assembly.at(own)
     away = result.attrs["skidding_slip"]

@@ -20,7 +20,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip_kernels.slices import Slices
 
 SLICES = 15
-INSTANTS = 8
+N_POSITIONS = 8
 #: Scene, changes, and slips at which the torque is looked at.
 CASES = (
     ("1032930-50C", {}, np.arange(0.36, 0.481, 0.02)),
@@ -40,7 +40,7 @@ def torque(assembly, slip):
     J = 0.5 * b.material.density * math.pi * r * r * b.roller_length * r * r
     epicyclic = Ri * o.inner_speed / (Ri + Ro)
     wc = epicyclic * (1.0 - slip)
-    loads = assembly.load_distribution(INSTANTS, wc)
+    loads = assembly.load_distribution(N_POSITIONS, wc)
     order = np.argsort(loads.psi.ravel())
     models = [
         assembly.contact,
@@ -113,7 +113,7 @@ def main():
         for name, changes, slips in CASES:
             scene = evolve(load_scene(name), changes)
             fine = assemble(scene)
-            assembly = fine.at(attrs.evolve(fine.resolution, slices=SLICES, instants=INSTANTS))
+            assembly = fine.at(attrs.evolve(fine.resolution, slices=SLICES, n_positions=N_POSITIONS))
             torques = np.array([torque(assembly, slip) for slip in slips])
             print(name, changes, np.round(torques, 5))
             best = int(np.argmax(torques))

@@ -246,7 +246,7 @@ class Assembly:
 
     def load_distribution(
         self,
-        instants: int = 1,
+        n_positions: int = 1,
         cage_speed: float | None = None,
         known: LoadDistribution | None = None,
     ) -> LoadDistribution:
@@ -256,9 +256,9 @@ class Assembly:
         distribution, of half as many at this speed, are not solved for again.
         """
         if known is not None or cage_speed is not None:
-            return self._solved_loads(instants, cage_speed, known)
+            return self._solved_loads(n_positions, cage_speed, known)
         return self.kept_by_loads(
-            ("loads", instants), instants, lambda: self._solved_loads(instants, None, None)
+            ("loads", n_positions), n_positions, lambda: self._solved_loads(n_positions, None, None)
         )
 
     def kept(self, what: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
@@ -274,13 +274,13 @@ class Assembly:
         return found
 
     def kept_by_loads(
-        self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]
+        self, what: tuple[Hashable, ...], n_positions: int, make: Callable[[], _T]
     ) -> _T:
         """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.
 
         Where it is large it is made anew each time.
         """
-        if self.scene.bearing.rollers * instants * self.slices > _KEPT:
+        if self.scene.bearing.rollers * n_positions * self.slices > _KEPT:
             return make()
         key = (what, self._alike)
         if key not in self.known_loads:
@@ -289,21 +289,21 @@ class Assembly:
         return known
 
     def _solved_loads(
-        self, instants: int, cage_speed: float | None, known: LoadDistribution | None
+        self, n_positions: int, cage_speed: float | None, known: LoadDistribution | None
     ) -> LoadDistribution:
         force = (
             self.centrifugal_force if cage_speed is None else self.centrifugal_force_at(cage_speed)
         )
         if self.rings is not None and self.rings.turning:  # instants of half as many are others
             known = None
-        return solve_pitch(self.load_case(instants, force), self.raceways, known)
+        return solve_pitch(self.load_case(n_positions, force), self.raceways, known)
 
-    def load_case(self, instants: int, centrifugal_force: float = 0.0) -> LoadCase:
+    def load_case(self, n_positions: int, centrifugal_force: float = 0.0) -> LoadCase:
         """Return what the equilibrium is solved of, at instants spread over one roller pitch."""
         b = self.scene.bearing
         o = self.scene.operation
         return LoadCase(
-            angular_positions(b.rollers, instants),
+            angular_positions(b.rollers, n_positions),
             b.roller_length,
             self.drop,
             radial_clearance=b.radial_clearance,

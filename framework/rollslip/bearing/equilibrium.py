@@ -56,17 +56,17 @@ class Contacts(Protocol):
         """Approach -> load per length w and stiffness dw/dapproach; w rises."""
 
 
-def angular_positions(rollers: int, instants: int) -> Floats:
+def angular_positions(rollers: int, n_positions: int) -> Floats:
     """Angular positions of all rollers at instants spread evenly over one roller pitch.
 
     psi[m, j] = 2 pi (j + m / instants) / Z [rad], 0 in the line of load: after one pitch a bearing with equal rollers
     repeats itself.
     """
-    if rollers < 1 or instants < 1:
+    if rollers < 1 or n_positions < 1:
         raise ValueError(
-            f"{rollers} rollers at {instants} instants: there must be at least one of each"
+            f"{rollers} rollers at {n_positions} instants: there must be at least one of each"
         )
-    return 2.0 * np.pi / rollers * (np.arange(rollers) + np.arange(instants)[:, None] / instants)
+    return 2.0 * np.pi / rollers * (np.arange(rollers) + np.arange(n_positions)[:, None] / n_positions)
 
 
 def _array(value: object) -> Floats:
@@ -237,7 +237,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     ----------
     ISO/TS 16281:2008; ISO 5593 (clearance); T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
     """
-    instants, rollers = case.psi.shape
+    n_positions, rollers = case.psi.shape
     rings = case.rings
     if rings is None:
         shapes = 0
@@ -274,14 +274,14 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     if mirrored:
         widths[slices % 2 :] *= 2.0
     balance = {
-        "load": np.empty((2, instants, rollers, slices)),
-        "force": np.empty((2, instants, rollers)),
-        "ring": np.empty((instants, 2 + shapes)),
-        "residual": np.empty((instants, 2)),
-        "shift": np.empty((instants, rollers)),
-        "tip": np.empty((instants, rollers)),
-        "moment": np.empty(instants),
-        "passes": np.empty(instants),
+        "load": np.empty((2, n_positions, rollers, slices)),
+        "force": np.empty((2, n_positions, rollers)),
+        "ring": np.empty((n_positions, 2 + shapes)),
+        "residual": np.empty((n_positions, 2)),
+        "shift": np.empty((n_positions, rollers)),
+        "tip": np.empty((n_positions, rollers)),
+        "moment": np.empty(n_positions),
+        "passes": np.empty(n_positions),
     }
     stages = [ring.deflection.kernel.as_stage() for ring in contacts]
     tables = [Slices(max(rollers * xi.size, kernels.ROWS), ring.conditions) for ring in contacts]
@@ -300,7 +300,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         held=held,
         stops=stops,
         outer=split,
-        centrifugal=np.full(instants, case.centrifugal_force),
+        centrifugal=np.full(n_positions, case.centrifugal_force),
         reach=abs(case.radial_clearance)
         + float(np.ptp(case.drop))
         + case.roller_length * abs(case.misalignment)
@@ -325,7 +325,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     if not balance["residual"].max() <= _REQUIRED:  # nor if it is NaN
         slowest = np.count_nonzero(balance["passes"] == iterations)
         raise ConvergenceError(
-            f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {instants} instants: "
+            f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {n_positions} instants: "
             f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
             f"required {_REQUIRED:.0e}; {_REMEDY}"
         )

@@ -39,11 +39,11 @@ def _worst(parts: Collection[object]) -> dict[str, Any]:
 
 def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
     """Return loads at the instants of a case, some of them solved for, the others mirror images and those known."""
-    instants = case.psi.shape[0]
-    if known is not None and 2 * known.psi.shape[0] != instants:
-        raise ValueError(f"known are {known.psi.shape[0]} instants: of {instants} it must be half")
-    new = np.arange(instants) if known is None else np.arange(1, instants, 2)
-    last = instants // 2 if case.mirrored else instants
+    n_positions = case.psi.shape[0]
+    if known is not None and 2 * known.psi.shape[0] != n_positions:
+        raise ValueError(f"known are {known.psi.shape[0]} instants: of {n_positions} it must be half")
+    new = np.arange(n_positions) if known is None else np.arange(1, n_positions, 2)
+    last = n_positions // 2 if case.mirrored else n_positions
     solved = new[new <= last]
     images = new[new > last]
     if known is None and not images.size:
@@ -52,13 +52,13 @@ def over_pitch(case: Any, known: L | None, solve: Callable[[Any], L]) -> L:
 
     def whole_of(name: str) -> Floats:
         part: Floats = getattr(solution, name)
-        whole = np.empty((instants, *part.shape[1:]))
+        whole = np.empty((n_positions, *part.shape[1:]))
         if known is not None:
             whole[::2] = getattr(known, name)
         whole[solved] = part
         for image in images:
             whole[image] = (
-                whole[instants - image] if part.ndim == 1 else whole[instants - image, ::-1]
+                whole[n_positions - image] if part.ndim == 1 else whole[n_positions - image, ::-1]
             )
         if name == "displacement":
             whole[images] = whole[images, ::-1] * np.array(

@@ -34,7 +34,7 @@ COARSER_TABLES: Final = (
 _SLICES: Final = 101
 #: Slices and instants of the finest resolution.
 _FINEST_SLICES: Final = 801
-_FINEST_INSTANTS: Final = 128
+_REFERENCE_POSITIONS: Final = 128
 #: Tolerances of tables and of a step in time at the finest.
 _FINEST_TABLE: Final = 1e-7
 _FINEST_STEP: Final = 1e-9
@@ -55,7 +55,7 @@ class Resolution:
         default="equal", doc="where slices lie", validator=one_of("equal", "gauss")
     )
     #: Instants of a roller pitch; None to double them until the results stand still.
-    instants: int | None = parameter(
+    n_positions: int | None = parameter(
         default=None,
         doc="roller positions within a pitch",
         validator=attrs.validators.optional(at_least(1)),
@@ -96,7 +96,7 @@ class Resolution:
         return cls(
             slices=most.slices,
             quadrature=most.quadrature,
-            instants=max(one.instants or 1 for one in some),
+            n_positions=max(one.n_positions or 1 for one in some),
             table_tolerance=min(one.table_tolerance for one in some),
             integrator_tolerance=min(
                 (s for one in some if (s := one.integrator_tolerance) is not None), default=None
@@ -123,7 +123,7 @@ def finest(scene: Scene) -> Resolution:
     """
     return Resolution(
         slices=scene.accuracy.slices or _FINEST_SLICES,
-        instants=_FINEST_INSTANTS,
+        n_positions=_REFERENCE_POSITIONS,
         table_tolerance=_FINEST_TABLE,
         integrator_tolerance=_FINEST_STEP,
     )
@@ -138,7 +138,7 @@ def refined(scene: Scene, own: Resolution, step: float = 1.0) -> Resolution:
     return attrs.evolve(
         best,
         slices=scene.accuracy.slices or min(_FINER * own.slices, best.slices),
-        instants=min(_FINER * (own.instants or 1), best.instants or 1),
+        n_positions=min(_FINER * (own.n_positions or 1), best.n_positions or 1),
         table_tolerance=own.table_tolerance / _FINER**2,
         integrator_tolerance=max(step / _FINER**2, best.integrator_tolerance or 0.0),
     )

@@ -13,7 +13,7 @@ _COMMON: Final[Mapping[str, str]] = {
     **dict.fromkeys(("cost", "left", "planning", "quiet", "seconds", "wall_time"), "s"),
     **dict.fromkeys(
         ("accuracy", "beyond_the_range", "computed", "counts", "degrees_of_freedom", "done", "errors", "evaluations",
-         "instants_error", "known", "missing", "number", "points", "resolutions", "samples", "slices_error", "total",
+         "positions_error", "known", "missing", "number", "points", "resolutions", "samples", "slices_error", "total",
          "reserve to slipping", "slip", "unknown", "values", "weight", "writers"), "1"
     ),
     "friction torque": "N m",

@@ -81,7 +81,7 @@ def time_in_words(seconds: float, studies: Iterable[Study], assembly: Assembly) 
 def how_finely(resolution: Resolution) -> str:
     """Return of how many laminae and positions something is evaluated."""
     slices = resolution.slices
-    positions = resolution.instants or 1
+    positions = resolution.n_positions or 1
     fine = f"{slices} lamina{'e' * (slices != 1)} of a roller"
     return fine + f", {positions} roller positions within a pitch" * (positions > 1)
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
+def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
     """Return the quasi-static load distribution of a scene.
 
     Parameters
@@ -41,13 +41,13 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     import xarray as xr
 
     assembly = assemble(as_scene(scene))
-    loads = assembly.load_distribution(instants)
+    loads = assembly.load_distribution(n_positions)
 
     orbit = np.radians(np.arange(361.0))
     rings = assembly.rings
     sense = assembly.kinematics.direction
     psi = sense * loads.psi % (2.0 * np.pi)
-    shape = np.zeros((2, instants, orbit.size))
+    shape = np.zeros((2, n_positions, orbit.size))
     if rings is not None:
         m = rings.inner.stiffness.size
         shape[0] = -loads.deflection[:, :m] @ rings.inner.at(sense * orbit).T

@@ -302,7 +302,7 @@ def _scaled_parts(before: Plan, study: str, plan: Plan) -> tuple[Part, ...]:
     """Return the lines of a plan with a finer resolution for a study; costs grow with its numbers."""
     estimated = plan.estimated[study]
     few, many = (
-        one.slices * (one.instants or 1)
+        one.slices * (one.n_positions or 1)
         for one in (before.estimated[study].resolution, estimated.resolution)
     )
     seconds = {

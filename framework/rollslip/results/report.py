@@ -61,8 +61,8 @@ __all__ = ["is_report", "write_report"]
 
 #: Attributes of any study: what they are called in the table of numbers, and their units.
 _NUMBERS: Final = {
-    "instants": ("roller positions within a pitch", ""),
-    "instants_error": ("relative error left by the roller positions, estimated", "1"),
+    "n_positions": ("roller positions within a pitch", ""),
+    "positions_error": ("relative error left by the roller positions, estimated", "1"),
     "slices": ("laminae of a roller", ""),
     "slices_error": ("relative error left by the laminae, estimated", "1"),
     "force_residual": ("relative residual of the forces", "1"),

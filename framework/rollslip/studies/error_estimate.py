@@ -96,7 +96,7 @@ _FINER_SLICES: Final = 4
 #: Slices that a reference solution of more slices and positions has at least, as few may err alike.
 _SOME_SLICES: Final = 40
 #: Roller positions that it has at least where slices are fewer than these.
-_SOME_INSTANTS: Final = 9
+_SOME_POSITIONS: Final = 9
 #: Share of the tolerance above which that reference may agree by chance, so that another one is computed.
 _BEYOND_CHANCE: Final = 0.15
 #: How many times as many slips the reference solution goes along where a curve is followed from slip to slip.
@@ -153,7 +153,7 @@ class Curved:
         """Whether a curve is followed from slip to slip, so that it may depend on the slips on the way."""
         return False
 
-    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+    def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
         """Return its curves at some slips, on each of some numbers of instants, (k, curves, n).
 
         By curves the fewest slices and instants are found with the least work; a study may have none.
@@ -190,7 +190,7 @@ class Curved:
         has_values = (
             type(self).witnessed is not Curved.witnessed and not assembly.scene.accuracy.exact
         )
-        return assembly.resolution.instants is not None and (
+        return assembly.resolution.n_positions is not None and (
             has_values or self.curved(assembly) is not None
         )
 
@@ -242,13 +242,13 @@ class Probe:
         self._peaks = np.array(peaks).reshape(-1, 3).T
 
     def sample(
-        self, assembly: Assembly, *instants: int, small: Sequence[float] = ()
+        self, assembly: Assembly, *n_positions: int, small: Sequence[float] = ()
     ) -> list[Sample]:
         """Return curves and maxima on each of some numbers of positions, at small shares of the range of slips too."""
         slips = np.concatenate((self._slip, np.multiply(small, self._study.slip_range)))
         return [
             (curves, self._maxima(curves))
-            for curves in self._study.curves(assembly, slips, instants)
+            for curves in self._study.curves(assembly, slips, n_positions)
         ]
 
     def _maxima(self, curves: Array) -> Array:
@@ -381,14 +381,14 @@ def by_curves(
     """Choose the resolution of a study by its curves, on a ladder of few slices and roller positions."""
     if assembly.scene.accuracy.exact:
         return exactly(study, assembly)
-    estimated, probe, few = slices_and_instants(study, assembly, share)
+    estimated, probe, few = slices_and_positions(study, assembly, share)
     return _laws(estimated, study, probe, few, cheaper_laws)
 
 
 def exactly(study: Curved, assembly: Assembly) -> Estimated:
     """Return the finest of all, on as many positions as the curves are means over."""
     best = finest(assembly.scene)
-    return Estimated(resolution=best if study.averaged else attrs.evolve(best, instants=1))
+    return Estimated(resolution=best if study.averaged else attrs.evolve(best, n_positions=1))
 
 
 def with_tables(estimated: Estimated, assembly: Assembly, share: float) -> Estimated:
@@ -404,7 +404,7 @@ def with_tables(estimated: Estimated, assembly: Assembly, share: float) -> Estim
     )
 
 
-def slices_and_instants(
+def slices_and_positions(
     study: Curved, assembly: Assembly, share: float
 ) -> tuple[Estimated, Probe, Assembly]:
     """Choose slices and positions alone; return probe and bearing with few slices, by which that was done, too."""
@@ -414,16 +414,16 @@ def slices_and_instants(
     allowed = {name: _AIM * share * accuracy.of(name) for name in ("friction", "critical_slip")}
     few = few_slices(assembly)
     probe = Probe(study, few)
-    instants = 1
+    n_positions = 1
     left: Errors = {}
     if study.averaged:
         numbers = _INSTANTS if study.nested else _SINGLY
         bound = Bound.of(numbers, probe.sample(few, *numbers))
         each = {name: error / parts for name, error in allowed.items()}
-        instants = _whole(bound.needed(each), 1, best.instants)
-        left = bound.at(instants)
-    resolution = attrs.evolve(assembly.resolution, quadrature="equal", instants=instants)
-    errors = {"instants": left} if left else {}
+        n_positions = _whole(bound.needed(each), 1, best.n_positions)
+        left = bound.at(n_positions)
+    resolution = attrs.evolve(assembly.resolution, quadrature="equal", n_positions=n_positions)
+    errors = {"n_positions": left} if left else {}
     if assembly.slices > 1:
 
         def sampled(n: int, rule: str = "equal") -> Sample:
@@ -508,16 +508,16 @@ def by_doubling(
     if accuracy.exact or not judged:
         return Estimated(resolution=best if judged else assembly.resolution)
     few = attrs.evolve(
-        assembly.resolution, slices=accuracy.slices or _SLICES[0], quadrature="equal", instants=SOME
+        assembly.resolution, slices=accuracy.slices or _SLICES[0], quadrature="equal", n_positions=SOME
     )
 
     def solved(**number: Any) -> "xr.Dataset":
         return run(assembly.at(attrs.evolve(few, **number)))
 
-    starts = {"instants": 1}
+    starts = {"n_positions": 1}
     if assembly.slices > 1 and accuracy.slices is None:
         starts["slices"] = _SLICES[0]
-    numbers: dict[str, Any] = {"instants": 1}
+    numbers: dict[str, Any] = {"n_positions": 1}
     errors = dict[str, Errors]()
     for part, number in starts.items():
         if part not in acts:
@@ -595,7 +595,7 @@ class _Run:
         """Few slips at which curves are compared."""
         return Probe(self.curved, self.few)
 
-    def solution(self, at: Assembly, instants: int, *, dense: bool = False) -> Any:
+    def solution(self, at: Assembly, n_positions: int, *, dense: bool = False) -> Any:
         """Return curves on some positions: a dataset over all slips if the study has a short way to it, else a sample.
 
         Dense ones go along more slips than they give.
@@ -609,10 +609,10 @@ class _Run:
         if dense and (points := getattr(study, "points", 0)):
             study = study.evolved(points=DENSER * (points - 1) + 1)
             times = DENSER
-        case = study, at.at(attrs.evolve(at.resolution, instants=instants))
+        case = study, at.at(attrs.evolve(at.resolution, n_positions=n_positions))
         found = type(study).together([case], frozenset(study.judged.values()))
         if found is None or study.curves_of is None:
-            return self.probe.sample(at, instants)[0]
+            return self.probe.sample(at, n_positions)[0]
         return xr.Dataset(*found[0]).isel({study.curves_of.slip: slice(None, None, times)})
 
     def change(self, coarse: Any, fine: Any) -> Errors:
@@ -621,7 +621,7 @@ class _Run:
             return difference(coarse, fine)
         return errors_between(self.curved.judged, coarse, fine)
 
-    def of_slices(self, instants: int) -> Errors:
+    def of_slices(self, n_positions: int) -> Errors:
         """Return the errors of slices on some positions, by four times as many after Gauss's rule.
 
         Where a contact ends between slices their error falls with the square only on the whole, and twice as many may
@@ -632,15 +632,15 @@ class _Run:
             resolution, slices=_FINER_SLICES * resolution.slices, quadrature="gauss"
         )
         pair = self.assembly, self.assembly.at(many)
-        changes = self.change(*(self.probe.sample(at, instants)[0] for at in pair))
+        changes = self.change(*(self.probe.sample(at, n_positions)[0] for at in pair))
         if exceeding(changes, self.accuracy, _CLEAR):
-            changes = self.change(*(self.solution(at, instants) for at in pair))
+            changes = self.change(*(self.solution(at, n_positions) for at in pair))
         return {
             name: change / error_fraction(1, _FINER_SLICES, AT_ONCE)
             for name, change in changes.items()
         }
 
-    def of_instants(self, at: Assembly, orders: dict[str, float]) -> Errors:
+    def of_positions(self, at: Assembly, orders: dict[str, float]) -> Errors:
         """Return the errors of the positions by 2 m + 1 others, and put the orders with which they fall in a mapping.
 
         Of these only the one with a roller in the line of load is among the m of the run. Curves are compared over all
@@ -650,7 +650,7 @@ class _Run:
         that is not clearly below its tolerance is compared with half as many positions, too, for the order with which
         it falls: that says how much the reference itself leaves.
         """
-        m = self.assembly.resolution.instants or 1
+        m = self.assembly.resolution.n_positions or 1
         half = (m + 1) // 2
         least = _min_order(self.curved)
         reference = self.solution(at, 2 * m + 1, dense=self.curved.followed)
@@ -682,18 +682,18 @@ class _Run:
         errors = dict[str, Errors]()
         orders = dict[str, float]()
         found = ErrorEstimate(errors=errors, orders=orders, slices=self.assembly.slices)
-        m = self.assembly.resolution.instants or 1
+        m = self.assembly.resolution.n_positions or 1
         if self.assembly.slices > 1:
             errors["slices"] = self.of_slices(SOME)
         if self.curved.averaged:
-            errors["instants"] = self.of_instants(self.few, orders)
+            errors["n_positions"] = self.of_positions(self.few, orders)
         if self.accuracy.exact:
             return found
-        is_off = exceeding(errors.get("instants", {}), self.accuracy, _CLEAR) and exceeding(
+        is_off = exceeding(errors.get("n_positions", {}), self.accuracy, _CLEAR) and exceeding(
             found.total, self.accuracy
         )
         if is_off and self.few is not self.assembly:
-            errors["instants"] = self.of_instants(self.assembly, orders)
+            errors["n_positions"] = self.of_positions(self.assembly, orders)
         if "slices" in errors and m > SOME and exceeding(found.total, self.accuracy):
             errors["slices"] = self.of_slices(min(m, FEW))
         return found
@@ -710,7 +710,7 @@ class _Run:
         # curves that are followed from slip to slip hang on more than few slips
         compares = (
             bool(found.errors.get("slices"))
-            and "instants" in found.errors
+            and "n_positions" in found.errors
             and not self.curved.followed
         )
 
@@ -719,7 +719,7 @@ class _Run:
             changes = dict(self.study.witnessed(at, self.dataset))
             if of_curves:
                 samples = (
-                    self.probe.sample(one, one.resolution.instants or 1)[0]
+                    self.probe.sample(one, one.resolution.n_positions or 1)[0]
                     for one in (self.assembly, at)
                 )
                 changes = {**self.change(*samples), **changes}
@@ -728,25 +728,25 @@ class _Run:
                 for name, change in changes.items()
             }
 
-        more = 2 * (resolution.instants or 1) + 1
+        more = 2 * (resolution.n_positions or 1) + 1
         if resolution.slices < _SOME_SLICES:
-            more = max(more, _SOME_INSTANTS)
+            more = max(more, _SOME_POSITIONS)
         dense = math.ceil(
             (2.0 if resolution.quadrature == "gauss" else math.pi) * resolution.slices
         )
         twice = attrs.evolve(resolution, slices=max(dense, _SOME_SLICES), quadrature="gauss")
-        at_once = errors_by(attrs.evolve(twice, instants=more, **self.complete))
+        at_once = errors_by(attrs.evolve(twice, n_positions=more, **self.complete))
         # they may err as the run does by chance, and others hardly do as well
         if exceeding(at_once, self.accuracy, _BEYOND_CHANCE) and not exceeding(
             at_once, self.accuracy
         ):
             others = attrs.evolve(
-                resolution, slices=2 * resolution.slices + 1, instants=more + 1, **self.complete
+                resolution, slices=2 * resolution.slices + 1, n_positions=more + 1, **self.complete
             )
             at_once = combined((at_once, errors_by(others, of_curves=False)), max)
         alone = dict[str, Errors]()
         if exceeding(_without_jumps(at_once), self.accuracy):
-            finer = {"slices": twice, "instants": attrs.evolve(resolution, instants=more)}
+            finer = {"slices": twice, "n_positions": attrs.evolve(resolution, n_positions=more)}
             finer[LEFT_OUT] = attrs.evolve(resolution, **self.complete)
             parts = [part for part in (*found.errors, LEFT_OUT) if finer[part] != resolution]
             alone = {part: errors_by(finer[part]) for part in parts}
@@ -787,7 +787,7 @@ def estimate_error(
     )
     try:
         found = ErrorEstimate(
-            errors={part: {} for part in ("slices", "instants")[assembly.slices == 1 :]}
+            errors={part: {} for part in ("slices", "n_positions")[assembly.slices == 1 :]}
         )
         if curved is not None:
             found = run.of_parts()
@@ -903,4 +903,4 @@ def _without_jumps(errors: Errors) -> Errors:
 
 def numbers_of(resolution: Resolution) -> dict[str, int]:
     """Return how many slices and roller positions a resolution has."""
-    return {"slices": resolution.slices, "instants": resolution.instants or 1}
+    return {"slices": resolution.slices, "n_positions": resolution.n_positions or 1}

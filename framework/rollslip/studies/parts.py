@@ -57,7 +57,7 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
 def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -> list[Part]:
     """Return how the load is spread over rollers and instants, and which rollers carry nothing."""
     bearing = assembly.scene.bearing
-    instants = assembly.resolution.instants
+    n_positions = assembly.resolution.n_positions
     doubled = f"roller positions doubled until the curve moves by less than {assembly.scene.accuracy.tolerance:g}"
     loaded = int(np.count_nonzero(assembly.load_distribution(1).inner_force[0]))
     return [
@@ -65,7 +65,7 @@ def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -
             part="load distribution",
             choice="quasi-static equilibrium of ring and rollers",
             resolution=f"{bearing.rollers} rollers, "
-            + (f"{instants} roller positions within a pitch" if instants else doubled),
+            + (f"{n_positions} roller positions within a pitch" if n_positions else doubled),
             reason=f"one revolution is much shorter than the cage's transient; {why}",
             errors=errors,
             seconds=seconds,

@@ -53,7 +53,7 @@ AXES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "slices": "number of equal laminae",
         "quadrature": "points of Gauss and Legendre in their place",
-        "instants": "roller positions within a pitch",
+        "n_positions": "roller positions within a pitch",
         "table_tolerance": "error of tables",
         "integrator": "integrator",
         "integrator_tolerance": "relative tolerance of a step",
@@ -220,13 +220,13 @@ class Study(Curved, abc.ABC):
         """
         resolution = assembly.resolution
         few = attrs.evolve(
-            resolution, slices=min(resolution.slices, FEW), quadrature="equal", instants=1
+            resolution, slices=min(resolution.slices, FEW), quadrature="equal", n_positions=1
         )
         some = assembly.at(few)
         more = (
             assembly.slices
             / some.slices
-            * (resolution.instants or 1 if "instants" in self.acts else 1)
+            * (resolution.n_positions or 1 if "n_positions" in self.acts else 1)
         )
         return {"run": more * timed(partial(self.run, some), 1)}
 
@@ -243,7 +243,7 @@ class Study(Curved, abc.ABC):
         found = [parts.slices(assembly, errors.get("slices", {}), why)]
         if self.bearing_loads:
             found += parts.loads(
-                assembly, errors.get("instants", {}), why, left.pop("load distribution", None)
+                assembly, errors.get("n_positions", {}), why, left.pop("load distribution", None)
             )
         found += parts.friction(assembly, estimated)
         if "tables" in errors:

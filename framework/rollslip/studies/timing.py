@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 #: Few instants, and few points of curves, on which costs are measured.
-INSTANTS: Final = (1, 3)
+N_POSITIONS: Final = (1, 3)
 POINTS: Final = (5, 33)
 
 

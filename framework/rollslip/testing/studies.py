@@ -55,7 +55,7 @@ guidance = "outer"
 [accuracy]
 tolerance = 0.05
 """
-_COARSE: Final = Resolution(slices=5, instants=2, table_tolerance=0.05, integrator_tolerance=1e-4)
+_COARSE: Final = Resolution(slices=5, n_positions=2, table_tolerance=0.05, integrator_tolerance=1e-4)
 _TOLERANCES: Final = ("friction", "critical_slip", "cage_speed")
 
 
@@ -202,7 +202,7 @@ def check_it_gives_the_same_bits_twice(study: Study) -> None:
 @rule(Study)
 def check_what_does_not_act_changes_nothing(study: Study) -> None:
     """A choice that a study does not name among those that act on it is never varied: it is said to do nothing."""
-    for name, changed in (("slices", 8), ("instants", 3), ("table_tolerance", 0.01)):
+    for name, changed in (("slices", 8), ("n_positions", 3), ("table_tolerance", 0.01)):
         if name in study.acts:
             continue
         other = study.at(_COARSE).run(_assembly(**{name: changed}))

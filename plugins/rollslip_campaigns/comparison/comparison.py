@@ -247,7 +247,7 @@ def _at_one_resolution(
         for one in combinations.values()
         if one.plan is not None
     ]
-    planned = [one for one in chosen if one.instants is not None]
+    planned = [one for one in chosen if one.n_positions is not None]
     if not planned:
         return dict(combinations)
     most = Resolution.finest_of(planned)
@@ -255,7 +255,7 @@ def _at_one_resolution(
     def alike(plan: Plan) -> Plan:
         own = plan.estimated[study].resolution
         same = attrs.evolve(
-            own, slices=most.slices, quadrature=most.quadrature, instants=most.instants
+            own, slices=most.slices, quadrature=most.quadrature, n_positions=most.n_positions
         )
         return plan.at(study, same)
 
@@ -484,7 +484,7 @@ def _origin(
             warned.setdefault(warning, []).append(label)
     largest = [
         key
-        for key in ("instants_error", "slices_error", "force_residual", "moment_residual")
+        for key in ("positions_error", "slices_error", "force_residual", "moment_residual")
         if key in first
     ]
     return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | origin(

@@ -116,13 +116,13 @@ class Family:
                 for kind in ("numerical", "modelling", "film", "reference")
             }
             finest = self.of(study, "reference")[0].resolution
-            instants = (
-                f" and {finest.instants} roller positions" if (finest.instants or 1) > 1 else ""
+            n_positions = (
+                f" and {finest.n_positions} roller positions" if (finest.n_positions or 1) > 1 else ""
             )
             lines.append(
                 f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
                 f"{self.rounds} round{'s' * (self.rounds != 1)} each, against {of['reference']} references, the finest "
-                f"with {finest.slices} laminae{instants}"
+                f"with {finest.slices} laminae{n_positions}"
             )
         return [*lines, *self.notes]
 
@@ -208,8 +208,8 @@ def _of_study(
         best = attrs.evolve(
             best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance)
         )
-    if "instants" not in settings.acts:
-        best = attrs.evolve(best, instants=base.instants)
+    if "n_positions" not in settings.acts:
+        best = attrs.evolve(best, n_positions=base.n_positions)
     if own := settings.chosen(made.assembly):
         base = attrs.evolve(
             base,
@@ -253,7 +253,7 @@ def _coarser(scene: Scene, best: Resolution) -> Resolution:
     return attrs.evolve(
         best,
         slices=scene.accuracy.slices or best.slices // 2,
-        instants=best.instants and max(1, best.instants // 2),
+        n_positions=best.n_positions and max(1, best.n_positions // 2),
         table_tolerance=_COARSER * best.table_tolerance,
         integrator_tolerance=step and _COARSER * step,
     )
@@ -268,16 +268,16 @@ def _numerical(
     slices = (
         [n for n in _SLICES if stated is None or n < stated] if sliced and "slices" in axes else []
     )
-    if slices and "instants" in axes:
+    if slices and "n_positions" in axes:
         for n in _CORE[0]:
             for m in _CORE[1]:
                 if n in slices:
-                    yield {"slices": n, "quadrature": "equal", "instants": m}
+                    yield {"slices": n, "quadrature": "equal", "n_positions": m}
     yield from ({"slices": n, "quadrature": "equal"} for n in slices)
     if sliced and stated is None and "quadrature" in axes:
         yield from ({"slices": n, "quadrature": "gauss"} for n in _GAUSS)
-    if "instants" in axes:
-        yield from ({"instants": m} for m in _INSTANTS)
+    if "n_positions" in axes:
+        yield from ({"n_positions": m} for m in _INSTANTS)
     if "table_tolerance" in axes:
         yield from (
             {"table_tolerance": min(0.5, factor * base.table_tolerance)} for factor in _TABLES
@@ -337,8 +337,8 @@ def _label(base: Resolution, resolution: Resolution) -> str:
         said.append(
             f"{resolution.slices} {'Gauss points' if resolution.quadrature == 'gauss' else 'slices'}"
         )
-    if resolution.instants != base.instants:
-        said.append(f"{resolution.instants} instant{'s' * (resolution.instants != 1)}")
+    if resolution.n_positions != base.n_positions:
+        said.append(f"{resolution.n_positions} instant{'s' * (resolution.n_positions != 1)}")
     if resolution.table_tolerance != base.table_tolerance:
         said.append(f"tables to {resolution.table_tolerance:.0e}")
     if resolution.integrator != base.integrator:

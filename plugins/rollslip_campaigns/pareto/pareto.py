@@ -289,7 +289,7 @@ def _coordinates(family: Family) -> dict[str, Any]:
         row = {
             "slices": r.slices if family.plan.assembly.slices > 1 else 1,
             "quadrature": r.quadrature,
-            "instants": r.instants or 0,
+            "n_positions": r.n_positions or 0,
             "traction": law,
             "boundary": int(r.boundary),
             "table_tolerance": r.table_tolerance,

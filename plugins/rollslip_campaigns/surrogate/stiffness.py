@@ -15,20 +15,20 @@ from rollslip.bearing.raceway import RINGS, Array
 __all__ = ["INSTANTS", "stiffness"]
 
 #: Instants of a roller pitch.
-INSTANTS = 8
+N_POSITIONS = 8
 
 
 def stiffness(
-    assembly: Assembly, cage_speed: float | None = None, instants: int = INSTANTS
+    assembly: Assembly, cage_speed: float | None = None, n_positions: int = N_POSITIONS
 ) -> Array:
     """Return the stiffness [N/m], (2, 2), along and across the load of the scene; NaN where rings yield.
 
     The cage's speed [rad/s] is by default the epicyclic one.
     """
-    case = assembly.load_case(instants)
+    case = assembly.load_case(n_positions)
     if case.rings is not None:
         return np.full((2, 2), np.nan)
-    found = assembly.load_distribution(instants, cage_speed)
+    found = assembly.load_distribution(n_positions, cage_speed)
     x = found.position
     psi = found.psi[..., None]
     ring = found.displacement[:, None, None]

@@ -338,7 +338,7 @@ def _rolling_shares(assembly: Assembly) -> tuple[Array, Array]:
         return np.zeros(1), np.full(1, 0.5)
     there = assembly.with_resistance()
     balance = TorqueBalance(
-        there, there.cage.drags, instants=assembly.resolution.instants or _ORBIT
+        there, there.cage.drags, n_positions=assembly.resolution.n_positions or _ORBIT
     )
     found = dict[float, float]()
     for slip in _SLIPS:

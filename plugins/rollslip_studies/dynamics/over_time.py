@@ -23,7 +23,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
-from rollslip.studies.error_estimate import slices_and_instants
+from rollslip.studies.error_estimate import slices_and_positions
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history.interpolated_rates import operated, shown
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History, HistorySettings
@@ -50,7 +50,7 @@ _MOST_BEARINGS = 100
 #: Least value over the largest from which on steps of a grid are equal; below, they are in proportion.
 _EVEN: Final = 0.5
 #: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
-INSTANTS: Final = 4
+N_POSITIONS: Final = 4
 
 
 def history_of(
@@ -164,7 +164,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
             try:
                 bearing = assembly if path is None else path.bearing(assembly, there.pop(path.name))
                 raceways = study.loaded(
-                    operated(bearing, there), assembly.resolution.instants or INSTANTS
+                    operated(bearing, there), assembly.resolution.n_positions or N_POSITIONS
                 )
                 away = away_of(study, raceways)
                 critical = critical_of(study, raceways)
@@ -248,13 +248,13 @@ def at_the_ends(
     study: EffectiveFriction, assembly: Assembly, history: History | None, share: float
 ) -> Estimated:
     """Slices and instants as the operation needs them, and the least and the largest load and temperature."""
-    estimated, *_ = slices_and_instants(study, assembly, share)
+    estimated, *_ = slices_and_positions(study, assembly, share)
     if history is None:
         return estimated
     for end in (0, 1):
         spans = {name: history.spans[name][end] for name in history.conditions}
         try:
-            other, *_ = slices_and_instants(study, operated(assembly, spans), share)
+            other, *_ = slices_and_positions(study, operated(assembly, spans), share)
         except RollslipError:  # the motion tells what cannot be put together
             continue
         if (other.resolution.slices or 0) > (estimated.resolution.slices or 0):

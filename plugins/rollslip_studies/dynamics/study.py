@@ -285,7 +285,7 @@ class Dynamics(Study):
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of tables and motion, from its beginning, and of the slip of running away."""
         at = attrs.evolve(
-            assembly.resolution, instants=assembly.resolution.instants or over_time.INSTANTS
+            assembly.resolution, n_positions=assembly.resolution.n_positions or over_time.N_POSITIONS
         )
         told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
         away = sum(told.values())
@@ -438,7 +438,7 @@ class Dynamics(Study):
         )
         settings = self.curved(assembly)
         store = None if kept.store is None else Checkpoints(*attrs.astuple(kept.store))
-        raceways = settings.loaded(assembly, assembly.resolution.instants or over_time.INSTANTS)
+        raceways = settings.loaded(assembly, assembly.resolution.n_positions or over_time.N_POSITIONS)
         critical = over_time.critical_of(settings, raceways)
         away = over_time.away_of(settings, raceways)
         limit = over_time.limit_of(settings, assembly, history)
@@ -639,8 +639,8 @@ class Dynamics(Study):
         variables["film_parameter"][2]["film_status"] = self._film_status()
         cage_slip = variables["cage_slip"][1]
         works = moving.works(found.y)
-        at_instants, of_history = over_time.with_history(self.curved(assembly), moving, t, found.y)
-        variables |= self.variables(**at_instants)
+        at_positions, of_history = over_time.with_history(self.curved(assembly), moving, t, found.y)
+        variables |= self.variables(**at_positions)
         ended = found.outcome == "finished"  # else a longer run would end there too
         steady, steady_status = steady_slip_of(
             t,

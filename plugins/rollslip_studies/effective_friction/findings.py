@@ -96,11 +96,11 @@ class EffectiveFrictionAccount(PlainAccount):
             *super().lines(_curves(dataset)),
         ]
         a = dataset.attrs
-        if {"instants_error", "resolution"} <= a.keys():
+        if {"positions_error", "resolution"} <= a.keys():
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(
-                f"{a['instants']} roller positions within a pitch and {a['slices']} laminae of a roller leave relative "
-                f"errors of about {a['instants_error']:.1e} and {slices:.1e}; residual of the forces "
+                f"{a['n_positions']} roller positions within a pitch and {a['slices']} laminae of a roller leave relative "
+                f"errors of about {a['positions_error']:.1e} and {slices:.1e}; residual of the forces "
                 f"{a['force_residual']:.1e}"
             )
         return said

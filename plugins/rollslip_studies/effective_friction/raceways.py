@@ -121,8 +121,8 @@ class LoadedRaceways:
                 assembly.outer, distribution.outer_load
             )
 
-        instants = int(distribution.psi.shape[0])
-        rings = assembly.kept_by_loads(("contacts", instants), instants, both) if shared else both()
+        n_positions = int(distribution.psi.shape[0])
+        rings = assembly.kept_by_loads(("contacts", n_positions), n_positions, both) if shared else both()
         self.inner, self.outer = (
             ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True)
         )
@@ -151,12 +151,12 @@ class LoadedRaceways:
                 ring.fewer(_FEW[free], whole=not free) for ring in (self.inner, self.outer)
             )
 
-        instants = int(self.distribution.psi.shape[0])
+        n_positions = int(self.distribution.psi.shape[0])
         few = copy.copy(self)
         few._shares = {}
         few._slopes = np.zeros(0)
         few._spins = None
-        rings = self.assembly.kept_by_loads(("few", instants, free), instants, made)
+        rings = self.assembly.kept_by_loads(("few", n_positions, free), n_positions, made)
         few.whole = self
         few.inner, few.outer = (
             ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True)
@@ -334,10 +334,10 @@ class LoadedRaceways:
 
     def per_roller(self, slip: Array) -> Array:
         """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
-        instants, rollers = self.distribution.psi.shape
-        position = instants * np.arange(rollers)
+        n_positions, rollers = self.distribution.psi.shape
+        position = n_positions * np.arange(rollers)
         folded = self._folded and not self.inner.places
-        place = np.minimum(position, instants * rollers - position) if folded else position
+        place = np.minimum(position, n_positions * rollers - position) if folded else position
         out = np.full((2, rollers, slip.size), np.nan)
         for k, both in enumerate(self.contacts(self.speeds(slip))):
             for i, (contacts, u, V) in enumerate(both):

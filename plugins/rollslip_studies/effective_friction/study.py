@@ -32,7 +32,7 @@ from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
 from rollslip.studies.error_estimate import LEAST_OF_SOME, WHERE_JUMPED
 from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
-from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
+from rollslip.studies.timing import N_POSITIONS, POINTS, onwards, timed
 from rollslip_studies.effective_friction.raceways import (
     REGIMES,
     LoadedRaceways,
@@ -59,8 +59,8 @@ if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
 #: Doublings start here and give up there.
-_FIRST_INSTANTS = 2
-_MOST_INSTANTS = 1024
+_FIRST_POSITIONS = 2
+_MAX_POSITIONS = 1024
 
 
 #: Slices from which on costs go with their number, and points of maps on which costs are measured.
@@ -176,7 +176,7 @@ class EffectiveFriction(Study):
     judged: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"friction": "effective_friction", "critical_slip": "critical_cage_slip"}
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     curves_of: ClassVar[Curves] = Curves(
         variable="effective_friction", over="ring", slip="cage_slip", critical="critical_cage_slip"
     )
@@ -241,12 +241,12 @@ class EffectiveFriction(Study):
                 (assembly.outer, loads.outer_load),
             )
         )
-        instants = 2 * _FIRST_INSTANTS  # at which most curves stand still
+        n_positions = 2 * _FIRST_POSITIONS  # at which most curves stand still
         per_point = 12 if self.closure == "free-roller" else 1
-        curves = (_FIRST_INSTANTS + instants) * (self.points + 15) + instants // 2 * self.points
+        curves = (_FIRST_POSITIONS + n_positions) * (self.points + 15) + n_positions // 2 * self.points
         surface = self.map_points * max(2 * self.map_points - 1, 0)
         return (
-            contacts * (curves * per_point + instants * PROBES * bool(surface)) + 2 * 16 * surface
+            contacts * (curves * per_point + n_positions * PROBES * bool(surface)) + 2 * 16 * surface
         )
 
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
@@ -278,7 +278,7 @@ class EffectiveFriction(Study):
             "friction": [],
             "film regimes": [],
         }
-        for m in INSTANTS:
+        for m in N_POSITIONS:
             anew = attrs.evolve(some, known_loads={})
             times["load distribution"].append(timed(partial(anew.load_distribution, m), 1))
             raceways = self.loaded(anew, m)
@@ -295,10 +295,10 @@ class EffectiveFriction(Study):
             )
             times["film regimes"].append(regimes * self.points)
         more = assembly.slices / some.slices
-        instants = resolution.instants or INSTANTS[-1]
-        costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
+        n_positions = resolution.n_positions or N_POSITIONS[-1]
+        costs = {part: more * onwards(N_POSITIONS, each, n_positions) for part, each in times.items()}
         if self.skidding_range:
-            costs["skidding"] = rollers(assembly, instants).seconds(self.skidding_range)
+            costs["skidding"] = rollers(assembly, n_positions).seconds(self.skidding_range)
         if self.map_points:
             sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
             maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
@@ -308,7 +308,7 @@ class EffectiveFriction(Study):
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices of both rings, slip by slip."""
         yield from self._evaluated(
-            assembly, dataset.attrs["instants"], dataset["cage_slip"].to_numpy()
+            assembly, dataset.attrs["n_positions"], dataset["cage_slip"].to_numpy()
         )
 
     def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
@@ -317,9 +317,9 @@ class EffectiveFriction(Study):
         return "over the curves", [*self._evaluated(assembly, 1, slips)]
 
     def _evaluated(
-        self, assembly: Assembly, instants: int, cage_slip: Array
+        self, assembly: Assembly, n_positions: int, cage_slip: Array
     ) -> Iterator[Evaluated]:
-        raceways = self.loaded(assembly, instants)
+        raceways = self.loaded(assembly, n_positions)
         for both in raceways.contacts(raceways.speeds(cage_slip)):
             for k, (contacts, u, V) in enumerate(both):
                 yield Evaluated(
@@ -348,12 +348,12 @@ class EffectiveFriction(Study):
         ConvergenceError
             If doubling the instants does not settle the curve, or the radial load is lost beside centrifugal forces.
         """
-        if assembly.resolution.instants is not None:
-            return self.at_instants(assembly, assembly.resolution.instants)
+        if assembly.resolution.n_positions is not None:
+            return self.at_positions(assembly, assembly.resolution.n_positions)
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways, curves, critical, error = self._converged(assembly, slip)
         return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(
-            instants_error=error
+            positions_error=error
         )
 
     @classmethod
@@ -367,7 +367,7 @@ class EffectiveFriction(Study):
         if not outputs <= _OF_CURVES | _SKIDDING | _STEADY:
             return None
         aways = [
-            study._balanced(assembly, assembly.resolution.instants or _FIRST_INSTANTS, outputs)
+            study._balanced(assembly, assembly.resolution.n_positions or _FIRST_POSITIONS, outputs)
             if outputs & (_SKIDDING | _STEADY)
             else {}
             for study, assembly in cases
@@ -376,12 +376,12 @@ class EffectiveFriction(Study):
         begun = list[tuple[int, Array, LoadedRaceways]]()
         for k, (study, assembly) in enumerate(cases):
             slip = slip_grid(study.max_cage_slip, study.points)
-            instants = assembly.resolution.instants
-            if instants is None:
+            n_positions = assembly.resolution.n_positions
+            if n_positions is None:
                 _, (friction, _), critical, _ = study._converged(assembly, slip)
                 found[k] = slip, friction, critical
             else:
-                begun.append((k, slip, study.loaded(assembly, instants)))
+                begun.append((k, slip, study.loaded(assembly, n_positions)))
         if not outputs & _WHOLE_CURVE:
             maxima = _by_few_loads([(slip, raceways) for _, slip, raceways in begun])
             found |= {
@@ -411,8 +411,8 @@ class EffectiveFriction(Study):
         is bounded by that of the one position's load at the speeds of the other.
         """
         film = np.where(dataset["film_parameter"] > 0.0, dataset["film_parameter"], np.inf)
-        instants = finer.resolution.instants or 1
-        raceways = self.loaded(finer, instants)
+        n_positions = finer.resolution.n_positions or 1
+        raceways = self.loaded(finer, n_positions)
         here = film.min(axis=1)
         off = 0.0
         jumped = 0.0
@@ -426,7 +426,7 @@ class EffectiveFriction(Study):
                 continue
             off = max(off, LEAST_OF_SOME * abs(here[ring] / least - 1.0))
             # rollers that all run alike jump nowhere, and other slices see the jump of the run
-            for step in (1, -1) if np.ndim(u) and instants > dataset.attrs["instants"] else ():
+            for step in (1, -1) if np.ndim(u) and n_positions > dataset.attrs["n_positions"] else ():
                 near, at, far = (over[1 + k : over.size - 1 + k] for k in (-step, 0, step))
                 edges = np.flatnonzero(
                     (at <= tolerance)
@@ -451,17 +451,17 @@ class EffectiveFriction(Study):
             **({f"film parameter{WHERE_JUMPED}": float(jumped)} if jumped else {}),
         }
 
-    def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
+    def at_positions(self, assembly: Assembly, n_positions: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
         slip = slip_grid(self.max_cage_slip, self.points)
-        raceways, curves, critical = self._on(assembly, slip, instants)
+        raceways, curves, critical = self._on(assembly, slip, n_positions)
         return self._dataset(assembly, raceways, slip, curves, critical)
 
     def _on(
-        self, assembly: Assembly, slip: Array, instants: int
+        self, assembly: Assembly, slip: Array, n_positions: int
     ) -> tuple[LoadedRaceways, tuple[Array, Array], tuple[Critical, Critical]]:
         """Raceways, curves of friction and film, and critical slips on a number of instants."""
-        raceways = self.loaded(assembly, instants)
+        raceways = self.loaded(assembly, n_positions)
         curves = raceways.evaluated(raceways.speeds(slip))
         return raceways, curves, raceways.critical(slip, curves[0])
 
@@ -492,43 +492,43 @@ class EffectiveFriction(Study):
         if self.skidding_range:
             look_along(assembly, self.skidding_range)
 
-    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+    def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
         """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""
-        raceways = self.loaded(assembly, max(instants))
-        if len(instants) == 1:
+        raceways = self.loaded(assembly, max(n_positions))
+        if len(n_positions) == 1:
             return raceways.curve(slip)[None]
-        found = np.empty((len(instants), 2, slip.size))
+        found = np.empty((len(n_positions), 2, slip.size))
         for k, both in enumerate(raceways.contacts(raceways.speeds(slip))):
             for ring, (contacts, u, V) in enumerate(both):
                 pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)
                 force = contacts.per_roller(contacts.force)
-                for i, m in enumerate(instants):  # of every M/m-th position of the orbit
-                    some = slice(None, None, max(instants) // m)
+                for i, m in enumerate(n_positions):  # of every M/m-th position of the orbit
+                    some = slice(None, None, max(n_positions) // m)
                     found[i, ring, k] = (
                         pull[some].sum() / force[some].sum() if force[some].any() else np.nan
                     )
         return found
 
-    def skidding_onset(self, assembly: Assembly, instants: int) -> SkiddingOnset | None:
+    def skidding_onset(self, assembly: Assembly, n_positions: int) -> SkiddingOnset | None:
         """Return where the cage runs away, up to the largest slip that is looked at; None if it is not looked for."""
         if not self.skidding_range:
             return None
-        return self._away(self._rollers(assembly, instants))
+        return self._away(self._rollers(assembly, n_positions))
 
-    def _rollers(self, assembly: Assembly, instants: int) -> TorqueBalance:
+    def _rollers(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
         check_repeats(assembly, f"with study.{self.name}.skidding_range = 0")
-        return rollers(assembly, instants)
+        return rollers(assembly, n_positions)
 
     def _away(self, balance: TorqueBalance) -> SkiddingOnset:
         return skidding_onset(balance, self.skidding_range, f"study.{self.name}.skidding_range")
 
     def _balanced(
-        self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY
+        self, assembly: Assembly, n_positions: int, outputs: frozenset[str] = _STEADY
     ) -> dict[str, Any]:
         """Variables of running away and of how the cage runs, none where neither is looked for."""
         if not self.skidding_range:
             return {}
-        balance = self._rollers(assembly, instants)
+        balance = self._rollers(assembly, n_positions)
         away = self._away(balance)
         found = self.variables(
             skidding_slip=away.slip, limit_drag=away.drag, skidding_status=np.array(away.status)
@@ -558,10 +558,10 @@ class EffectiveFriction(Study):
         )
 
     def loaded(
-        self, assembly: Assembly, instants: int, known: LoadDistribution | None = None
+        self, assembly: Assembly, n_positions: int, known: LoadDistribution | None = None
     ) -> LoadedRaceways:
         """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
-        loads = assembly.load_distribution(instants, known=known)
+        loads = assembly.load_distribution(n_positions, known=known)
         return LoadedRaceways(assembly, loads, self.closure, self.table, shared=known is None)
 
     def _converged(
@@ -571,10 +571,10 @@ class EffectiveFriction(Study):
         tolerance = assembly.scene.accuracy.tolerance
         before: tuple[Array, tuple[Critical, Critical]] | None = None
         known: LoadDistribution | None = None
-        instants = _FIRST_INSTANTS
+        n_positions = _FIRST_POSITIONS
         moved = np.inf
-        while instants <= _MOST_INSTANTS:
-            raceways = self.loaded(assembly, instants, known)
+        while n_positions <= _MAX_POSITIONS:
+            raceways = self.loaded(assembly, n_positions, known)
             known = raceways.distribution
             curves = friction, _ = raceways.evaluated(raceways.speeds(slip))
             critical = raceways.critical(slip, friction)
@@ -585,12 +585,12 @@ class EffectiveFriction(Study):
                 if moved <= tolerance:
                     return raceways, curves, critical, moved
             before = (friction, critical)
-            instants = 2 * instants
+            n_positions = 2 * n_positions
         what = f"effective friction still moves by {moved:.1e} (relative)"
         if np.isinf(moved):
             what = "whether there is a slip at largest traction still changes"
         raise ConvergenceError(
-            f"{what} from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} roller positions within a pitch; raise "
+            f"{what} from {_MAX_POSITIONS // 2} to {_MAX_POSITIONS} roller positions within a pitch; raise "
             f"accuracy.tolerance, which is {tolerance:g}"
             + (
                 f", or move the end of the range, {self.table}.max_cage_slip"
@@ -632,7 +632,7 @@ class EffectiveFriction(Study):
             coords["map_roller_slip"] = ("map_roller_slip", roller, about("1", "roller slip"))
         said = {
             "closure": self.closure,
-            "instants": int(loads.psi.shape[0]),
+            "n_positions": int(loads.psi.shape[0]),
             "slices": assembly.slices,
             "force_residual": loads.force_residual,
             "moment_residual": loads.moment_residual,

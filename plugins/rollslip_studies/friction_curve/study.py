@@ -123,11 +123,11 @@ class FrictionCurve(Study):
         """Slip up to which the curves go."""
         return self.max_slip
 
-    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+    def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
         """Return friction for each normal force, which no instant changes, (k, forces, n)."""
         contacts = self.contacts(assembly)
         found = _friction([(one, self.rolling_speed(assembly), slip) for one in contacts])
-        return np.broadcast_to(found, (len(instants), len(found), slip.size))
+        return np.broadcast_to(found, (len(n_positions), len(found), slip.size))
 
     def rolling_speed(self, assembly: Assembly) -> float:
         """Return the entrainment speed of the contact [m/s], that of the bearing without slip."""

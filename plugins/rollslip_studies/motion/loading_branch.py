@@ -366,7 +366,7 @@ class _Search:
 
     @cached_property
     def _fine(self) -> Motions:
-        return self.exact.like(instants=_FINER * self.motions.instants, few=_FEW)
+        return self.exact.like(n_positions=_FINER * self.motions.n_positions, few=_FEW)
 
     def _climbed(self, motions: Motions, around: list[Motion]) -> tuple[float, float, float]:
         """Place and height of a maximum between motions, by vertices of polynomials, and by how much these miss it."""

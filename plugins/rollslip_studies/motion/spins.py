@@ -239,7 +239,7 @@ class Motions:
     def __init__(
         self,
         assembly: Assembly,  # the bearing, with its resistance to rolling
-        instants: int,  # instants of a roller pitch; the orbit has Z times as many positions
+        n_positions: int,  # instants of a roller pitch; the orbit has Z times as many positions
         *,
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
         rubbing: float = 0.0,  # and of rollers without a cage at their neighbours
@@ -251,14 +251,14 @@ class Motions:
         beside: "Motions | None" = None,
     ) -> None:
         self.assembly = assembly
-        self.instants = instants
+        self.n_positions = n_positions
         self.effective = effective
         self.inertia = inertia
         self.pocket = pocket
         self.rubbing = rubbing
         self._few = 0 if assembly.inner.chain.placed else few
         k = assembly.kinematics
-        self.positions = assembly.scene.bearing.rollers * instants
+        self.positions = assembly.scene.bearing.rollers * n_positions
         #: 1 or -1: that in which the kinematics let the rollers go round
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
         self.resists = assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0
@@ -295,10 +295,10 @@ class Motions:
                 float(np.abs(rest).max()),
             )
 
-    def like(self, *, instants: int, few: int) -> "Motions":
+    def like(self, *, n_positions: int, few: int) -> "Motions":
         """Return those at other instants, by other loads of a roller."""
         return Motions(
-            self.assembly, instants, pocket=self.pocket, rubbing=self.rubbing, effective=self.effective,
+            self.assembly, n_positions, pocket=self.pocket, rubbing=self.rubbing, effective=self.effective,
             inertia=self.inertia, few=few, beside=self,
         )  # fmt: skip
 
@@ -314,13 +314,13 @@ class Motions:
                 else of.reshape(slips.size, order.size, -1)[:, order].reshape(-1, of.shape[-1])
             )
 
-        inner, outer = orbit_loads(self.assembly, self.instants, speeds, self._few)
+        inner, outer = orbit_loads(self.assembly, self.n_positions, speeds, self._few)
         return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
 
     @cached_property
     def _orbit(self) -> tuple[Rows, Array]:
         """Positions of an orbit in its sense, by number in the order of instants, and their angles [rad], (K,)."""
-        psi = angular_positions(self.assembly.scene.bearing.rollers, self.instants).ravel()
+        psi = angular_positions(self.assembly.scene.bearing.rollers, self.n_positions).ravel()
         order = np.argsort(psi)[(int(self.sense) * np.arange(self.positions)) % self.positions]
         return order, psi[order]
 
@@ -630,7 +630,7 @@ class Motions:
 
 
 def orbit_loads(
-    assembly: Assembly, instants: int, cage_speeds: Array, few: int = 0
+    assembly: Assembly, n_positions: int, cage_speeds: Array, few: int = 0
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Loads per length of inner and outer ring [N/m] at cage speeds [rad/s], and their widths [m].
 
@@ -642,14 +642,14 @@ def orbit_loads(
 
     def whole(part: Array) -> tuple[Array, Array]:
         if not few:
-            return over_pitch(part, instants), assembly.widths
+            return over_pitch(part, n_positions), assembly.widths
         rule = row_rules(
             np.ascontiguousarray(part).reshape(-1, assembly.slices), assembly.widths, few
         )
-        load, width = (over_pitch(of.reshape(*part.shape[:3], few), instants) for of in rule)
+        load, width = (over_pitch(of.reshape(*part.shape[:3], few), n_positions) for of in rule)
         return load, width
 
-    inner, outer = solve_orbits(assembly.load_case(instants), assembly.raceways, forces)
+    inner, outer = solve_orbits(assembly.load_case(n_positions), assembly.raceways, forces)
     return whole(inner), whole(outer)
 
 
@@ -678,8 +678,8 @@ def solve_orbits(
     Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings do not mirror
     themselves in the line of load it is the whole pitch.
     """
-    instants, rollers = case.psi.shape
-    solved = instants // 2 + 1 if case.mirrored else instants
+    n_positions, rollers = case.psi.shape
+    solved = n_positions // 2 + 1 if case.mirrored else n_positions
     psi = np.repeat(case.psi[:solved], centrifugal.size, axis=0)
     forces = np.tile(centrifugal, solved)
     solution = solve_equilibrium(attrs.evolve(case, psi=psi, centrifugal_force=forces), contacts)
@@ -690,6 +690,6 @@ def solve_orbits(
     return inner, outer
 
 
-def over_pitch(part: Floats, instants: int) -> Floats:
+def over_pitch(part: Floats, n_positions: int) -> Floats:
     """Return what rollers have over a whole pitch (n, instants, Z, ...), of its first half, which the other mirrors."""
-    return np.concatenate((part, part[:, instants - part.shape[1] : 0 : -1, ::-1]), axis=1)
+    return np.concatenate((part, part[:, n_positions - part.shape[1] : 0 : -1, ::-1]), axis=1)

@@ -98,7 +98,7 @@ class TorqueBalance:
         # chains.
         drags: Drags,
         *,
-        instants: int,  # instants of a roller pitch; the orbit has Z times as many positions
+        n_positions: int,  # instants of a roller pitch; the orbit has Z times as many positions
         # Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
         effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
         # False for rollers without inertia of their spin, whose contacts balance at every position.
@@ -108,7 +108,7 @@ class TorqueBalance:
     ) -> None:
         self.assembly = assembly
         self.drags = drags
-        self.instants = instants
+        self.n_positions = n_positions
         self._beside = beside
         self.effective = effective
         self.inertia = inertia
@@ -122,14 +122,14 @@ class TorqueBalance:
     def motions(self) -> Motions:
         """Motions of the rollers on all slices, their loads solved at every slip."""
         return Motions(
-            self.assembly, self.instants, pocket=self._pocket, rubbing=self._rubbing, effective=self.effective,
+            self.assembly, self.n_positions, pocket=self._pocket, rubbing=self._rubbing, effective=self.effective,
             inertia=self.inertia, beside=None if self._beside is None else self._beside.motions,
         )  # fmt: skip
 
     @cached_property
     def _few(self) -> Motions:
         """The same by few loads of a roller."""
-        return self.motions.like(instants=self.instants, few=_FEW)
+        return self.motions.like(n_positions=self.n_positions, few=_FEW)
 
     def way(self, largest: float = RANGE, *, steps: int = 0) -> LoadingBranch:
         """Return the way up over the cage slips up to the largest, `rollslip_studies.motion.loading_branch.loading_branch`."""
@@ -178,7 +178,7 @@ class TorqueBalance:
         return TorqueBalance(
             self.assembly,
             self.drags,
-            instants=self.instants,
+            n_positions=self.n_positions,
             effective=self.effective,
             inertia=inertia,
         )
@@ -288,14 +288,14 @@ class TorqueBalance:
         return np.stack([on_inner[0], on_outer[0]]), np.stack([on_inner[1], on_outer[1]])
 
 
-def fewest_instants(assembly: Assembly) -> int:
+def minimum_positions(assembly: Assembly) -> int:
     """Return the instants of a pitch on which rollers are followed at least: those of 56 positions."""
     return -(-_POSITIONS[0] // assembly.scene.bearing.rollers)
 
 
 def rollers(
     assembly: Assembly,
-    instants: int,
+    n_positions: int,
     *,
     effective: bool = False,
     inertia: bool = True,
@@ -307,13 +307,13 @@ def rollers(
     """
     drags = assembly.cage.drags
     assembly = assembly.with_resistance()
-    instants = min(
-        max(instants, fewest_instants(assembly)),
+    n_positions = min(
+        max(n_positions, minimum_positions(assembly)),
         -(-_POSITIONS[1] // assembly.scene.bearing.rollers),
     )
-    curves = effective_curves(assembly, instants) if effective else None
+    curves = effective_curves(assembly, n_positions) if effective else None
     return TorqueBalance(
-        assembly, drags, instants=instants, effective=curves, inertia=inertia, beside=beside
+        assembly, drags, n_positions=n_positions, effective=curves, inertia=inertia, beside=beside
     )
 
 
@@ -492,9 +492,9 @@ def near_skidding(assembly: Assembly, slip: float) -> str:
     return f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag"
 
 
-def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:
+def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveCurve, EffectiveCurve]:
     """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
-    loads = assembly.load_distribution(instants)
+    loads = assembly.load_distribution(n_positions)
     tolerance = assembly.resolution.table_tolerance
 
     def of(raceway: Raceway, load: Array) -> EffectiveCurve:

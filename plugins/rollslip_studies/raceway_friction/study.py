@@ -80,7 +80,7 @@ class RacewayFriction(Study):
         }
     )
     judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "mean_friction"})
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     with_cage: ClassVar[bool] = True
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"run": "loads over the orbit, and friction on the grid"}
@@ -152,9 +152,9 @@ class RacewayFriction(Study):
         same = self.least_ratio == self.most_ratio
         rho = np.geomspace(self.least_ratio, self.most_ratio, 1 if same else _RATIOS)
         ratio = SMALL * np.sinh(np.linspace(0.0, math.asinh(REACH / SMALL), _SLIDING))
-        instants = assembly.resolution.instants or _INSTANTS
+        n_positions = assembly.resolution.n_positions or _INSTANTS
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
-        loads, _ = zip(*orbit_loads(assembly, instants, speeds.ravel()), strict=True)
+        loads, _ = zip(*orbit_loads(assembly, n_positions, speeds.ravel()), strict=True)
         supplied = [at_rolling_speed(assembly, one).raceways for one in u.tolist()]
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING))
         force = np.zeros(friction.shape[:3])
@@ -167,10 +167,10 @@ class RacewayFriction(Study):
                     assembly.widths,
                     1.0,
                 )
-                force[ring, i, j] = contacts.total / instants
+                force[ring, i, j] = contacts.total / n_positions
                 if contacts.total > 0.0:
                     friction[ring, i, j, 1:] = _friction(contacts, float(u[j]), u[j] * ratio[1:])
-                    resistance[ring, i, j] = _resistance(contacts, float(u[j])) / instants
+                    resistance[ring, i, j] = _resistance(contacts, float(u[j])) / n_positions
         return xr.Dataset(
             self.variables(
                 mean_friction=friction,

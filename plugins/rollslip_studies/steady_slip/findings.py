@@ -642,7 +642,7 @@ class SteadySlipAccount(Account):
             for k in range(dataset.sizes["steady"] if has_steady(dataset) else 0)
         ]
         values = {name: float(dataset[name]) for name in numbers}
-        known = ("inertia_effect", "instants_error", "slices_error")
+        known = ("inertia_effect", "positions_error", "slices_error")
         values |= {name: float(dataset.attrs[name]) for name in known if name in dataset.attrs}
         return (
             {"steady": states}

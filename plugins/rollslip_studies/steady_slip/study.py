@@ -36,7 +36,7 @@ from rollslip_studies.motion.torque_balance import (
     RANGE,
     Orbit,
     TorqueBalance,
-    fewest_instants,
+    minimum_positions,
     look_along,
     reserve,
     skidding_onset,
@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Instants of a pitch at which doublings give up.
-_MOST_INSTANTS: Final = 256
+_MAX_POSITIONS: Final = 256
 #: And beyond which these go on for no maximum.
 _MOST_OF_A_JUMP: Final = 16
 #: Slips at which accuracy is judged, relative to the largest.
@@ -99,7 +99,7 @@ class SteadySlip(Study):
     judged: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"critical_slip": "skidding_slip", "friction": "limit_drag"}
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"orbits": "a steady motion of the rollers for every slip that is asked for"}
     )
@@ -153,7 +153,7 @@ class SteadySlip(Study):
         """Return about how many slices the study will evaluate."""
         loads = assembly.load_distribution(1)
         loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
-        per_orbit = 10 * 2 * fewest_instants(assembly)
+        per_orbit = 10 * 2 * minimum_positions(assembly)
         followed = sum(bool(getattr(self, name)) for name in VARIED)
         return int(loaded) * per_orbit * (3 * self.points + 60 + 350 * followed)
 
@@ -175,8 +175,8 @@ class SteadySlip(Study):
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose slices, instants and laws by the slip-drag curve."""
         found = by_curves(self, assembly, share=_SHARE, cheaper_laws=cheaper_laws)
-        instants = max(found.resolution.instants or 0, fewest_instants(assembly))
-        return attrs.evolve(found, resolution=attrs.evolve(found.resolution, instants=instants))
+        n_positions = max(found.resolution.n_positions or 0, minimum_positions(assembly))
+        return attrs.evolve(found, resolution=attrs.evolve(found.resolution, n_positions=n_positions))
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
@@ -185,9 +185,9 @@ class SteadySlip(Study):
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the motions of the rollers, from a few of them."""
         bearing = assembly.with_resistance()
-        instants = assembly.resolution.instants or 2
+        n_positions = assembly.resolution.n_positions or 2
         balance = TorqueBalance(
-            bearing, bearing.cage.drags, instants=instants, inertia=self.inertia
+            bearing, bearing.cage.drags, n_positions=n_positions, inertia=self.inertia
         )
         followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * _SLIPS)
         ways = self.acceptable_slip is not None and balance.has_several(self.acceptable_slip)
@@ -210,10 +210,10 @@ class SteadySlip(Study):
         slip = float(dataset["steady_slip"].to_numpy()[stable][0]) if stable.any() else np.nan
         return {"steady cage slip": Compared([[slip]], str(dataset["status"].item()))}
 
-    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+    def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
         """Return the driving torque, (k, 1, n), each number of instants for itself."""
         bearing = assembly.with_resistance()
-        balances = [self._balance(bearing, m) for m in instants]
+        balances = [self._balance(bearing, m) for m in n_positions]
         return np.array([[balance.torques(slip)] for balance in balances])
 
     def beyond(self, assembly: Assembly) -> None:
@@ -230,7 +230,7 @@ class SteadySlip(Study):
         slips = np.atleast_1d(
             dataset["steady_slip" if "steady_slip" in dataset else "skidding_slip"].to_numpy()
         )
-        balance = self._balance(assembly, int(dataset.attrs["instants"]))
+        balance = self._balance(assembly, int(dataset.attrs["n_positions"]))
         return evaluated_slices(
             balance, (balance.orbit(float(slip)) for slip in slips if np.isfinite(slip))
         )
@@ -270,7 +270,7 @@ class SteadySlip(Study):
         """
         assembly = loaded(assembly).with_resistance()
         balance, errors = self._converged(assembly)
-        instants = balance.instants
+        n_positions = balance.n_positions
         way = self._way(balance)
         steady = [] if balance.rolls_freely else way.steady(balance.drag)
         slips = [0.0] if balance.rolls_freely else [one.slip for one in steady]
@@ -298,7 +298,7 @@ class SteadySlip(Study):
         variables |= self.variables(status=status_of(balance, way, slips)) | self._reserve(balance)
         for name in VARIED:
             if limits := getattr(self, name):
-                found = self._followed(assembly, instants, name, limits, slips)
+                found = self._followed(assembly, n_positions, name, limits, slips)
                 variables |= _branches(
                     name,
                     limits,
@@ -313,7 +313,7 @@ class SteadySlip(Study):
                     ),
                 )
         if self.acceptable_slip is not None:
-            variables |= self._minimum_load(assembly, instants, self.acceptable_slip)
+            variables |= self._minimum_load(assembly, n_positions, self.acceptable_slip)
             kept, known = acceptable_reserve(balance, self.acceptable_slip)
             variables |= self.variables(acceptable_reserve=kept, acceptable_reserve_status=known)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
@@ -327,7 +327,7 @@ class SteadySlip(Study):
                 "friction": "conventional",
                 "inertia": int(self.inertia),
                 "inertia_effect": self._inertia_effect(balance),
-                "instants": instants,
+                "n_positions": n_positions,
                 "curve_error": error,
                 "slices": assembly.slices,
                 "rollers_weight": rollers_weight(assembly),
@@ -345,7 +345,7 @@ class SteadySlip(Study):
         """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
         if outputs <= {"minimum_load", "minimum_load_status"} and self.acceptable_slip is not None:
             return self._minimum_load(
-                assembly, self.balance(assembly).instants, self.acceptable_slip
+                assembly, self.balance(assembly).n_positions, self.acceptable_slip
             ), {}
         if not outputs <= {"steady_slip", "status"}:
             return None
@@ -363,7 +363,7 @@ class SteadySlip(Study):
         assembly = loaded(assembly).with_resistance()
         balance = (
             self._doubled(assembly)[0]
-            if assembly.resolution.instants is None
+            if assembly.resolution.n_positions is None
             else self.balance(assembly)
         )
         way = self._way(balance)
@@ -376,11 +376,11 @@ class SteadySlip(Study):
     def balance(self, assembly: Assembly) -> TorqueBalance:
         """Return the balance of torques of a bearing at its instants, with resistance to rolling if it has some."""
         return self._balance(
-            assembly, max(assembly.resolution.instants or 0, fewest_instants(assembly))
+            assembly, max(assembly.resolution.n_positions or 0, minimum_positions(assembly))
         )
 
-    def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
-        return TorqueBalance(assembly, assembly.cage.drags, instants=instants, inertia=self.inertia)
+    def _balance(self, assembly: Assembly, n_positions: int) -> TorqueBalance:
+        return TorqueBalance(assembly, assembly.cage.drags, n_positions=n_positions, inertia=self.inertia)
 
     def _way(self, balance: TorqueBalance) -> LoadingBranch:
         """The way up, until the cage all but stands."""
@@ -395,10 +395,10 @@ class SteadySlip(Study):
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
         """Balance at the instants of the resolution, or at those that settle it, then with the error that is left."""
-        if assembly.resolution.instants is not None:
+        if assembly.resolution.n_positions is not None:
             return self.balance(assembly), {}
         balance, moved = self._doubled(assembly, jump=True)
-        return balance, {"instants_error": moved}
+        return balance, {"positions_error": moved}
 
     def _doubled(self, assembly: Assembly, *, jump: bool = False) -> tuple[TorqueBalance, float]:
         """Double the instants until the torque moves by less than the tolerance, relative to its largest value.
@@ -407,21 +407,21 @@ class SteadySlip(Study):
         """
         tolerance = assembly.scene.accuracy.tolerance
         before = None
-        instants = fewest_instants(assembly)
+        n_positions = minimum_positions(assembly)
         moved = np.inf
-        while instants <= _MOST_INSTANTS:
-            balance = self._balance(assembly, instants)
+        while n_positions <= _MAX_POSITIONS:
+            balance = self._balance(assembly, n_positions)
             torque = self._judged(balance)
             if before is not None:
                 moved = _moved(before, torque)
                 away = self._way(balance).describe_skidding if jump and moved <= tolerance else None
-                told = away is None or away.error <= tolerance or instants > _MOST_OF_A_JUMP
+                told = away is None or away.error <= tolerance or n_positions > _MOST_OF_A_JUMP
                 if moved <= tolerance and told:
                     return balance, moved
             before = torque
-            instants = 2 * instants
+            n_positions = 2 * n_positions
         raise ConvergenceError(
-            f"the driving torque still moves by {moved:.1e} (relative) from {instants // 4} to {instants // 2} "
+            f"the driving torque still moves by {moved:.1e} (relative) from {n_positions // 4} to {n_positions // 2} "
             f"roller positions within a pitch; raise accuracy.tolerance, which is {tolerance:g}"
         )
 
@@ -492,7 +492,7 @@ class SteadySlip(Study):
         )
 
     def _balances(
-        self, assembly: Assembly, instants: int, name: str
+        self, assembly: Assembly, n_positions: int, name: str
     ) -> Callable[[float], TorqueBalance]:
         """Balances of the bearing by the value of a quantity of the operation; the last one is kept."""
 
@@ -502,18 +502,18 @@ class SteadySlip(Study):
                 evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution
             )
             return self._balance(
-                there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants
+                there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), n_positions
             )
 
         return balance
 
-    def _minimum_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
+    def _minimum_load(self, assembly: Assembly, n_positions: int, slip: float) -> dict[str, Any]:
         """Return the least radial load of a slip, and what makers ask for."""
         bearing = assembly.with_resistance()
 
         @lru_cache(maxsize=1)
         def balance(load: float) -> TorqueBalance:
-            return self._balance(bearing.at_load(load), instants)
+            return self._balance(bearing.at_load(load), n_positions)
 
         begin = assembly.scene.operation.radial_load
         weight = rollers_weight(assembly)
@@ -534,18 +534,18 @@ class SteadySlip(Study):
         """Return by how much numbers of the answer are off."""
         finer = finer.with_resistance()
         balance = self.balance(finer)
-        return numbers_off(balance, self._balances(finer, balance.instants, "radial_load"), dataset)
+        return numbers_off(balance, self._balances(finer, balance.n_positions, "radial_load"), dataset)
 
     def _followed(
         self,
         assembly: Assembly,
-        instants: int,
+        n_positions: int,
         name: str,
         limits: tuple[float, float],
         slips: list[float],
     ) -> list[Branch]:
         """Branches of steady slips against a quantity of the operation, that of the least slip first."""
-        balance = self._balances(assembly, instants, name)
+        balance = self._balances(assembly, n_positions, name)
 
         def at(value: float) -> list[float]:
             one = balance(value)

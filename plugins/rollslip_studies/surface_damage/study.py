@@ -82,7 +82,7 @@ class SurfaceDamage(Study):
             "status": Output("", "1", "what was found"),
         }
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     with_cage: ClassVar[bool] = True
     with_damage: ClassVar[bool] = True
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(

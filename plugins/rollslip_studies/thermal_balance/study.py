@@ -115,7 +115,7 @@ class ThermalBalance(Study):
             "course_status": Output("", "1", "how the course of the temperatures ended"),
         }
     )
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     with_cage: ClassVar[bool] = True
     libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
     with_heat: ClassVar[bool] = True

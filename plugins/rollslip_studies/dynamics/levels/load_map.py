@@ -34,8 +34,8 @@ from rollslip_studies.motion.spins import check_repeats
 
 _log = logging.getLogger(__name__)
 
-_FIRST_INSTANTS = 2
-_MOST_INSTANTS = 256
+_FIRST_POSITIONS = 2
+_MAX_POSITIONS = 256
 _MOST_FORCES = 1025
 #: Up to how many halvings between forces a map is measured between positions: it errs there alike at forces alike.
 _MEASURED = 2
@@ -182,16 +182,16 @@ def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least:
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     top = per_square * (fastest(assembly.kinematics) if top_speed is None else top_speed) ** 2
     roots = tuple(sorted({0.0, min(assembly.centrifugal_force, top), top}))
-    instants = _FIRST_INSTANTS
+    n_positions = _FIRST_POSITIONS
     known = dict[float, LoadDistribution]()
-    while instants <= _MOST_INSTANTS:
-        orbits = Orbits(assembly, per_square, instants, roots, 0.5 * tolerance, least)
+    while n_positions <= _MAX_POSITIONS:
+        orbits = Orbits(assembly, per_square, n_positions, roots, 0.5 * tolerance, least)
         known = orbits.measured(known)
         if orbits.over_position <= orbits.tolerance:
             return LoadMap(orbits, assembly.widths)
-        instants *= 2
+        n_positions *= 2
     raise ConvergenceError(
-        f"{_MOST_INSTANTS} positions a pitch leave {orbits.over_position:.1e} of the load at the wrong place; "
+        f"{_MAX_POSITIONS} positions a pitch leave {orbits.over_position:.1e} of the load at the wrong place; "
         f"its table may leave {tolerance:.1e}; {COARSER_TABLES}"
     )
 
@@ -204,7 +204,7 @@ class Orbits:
         assembly: Assembly,  # the bearing
         # Centrifugal force of a roller over the square of the speed that it is carried round with [N s2].
         per_square: float,
-        instants: int,  # instants of a pitch
+        n_positions: int,  # instants of a pitch
         roots: tuple[
             float, ...
         ],  # centrifugal forces [N] between which intervals are halved, ascending from 0
@@ -214,11 +214,11 @@ class Orbits:
     ) -> None:
         self.assembly = assembly
         self.per_square = per_square
-        self.instants = instants
+        self.n_positions = n_positions
         self.roots = roots
         self.tolerance = tolerance
         self.least = least
-        self.positions = instants * assembly.scene.bearing.rollers
+        self.positions = n_positions * assembly.scene.bearing.rollers
         self.solved: dict[float, Array] = {}
         #: whether intervals that were looked at are right half-way
         self.right: dict[tuple[float, float], bool] = {}
@@ -234,7 +234,7 @@ class Orbits:
                     f"{_MOST_FORCES} centrifugal forces leave more than {self.tolerance:.1e} of the load at the wrong "
                     f"place near {force:g} N; {COARSER_TABLES}"
                 )
-            found = self._orbit(self.assembly.load_distribution(self.instants, self._speed(force)))
+            found = self._orbit(self.assembly.load_distribution(self.n_positions, self._speed(force)))
             while len(self.solved) >= _KEPT:
                 del self.solved[next(iter(self.solved))]
             self.solved[force] = found
@@ -254,7 +254,7 @@ class Orbits:
 
         def measure(force: float) -> bool:
             found = self.assembly.load_distribution(
-                2 * self.instants, self._speed(force), known.get(force)
+                2 * self.n_positions, self._speed(force), known.get(force)
             )
             distributions[force], orbit = found, self._orbit(found)
             true = orbit[:, 1::2]

@@ -46,7 +46,7 @@ class SlidingPower(Study):
     )
     #: Held against accuracy.friction: slices and instants are doubled until it stands still.
     judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "sliding_power"})
-    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     max_cage_slip: float = parameter(
         default=0.3, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
     )
@@ -63,8 +63,8 @@ class SlidingPower(Study):
         from xarray import Dataset  # takes longer to import than most studies to run
 
         slip = slip_grid(self.max_cage_slip, self.points)
-        instants = assembly.resolution.instants or 2
-        loads = assembly.load_distribution(instants)
+        n_positions = assembly.resolution.n_positions or 2
+        loads = assembly.load_distribution(n_positions)
         power = np.zeros((len(RINGS), slip.size))
         speeds = assembly.kinematics.surface_speeds(slip, np.zeros_like(slip))
         rings = (
@@ -77,13 +77,13 @@ class SlidingPower(Study):
             loaded = load > 0.0
             for n in range(slip.size):
                 slices = assembly.raceways[k].evaluate(load[loaded], rolling[n], sliding[n])
-                power[k, n] = float(np.abs(slices.friction * sliding[n]) @ force[loaded]) / instants
+                power[k, n] = float(np.abs(slices.friction * sliding[n]) @ force[loaded]) / n_positions
         coords = {
             "ring": ("ring", np.array(RINGS), {"units": "1", "long_name": "ring"}),
             "cage_slip": ("cage_slip", slip, {"units": "1", "long_name": "cage slip"}),
         }
         variables = self.variables(sliding_power=power, largest_power=power[:, -1])
-        return Dataset(variables, coords, attrs=self.attributes | {"instants": instants, "slices": assembly.slices})
+        return Dataset(variables, coords, attrs=self.attributes | {"n_positions": n_positions, "slices": assembly.slices})
 
 
 @hookimpl
