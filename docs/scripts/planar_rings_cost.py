@@ -1,6 +1,6 @@
 """Write planar_rings_cost.csv of docs/trust/dynamics.rst: what rings that yield cost in plane motion beside rigid ones.
 
-0.1 s of the 1032930 at 50 degC, 15 laminae, by leapfrog at 1e-5; all rings in turn, five times, and the median of the
+0.1 s of the 1032930 at 50 degC, 15 slices, by leapfrog at 1e-5; all rings in turn, five times, and the median of the
 ratios to the rigid rings of the same turn. Times are those of the processor. A minute.
 """
 

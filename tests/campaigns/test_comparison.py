@@ -305,9 +305,9 @@ def test_slices_are_sorted_by_film_alone_where_no_law_states_its_regimes():
     found = compare(scene, film="moes,blok", study="friction-curve")
     assert found["grouping"].values.tolist() == ["film regime"]
     assert found.attrs["sorted_by"] == ""
-    (said,) = (sentence for sentence in findings(found) if sentence.startswith("laminae"))
+    (said,) = (sentence for sentence in findings(found) if sentence.startswith("slices"))
     assert said.startswith(
-        "laminae are sorted by film alone, since no traction compared states regimes of its law"
+        "slices are sorted by film alone, since no traction compared states regimes of its law"
     )
 
 
@@ -315,13 +315,13 @@ def test_a_reference_without_regimes_is_sorted_by_those_of_the_law_that_is_held_
     found = compare(SCENE, traction=["muraki"], reference="constant", study="friction-curve")
     assert found["grouping"].values.tolist()[2:] == ["strain rate", "heating", "elasticity"]
     assert (
-        "laminae of constant, whose law states no regimes, are sorted by film and those of traction 'muraki'"
+        "slices of constant, whose law states no regimes, are sorted by film and those of traction 'muraki'"
         in (findings(found))
     )
     own = findings(
         compare(SCENE, traction=["constant"], reference="muraki", study="friction-curve")
     )
-    assert not any(sentence.startswith("laminae") for sentence in own)
+    assert not any(sentence.startswith("slices") for sentence in own)
 
 
 def test_a_law_of_a_stranger_states_its_own_regimes():

@@ -406,7 +406,7 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
 
 
 def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told():
-    """Eight laminae, which torques need, are too few for the worst value of a crowned roller; a run takes more.
+    """Eight slices, which torques need, are too few for the worst value of a crowned roller; a run takes more.
 
     What is told is how far off it is, or as much more as an order of `AT_ONCE` in place of the second makes it.
     """

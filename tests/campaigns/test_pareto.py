@@ -193,7 +193,7 @@ def test_the_family_is_told_before_it_runs():
         HALF,
         EXACT,
     ]
-    assert "the scene states 15 laminae" in family.notes[0]
+    assert "the scene states 15 slices" in family.notes[0]
     assert family.choices[0].resolution == finest(SCENE)
 
 
@@ -575,8 +575,8 @@ def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
         "3 numerical and 2 modelling choices and 0 films, 2 rounds each, against 3 references"
         in lines[1]
     )
-    assert lines[1].endswith("the finest with 15 laminae")
-    assert "the scene states 15 laminae" in lines[2]
+    assert lines[1].endswith("the finest with 15 slices")
+    assert "the scene states 15 slices" in lines[2]
     assert any(line.startswith(" 5 slices") for line in lines)
     assert {path.name for path in (tmp_path / "o").iterdir()} >= {
         "pareto.nc",

@@ -532,7 +532,7 @@ def test_the_cage_moves_as_by_the_laws_where_both_rings_turn(place):
 @pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("name", MOTIONS)
-def test_the_cage_moves_nearly_as_in_study_dynamics_with_the_friction_of_every_lamina(driver, name):
+def test_the_cage_moves_nearly_as_in_study_dynamics_with_the_friction_of_every_slice(driver, name):
     inputs, history = MOTIONS[name]
     motion = {"friction": "conventional", "level": "cage-set", "duration": 0.6, "points": 601, "cage_slip": 0.1,
               "history": history}  # fmt: skip

@@ -423,7 +423,7 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
         ).stdout
     )
     slices = next(part for part in said["parts"] if part["part"] == "slices")
-    assert (slices["included"], slices["choice"]) == (False, "one lamina per contact")
+    assert (slices["included"], slices["choice"]) == (False, "one slice per contact")
     assert "reason" in command("plan", "-v", "1032930-70C", cwd=tmp_path).stdout
     short = command("plan", "1032930-70C", cwd=tmp_path).stdout.splitlines()
     assert len(short) <= 10

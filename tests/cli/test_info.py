@@ -52,7 +52,7 @@ def test_errors_of_parts_of_a_plan_are_summed(capsys):
     )  # fmt: skip
     said = capsys.readouterr().out
     assert (
-        "s: 4 laminae of a roller, 2 roller positions within a pitch; relative errors of about "
+        "s: 4 slices of a roller, 2 roller positions within a pitch; relative errors of about "
         in said
     )
     assert "4e-04" in said

@@ -797,7 +797,7 @@ def test_what_has_no_table_of_friction_says_why(monkeypatch):
     assert "rollers tilt" in friction.way
     friction = raceway_friction(bearing().with_resistance(), FrictionSettings(name="conventional"))
     assert friction.by_force == ()
-    assert "5 laminae cost no more than a table" in friction.way
+    assert "5 slices cost no more than a table" in friction.way
     m = motion("cage-set", "conventional", (), **MANY)
 
     friction = raceway_friction(

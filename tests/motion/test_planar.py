@@ -192,7 +192,7 @@ def test_it_starts_at_rest_in_the_equilibrium_of_the_bearing():
 
 
 @pytest.mark.parametrize("quadrature", ["equal", "gauss"])
-def test_it_starts_in_the_equilibrium_of_the_laminae_that_it_has(quadrature):
+def test_it_starts_in_the_equilibrium_of_the_slices_that_it_has(quadrature):
     settings = PlanarSettings(inner_ring_mass=3.0, gravity=0.0, contact_damping=0.0)
     friction = FrictionSettings(name="constant", coefficient=0.0, transition=0.1)
     planar = planar_motion(
@@ -893,7 +893,7 @@ def test_a_force_that_few_cells_do_not_tell_comes_from_the_slices(monkeypatch):
     scene = scene_of.__wrapped__(5)  # of its own: tables are kept with the bearing
     rough, sliced = (motion(scene, tabulated=yes) for yes in (True, False))
     assert rough.forces == ()
-    assert "from every lamina" in rough.way
+    assert "from every slice" in rough.way
     y = random_state(sliced, 3)
     np.testing.assert_array_equal(rough.system.rates(0.0, y), sliced.system.rates(0.0, y))
 

@@ -132,7 +132,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     for alone, made in (
         ({"friction": 2e-3}, False),
         ({"friction": 5e-4}, True),
-    ):  # of laminae that the scene fixes
+    ):  # of slices that the scene fixes
         left = {"slices": {"friction": 5e-4}, "n_positions": {"friction": 2e-3}}
         seen = ErrorEstimate(
             errors=left,
@@ -207,7 +207,7 @@ HIDDEN = {69: "critical_slip", 587: "film parameter"}
 
 @pytest.mark.parametrize("k", HIDDEN)
 def test_what_few_slips_take_for_nothing_is_taken_back_where_it_moves_a_number(k):
-    """The pressure of light contacts that 12 laminae of 4 positions do not meet; heat of an inlet, by the film."""
+    """The pressure of light contacts that 12 slices of 4 positions do not meet; heat of an inlet, by the film."""
     result = execute(plan(_hidden(k), STUDY), STUDY)
     resolution = json.loads(result.attrs["resolution"])
     assert resolution["light_contacts"]
@@ -225,8 +225,8 @@ def test_what_few_slips_take_for_nothing_is_taken_back_where_it_moves_a_number(k
     assert found > 1e-3
 
 
-def test_laminae_that_hardly_touch_move_no_friction():
-    """Under a film that does not thicken as they are relieved: by a width without end, 412 laminae were 1e-3 off."""
+def test_slices_that_hardly_touch_move_no_friction():
+    """Under a film that does not thicken as they are relieved: by a width without end, 412 slices were 1e-3 off."""
     result = execute(plan(_hidden(141), STUDY), STUDY)
     assert result.attrs["slices"] < 100
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
@@ -484,10 +484,10 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
 
 @pytest.mark.slow
 def test_an_answer_stands_where_the_witness_of_its_error_finds_no_equilibrium():
-    result = run(loading_branch_scenes.wide(100_000), "steady-slip")  # 1,376 laminae of a tilted roller
+    result = run(loading_branch_scenes.wide(100_000), "steady-slip")  # 1,376 slices of a tilted roller
     assert 0.0 < float(result.steady_slip[0]) < 0.01
     assert (
-        "could not be judged, as on more laminae or positions the bearing found no equil"
+        "could not be judged, as on more slices or positions the bearing found no equil"
         in result.attrs["warnings"]
     )
     assert str(result.answer).startswith("OK ")

@@ -68,8 +68,8 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
     assert (4**-p - 9**-p) / error_fraction(4, 9, p) == pytest.approx(4**-p)
 
 
-def test_the_order_of_laminae_is_that_seen_from_run_to_run():
-    """Errors of 25 and 100 laminae against four times as many, half as large: of order 1/2, not 2."""
+def test_the_order_of_slices_is_that_seen_from_run_to_run():
+    """Errors of 25 and 100 slices against four times as many, half as large: of order 1/2, not 2."""
     few, many = (
         ErrorEstimate(errors={"slices": {"friction": error}, "n_positions": {}}, slices=slices)
         for error, slices in ((4e-4, 25), (2e-4, 100))
@@ -144,7 +144,7 @@ def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
     (said,) = error_warnings(plan, "effective-friction", off)
     # half of the tolerance at a quarter of the error, which falls with the order of the positions as the first power
     assert said == (
-        "friction is off by about 4.0e-03, more than the tolerance of 0.001, as positions and laminae other than those "
+        "friction is off by about 4.0e-03, more than the tolerance of 0.001, as positions and slices other than those "
         "of the run show; it falls with the order 1.0 of the positions; type --set accuracy.friction=3e-05"
     )
 
@@ -217,7 +217,7 @@ def test_a_run_tells_its_largest_error_its_time_and_what_it_evaluated(left, warn
     said = [
         one
         for one in json.loads(first.attrs["warnings"])
-        if one.startswith("4 laminae leave a relative error")
+        if one.startswith("4 slices leave a relative error")
     ]
     assert bool(said) == warned
 
@@ -239,7 +239,7 @@ def test_a_run_that_goes_on_finer_says_so_and_for_how_long(monkeypatch):
     few = made.estimated[STUDY].resolution.slices
     many = json.loads(result.attrs["resolution"])["slices"]
     assert many > few
-    assert [text for text, _ in told] == [f"again, on {many} laminae of a roller"]
+    assert [text for text, _ in told] == [f"again, on {many} slices of a roller"]
     assert told[0][1] == pytest.approx(many / few * made.seconds_of(STUDY))
 
 

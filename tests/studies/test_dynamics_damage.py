@@ -122,16 +122,16 @@ def test_the_worst_is_found_between_instants_of_even_steps(motion, bearing, monk
     assert more["measured_time"][1].size < 9
 
 
-def test_what_laminae_leave_of_the_worst_is_told(motion):
+def test_what_slices_leave_of_the_worst_is_told(motion):
     fine = assemble(rollslip.evolve(SCENE, {"accuracy.slices": 16}))
     found, _ = over_motion.over_motion(fine, motion.isel(time=[-1]), lambda _: fine)
     few = assemble(SCENE)
     told, _ = over_motion.over_motion(few, motion.isel(time=[-1]), lambda _: few)
     for k, i in np.ndindex(told["worst"].shape):
         off = abs(told["worst"][k, i] / found["worst"][k, i] - 1.0)
-        said = told["worst_status"][k, i].partition("its laminae leave about ")[2]
+        said = told["worst_status"][k, i].partition("its slices leave about ")[2]
         assert said == (f"{100.0 * off:.2g} %" if off > 0.01 else "")
-    assert "its laminae leave about" in " ".join(told["worst_status"].ravel())
+    assert "its slices leave about" in " ".join(told["worst_status"].ravel())
 
 
 def test_forces_are_spread_along_tilted_rollers_as_the_motion_has_them():

@@ -112,7 +112,7 @@ WORST = ("worst sliding power density", "worst sliding energy of a pass")
 
 
 def coarse(k, **changes):
-    """A scene whose worst values few laminae miss by more than the tolerance."""
+    """A scene whose worst values few slices miss by more than the tolerance."""
     own = {
         "accuracy.tolerance": 1e-3,
         "models.damage": EVERY[:2],
@@ -123,8 +123,8 @@ def coarse(k, **changes):
 
 @pytest.mark.parametrize(
     "k", [9, 41]
-)  # a crowned roller, whose middle lies between two of few laminae
-def test_laminae_are_added_until_the_worst_is_within_the_tolerance(k):
+)  # a crowned roller, whose middle lies between two of few slices
+def test_slices_are_added_until_the_worst_is_within_the_tolerance(k):
     made = plan(scene := coarse(k), "surface-damage")
     few = made.estimated["surface-damage"].resolution
     found = execute(made, "surface-damage")
@@ -144,7 +144,7 @@ def test_laminae_are_added_until_the_worst_is_within_the_tolerance(k):
 
 
 def test_a_worst_value_that_stays_off_is_told_with_the_number():
-    """Of 8 laminae that the scene fixes; told is how far off 201 they are, or as much more as `AT_ONCE` makes it."""
+    """Of 8 slices that the scene fixes; told is how far off 201 they are, or as much more as `AT_ONCE` makes it."""
     found = run(coarse(41, **{"accuracy.slices": 8}), "surface-damage")
     exact = run(coarse(41, **{"accuracy.slices": 201}), "surface-damage")
     for n, name in enumerate(WORST):
@@ -175,7 +175,7 @@ def test_a_steady_slip_that_is_off_is_judged_by_a_secant_and_damage_where_that_l
             assert abs(worst(balance.orbit((1.0 + off) * steady.slip)) / exact - 1.0) > 3e-3
 
 
-def test_a_lamina_that_hardly_touches_is_not_the_worst():
+def test_a_slice_that_hardly_touches_is_not_the_worst():
     """Under a film that does not thicken as a contact is relieved the width of its own pressure ends."""
     made = plan(coarse(25), "surface-damage").assembly.with_resistance()
     load = 1e6 * np.geomspace(1e-12, 1.0, 13)
@@ -188,7 +188,7 @@ def test_a_lamina_that_hardly_touches_is_not_the_worst():
 
 
 @pytest.mark.parametrize("worst", ["largest", "smallest"])
-def test_between_laminae_the_worst_is_that_of_a_parabola(worst):
+def test_between_slices_the_worst_is_that_of_a_parabola(worst):
     sign = 1.0 if worst == "largest" else -1.0
     x = np.array([-2.0, -0.7, 0.4, 1.9])
     values = sign * (5.0 - (x - 0.1) ** 2)

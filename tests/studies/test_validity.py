@@ -465,7 +465,7 @@ def test_several_results_warn_of_a_bound_once_where_it_counts_most():
     first, more = together(results)
     few = first[:-3]
     first = first[-3:]
-    assert all("laminae" in text for text in few)
+    assert all("slices" in text for text in few)
     every = {
         (one["law"], one["made_for"]) for result in results for one in record_of(result)["told"]
     }

@@ -107,7 +107,7 @@ def motion(
     over = ("time",)
     each = ("time", "roller")
     contacts = ("ring", "time", "roller")
-    status = {"film_status": "of the loaded laminae" if known else film}
+    status = {"film_status": "of the loaded slices" if known else film}
     dataset = xr.Dataset(
         {
             "cage_speed": (over, cage_speed, about("rad/s", "cage speed")),

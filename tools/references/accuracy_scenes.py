@@ -14,7 +14,7 @@
 
 Rows are of one code, but 141, 908, eleven kept ones of 23 that were given 60 s later, and those of ``again``. The slip
 of the largest drag of 908, a flat maximum, was silent while it was told as slips within a thousandth of that drag, and
-not within the tolerance. Scene 141 was silent while a lamina at 0.05 N/m had a friction of 7000 there, by a film that
+not within the tolerance. Scene 141 was silent while a slice at 0.05 N/m had a friction of 7000 there, by a film that
 was wider than its roller: references scattered by 2e-3, once by 2e-2, with their slices.
 
 A row is written as soon as it is known, and the script goes on where it was interrupted. Every scene has at most 60 s

@@ -325,7 +325,7 @@ def damages(k, slip=0.1):
 
     try:
         exact = finer_by(4)
-    except ConvergenceError:  # thousands of laminae may find no equilibrium
+    except ConvergenceError:  # thousands of slices may find no equilibrium
         exact = finer_by(3)
     for measure in result.measure.values.tolist():
         told, reference = (one.worst.sel(measure=measure).values for one in (result, exact))

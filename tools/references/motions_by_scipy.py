@@ -3,7 +3,7 @@
     python tools/references/motions_by_scipy.py [SCENES [SECONDS]]
 
 - Bearings like the 1032930 with 6 to 19 rollers, 300 to 12,600 rpm, 0.3 to 10 kN, 40 to 110 degC, preload or clearance,
-  and a cage that a torque brakes and that begins with 2 % of slip, and three frictions. Five laminae, which both sides
+  and a cage that a torque brakes and that begins with 2 % of slip, and three frictions. Five slices, which both sides
   have. Integrator and tolerance of a step are what a plan chooses.
 - Up to scene 59 levels pocket and planar in turn, a twentieth of an orbit of the cage, with a steady operation, a
   run-up from 0.8 of the speed, and a drop of the load to a fifth. From there level cage-set, half an orbit, with a

@@ -25,7 +25,7 @@ errors = [float(abs(friction(number) - exact).max() / exact.max()) for number in
 fig, axes = plt.subplots()
 axes.loglog(numbers, errors, "o-", label="largest error of the curve")
 axes.axhline(scene.accuracy.tolerance, color="k", lw=0.8, label="tolerance of the scene")
-axes.set(xlabel="Laminae of a roller", ylabel="Error over the largest friction [–]")
+axes.set(xlabel="Slices of a roller", ylabel="Error over the largest friction [–]")
 axes.set_xticks(numbers, numbers)
 axes.minorticks_off()
 axes.legend()

@@ -48,7 +48,7 @@ class Resolution:
 
     #: Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
     slices: int = parameter(
-        default=101, doc="laminae along a roller", validator=in_range(1, 20_000)
+        default=101, doc="slices along a roller", validator=in_range(1, 20_000)
     )
     #: Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
     quadrature: str = parameter(

@@ -126,7 +126,7 @@ def _print_size(plan: "Plan") -> None:
     time = time_in_words(plan.seconds, plan.studies.values(), plan.assembly)
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
-        f"{plan.evaluations} laminae to evaluate in {time}; planned in {plan.planning:.2g} s"
+        f"{plan.evaluations} slices to evaluate in {time}; planned in {plan.planning:.2g} s"
     )
 
 
@@ -373,7 +373,7 @@ def _held(dataset: "xr.Dataset") -> Groups:
             ("variables", ", ".join(map(str, dataset.data_vars))),
             *([("clearance", json.loads(a["clearance"])["text"])] if "clearance" in a else []),
             *(
-                [("evaluations", f"{a['evaluations']} laminae in {a['wall_time']:.2g} s")]
+                [("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s")]
                 if "evaluations" in a
                 else []
             ),

@@ -265,7 +265,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance
     ):
         found.append(
-            f"{plan.estimated[study].resolution.slices} laminae leave a relative error of about {error:.1e}, more than "
+            f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
             "accuracy.slices=auto"
         )

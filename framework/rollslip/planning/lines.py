@@ -49,7 +49,7 @@ def of_bearing(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
         Part(
             part="viscosity at pressure",
             choice=law.name,
-            resolution="every loaded lamina",
+            resolution="every loaded slice",
             reason="; ".join(filter(None, reasons)),
         )
     )
@@ -79,10 +79,10 @@ def time_in_words(seconds: float, studies: Iterable[Study], assembly: Assembly) 
 
 
 def how_finely(resolution: Resolution) -> str:
-    """Return of how many laminae and positions something is evaluated."""
+    """Return of how many slices and positions something is evaluated."""
     slices = resolution.slices
     positions = resolution.n_positions or 1
-    fine = f"{slices} lamina{'e' * (slices != 1)} of a roller"
+    fine = f"{slices} slice{'e' * (slices != 1)} of a roller"
     return fine + f", {positions} roller positions within a pitch" * (positions > 1)
 
 
@@ -101,7 +101,7 @@ def check(study: Study, assembly: Assembly, costs: Mapping[str, float]) -> list[
     return [
         Part(
             part="check of the result",
-            choice="more laminae and positions, range of validity",
+            choice="more slices and positions, range of validity",
             reason=f"tells how far the result is off{then}",
             seconds=least + times * sum(costs.values()) * own,
         )
@@ -143,7 +143,7 @@ def foreseen(
     seconds = max(seconds, _SLICE * evaluations)
     if seconds > LONG:
         said.append(
-            f"this will take {time_in_words(seconds, studies.values(), assembly)}; {evaluations:.1e} laminae to "
+            f"this will take {time_in_words(seconds, studies.values(), assembly)}; {evaluations:.1e} slices to "
             "evaluate; Ctrl-C ends it, and rollslip plan says what the time goes to"
         )
     return said
@@ -232,7 +232,7 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
     return Part(
         part=kind,
         choice=f"{model.name} ({offer.package} {offer.version}, {compiled})",
-        resolution="every loaded lamina",
+        resolution="every loaded slice",
         reason="the scene names it" if kind in named else "default",
     )
 
@@ -278,7 +278,7 @@ def _inlet(film: FilmModel) -> Part:
         included=bool(heating),
         choice=(heating or "isothermal inlet")
         + (f", starved by {starvation}" if starvation else ""),
-        resolution="every loaded lamina" if heating else "",
+        resolution="every loaded slice" if heating else "",
         reason=f"film model {film.name!r} asks for it"
         if heating
         else "the scene does not ask for it",

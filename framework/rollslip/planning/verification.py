@@ -31,7 +31,7 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
     warnings = list[str]()
     if error.refusal:
         warnings.append(
-            f"how far this is off could not be judged, as on more laminae or positions {error.refusal}"
+            f"how far this is off could not be judged, as on more slices or positions {error.refusal}"
         )
     for result, size in exceeding(error.total, accuracy).items():
         # "exact" is the finest, whatever it leaves; slices that the scene fixes have a warning of their own
@@ -52,7 +52,7 @@ def _excess(result: str, size: float, accuracy: Accuracy, error: ErrorEstimate) 
     """Say by how much a result is off, and how that falls with the positions where it is known."""
     name = result.replace("_", " ")
     if not math.isfinite(size):
-        return f"how far {name} is off cannot be determined: on other positions or laminae there is none"
+        return f"how far {name} is off cannot be determined: on other positions or slices there is none"
     falls = ""
     if result in error.orders:
         falls = f"; it falls with the order {error.orders[result]:.1f} of the positions"
@@ -60,7 +60,7 @@ def _excess(result: str, size: float, accuracy: Accuracy, error: ErrorEstimate) 
             falls = "; it does not fall with the positions"
     return (
         f"{name} is off by about {size:.1e}, more than the tolerance of {accuracy.of(result):g}, as positions and "
-        f"laminae other than those of the run show{falls}"
+        f"slices other than those of the run show{falls}"
     )
 
 

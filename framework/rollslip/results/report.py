@@ -63,11 +63,11 @@ __all__ = ["is_report", "write_report"]
 _NUMBERS: Final = {
     "n_positions": ("roller positions within a pitch", ""),
     "positions_error": ("relative error left by the roller positions, estimated", "1"),
-    "slices": ("laminae of a roller", ""),
-    "slices_error": ("relative error left by the laminae, estimated", "1"),
+    "slices": ("slices of a roller", ""),
+    "slices_error": ("relative error left by the slices, estimated", "1"),
     "force_residual": ("relative residual of the forces", "1"),
     "moment_residual": ("relative residual of the moments", "1"),
-    "evaluations": ("laminae evaluated", ""),
+    "evaluations": ("slices evaluated", ""),
     "wall_time": ("wall time", "s"),
 }
 

@@ -288,7 +288,7 @@ class Accuracy:
     cage_speed: float | None = _tolerance("the cage speed")
     slices: int | None = field(
         default=None,
-        doc="laminae along a roller, where a profile or a tilt needs them; auto for as many as the tolerance needs",
+        doc="slices along a roller, where a profile or a tilt needs them; auto for as many as the tolerance needs",
         validator=attrs.validators.optional(
             attrs.validators.and_(at_least(3), in_range(3, 10_000))
         ),

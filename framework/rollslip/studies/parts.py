@@ -35,14 +35,14 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
         return Part(
             part="slices",
             included=False,
-            choice="one lamina per contact",
+            choice="one slice per contact",
             resolution="1",
             reason="straight rollers and aligned rings load a contact evenly along its length",
         )
     uneven = " and ".join(
         ["the profile"] * (bearing.profile.shape != "none") + ["the misalignment"] * tilted
     )
-    points = "equal laminae" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
+    points = "equal slices" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
     if scene.accuracy.slices is not None:
         why = "accuracy.slices fixes their number"
     return Part(
@@ -96,7 +96,7 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
             Part(
                 part="boundary friction",
                 included=resolution.boundary,
-                choice="evaluated only on laminae that need it",
+                choice="evaluated only on slices that need it",
                 reason=f"a film is full from a film parameter of {limit:g}; {said}",
             )
         )
@@ -122,7 +122,7 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
             Part(
                 part="law of the full film",
                 choice=law,
-                resolution="every loaded lamina",
+                resolution="every loaded slice",
                 reason="serves in place of the one that the scene names, from which it differs by less than its share",
                 errors=errors["law"],
             )

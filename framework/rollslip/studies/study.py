@@ -51,7 +51,7 @@ JUDGED: Final = 5
 #: What can be chosen numerically and of models -> what it means, in the order in which it is told.
 AXES: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "slices": "number of equal laminae",
+        "slices": "number of equal slices",
         "quadrature": "points of Gauss and Legendre in their place",
         "n_positions": "roller positions within a pitch",
         "table_tolerance": "error of tables",

@@ -269,7 +269,7 @@ def attribute_differences(
         mean_difference=(
             of,
             mean,
-            about("1", f"{what} of the friction force summed over the laminae of the curve"),
+            about("1", f"{what} of the friction force summed over the slices of the curve"),
         ),
         bin_share=((curve, "bin"), share, about("1", "share of the contact force over the curve")),
         bin_difference=((*of, "bin"), difference, about("1", f"{what} within the bin")),
@@ -287,12 +287,12 @@ def attribute_differences(
         bin=(
             "bin",
             np.concatenate(list(by.names.values())),
-            about("1", "laminae of the reference"),
+            about("1", "slices of the reference"),
         ),
         bin_grouping=(
             "bin",
             np.repeat(list(by.names), sizes),
             about("1", "what they are sorted by"),
         ),
-        grouping=("grouping", np.array(list(by.names)), about("1", "what laminae are sorted by")),
+        grouping=("grouping", np.array(list(by.names)), about("1", "what slices are sorted by")),
     )

@@ -116,7 +116,7 @@ class Comparison:
             f"{self.study} of {len(self.combinations)} combinations: {', '.join(self.combinations)}"
         )
         slices = sum(plan.evaluations for plan in plans)
-        cost = f"about {slices} laminae to evaluate, {duration_range(self.seconds)}"
+        cost = f"about {slices} slices to evaluate, {duration_range(self.seconds)}"
         return [*filter(None, (headline_of(self.scene, models), several, self.exchanged, cost))]
 
     @property
@@ -423,13 +423,13 @@ def _costs(
             np.array(location),
             about("1", "which film thickness the film model returns"),
         ),
-        "seconds_per_slice": (each, seconds, about("s", "time of the chain per lamina")),
+        "seconds_per_slice": (each, seconds, about("s", "time of the chain per slice")),
         "cost": (
             each,
             seconds / cost[cheapest],
             about("1", f"time of the chain over that of {cheapest}"),
         ),
-        "evaluations": (each, evaluations, about("1", "laminae evaluated by the study")),
+        "evaluations": (each, evaluations, about("1", "slices evaluated by the study")),
     }
 
 

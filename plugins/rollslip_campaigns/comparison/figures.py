@@ -143,7 +143,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     panels["costs"].set(
         xlim=(0.8, 1.3 * max(2.0, np.nanmax(cost))),
         ylim=(10 ** np.floor(shown.min(initial=1.0)), 10 ** np.ceil(shown.max(initial=0.0))),
-        xlabel="Time for a lamina over that of the fastest [–]",
+        xlabel="Time for a slice over that of the fastest [–]",
         ylabel="Relative difference, root mean square [%]",
     )
     for axis in (panels["costs"].xaxis, panels["costs"].yaxis):

@@ -67,7 +67,7 @@ class ComparisonAccount(Account):
             f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
             if "bin" in dataset.dims
             else f"there are no differences, because {reference} failed",
-            f"cost is the time of the models over that of {cheapest['combination'].item()}, {time} for a lamina",
+            f"cost is the time of the models over that of {cheapest['combination'].item()}, {time} for a slice",
             f"film is the smallest without slip, of what the models return: {films}",
         ]
         if not dataset.attrs.get("sorted_by_own", 1):
@@ -177,7 +177,7 @@ def bin_tables(dataset: "xr.Dataset") -> list[Table]:
             row.append(f"{bin['difference']:+.2%}")
         if one["bins"]:
             heads.setdefault(
-                one["curve"], ["laminae of the reference", "share of the force"]
+                one["curve"], ["slices of the reference", "share of the force"]
             ).append(one["combination"])
     order = dataset["bin"].to_numpy().tolist() if found else []
     return [
@@ -203,9 +203,9 @@ def _or_dash(value: float | None, form: str) -> str:
 def _sorting(law: str, reference: str) -> str:
     """Say by what slices are sorted where the reference's own law does not state it."""
     if law:
-        return f"laminae of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
+        return f"slices of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
     return (
-        "laminae are sorted by film alone, since no traction compared states regimes of its law; "
+        "slices are sorted by film alone, since no traction compared states regimes of its law; "
         "compare one that does as well, or give your law its regimes"
     )
 

@@ -122,7 +122,7 @@ class Family:
             lines.append(
                 f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
                 f"{self.rounds} round{'s' * (self.rounds != 1)} each, against {of['reference']} references, the finest "
-                f"with {finest.slices} laminae{n_positions}"
+                f"with {finest.slices} slices{n_positions}"
             )
         return [*lines, *self.notes]
 
@@ -176,7 +176,7 @@ def plan_family(asked: "ParetoSettings") -> Family:
         and {"slices", "quadrature"} & {*wanted}
     ):
         notes.append(
-            f"the scene states {scene.accuracy.slices} laminae, and so has the finest; with "
+            f"the scene states {scene.accuracy.slices} slices, and so has the finest; with "
             "--set accuracy.slices=auto more of them, and those of Gauss and Legendre, take part"
         )
     return Family(

@@ -240,7 +240,7 @@ def _dataset(
             "seconds_low": (each, low, about("s", "processor time of the study, the fastest round")),
             "seconds_high": (each, high, about("s", "processor time of the study, the slowest round")),
             "round_seconds": ((each, "round"), seconds, about("s", "processor time of the study")),
-            "evaluations": (each, np.array([r.evaluations for r in records]), about("1", "laminae evaluated")),
+            "evaluations": (each, np.array([r.evaluations for r in records]), about("1", "slices evaluated")),
             "status": (each, np.array([r.status for r in records]), about("1", "what became of the choice")),
         },
         {

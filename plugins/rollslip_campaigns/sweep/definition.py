@@ -268,7 +268,7 @@ class Sweep(SweepWork):
         for name, resolution in self.resolutions.chosen.items():
             laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
             lines.append(
-                f"{laws}computed at {resolution.slices} laminae ({resolution.quadrature}) and {resolution.n_positions} "
+                f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.n_positions} "
                 "roller positions within a pitch, what scene and points far apart need for the error of "
                 f"{self.scene.accuracy.tolerance:g} it states"
             )

@@ -232,7 +232,7 @@ def _plain_case(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
     assembly = assemble(sweep.scene)
     slices = study.evaluations(assembly)
     if slices * _SLICE > _DEAR:
-        return get_model("engine", "processes"), f"a point evaluates about {slices:.1e} laminae"
+        return get_model("engine", "processes"), f"a point evaluates about {slices:.1e} slices"
     return None, ""
 
 

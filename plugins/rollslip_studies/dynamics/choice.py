@@ -268,7 +268,7 @@ class _Trials:
             if off > allowed:
                 break
         after = "" if part[-1] == times[-1] else f" after {part[-1]:.2g} s already"
-        found = f"with few laminae the two frictions give cage speeds that differ by up to {off:.1e}{after}"
+        found = f"with few slices the two frictions give cage speeds that differ by up to {off:.1e}{after}"
         if off <= allowed:
             if near := near_skidding(self.few, slowest):
                 return "conventional", f"{found}, but {near}", None

@@ -119,7 +119,7 @@ class Dynamics(Study):
     )
     friction: str = parameter(
         default="effective",
-        doc="of every loaded lamina (conventional), effective friction of the raceways, or a constant; a plan "
+        doc="of every loaded slice (conventional), effective friction of the raceways, or a constant; a plan "
         "chooses between the first two where it is not given",
         validator=one_of(*FRICTION),
     )
@@ -708,5 +708,5 @@ class Dynamics(Study):
 
     def _film_status(self) -> str:
         if self.friction == "conventional":
-            return "of the loaded laminae"
+            return "of the loaded slices"
         return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"

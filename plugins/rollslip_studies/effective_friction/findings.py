@@ -99,7 +99,7 @@ class EffectiveFrictionAccount(PlainAccount):
         if {"positions_error", "resolution"} <= a.keys():
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(
-                f"{a['n_positions']} roller positions within a pitch and {a['slices']} laminae of a roller leave relative "
+                f"{a['n_positions']} roller positions within a pitch and {a['slices']} slices of a roller leave relative "
                 f"errors of about {a['positions_error']:.1e} and {slices:.1e}; residual of the forces "
                 f"{a['force_residual']:.1e}"
             )

@@ -182,8 +182,8 @@ class EffectiveFriction(Study):
     )
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
-            "friction": "the models of a contact on every loaded lamina, over the slips and in search of the largest",
-            "film regimes": "told of every loaded lamina, over the slips of the curve",
+            "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
+            "film regimes": "told of every loaded slice, over the slips of the curve",
             "skidding": "the balance of torques of freely spinning rollers, about its maximum and at the drags",
             "map": "the study asks for friction over cage slip and roller slip|over few loads that stand for all "
             "slices",

@@ -86,7 +86,7 @@ class FrictionCurve(Study):
     )
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
-            "friction": "the models of a contact on every loaded lamina, over the slips and in search of the largest"
+            "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest"
         }
     )
     bearing_loads: ClassVar[bool] = False

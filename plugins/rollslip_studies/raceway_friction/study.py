@@ -1,7 +1,7 @@
 """Study raceway-friction: what both raceways do to their rollers, over cage speed, rolling and sliding speed.
 
 - It is what a motion of the cage needs of the contacts under one load and at one temperature, on a grid: effective
-  friction of all loaded laminae over the orbit, the sum of their forces and of their resistances to rolling.
+  friction of all loaded slices over the orbit, the sum of their forces and of their resistances to rolling.
 - The loads depend on the cage's speed through the centrifugal force alone. Beside a rolling speed u the cage has
   about u/R_o where the outer ring stands, so the other axis is the ratio rho = R_o w/u: one node where that is the only
   ring that stands, several where both turn. Both axes are even in their logarithm.

@@ -8,7 +8,7 @@
 - Stored instants are those of even steps, and on either ring those at which forces, sliding and speeds alone let power
   density, energy of a pass or flash be largest, or a film thinnest. Between them nothing is seen: a worst value is at
   least as bad as what is told.
-- The worst contacts are measured again with more laminae. What that changes by more than the tolerance is told.
+- The worst contacts are measured again with more slices. What that changes by more than the tolerance is told.
 """
 
 from collections.abc import Callable, Mapping
@@ -45,7 +45,7 @@ Numbers = NDArray[np.int_]
 
 __all__ = ["OVER_MOTION", "over_motion"]
 
-#: Stored instants of even steps that are measured at most, and how many times as many laminae the worst contacts have.
+#: Stored instants of even steps that are measured at most, and how many times as many slices the worst contacts have.
 _MAX_POINTS = 101
 _FINER = 4
 #: What is known of damage along a motion.
@@ -134,11 +134,11 @@ def over_motion(
             continue
         told = [f"found at {seen}", *([f"at some: {said[k, i]}"] if said[k, i] else [])]
         instant = int(np.searchsorted(times, found[1, k, i]))
-        off = _by_laminae(
+        off = _by_slices(
             there(instant), dataset.isel(time=instant), i, measures[k], found[0, k, i]
         )
         if off > assembly.scene.accuracy.tolerance:
-            told.append(f"its laminae leave about {100.0 * off:.2g} %")
+            told.append(f"its slices leave about {100.0 * off:.2g} %")
         said[k, i] = "; ".join(told)
     names = ("worst", "worst_time", "worst_angle", "worst_place")
     return dict(zip(names, found, strict=True)) | described(measures) | {
@@ -178,10 +178,10 @@ def _suspects(assembly: Assembly, dataset: "xr.Dataset") -> list[int]:
     return found
 
 
-def _by_laminae(
+def _by_slices(
     assembly: Assembly, now: "xr.Dataset", i: int, model: DamageModel, worst: float
 ) -> float:
-    """How far the worst value of a measure on a ring is off that with more laminae, relative to that."""
+    """How far the worst value of a measure on a ring is off that with more slices, relative to that."""
     slices = _FINER * assembly.slices if assembly.slices > 1 else 1
     fine_bearing = assembly.at(attrs.evolve(assembly.resolution, slices=slices))
     taken = _contacts(fine_bearing, now.isel(ring=i), i, _tilted(fine_bearing, now))

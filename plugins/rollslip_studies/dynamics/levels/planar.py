@@ -185,13 +185,13 @@ class PlanarMotion(MovingBearing):
     def way(self) -> str:
         """How friction is evaluated, and where the forces of rollers come from, in words."""
         if not self.forces:
-            return f"{super().way}; forces of rollers from every lamina"
+            return f"{super().way}; forces of rollers from every slice"
         cells = max(len(t.coefficients) for t in self.forces)
         most = max(table.error for table in self.forces)
         deepest = 1e6 * min(table.deepest for table in self.forces)
         return (
             f"{super().way}; forces of rollers from a table of {cells} cells over the root of the gap, within "
-            f"{most:.1e} of every lamina, and from the laminae at gaps above {deepest:.2g} um"
+            f"{most:.1e} of every slice, and from the slices at gaps above {deepest:.2g} um"
         )
 
     @property

@@ -31,7 +31,7 @@ T = TypeVar("T")
 #: Friction by name -> what it is.
 FRICTION: Final = {
     "effective": "the effective friction of the raceways, tabulated once",
-    "conventional": "the friction of every loaded lamina",
+    "conventional": "the friction of every loaded slice",
     "constant": "one coefficient",
 }
 
@@ -296,7 +296,7 @@ def _by_force(
             f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force",
         )
     if assembly.slices < _FEW:
-        return (), f"{_SLICED}: {assembly.slices} laminae cost no more than a table of them"
+        return (), f"{_SLICED}: {assembly.slices} slices cost no more than a table of them"
     if assembly.inner.chain.placed:
         return (), f"{_SLICED}: a law reads where slices are"
     if any(raceway.chain.alone for raceway in assembly.raceways):
